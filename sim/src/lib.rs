@@ -1,0 +1,1 @@
+//! The world: plant, effects and sensors.
