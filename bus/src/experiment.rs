@@ -393,6 +393,18 @@ impl Settings {
     }
 }
 
+impl Experiment {
+    /// The longest delay that the trace brings (ns); 0 without one.
+    pub fn longest_trace_ns(&self) -> i64 {
+        self.half_round_trips_ns
+            .iter()
+            .flatten()
+            .copied()
+            .max()
+            .unwrap_or(0)
+    }
+}
+
 impl Profile {
     /// v_r (m/s) and w_r (rad/s) at a time.
     pub fn at(&self, t_s: f64) -> (f64, f64) {

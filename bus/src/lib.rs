@@ -7,6 +7,7 @@ pub mod message;
 pub mod model;
 pub mod record;
 pub mod time;
+pub mod transport;
 
 pub use check::SettingError;
 pub use experiment::{Experiment, RobotSetup, Settings};
