@@ -14,7 +14,7 @@ use crate::kanayama::{Desired, desired};
 use crate::odometry::{Odometry, turned};
 use crate::path::Path;
 use crate::pose::Pose;
-use crate::traction::{normal_forces_n, torque_limit_nm};
+use crate::traction::{normal_forces_n, rolling_acceleration, torque_limit_nm};
 use crate::wheels::{WheelLoops, WheelTorque};
 
 /// Sub-steps in which the profile is integrated between two outer ticks.
@@ -40,7 +40,8 @@ pub struct Agent {
     outer: OuterTick,
     inner_counts: Option<[i64; 2]>,
     wheel_speed: [f64; 2],
-    torque_nm: [f64; 2],
+    /// Commanded at the last inner tick and at the one before.
+    torques_nm: [[f64; 2]; 2],
     max_desired_m_s: f64,
 }
 
@@ -88,7 +89,7 @@ impl Agent {
             outer: OuterTick::default(),
             inner_counts: None,
             wheel_speed: [0.0; 2],
-            torque_nm: [0.0; 2],
+            torques_nm: [[0.0; 2]; 2],
             max_desired_m_s: 0.0,
             geometry,
             settings,
@@ -161,7 +162,7 @@ impl Agent {
                 .step(self.wheel_speed, set_point, limit_nm, control)
         };
         self.friction.applied(torque_nm);
-        self.torque_nm = torque_nm;
+        self.torques_nm = [torque_nm, self.torques_nm[0]];
         InnerTick {
             t_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
@@ -263,14 +264,29 @@ impl Agent {
     fn set_points(&self, wish: &Desired) -> [f64; 2] {
         let set_point = self.geometry.wheel_speeds(wish.v, wish.w);
         let control = &self.settings.control;
-        match control.torque_limit {
-            TorqueLimit::Outer => {
-                let limit_nm = self.eq11_nm(control.friction);
-                self.loops
-                    .reachable(self.wheel_speed, set_point, limit_nm, control)
-            }
-            TorqueLimit::None | TorqueLimit::Inner | TorqueLimit::Adaptive => set_point,
+        if control.torque_limit != TorqueLimit::Outer {
+            return set_point;
         }
+        // One encoder count more or less in a tick must not lead beyond the limit.
+        let grain_nm = control.k_p * self.geometry.count_rad / control.inner_period_s;
+        let limit_nm = self
+            .eq11_nm(control.friction)
+            .map(|n| (n - grain_nm).max(0.0));
+        let drift = self.drift_rad_s();
+        self.loops
+            .reachable(self.wheel_speed, drift, set_point, limit_nm, control)
+    }
+
+    /// How much the measured wheel speeds will change until the next inner tick, by the torques of
+    /// the last two (a measured speed is the mean over its tick).
+    fn drift_rad_s(&self) -> [f64; 2] {
+        let Some(dynamics) = &self.geometry.dynamics else {
+            return [0.0; 2];
+        };
+        let [last, before] = self.torques_nm;
+        let mean = [0, 1].map(|i| (last[i] + before[i]) / 2.0);
+        rolling_acceleration(mean, dynamics, &self.geometry)
+            .map(|alpha| alpha * self.settings.control.inner_period_s)
     }
 
     /// The limits at the end of the inner loop (N m).

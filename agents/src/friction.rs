@@ -6,11 +6,13 @@
 //! and nothing slips the estimate rises slowly, so that a better floor is found again.
 
 use crate::geometry::{Dynamics, Geometry};
+use crate::traction::rolling_acceleration;
 
 /// Inner ticks over which an acceleration is measured.
 const WINDOW: usize = 4;
-/// A wheel slips when its excess acceleration is beyond this many standard deviations.
-const SURE: f64 = 3.0;
+/// A wheel slips when its excess acceleration is beyond this much of what the encoders' grain can
+/// feign.
+const SURE: f64 = 1.25;
 /// Standard deviation of the estimate before anything was felt (1).
 const FIRST_SD: f64 = 0.2;
 /// How fast the estimate rises while the limit is in force without slip (1/s).
@@ -24,8 +26,9 @@ pub struct FrictionEstimate {
     friction: f64,
     variance: f64,
     period_s: f64,
-    /// Standard deviation of an acceleration over the window, from the encoder's grain (rad/s²).
-    acceleration_sd: f64,
+    /// The most that the encoders' grain can feign over the window (rad/s²): each of the two speeds
+    /// is off by less than one count in its tick, with a triangular distribution.
+    grain_rad_s2: f64,
     speeds: [[f64; 2]; WINDOW + 1],
     torques: [[f64; 2]; WINDOW + 1],
     ticks: usize,
@@ -34,14 +37,12 @@ pub struct FrictionEstimate {
 impl FrictionEstimate {
     /// Begins at `friction` (1) for inner ticks of `period_s`.
     pub fn new(friction: f64, period_s: f64, geometry: &Geometry) -> Self {
-        // A speed from counts has a triangular error of one grain each way: 1/√6 of it.
-        let speed_sd = geometry.count_rad / period_s / 6f64.sqrt();
         let window_s = period_s * WINDOW as f64;
         Self {
             friction,
             variance: FIRST_SD * FIRST_SD,
             period_s,
-            acceleration_sd: speed_sd * 2f64.sqrt() / window_s,
+            grain_rad_s2: 2.0 * geometry.count_rad / period_s / window_s,
             speeds: [[0.0; 2]; WINDOW + 1],
             torques: [[0.0; 2]; WINDOW + 1],
             ticks: 0,
@@ -85,11 +86,13 @@ impl FrictionEstimate {
             }
             let traction = (torque[i] - dynamics.i_wy * acceleration[i]) / geometry.r;
             let sample = (traction / normal_n[i] * torque[i].signum()).max(0.0);
-            let sample_sd = dynamics.i_wy * self.acceleration_sd / geometry.r / normal_n[i];
+            // Two triangular errors of half the grain each: grain / √12.
+            let acceleration_sd = self.grain_rad_s2 / 12f64.sqrt();
+            let sample_sd = dynamics.i_wy * acceleration_sd / geometry.r / normal_n[i];
             let excess = (acceleration[i] - rolling[i]) * torque[i].signum();
-            let slip = excess > SURE * self.acceleration_sd;
+            let slip = excess > SURE * self.grain_rad_s2;
             slips |= slip;
-            if slip || sample > self.friction + SURE * sample_sd {
+            if slip || sample > self.friction + 4.0 * sample_sd {
                 self.correct(sample, sample_sd);
             }
         }
@@ -126,17 +129,6 @@ impl FrictionEstimate {
             self.friction += PROBE_PER_S * self.period_s;
         }
     }
-}
-
-/// Wheel accelerations (rad/s²) of the rolling robot under these torques (N m): both together move
-/// its mass, their difference turns it about the axle's middle.
-fn rolling_acceleration(torque: [f64; 2], dynamics: &Dynamics, geometry: &Geometry) -> [f64; 2] {
-    let r2 = geometry.r * geometry.r;
-    let straight = dynamics.i_wy + dynamics.m_t * r2 / 2.0;
-    let turning = dynamics.i_wy + dynamics.i_axle * r2 / (2.0 * geometry.b * geometry.b);
-    let sum = (torque[0] + torque[1]) / (2.0 * straight);
-    let difference = (torque[0] - torque[1]) / (2.0 * turning);
-    [sum + difference, sum - difference]
 }
 
 #[cfg(test)]

@@ -22,6 +22,21 @@ pub fn torque_limit_nm(dynamics: &Dynamics, geometry: &Geometry, friction: f64, 
     friction * n * (2.0 * dynamics.i_wy + dynamics.m_t * r * r) / (dynamics.m_t * r)
 }
 
+/// Wheel accelerations (rad/s²) of the rolling robot under these torques (N m): both together move
+/// its mass, their difference turns it about the axle's middle.
+pub(crate) fn rolling_acceleration(
+    torque: [f64; 2],
+    dynamics: &Dynamics,
+    geometry: &Geometry,
+) -> [f64; 2] {
+    let r2 = geometry.r * geometry.r;
+    let straight = dynamics.i_wy + dynamics.m_t * r2 / 2.0;
+    let turning = dynamics.i_wy + dynamics.i_axle * r2 / (2.0 * geometry.b * geometry.b);
+    let sum = (torque[0] + torque[1]) / (2.0 * straight);
+    let difference = (torque[0] - torque[1]) / (2.0 * turning);
+    [sum + difference, sum - difference]
+}
+
 #[cfg(test)]
 mod tests {
     use slipstream_bus::RobotModel;

@@ -48,19 +48,28 @@ impl WheelLoops {
     }
 
     /// The set-points nearest to `set_point` (rad/s) for which the next tick asks for no more than
-    /// `limit_nm`. The wheels then only come closer, so that later ticks ask for less.
+    /// `limit_nm`, if until then the speeds (rad/s) drift by no more than `drift` (rad/s). The wheels
+    /// then only come closer, so that later ticks ask for less.
     pub fn reachable(
         &self,
         speed: [f64; 2],
+        drift: [f64; 2],
         set_point: [f64; 2],
         limit_nm: [f64; 2],
         control: &Control,
     ) -> [f64; 2] {
         [0, 1].map(|i| {
             let held = self.integral_nm[i].clamp(-limit_nm[i], limit_nm[i]);
-            let least = speed[i] + (-limit_nm[i] - held) / control.k_p;
-            let most = speed[i] + (limit_nm[i] - held) / control.k_p;
-            set_point[i].clamp(least, most)
+            let slowest = speed[i] + drift[i].min(0.0);
+            let fastest = speed[i] + drift[i].max(0.0);
+            let most = slowest + (limit_nm[i] - held) / control.k_p;
+            let least = fastest + (-limit_nm[i] - held) / control.k_p;
+            // Where the drift leaves no room, what the wheels do anyway.
+            if least > most {
+                speed[i]
+            } else {
+                set_point[i].clamp(least, most)
+            }
         })
     }
 
@@ -104,7 +113,7 @@ mod tests {
         let control = Control::default();
         let mut loops = WheelLoops::default();
         loops.step([0.0; 2], [1.0, -1.0], [0.13; 2], &control);
-        let set_point = loops.reachable([2.0, -2.0], [50.0, -50.0], [0.092; 2], &control);
+        let set_point = loops.reachable([2.0, -2.0], [0.0; 2], [50.0, -50.0], [0.092; 2], &control);
         let torque = loops.step([2.0, -2.0], set_point, [1.0; 2], &control);
         assert!((torque.wanted_nm[0] - 0.092).abs() < 1e-12, "{torque:?}");
         assert!((torque.wanted_nm[1] + 0.092).abs() < 1e-12, "{torque:?}");

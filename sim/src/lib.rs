@@ -1,1 +1,5 @@
 //! The world: plant, effects and sensors.
+
+pub mod run;
+mod standin;
+pub use standin::{Command, Setup, Truth, World};
