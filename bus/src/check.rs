@@ -20,7 +20,6 @@ impl Settings {
             control,
             links,
             plant,
-            sensors,
             ..
         } = self;
         positive("duration_s", self.duration_s)?;
@@ -61,12 +60,6 @@ impl Settings {
             ("links.delay_s", links.delay_s),
             ("links.jitter_s", links.jitter_s),
             ("links.ring_timeout_s", links.ring_timeout_s),
-            ("sensors.camera_rate_hz", sensors.camera_rate_hz),
-            ("sensors.camera_noise_m", sensors.camera_noise_m),
-            ("sensors.camera_noise_rad", sensors.camera_noise_rad),
-            ("sensors.imu_rate_hz", sensors.imu_rate_hz),
-            ("sensors.imu_noise_m_s2", sensors.imu_noise_m_s2),
-            ("sensors.imu_noise_rad_s", sensors.imu_noise_rad_s),
         ] {
             not_negative(key, value)?;
         }
@@ -84,6 +77,7 @@ impl Settings {
         ] {
             positive(key, value)?;
         }
+        self.sensors.present().validate()?;
         self.validate_links()
     }
 

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::RobotModel;
+use crate::sensors::{Camera, Imu, Sensors};
 use crate::time::{Schedule, ns_from_s};
 
 /// An experiment ready to run: the keys, and what the files they name contain.
@@ -60,7 +61,7 @@ pub struct Settings {
     /// The simulation.
     pub plant: Plant,
     /// The sensors besides the encoders, for the recording only: no controller sees them.
-    pub sensors: Sensors,
+    pub sensors: SensorSettings,
     /// What goes into the recording.
     pub recording: RecordingRates,
 }
@@ -250,22 +251,14 @@ pub struct Plant {
     pub command_timeout_s: f64,
 }
 
-/// The sensors besides the encoders.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// The sensors besides the encoders. A rate of 0: there is none.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sensors {
-    /// Rate of the camera above (Hz); 0: none.
-    pub camera_rate_hz: f64,
-    /// Noise of its x and y (m).
-    pub camera_noise_m: f64,
-    /// Noise of its yaw (rad).
-    pub camera_noise_rad: f64,
-    /// Rate of accelerometer and gyro (Hz); 0: none.
-    pub imu_rate_hz: f64,
-    /// Noise of each acceleration (m/s²).
-    pub imu_noise_m_s2: f64,
-    /// Noise of the yaw rate (rad/s).
-    pub imu_noise_rad_s: f64,
+pub struct SensorSettings {
+    /// The camera above.
+    pub camera: Camera,
+    /// The inertial sensor at c.
+    pub imu: Imu,
 }
 
 /// What goes into the recording besides every tick, message and event.
@@ -319,14 +312,7 @@ impl Default for Settings {
                 step_s: 0.001,
                 command_timeout_s: 0.1,
             },
-            sensors: Sensors {
-                camera_rate_hz: 30.0,
-                camera_noise_m: 0.002,
-                camera_noise_rad: 0.009,
-                imu_rate_hz: 100.0,
-                imu_noise_m_s2: 0.05,
-                imu_noise_rad_s: 0.005,
-            },
+            sensors: SensorSettings::default(),
             recording: RecordingRates {
                 state_period_s: 0.01,
             },
@@ -390,6 +376,16 @@ impl Settings {
     pub fn expected_turn_ns(&self, longest_trace_ns: i64) -> i64 {
         let hop_s = self.links.delay_s + self.links.jitter_s + self.control.outer_period_s;
         i64::from(self.robots.count) * (ns_from_s(hop_s) + longest_trace_ns)
+    }
+}
+
+impl SensorSettings {
+    /// The sensors that there are.
+    pub fn present(&self) -> Sensors {
+        Sensors {
+            camera: Some(self.camera.clone()).filter(|camera| camera.rate_hz != 0.0),
+            imu: Some(self.imu.clone()).filter(|imu| imu.rate_hz != 0.0),
+        }
     }
 }
 

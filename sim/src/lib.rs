@@ -1,5 +1,29 @@
 //! The world: plant, effects and sensors.
 
+mod attempt;
+mod balance;
+mod command;
+mod drive;
+pub mod effects;
+mod events;
+mod grouping;
+mod noise;
+mod operator;
+mod parts;
+mod robot;
+mod rows;
 pub mod run;
-mod standin;
-pub use standin::{Command, Setup, Truth, World};
+mod scalar;
+mod sensing;
+mod state;
+mod step;
+mod travel;
+mod world;
+
+pub use command::{Command, CommandKind};
+pub use parts::{Grip, Streams};
+pub use robot::{GRAVITY_M_S2, Listed, Robot, read_effects};
+pub use scalar::{Pair, Scalar};
+pub use sensing::Stream;
+pub use state::{Contact, State};
+pub use world::{Sample, Setup, Truth, World};

@@ -84,4 +84,25 @@ pub(super) fn applied(t_ns: i64, answer: &TorqueCommand) -> Record {
     }
 }
 
-pub(super) fn record_sensors(_world: &mut World, _robots: usize, _recorder: &mut impl Recorder) {}
+pub(super) fn record_sensors(world: &mut World, robots: usize, recorder: &mut impl Recorder) {
+    for (i, robot) in (0..robots).zip(0..) {
+        if let Some(sample) = world.camera(i) {
+            recorder.record(&Record::Camera {
+                t_ns: sample.stamp_ns,
+                robot,
+                pose: sample.value,
+            });
+        }
+        if let Some(sample) = world.imu(i) {
+            let [ax, ay, yaw_rate_rad_s] = sample.value;
+            let acceleration_m_s2 = [ax, ay];
+            let t_ns = sample.stamp_ns;
+            recorder.record(&Record::Imu {
+                t_ns,
+                robot,
+                acceleration_m_s2,
+                yaw_rate_rad_s,
+            });
+        }
+    }
+}

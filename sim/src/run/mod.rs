@@ -23,6 +23,7 @@ pub fn world(experiment: &Experiment) -> Result<World, ModelError> {
             name: robot.name.clone(),
             model: robot.model.clone(),
             pose: robot.pose,
+            sensors: experiment.settings.sensors.present(),
         })
         .collect();
     World::new(&setups, experiment.settings.seed)

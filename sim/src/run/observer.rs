@@ -168,8 +168,8 @@ fn state_bytes(truth: &Truth) -> [u8; 96] {
         .pose
         .iter()
         .chain(&truth.velocity)
-        .chain(&truth.wheel_angle)
-        .chain(&truth.wheel_speed)
+        .chain(&truth.wheel_angle_rad)
+        .chain(&truth.wheel_speed_rad_s)
         .chain(&truth.torque_nm);
     let mut bytes = [0; 96];
     for (place, value) in bytes.chunks_exact_mut(8).zip(values) {
@@ -184,10 +184,10 @@ fn state(robot: usize, t_ns: i64, truth: &Truth) -> State {
         robot: u32::try_from(robot).unwrap_or(u32::MAX),
         pose: truth.pose,
         velocity: truth.velocity,
-        wheel_angle_rad: truth.wheel_angle,
-        wheel_speed_rad_s: truth.wheel_speed,
+        wheel_angle_rad: truth.wheel_angle_rad,
+        wheel_speed_rad_s: truth.wheel_speed_rad_s,
         torque_nm: truth.torque_nm,
-        normal_n: truth.normal_n,
+        normal_n: truth.contact.normal_n,
         slip_m_s: truth.slip_m_s,
     }
 }
