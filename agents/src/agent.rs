@@ -17,8 +17,8 @@ use crate::pose::Pose;
 use crate::traction::{normal_forces_n, rolling_acceleration, torque_limit_nm};
 use crate::wheels::{WheelLoops, WheelTorque};
 
-/// Sub-steps in which the profile is integrated between two outer ticks.
-const PROFILE_STEPS: u32 = 10;
+/// The longest step in which the profile is integrated (ns).
+const PROFILE_STEP_NS: i64 = 5_000_000;
 
 /// The controller of one robot.
 #[derive(Debug, Clone)]
@@ -38,7 +38,7 @@ pub struct Agent {
     fresh_ns: i64,
     watchdog: bool,
     outer: OuterTick,
-    inner_counts: Option<[i64; 2]>,
+    inner_encoders: Option<Encoders>,
     wheel_speed: [f64; 2],
     /// Commanded at the last inner tick and at the one before.
     torques_nm: [[f64; 2]; 2],
@@ -87,7 +87,7 @@ impl Agent {
             fresh_ns: 0,
             watchdog: false,
             outer: OuterTick::default(),
-            inner_counts: None,
+            inner_encoders: None,
             wheel_speed: [0.0; 2],
             torques_nm: [[0.0; 2]; 2],
             max_desired_m_s: 0.0,
@@ -134,13 +134,7 @@ impl Agent {
     /// The inner loop: torques for the wheels.
     pub fn inner(&mut self, now_ns: i64, encoders: &Encoders) -> InnerTick {
         self.odometry.update(encoders.counts, &self.geometry);
-        let period_s = self.settings.control.inner_period_s;
-        let before = self
-            .inner_counts
-            .replace(encoders.counts)
-            .unwrap_or(encoders.counts);
-        self.wheel_speed =
-            turned(before, encoders.counts, &self.geometry).map(|angle| angle / period_s);
+        self.measure_speed(encoders);
         let limit_nm = self.limits_nm();
         let control = &self.settings.control;
         let plant_lost = self.settings.clock == Clock::Wall
@@ -194,6 +188,16 @@ impl Agent {
         }
     }
 
+    /// Goes on where a predecessor that died had come to: its pose of c and its counters.
+    pub fn resume(&mut self, pose: [f64; 3], counts: [i64; 2]) {
+        self.odometry = Odometry::resumed(Pose::new(pose), counts, &self.geometry);
+    }
+
+    /// The counters behind the odometry's pose.
+    pub fn counts(&self) -> [i64; 2] {
+        self.odometry.counts()
+    }
+
     /// Where the robot believes to be: x (m), y (m), φ (rad) of c.
     pub fn pose(&self) -> [f64; 3] {
         self.odometry.centre_of_mass(&self.geometry).to_array()
@@ -209,12 +213,27 @@ impl Agent {
         self.watchdog
     }
 
+    /// Wheel speeds since the last inner tick, by the encoders' own times.
+    fn measure_speed(&mut self, encoders: &Encoders) {
+        let before = self.inner_encoders.replace(*encoders).unwrap_or(*encoders);
+        let elapsed_ns = encoders.sampled_ns - before.sampled_ns;
+        if elapsed_ns > 0 {
+            self.wheel_speed = turned(before.counts, encoders.counts, &self.geometry)
+                .map(|angle| angle / s_from_ns(elapsed_ns));
+        }
+    }
+
     fn integrate_profile(&mut self, now_ns: i64) {
-        let step_s = s_from_ns(now_ns - self.profile_ns) / f64::from(PROFILE_STEPS);
-        for k in 0..PROFILE_STEPS {
-            let middle_s = s_from_ns(self.profile_ns) + (f64::from(k) + 0.5) * step_s;
-            let (v, w) = self.settings.profile.at(middle_s);
+        let mut t_ns = self.profile_ns;
+        while t_ns < now_ns {
+            let step_ns = PROFILE_STEP_NS.min(now_ns - t_ns);
+            let (v, w) = self
+                .settings
+                .profile
+                .at(s_from_ns(t_ns) + 0.5 * s_from_ns(step_ns));
+            let step_s = s_from_ns(step_ns);
             self.profile_axle = self.profile_axle.driven(v * step_s, w * step_s);
+            t_ns += step_ns;
         }
         self.profile_ns = now_ns;
     }

@@ -9,6 +9,7 @@ pub mod node;
 mod odometry;
 mod path;
 mod pose;
+pub mod process;
 mod traction;
 mod wheels;
 

@@ -138,6 +138,35 @@ impl Node {
         Ok(self.torque)
     }
 
+    /// What a successor needs to go on: pose of c, counters, and how far the messages have come.
+    pub fn notes(&self) -> [u64; 6] {
+        let [x, y, yaw] = self.agent.pose().map(f64::to_bits);
+        let [right, left] = self.agent.counts().map(i64::cast_unsigned);
+        let sent = self
+            .outgoing
+            .as_ref()
+            .map_or((0, 0), |link| (link.seq, link.turn));
+        [
+            x,
+            y,
+            yaw,
+            right,
+            left,
+            u64::from(sent.0) << 32 | u64::from(sent.1),
+        ]
+    }
+
+    /// Goes on where a predecessor that died had come to.
+    pub fn resume(&mut self, [x, y, yaw, right, left, sent]: [u64; 6]) {
+        let pose = [x, y, yaw].map(f64::from_bits);
+        self.agent.resume(pose, [right, left].map(u64::cast_signed));
+        if let Some(link) = &mut self.outgoing {
+            let [seq, turn] = [sent >> 32, sent & u64::from(u32::MAX)];
+            link.seq = u32::try_from(seq).unwrap_or(u32::MAX);
+            link.turn = u32::try_from(turn).unwrap_or(u32::MAX);
+        }
+    }
+
     /// Takes what is still on the bus into the delay line and closes the account.
     ///
     /// # Errors

@@ -19,6 +19,19 @@ impl Odometry {
         }
     }
 
+    /// Goes on with c at `pose` when the counters showed `counts`.
+    pub fn resumed(pose: Pose, counts: [i64; 2], geometry: &Geometry) -> Self {
+        Self {
+            axle: pose.ahead(-geometry.d),
+            counts: Some(counts),
+        }
+    }
+
+    /// The counters behind the pose; 0 before the first reading.
+    pub fn counts(&self) -> [i64; 2] {
+        self.counts.unwrap_or_default()
+    }
+
     /// Takes in the counters.
     pub fn update(&mut self, counts: [i64; 2], geometry: &Geometry) {
         let before = self.counts.replace(counts).unwrap_or(counts);

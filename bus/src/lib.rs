@@ -10,6 +10,7 @@ pub mod model;
 pub mod place;
 pub mod record;
 pub mod record_pipe;
+pub mod role;
 pub mod sensors;
 pub mod services;
 pub mod shared;

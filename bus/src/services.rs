@@ -126,6 +126,11 @@ impl Services {
         Ok(kept)
     }
 
+    /// Frees what processes of this run that died have held.
+    pub fn clear_dead(&self) {
+        let _ = self.node.try_cleanup_dead_nodes();
+    }
+
     /// Who listens to whom.
     pub fn topology(&self) -> Topology {
         self.topology

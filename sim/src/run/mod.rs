@@ -2,6 +2,7 @@
 
 mod lockstep;
 mod observer;
+pub mod process;
 mod spacing;
 
 pub use lockstep::{Progress, lockstep};
