@@ -1,9 +1,16 @@
 //! Recordings: one in-memory form, in and out as MCAP and as CSV folders; the robot's model.
 
+mod bag;
 mod error;
 pub mod recording;
+mod recording_toml;
 pub mod robot_toml;
+mod ros2;
+pub mod run_writer;
+mod table;
 mod toml_file;
+mod topics;
 
 pub use error::{Error, Result, Unusable};
 pub use recording::Recording;
+pub use table::StreamKind;

@@ -1,0 +1,3 @@
+//! MCAP files laid out as ROS 2 bags: the file itself, without what the messages mean.
+
+pub(crate) mod writer;
