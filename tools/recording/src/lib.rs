@@ -1,6 +1,8 @@
 //! Recordings: one in-memory form, in and out as MCAP and as CSV folders; the robot's model.
 
 mod bag;
+mod csv_in;
+mod csv_out;
 mod error;
 pub mod recording;
 mod recording_toml;
@@ -11,6 +13,8 @@ mod table;
 mod toml_file;
 mod topics;
 
+pub use csv_in::{Import, read_folder};
+pub use csv_out::write_folder;
 pub use error::{Error, Result, Unusable};
 pub use recording::Recording;
 pub use table::StreamKind;
