@@ -1,10 +1,13 @@
 //! CSV folders in: every stream as it is written, errors with file and line.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 
+use crate::bag::reader::Loss;
+use crate::build::Names;
 use crate::error::{Result, Unusable};
 use crate::recording::{LinkMessage, Links, Recording, Robot, RoundTrips, UnknownColumn};
 use crate::table::{Cells, ColumnSet, StreamKind, Table};
@@ -18,6 +21,10 @@ pub struct Import {
     pub recording: Recording,
     /// One line each: what was ignored, guessed or lost.
     pub warnings: Vec<String>,
+    /// What of an MCAP file could not be read; `None` for folders.
+    pub loss: Option<Loss>,
+    /// Messages of an MCAP file that the in-memory form has no place for, by topic.
+    pub left_out: BTreeMap<String, u64>,
 }
 
 /// Reads a folder of CSV files.
@@ -40,6 +47,8 @@ pub fn read_folder(folder: &Path) -> Result<Import> {
     Ok(Import {
         recording,
         warnings,
+        loss: None,
+        left_out: BTreeMap::new(),
     })
 }
 
@@ -229,21 +238,6 @@ fn read_rtt(path: &Path, warnings: &mut Vec<String>) -> Result<RoundTrips> {
         file.keep_unknown(0, &known, &mut trips.unknown)?;
     }
     Ok(trips)
-}
-
-/// Keeps one copy of every robot's name.
-#[derive(Default)]
-struct Names(Vec<Arc<str>>);
-
-impl Names {
-    fn get(&mut self, name: &str) -> Arc<str> {
-        if let Some(known) = self.0.iter().find(|known| ***known == *name) {
-            return Arc::clone(known);
-        }
-        let name: Arc<str> = name.into();
-        self.0.push(Arc::clone(&name));
-        name
-    }
 }
 
 /// One CSV file with a head, read row by row.

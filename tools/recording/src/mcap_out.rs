@@ -96,8 +96,8 @@ fn write_in_time_order<W: Write>(bag: &mut BagWriter<W>, sources: &[Source<'_>])
 /// One stream on its way into the file.
 struct Source<'a> {
     rows_of: Rows<'a>,
-    /// The standard messages, where the stream has any.
-    standard: Option<Channel>,
+    /// The standard messages.
+    standard: Channel,
     /// The stream once more to the digit, where the standard messages do not hold it.
     exact: Option<Channel>,
 }
@@ -134,7 +134,8 @@ impl<'a> Source<'a> {
         let joints = match counts {
             Some(counts) => {
                 let topic = topic(&robot.name, "joint_states");
-                let joints = bag.channel(&topic, MessageType::JointState, &BTreeMap::new())?;
+                let joints =
+                    bag.channel(&topic, MessageType::JointState, &carries.view_metadata())?;
                 Some((joints, TAU / f64::from(counts)))
             }
             None => None,
@@ -145,7 +146,7 @@ impl<'a> Source<'a> {
                 table,
                 joints,
             },
-            standard: Some(standard),
+            standard,
             exact,
         })
     }
@@ -162,7 +163,7 @@ impl<'a> Source<'a> {
         let (standard, exact) = open(bag, topics::LINKS, kind, &carries, holds)?;
         Ok(Self {
             rows_of: Rows::Links(links),
-            standard: Some(standard),
+            standard,
             exact,
         })
     }
@@ -177,7 +178,7 @@ impl<'a> Source<'a> {
         let (standard, exact) = open(bag, topics::RTT, MessageType::RoundTrip, &carries, holds)?;
         Ok(Self {
             rows_of: Rows::RoundTrips(rtt),
-            standard: Some(standard),
+            standard,
             exact,
         })
     }
@@ -206,9 +207,7 @@ impl<'a> Source<'a> {
                 table,
                 joints,
             } => {
-                if let Some(channel) = self.standard {
-                    write_standard(bag, channel, *kind, table, t_ns, row)?;
-                }
+                write_standard(bag, self.standard, *kind, table, t_ns, row)?;
                 if let Some((channel, rad_per_count)) = joints {
                     let angle = |i| cell(table, i, row) * rad_per_count;
                     bag.write(
@@ -223,24 +222,22 @@ impl<'a> Source<'a> {
                 let Some(message) = links.messages.get(row) else {
                     return Ok(());
                 };
-                if let Some(channel) = self.standard {
-                    let record = PositionRecord {
-                        sender: &message.from,
-                        receiver: &message.to,
-                        seq: row as u64,
-                        t_sampled_ns: t_ns,
-                        t_sent_ns: t_ns,
-                        fate: match message.t_received_s {
-                            Some(t_s) => Fate::Arrived {
-                                t_received_ns: ns_from_s(t_s),
-                            },
-                            None => Fate::Lost,
+                let record = PositionRecord {
+                    sender: &message.from,
+                    receiver: &message.to,
+                    seq: row as u64,
+                    t_sampled_ns: t_ns,
+                    t_sent_ns: t_ns,
+                    fate: match message.t_received_s {
+                        Some(t_s) => Fate::Arrived {
+                            t_received_ns: ns_from_s(t_s),
                         },
-                        pose: [message.x_m, message.y_m, message.yaw_rad],
-                        velocity: Some([message.v_m_s, message.w_rad_s]),
-                    };
-                    bag.write(channel, t_ns, &position_message(&record))?;
-                }
+                        None => Fate::Lost,
+                    },
+                    pose: [message.x_m, message.y_m, message.yaw_rad],
+                    velocity: Some([message.v_m_s, message.w_rad_s]),
+                };
+                bag.write(self.standard, t_ns, &position_message(&record))?;
                 self.write_exact(bag, t_ns, || {
                     let mut texts = vec![message.from.to_string(), message.to.to_string()];
                     texts.extend(unknown_cells(&links.unknown, row));
@@ -258,9 +255,7 @@ impl<'a> Source<'a> {
             Rows::RoundTrips(rtt) => {
                 let seq = rtt.seq.get(row).copied().unwrap_or_default();
                 let rtt_ms = at(&rtt.rtt_ms, row);
-                if let Some(channel) = self.standard {
-                    bag.write(channel, t_ns, &ros::RoundTrip { seq, rtt_ms })?;
-                }
+                bag.write(self.standard, t_ns, &ros::RoundTrip { seq, rtt_ms })?;
                 self.write_exact(bag, t_ns, || {
                     let mut texts = vec![seq.to_string()];
                     texts.extend(unknown_cells(&rtt.unknown, row));
@@ -318,7 +313,7 @@ fn open<W: Write>(
         let standard = bag.channel(topic, message_type, &carries.metadata())?;
         return Ok((standard, None));
     }
-    let standard = bag.channel(topic, message_type, &BTreeMap::new())?;
+    let standard = bag.channel(topic, message_type, &carries.view_metadata())?;
     let exact = bag.channel(
         &format!("{topic}/rows"),
         MessageType::Row,

@@ -518,12 +518,12 @@ pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu
     }
 }
 
-pub(crate) fn odometry<'a>(
+pub(crate) fn odometry(
     t_ns: i64,
-    robot: &'a str,
+    robot: &str,
     [x_m, y_m, yaw_rad]: [f64; 3],
     twist: Twist,
-) -> ros::Odometry<&'a str> {
+) -> ros::Odometry<&str> {
     ros::Odometry {
         header: header(t_ns, topics::WORLD),
         child_frame_id: robot,

@@ -381,12 +381,6 @@ impl<'a> TableView<'a> {
             unknown: &stream.unknown,
         }
     }
-
-    /// The known columns' names, joined as in the head of a CSV file.
-    pub(crate) fn column_names(&self) -> String {
-        let names: Vec<&str> = self.columns.iter().map(|(name, _)| *name).collect();
-        names.join(",")
-    }
 }
 
 type Columns<'a> = Vec<(&'static str, CellsView<'a>)>;

@@ -26,6 +26,10 @@ const COLUMNS: &str = "columns";
 /// Metadata key: columns that the format does not know, one a line.
 const UNKNOWN: &str = "unknown_columns";
 
+/// Metadata key: the stream that this channel shows to other programs; slipstream reads it
+/// elsewhere.
+const VIEW: &str = "view_of";
+
 /// What a channel carries for slipstream. A channel without it is for other programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Carries {
@@ -59,6 +63,11 @@ impl Carries {
         metadata
     }
 
+    /// The metadata of a channel that only shows the same stream to other programs.
+    pub(crate) fn view_metadata(&self) -> BTreeMap<String, String> {
+        BTreeMap::from([(VIEW.to_owned(), self.stream.clone())])
+    }
+
     /// From a channel's metadata, if it carries anything.
     pub(crate) fn from_metadata(metadata: &BTreeMap<String, String>) -> Option<Self> {
         let list = |key: &str, separator: char| -> Vec<String> {
@@ -74,6 +83,11 @@ impl Carries {
             unknown: list(UNKNOWN, '\n'),
         })
     }
+}
+
+/// Whether a channel only shows what another one carries.
+pub(crate) fn is_view(metadata: &BTreeMap<String, String>) -> bool {
+    metadata.contains_key(VIEW)
 }
 
 /// The topic of a robot's stream: `/r1/pose`.

@@ -29,6 +29,11 @@ pub(crate) struct ChannelInfo {
 
 /// What a file holds.
 pub(crate) enum Item<'a> {
+    /// A topic, before its messages.
+    Channel {
+        id: u16,
+        channel: &'a Arc<ChannelInfo>,
+    },
     /// A message of the channel with this number (numbers may be sparse).
     Message {
         id: u16,
@@ -42,7 +47,6 @@ pub(crate) enum Item<'a> {
     },
     Metadata {
         name: &'a str,
-        values: &'a BTreeMap<String, String>,
     },
 }
 
@@ -327,7 +331,6 @@ impl Reading<'_> {
             Record::Metadata(metadata) => {
                 let item = Item::Metadata {
                     name: &metadata.name,
-                    values: &metadata.metadata,
                 };
                 self.loss.damaged_records += u64::from((self.visit)(item).is_err());
             }
@@ -342,12 +345,17 @@ impl Reading<'_> {
         }
         if let Some(place @ None) = self.channels.get_mut(id) {
             let schema = self.schemas.get(&channel.schema_id).cloned();
-            *place = Some(Arc::new(ChannelInfo {
+            let info = place.insert(Arc::new(ChannelInfo {
                 topic: channel.topic,
                 schema: schema.unwrap_or_default(),
                 encoding: channel.message_encoding,
                 metadata: channel.metadata,
             }));
+            let item = Item::Channel {
+                id: channel.id,
+                channel: info,
+            };
+            self.loss.damaged_records += u64::from((self.visit)(item).is_err());
         }
     }
 }

@@ -207,8 +207,6 @@ impl Time {
 }
 
 impl Vector3 {
-    pub(crate) const ZERO: Self = Self::new(0.0, 0.0, 0.0);
-
     pub(crate) const fn new(x: f64, y: f64, z: f64) -> Self {
         Self { x, y, z }
     }
