@@ -155,8 +155,10 @@ pub struct State {
     pub torque_nm: [f64; 2],
     /// Normal forces (N).
     pub normal_n: [f64; 2],
-    /// Sliding speeds at the contacts (m/s).
-    pub slip_m_s: [f64; 2],
+    /// Sliding speeds at the contacts: along the right and the left wheel, across both (m/s).
+    pub slip_m_s: [f64; 3],
+    /// Whether each contact slides.
+    pub slides: [bool; 2],
 }
 
 /// An outer tick of a controller.

@@ -188,7 +188,8 @@ fn state(robot: usize, t_ns: i64, truth: &Truth) -> State {
         wheel_speed_rad_s: truth.wheel_speed_rad_s,
         torque_nm: truth.torque_nm,
         normal_n: truth.contact.normal_n,
-        slip_m_s: truth.slip_m_s,
+        slip_m_s: truth.slip_parts_m_s,
+        slides: truth.slides,
     }
 }
 

@@ -1,5 +1,9 @@
 //! `slipstream`: arguments in, words and exit codes out.
 
+mod export;
+mod failure;
+mod import;
+
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -13,8 +17,15 @@ struct Arguments {
 }
 
 #[derive(Debug, Subcommand)]
-enum Command {}
+enum Command {
+    Import(import::Arguments),
+    Export(export::Arguments),
+}
 
 fn main() -> ExitCode {
-    match Arguments::parse().command {}
+    let done = match Arguments::parse().command {
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
+    };
+    failure::exit_code(done)
 }
