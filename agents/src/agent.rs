@@ -121,6 +121,7 @@ impl Agent {
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
             pose: self.odometry.centre_of_mass(&self.geometry).to_array(),
+            velocity: self.geometry.twist(self.wheel_speed),
             reference: reference.to_array(),
             reference_velocity: velocity,
             error: wish.error,

@@ -172,7 +172,9 @@ pub struct OuterTick {
     pub robot: RobotIndex,
     /// x (m), y (m), φ (rad) of c by odometry.
     pub pose: [f64; 3],
-    /// Likewise of the reference.
+    /// v (m/s) and w (rad/s) by the wheels.
+    pub velocity: [f64; 2],
+    /// The reference's x (m), y (m), φ (rad) of c.
     pub reference: [f64; 3],
     /// v_r (m/s) and w_r (rad/s).
     pub reference_velocity: [f64; 2],

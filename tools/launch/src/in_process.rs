@@ -1,7 +1,8 @@
 //! A run in one process on one thread: the same cores, no shared memory, no waiting.
 
 use std::cell::RefCell;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
@@ -12,6 +13,10 @@ use slipstream_bus::time::Schedule;
 use slipstream_bus::transport::{BusError, Mail, Rounds};
 use slipstream_bus::{Experiment, ModelError};
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
+
+use crate::outcome::{Outcome, Parts};
+use crate::resolve::Resolved;
+use crate::sink::Sink;
 
 /// What the cores of a run had to say at its end.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +38,9 @@ pub enum RunError {
     /// The bus, which here is memory of our own.
     #[error(transparent)]
     Bus(#[from] BusError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    Recording(#[from] slipstream_recording::Error),
 }
 
 /// Runs an experiment; `hashing` asks for the state hash.
@@ -170,4 +178,31 @@ impl<R: Recorder> Recorder for Shared<R> {
     fn record(&mut self, record: &Record) {
         self.0.borrow_mut().record(record);
     }
+}
+
+/// Runs an experiment to the outcome that processes would come to, recorded to `out` if given.
+///
+/// # Errors
+/// As [`run`], and when the recording cannot be written.
+pub fn outcome(resolved: &Resolved, out: Option<&Path>) -> Result<Outcome, RunError> {
+    let experiment = &resolved.experiment;
+    let begin = Instant::now();
+    let reports = match out {
+        None => run(experiment, true)?,
+        Some(out) => {
+            let sink = Sink::create(out, experiment, &resolved.to_toml())?;
+            let (reports, sink) = run_recorded(experiment, true, sink)?;
+            sink.finish(BTreeMap::new())?;
+            reports
+        }
+    };
+    let parts = Parts {
+        plant: Some(reports.plant),
+        agents: reports.agents.into_iter().map(Some).collect(),
+    };
+    let mut outcome = Outcome::new(experiment, &parts);
+    outcome.loop_s = reports.wall_s;
+    outcome.recording = out.map(Path::to_path_buf);
+    outcome.wall_s = begin.elapsed().as_secs_f64();
+    Ok(outcome)
 }
