@@ -8,7 +8,7 @@ use crate::scalar::{Pair, Scalar, Vector, clamp, length};
 use crate::state::{Contact, Mode};
 
 /// Slip below which the direction of sliding is the one in which it began (m/s or rad/s).
-const STANDING: f64 = 1e-13;
+pub(crate) const STANDING: f64 = 1e-13;
 
 /// All forces on a robot at one instant.
 #[derive(Debug, Clone, Copy)]

@@ -1,6 +1,6 @@
 //! Where a mode ends for other reasons than friction: the floor changes, gears meet or part.
 
-use crate::attempt::{MOTOR_SHARE, Verdict};
+use crate::attempt::{Event, MOTOR_SHARE};
 use crate::command::CommandKind;
 use crate::parts::Grip;
 use crate::robot::Robot;
@@ -37,7 +37,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// A wheel entering or leaving a patch between two bodies.
-    pub(crate) fn floor_event(&self, from: &Body<S>, to: &Body<S>) -> Option<Verdict<S>> {
+    pub(crate) fn floor_event(&self, from: &Body<S>, to: &Body<S>) -> Option<Event<S>> {
         let (before, after) = (self.contacts(from.pose), self.contacts(to.pose));
         let mut event = None;
         for (before, after) in before.into_iter().zip(after) {
@@ -46,7 +46,7 @@ impl<S: Scalar> Robot<S> {
                 let mut at = 0;
                 self.effects.floors(after, |then, _| {
                     if at == patch && (inside.value() > 0.0) != (then.value() > 0.0) {
-                        event = Some(Verdict::Event(inside, then));
+                        event = Some(Event::new(inside, then));
                     }
                     at += 1;
                 });
@@ -57,11 +57,11 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// A gear that closes, or one whose motor no longer presses on its wheel.
-    pub(crate) fn gear_event(&self, state: &State<S>, to: &Body<S>) -> Option<Verdict<S>> {
+    pub(crate) fn gear_event(&self, state: &State<S>, to: &Body<S>) -> Option<Event<S>> {
         (0..2).find_map(|i| {
             let margin = |body: &Body<S>| self.gear_margin(state.mode.gear[i], body, i, state);
             let end = margin(to)?;
-            (end.value() < 0.0).then(|| Verdict::Event(margin(&state.body).unwrap_or(end), end))
+            (end.value() < 0.0).then(|| Event::new(margin(&state.body).unwrap_or(end), end))
         })
     }
 

@@ -2,9 +2,9 @@
 //!
 //! At one instant, the accelerations are those that minimise ½ (a − a₀)ᵀ M (a − a₀) + Σ limit |J a|
 //! over the elements that stand: the principle of least constraint with Coulomb friction, which has
-//! one solution. It is found on the dual side, where each element's force is projected on its disc
-//! with one step for both directions (projected Gauss–Seidel), in plain numbers: what follows from
-//! the decision is computed with derivatives by the operator of the new set.
+//! one solution. It is found element by element (block Gauss–Seidel on the forces): each in turn gets
+//! the force inside its disc that suits the others' best. In plain numbers: what follows from the
+//! decision is computed with derivatives by the operator of the new set.
 
 use crate::robot::{GRAVITY_M_S2, Robot};
 use crate::rows::{ACROSS, ELEMENTS, Element, Elements};
@@ -13,6 +13,9 @@ use crate::state::Mode;
 
 /// Sweeps over all elements at most.
 const SWEEPS: usize = 4000;
+
+/// Steps of Newton's method on one disc; it doubles the digits from the first.
+const NEWTON: usize = 30;
 
 /// Share of the accelerations in play below which one counts as none.
 const AT_REST: f64 = 1e-8;
@@ -43,10 +46,10 @@ pub(crate) struct Decision {
 }
 
 impl<S: Scalar> Standing<'_, S> {
-    /// Decides for each candidate whether it sticks.
-    pub(crate) fn decide(&self) -> Decision {
+    /// Decides for each candidate whether it sticks. Those in `broken` have broken away.
+    pub(crate) fn decide(&self, broken: Elements) -> Decision {
         let mut force = [[0.0; 2]; ELEMENTS];
-        let mut sliding = Elements::default();
+        let mut sliding = self.candidates.both(broken);
         loop {
             let acceleration = self.solve(sliding, &mut force);
             let scale = self.mobility_scale();
@@ -57,23 +60,24 @@ impl<S: Scalar> Standing<'_, S> {
             let set_off = self.candidates.iter().filter(|&element| sets_off(element));
             let now = set_off.fold(sliding, Elements::with);
             if now == sliding {
-                return self.decision(&acceleration, sliding);
+                return self.decision(&force, sliding);
             }
             sliding = now;
         }
     }
 
-    fn decision(&self, acceleration: &Vector<f64>, sliding: Elements) -> Decision {
+    /// What slides does so against its force.
+    fn decision(&self, force: &[Pair<f64>; ELEMENTS], sliding: Elements) -> Decision {
         let mut decision = Decision {
             sticking: self.candidates,
             direction: [[0.0; 2]; ELEMENTS],
         };
         for element in sliding.iter() {
-            let [along, across] = self.seen(element, acceleration);
+            let [along, across] = force[element as usize];
             let size = along.hypot(across);
             if size > 0.0 {
                 decision.sticking = decision.sticking.without(element);
-                decision.direction[element as usize] = [along / size, across / size];
+                decision.direction[element as usize] = [-along / size, -across / size];
             }
         }
         decision
@@ -154,7 +158,7 @@ impl<S: Scalar> Standing<'_, S> {
         total
     }
 
-    /// Projected Gauss–Seidel over the candidates.
+    /// Each candidate's best answer to the others', until none changes.
     fn sweep(&self, limits: &[f64; ELEMENTS], force: &mut [Pair<f64>; ELEMENTS]) -> Vector<f64> {
         let total = self.total(limits, force);
         let mut acceleration = self.mobility * total;
@@ -163,42 +167,76 @@ impl<S: Scalar> Standing<'_, S> {
             let mut change: f64 = 0.0;
             for element in self.candidates.iter() {
                 let i = element as usize;
-                let step = self.step(element);
-                let seen = self.seen(element, &acceleration);
-                let wanted = [force[i][0] - seen[0] * step, force[i][1] - seen[1] * step];
-                let size = wanted[0].hypot(wanted[1]);
-                let cut = if size > limits[i] {
-                    limits[i] / size
-                } else {
-                    1.0
-                };
+                let best = self.best(element, limits[i], force[i], &acceleration);
                 for (at, &row) in element.rows().iter().enumerate() {
-                    let more = wanted[at] * cut - force[i][at];
-                    force[i][at] += more;
+                    let more = best[at] - force[i][at];
+                    force[i][at] = best[at];
                     let response = self.mobility * self.row(row) * more;
                     acceleration += response;
                     change = change.max(response.amax());
                 }
             }
-            if change <= 1e-3 * AT_REST * scale {
+            if change <= 1e-5 * AT_REST * scale {
                 break;
             }
         }
         acceleration
     }
 
-    /// One step for both directions: the inverse of the larger eigenvalue of J M⁻¹ Jᵀ.
-    fn step(&self, element: Element) -> f64 {
-        let largest = match *element.rows() {
-            [row] => self.between(row, row),
-            [along, across, ..] => {
-                let (a, d) = (self.between(along, along), self.between(across, across));
-                let b = self.between(along, across);
-                (a + d) / 2.0 + ((a - d) / 2.0).hypot(b)
+    /// The force inside the disc of radius `limit` that leaves the element at rest, or opposes its
+    /// acceleration: p with W p + q = −s p, s ≥ 0, where W = J M⁻¹ Jᵀ and q is the acceleration
+    /// without this element. |p| falls with s: the root of 1/|p| − 1/limit, by Newton's method.
+    fn best(
+        &self,
+        element: Element,
+        limit: f64,
+        own: Pair<f64>,
+        acceleration: &Vector<f64>,
+    ) -> Pair<f64> {
+        let seen = self.seen(element, acceleration);
+        let [along, across] = match *element.rows() {
+            [along, across, ..] if !self.is_led(element) => [along, across],
+            [row, ..] => {
+                let w = self.between(row, row);
+                let rest = own[0] - seen[0] / w;
+                return if w > 0.0 {
+                    [rest.clamp(-limit, limit), 0.0]
+                } else {
+                    own
+                };
             }
-            [] => 0.0,
+            [] => return own,
         };
-        if largest > 0.0 { largest.recip() } else { 0.0 }
+        let (a, b) = (self.between(along, along), self.between(along, across));
+        let d = self.between(across, across);
+        if a * d - b * b <= 0.0 {
+            return own;
+        }
+        let q = [
+            seen[0] - a * own[0] - b * own[1],
+            seen[1] - b * own[0] - d * own[1],
+        ];
+        let solve = |s: f64, [x, y]: Pair<f64>| {
+            let (a, d) = (a + s, d + s);
+            let per = (a * d - b * b).recip();
+            [(b * y - d * x) * per, (b * x - a * y) * per]
+        };
+        let mut s = 0.0;
+        let mut p = solve(s, q);
+        for _ in 0..NEWTON {
+            let size = p[0].hypot(p[1]);
+            if size <= limit * (1.0 + 1e-15) {
+                break;
+            }
+            let slope = solve(s, p);
+            let falls = -(p[0] * slope[0] + p[1] * slope[1]);
+            if limit == 0.0 || falls <= 0.0 {
+                return [0.0; 2];
+            }
+            s += (size - limit) / limit * size * size / falls;
+            p = solve(s, q);
+        }
+        p
     }
 
     fn between(&self, one: usize, other: usize) -> f64 {
@@ -209,22 +247,20 @@ impl<S: Scalar> Standing<'_, S> {
         self.robot.row(row).map(|entry| entry.value())
     }
 
-    /// What an element sees of a velocity or an acceleration. While the other wheel holds the slip
-    /// across the axle, there is none.
+    /// Whether the element is a wheel beside one that cannot slide, and so does not go across.
+    fn is_led(&self, element: Element) -> bool {
+        match element {
+            Element::WheelRight => !self.mode.loose.has(Element::WheelLeft),
+            Element::WheelLeft => !self.mode.loose.has(Element::WheelRight),
+            _ => false,
+        }
+    }
+
+    /// What an element sees of a velocity or an acceleration.
     fn seen(&self, element: Element, nu: &Vector<f64>) -> Pair<f64> {
         let rows = element.rows();
         let along = self.row(rows[0]).dot(nu);
-        let across = rows.get(1).map_or(0.0, |&row| self.row(row).dot(nu));
-        let partner = match element {
-            Element::WheelRight => Element::WheelLeft,
-            Element::WheelLeft => Element::WheelRight,
-            _ => return [along, across],
-        };
-        debug_assert_eq!(rows.get(1), Some(&ACROSS));
-        if self.mode.loose.has(partner) {
-            [along, across]
-        } else {
-            [along, 0.0]
-        }
+        let across = rows.get(1).filter(|_| !self.is_led(element));
+        [along, across.map_or(0.0, |&row| self.row(row).dot(nu))]
     }
 }

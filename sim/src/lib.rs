@@ -22,7 +22,7 @@ mod world;
 
 pub use command::{Command, CommandKind};
 pub use parts::{Grip, Streams};
-pub use robot::{GRAVITY_M_S2, Listed, Robot, read_effects};
+pub use robot::{GRAVITY_M_S2, Listed, Robot, lift, read_effects};
 pub use scalar::{Pair, Scalar};
 pub use sensing::Stream;
 pub use state::{Contact, State};

@@ -66,6 +66,10 @@ impl<S: Scalar> Operator<S> {
         self.multipliers[self.count] = own;
         self.held[self.count] = row;
         self.count += 1;
+        if self.count == VELOCITIES {
+            // nothing can move, not even by rounding
+            self.acceleration = Matrix::zeros();
+        }
     }
 
     /// Multiplier of a row under `force`, zero where the row is free.

@@ -240,6 +240,18 @@ pub fn read_effects(model: &RobotModel) -> Result<Vec<Listed<f64>>, ModelError> 
     Ok(list)
 }
 
+/// The same effects with other numbers: `number` is given the effect's place in the list, the
+/// parameter's name and its value. For [`Robot::assemble`] with numbers that carry derivatives.
+pub fn lift<S: Scalar>(
+    list: &[Listed<f64>],
+    mut number: impl FnMut(usize, &'static str, f64) -> S,
+) -> Vec<Listed<S>> {
+    let lifted = list.iter().enumerate();
+    lifted
+        .map(|(i, (info, values))| (*info, values.map(|name, value| number(i, name, value))))
+        .collect()
+}
+
 fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>, ModelError> {
     let mut numbers = Vec::new();
     let mut text = "";

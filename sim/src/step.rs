@@ -1,23 +1,25 @@
 //! The step: smooth pieces between the instants at which something sticks, slips or meets.
 
-use crate::attempt::{Attempt, Verdict};
+use crate::attempt::{Event, MOTOR_SHARE, Verdict};
 use crate::command::{Command, CommandKind};
 use crate::drive::Supply;
 use crate::grouping::Standing;
-use crate::operator::Operator;
 use crate::robot::Robot;
-use crate::rows::{ACROSS, ELEMENTS, Element, Elements};
-use crate::scalar::{Matrix, Pair, Scalar, Vector, length};
+use crate::rows::{ACROSS, Element, Elements};
+use crate::scalar::{Pair, Scalar, Vector};
 use crate::state::{OperatorKey, State};
 
 /// Halvings of a step until an event in it is found: to 1/8192 of its length.
 const DEPTH: u32 = 13;
 
+/// Halvings of a step for the sake of slow slip: to 1/64 of its length.
+const STIFF_DEPTH: u32 = 6;
+
 /// Events in one step that are found so exactly. More of them are a rattle, and taken as they come.
 const EVENTS: u32 = 32;
 
-/// Rounds in which directions of setting off converge.
-const SHARPENINGS: u32 = 60;
+/// Velocities above this slide where a motion is given (m/s or rad/s).
+const MOVING: f64 = 1e-9;
 
 /// Velocities below this stand (m/s or rad/s).
 const STANDING: f64 = 1e-12;
@@ -31,6 +33,15 @@ struct Piece<S> {
     depth: u32,
 }
 
+/// What is known to have changed when the mode is decided anew.
+#[derive(Debug, Clone, Copy, Default)]
+struct Change {
+    /// Elements that slid and came to rest.
+    stopped: Elements,
+    /// Elements that stuck and broke away.
+    broken: Elements,
+}
+
 impl<S: Scalar> Robot<S> {
     /// Moves `state` on by `dt_s` from time `t_s` under `command`, which acts all the time. No
     /// allocation, unless a delay line has to hold more than a thousand changes of command.
@@ -40,12 +51,7 @@ impl<S: Scalar> Robot<S> {
         let (kind, command) = command.at_wheels(self.nominal);
         if kind != state.mode.kind {
             state.mode.kind = kind;
-            self.regroup(
-                state,
-                [t_s, dt_s],
-                [S::constant(0.0); 2],
-                &[STANDING; ELEMENTS],
-            );
+            self.regroup(state, [t_s, dt_s], [S::constant(0.0); 2], Change::default());
         }
         self.remember(state, t_s, command);
         let mut from = t_s;
@@ -68,6 +74,27 @@ impl<S: Scalar> Robot<S> {
                 None => return,
             }
         }
+    }
+
+    /// Sets `state` in motion: velocity of c along and across the body (m/s) and yaw rate (rad/s),
+    /// wheel speeds (rad/s). What slides then, slides; what cannot slide keeps what rolling leaves.
+    pub fn set_motion(&self, state: &mut State<S>, velocity: [S; 3], wheel_speed: Pair<S>) {
+        let [u, w, rate] = velocity;
+        state.body.nu = Vector::from([u, w, rate, wheel_speed[0], wheel_speed[1]]);
+        state.body.motor_speed = wheel_speed;
+        let loose = state.mode.loose;
+        let stands = |element: &Element| self.speed(state, *element) <= MOVING;
+        let standing = loose
+            .iter()
+            .filter(stands)
+            .fold(Elements::default(), Elements::with);
+        state.mode.held = standing;
+        let change = Change {
+            stopped: standing,
+            ..Change::default()
+        };
+        self.regroup(state, [0.0, 0.0], [S::constant(0.0); 2], change);
+        state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
     }
 
     /// Keeps a command for as long as the delay needs it.
@@ -95,6 +122,7 @@ impl<S: Scalar> Robot<S> {
     /// jumps along.
     fn jump(&self, state: &mut State<S>, piece: &Piece<S>) {
         let supply = self.supply(state, piece);
+        self.prepare(state, piece.span, &supply);
         let zero = S::constant(0.0);
         let mut slips = false;
         let mut moved = Vector::from([zero; 5]);
@@ -113,7 +141,7 @@ impl<S: Scalar> Robot<S> {
         }
         state.body.nu += moved;
         if slips {
-            self.regroup(state, piece.span, supply.mean, &[STANDING; ELEMENTS]);
+            self.regroup(state, piece.span, supply.mean, Change::default());
         }
     }
 
@@ -130,17 +158,22 @@ impl<S: Scalar> Robot<S> {
         loop {
             let supply = self.supply(state, &piece);
             self.prepare(state, piece.span, &supply);
-            let attempt = self.attempt(state, piece.span, &supply);
+            let finest = piece.depth >= STIFF_DEPTH || *events == 0;
+            let attempt = self.attempt(state, piece.span, &supply, finest);
             let exact = piece.depth < DEPTH && *events > 0;
             match attempt.verdict {
                 Verdict::Steady => state.body = attempt.body,
-                Verdict::Broken if !regrouped => {
+                Verdict::Broken(broken) if !regrouped => {
                     regrouped = true;
-                    self.regroup(state, piece.span, supply.mean, &[STANDING; ELEMENTS]);
+                    let change = Change {
+                        broken,
+                        ..Change::default()
+                    };
+                    self.regroup(state, piece.span, supply.mean, change);
                     continue;
                 }
-                Verdict::Broken => self.give_way(state, &piece, &supply),
-                Verdict::Event(..) | Verdict::Coarse if exact => {
+                Verdict::Broken(_) => self.give_way(state, &piece, &supply),
+                Verdict::Event(_) | Verdict::Coarse if exact => {
                     let [t_s, over_s] = piece.span;
                     let (half, depth) = (over_s / 2.0, piece.depth + 1);
                     self.advance(
@@ -163,11 +196,12 @@ impl<S: Scalar> Robot<S> {
                         events,
                     );
                 }
-                Verdict::Event(before, after) => {
+                Verdict::Event(event) => {
                     *events = events.saturating_sub(1);
-                    self.pass(state, &attempt, piece.span, &supply, Some([before, after]));
+                    state.body = attempt.body;
+                    self.pass(state, piece.span, &supply, &event);
                 }
-                Verdict::Coarse => self.pass(state, &attempt, piece.span, &supply, None),
+                Verdict::Coarse => state.body = attempt.body,
             }
             return;
         }
@@ -177,7 +211,7 @@ impl<S: Scalar> Robot<S> {
     fn give_way(&self, state: &mut State<S>, piece: &Piece<S>, supply: &Supply<S>) {
         let loose = state.mode.loose;
         state.mode.loose = Elements::default();
-        state.body = self.attempt(state, piece.span, supply).body;
+        state.body = self.attempt(state, piece.span, supply, true).body;
         state.mode.loose = loose;
     }
 
@@ -188,7 +222,7 @@ impl<S: Scalar> Robot<S> {
                 .applied_now(state, span, supply.mean)
                 .map(|f| f.value());
             if state.held_under != Some(force) {
-                self.regroup(state, span, supply.mean, &[STANDING; ELEMENTS]);
+                self.regroup(state, span, supply.mean, Change::default());
                 state.held_under = Some(force);
             }
         }
@@ -210,72 +244,65 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    /// Takes a piece at whose end something changes.
-    fn pass(
-        &self,
-        state: &mut State<S>,
-        attempt: &Attempt<S>,
-        span: Pair<f64>,
-        supply: &Supply<S>,
-        margins: Option<[S; 2]>,
-    ) {
-        let changes = attempt.change.map(|change| change.value().abs());
-        let mut tolerance = [STANDING; ELEMENTS];
-        for element in Element::ALL {
-            let row = |&row: &usize| self.row(row).map(|entry| entry.value().abs()).dot(&changes);
-            tolerance[element as usize] += 2.0 * element.rows().iter().map(row).sum::<f64>();
-        }
-        state.body = attempt.body;
-        let before = state.body.acceleration;
-        let jump = state.body.nu;
-        self.shift_gears(state);
-        let jump = state.body.nu - jump;
+    /// Changes the mode where a piece has ended at an event. Where a parameter moves the event by
+    /// δt, the motion before it goes on δt longer and the one after it begins δt later: both are
+    /// taken along a δt that is zero and carries derivatives alone.
+    fn pass(&self, state: &mut State<S>, span: Pair<f64>, supply: &Supply<S>, event: &Event<S>) {
+        let shift = event.shift(span[1]);
         let end = [span[0] + span[1], span[1]];
-        self.regroup(state, end, supply.mean, &tolerance);
-        if S::NDERIV > 0
-            && let Some(margins) = margins
-        {
-            self.shift_event(
-                state,
-                [span[0] + span[1], span[1]],
-                supply,
-                margins,
-                before,
-                jump,
-            );
+        if S::NDERIV > 0 {
+            self.glide(state, supply, &event.before, shift);
+        }
+        self.shift_gears(state);
+        if !event.stopped.is_empty() {
+            // what is left of their motion, smaller than what the piece could resolve
+            let held = state.mode.held.either(event.stopped);
+            let left = self.settled(state, held) - state.body.nu;
+            state.body.nu += left.map(|left| S::constant(left.value()));
+        }
+        let Event {
+            stopped, broken, ..
+        } = *event;
+        self.regroup(state, end, supply.mean, Change { stopped, broken });
+        if S::NDERIV > 0 {
+            let after = self.acceleration_now(state, end, supply);
+            self.glide(state, supply, &after, -shift);
         }
     }
 
-    /// Derivatives of the event's own time: where a parameter moves the event by δt, the forces
-    /// before it act δt longer and those after it δt shorter. Without derivatives δt is zero.
-    fn shift_event(
+    /// Moves the body along `acceleration` for an instant `shift`.
+    fn glide(&self, state: &mut State<S>, supply: &Supply<S>, acceleration: &Vector<S>, shift: S) {
+        let kind = state.mode.kind;
+        let torque = self.motor_torque(kind, supply.mean);
+        let body = &mut state.body;
+        let (sin, cos) = body.pose[2].sin_cos();
+        body.pose[0] += (body.nu[0] * cos - body.nu[1] * sin) * shift;
+        body.pose[1] += (body.nu[0] * sin + body.nu[1] * cos) * shift;
+        body.pose[2] += body.nu[2] * shift;
+        body.nu += acceleration * shift;
+        for i in 0..2 {
+            body.angle[i] += body.nu[3 + i] * shift;
+            if state.mode.gear[i].is_engaged() {
+                body.motor_speed[i] = body.nu[3 + i];
+            } else if kind != CommandKind::Speed {
+                let net = torque[i] - self.motor_damping(kind) * body.motor_speed[i];
+                body.motor_speed[i] += net / (self.wheel_inertia * MOTOR_SHARE) * shift;
+            }
+            body.motor_angle[i] += body.motor_speed[i] * shift;
+        }
+    }
+
+    /// Acceleration in the mode as it is now.
+    fn acceleration_now(
         &self,
         state: &mut State<S>,
         span: Pair<f64>,
         supply: &Supply<S>,
-        [start, end]: [S; 2],
-        before: Vector<S>,
-        jump: Vector<S>,
-    ) {
-        let rate = (end.value() - start.value()) / span[1];
-        if rate == 0.0 {
-            return;
-        }
-        let shift = (end - S::constant(end.value())) / -rate;
+    ) -> Vector<S> {
         self.prepare(state, span, supply);
         let applied = self.applied_now(state, span, supply.mean);
         let balance = self.balance(&state.mode, &state.operator, &state.body.nu, applied);
-        let after = state.operator.acceleration * balance.force;
-        let change = (before - after) * shift;
-        let (sin, cos) = state.body.pose[2].sin_cos();
-        state.body.nu += change;
-        self.roll(&state.mode, &mut state.body.nu);
-        state.body.pose[0] -= (jump[0] * cos - jump[1] * sin) * shift;
-        state.body.pose[1] -= (jump[0] * sin + jump[1] * cos) * shift;
-        state.body.pose[2] -= jump[2] * shift;
-        for i in 0..2 {
-            state.body.angle[i] -= jump[3 + i] * shift;
-        }
+        state.operator.acceleration * balance.force
     }
 
     /// Forces at this instant that do not depend on what sticks.
@@ -297,29 +324,22 @@ impl<S: Scalar> Robot<S> {
         applied
     }
 
-    /// Decides anew what sticks among all elements whose velocity is within `tolerance`, and takes
-    /// from those that do what is left of it.
-    fn regroup(
-        &self,
-        state: &mut State<S>,
-        span: Pair<f64>,
-        mean: Pair<S>,
-        tolerance: &[f64; ELEMENTS],
-    ) {
+    /// Decides anew what sticks among all elements that stand, and takes from those that do what rounding has left of their motion.
+    fn regroup(&self, state: &mut State<S>, span: Pair<f64>, mean: Pair<S>, change: Change) {
         state.held_under = None;
-        state.mode.grip = self.grips(state.body.pose);
-        state.mode.loose = self.loose(state.mode.kind, state.mode.grip);
-        let rigid = Element::WHEELS.into_iter().zip(state.mode.grip);
-        let rigid = rigid
-            .filter(|(_, grip)| grip.is_none())
-            .fold(Elements::default(), |set, (wheel, _)| set.with(wheel));
-        let nu = state.body.nu.map(|v| v.value());
-        let stands = |element: Element| {
-            let [along, across] = self.seen(element, &state.body.nu).map(|v| v.value());
-            along.hypot(across) <= tolerance[element as usize]
+        let stands = |element: &Element| {
+            let slides = state.mode.slides(*element);
+            change.stopped.has(*element) || (!slides && self.speed(state, *element) <= STANDING)
         };
-        let candidates = state.mode.loose.iter().filter(|&element| stands(element));
-        let candidates = candidates.fold(Elements::default(), Elements::with);
+        let grip = self.grips(state.body.pose);
+        let loose = self.loose(state.mode.kind, grip);
+        let candidates = loose
+            .iter()
+            .filter(stands)
+            .fold(Elements::default(), Elements::with);
+        let rigid = Elements::WHEELS.without_all(loose);
+        state.mode.grip = grip;
+        state.mode.loose = loose;
         let (kind, gear) = (state.mode.kind, state.mode.gear);
         let base = self.operator(&OperatorKey {
             held: rigid,
@@ -327,80 +347,47 @@ impl<S: Scalar> Robot<S> {
             kind,
             over_s: 0.0,
         });
-        let applied = self.applied_now(state, span, mean).map(|f| f.value());
         let standing = Standing {
             robot: self,
             mode: &state.mode,
             mobility: base.acceleration.map(|entry| entry.value()),
-            applied,
-            nu,
+            applied: self.applied_now(state, span, mean).map(|f| f.value()),
+            nu: state.body.nu.map(|v| v.value()),
             candidates,
             across: base.multiplier_vector(ACROSS).map(|entry| entry.value()),
         };
-        let decision = standing.decide();
+        let decision = standing.decide(change.broken);
         state.mode.held = rigid.either(decision.sticking);
         for element in candidates.iter() {
             state.mode.direction[element as usize] =
                 decision.direction[element as usize].map(S::constant);
         }
-        self.settle(state);
-        let setting_off = candidates.without_all(decision.sticking);
-        if !setting_off.is_empty() {
-            self.sharpen(state, span, mean, setting_off);
-        }
+        state.body.nu = self.settled(state, state.mode.held);
     }
 
-    /// Brings the directions in which elements set off from the decision's tolerance to rounding,
-    /// with their derivatives: each is the direction of the acceleration that it causes itself.
-    fn sharpen(&self, state: &mut State<S>, span: Pair<f64>, mean: Pair<S>, elements: Elements) {
-        let applied = self.applied_now(state, span, mean);
-        for _ in 0..SHARPENINGS {
-            let balance = self.balance(&state.mode, &state.operator, &state.body.nu, applied);
-            let acceleration = state.operator.acceleration * balance.force;
-            let mut change: f64 = 0.0;
-            for element in elements.iter() {
-                let own = &mut state.mode.direction[element as usize];
-                let seen = self.seen(element, &acceleration);
-                let per = length(seen).recip();
-                if !per.value().is_finite() {
-                    continue;
-                }
-                let mixed = [0, 1].map(|i| own[i] + seen[i] * per);
-                let per = length(mixed).recip();
-                if !per.value().is_finite() {
-                    continue;
-                }
-                let next = mixed.map(|part| part * per);
-                change = change.max((next[0] - own[0]).value().abs());
-                change = change.max((next[1] - own[1]).value().abs());
-                *own = next;
-            }
-            if change == 0.0 {
-                return;
-            }
-        }
+    /// Speed at which an element slides, or would (m/s or rad/s).
+    fn speed(&self, state: &State<S>, element: Element) -> f64 {
+        let [along, across] = self.seen(element, &state.body.nu).map(|v| v.value());
+        along.hypot(across)
     }
 
-    /// Takes from the velocities what the held elements forbid, as an impulse at them would.
-    fn settle(&self, state: &mut State<S>) {
+    /// The velocities without what `held` elements forbid, as an impulse at them would leave them.
+    fn settled(&self, state: &State<S>, held: Elements) -> Vector<S> {
         let (kind, gear) = (state.mode.kind, state.mode.gear);
-        let key = OperatorKey {
-            held: state.mode.held,
+        let operator = self.operator(&OperatorKey {
+            held,
             gear,
             kind,
             over_s: 0.0,
-        };
-        let operator: Operator<S> = self.operator(&key);
-        let inertia: Matrix<S> = self.inertia_matrix(self.wheel_inertias(gear));
+        });
+        let inertia = self.inertia_matrix(self.wheel_inertias(gear));
         let mut nu = operator.project(&inertia, &state.body.nu);
         if kind == CommandKind::Speed {
             for (i, axle) in Element::AXLES.into_iter().enumerate() {
                 nu += operator.response(axle.rows()[0], state.body.nu[3 + i]);
             }
         }
-        self.roll(&state.mode, &mut nu);
-        state.body.nu = nu;
-        state.operator = operator;
-        state.made_for = key;
+        self.roll(kind, held, &mut nu);
+        nu
     }
 }

@@ -165,6 +165,18 @@ impl<S: Scalar> Values<S> {
         Self { numbers, text }
     }
 
+    /// The same with other numbers: constants become numbers with derivatives.
+    pub(crate) fn map<T: Scalar>(&self, mut number: impl FnMut(&'static str, S) -> T) -> Values<T> {
+        let numbers = self
+            .numbers
+            .iter()
+            .map(|&(name, value)| (name, number(name, value)));
+        Values {
+            numbers: numbers.collect(),
+            text: self.text,
+        }
+    }
+
     fn option(&self, name: &str) -> Option<S> {
         self.numbers
             .iter()
