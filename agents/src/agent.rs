@@ -171,6 +171,11 @@ impl Agent {
         }
     }
 
+    /// Takes in the encoders without a tick.
+    pub fn see(&mut self, encoders: &Encoders) {
+        self.odometry.update(encoders.counts, &self.geometry);
+    }
+
     /// What the robot tells the next one at the outer tick that just ran. Numbering and times of
     /// sending are the sender's business.
     pub fn position(&self) -> Position {

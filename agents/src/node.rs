@@ -167,16 +167,20 @@ impl Node {
         }
     }
 
-    /// Takes what is still on the bus into the delay line and closes the account.
+    /// Takes in the encoders at the end and what is still on the bus, and closes the account.
     ///
     /// # Errors
     /// When the transport fails.
     pub fn finish(
         &mut self,
+        last: Option<&Encoders>,
         mail: &mut impl Mail,
         recorder: &mut impl Recorder,
     ) -> Result<NodeReport, BusError> {
         self.collect(mail, recorder)?;
+        if let Some(encoders) = last {
+            self.agent.see(encoders);
+        }
         Ok(NodeReport {
             final_odometry: self.agent.pose(),
             max_desired_speed_m_s: self.agent.max_desired_speed_m_s(),

@@ -200,7 +200,9 @@ impl Process {
         deadlines: Option<[Deadlines; 2]>,
         real_time: RealTime,
     ) -> Result<AgentOutcome, BusError> {
-        let report = self.node.finish(self.end.links(), &mut self.records)?;
+        let last = self.end.newest_world()?.map(|(_, encoders)| encoders);
+        let links = self.end.links();
+        let report = self.node.finish(last.as_ref(), links, &mut self.records)?;
         self.records.flush();
         Ok(AgentOutcome {
             report,

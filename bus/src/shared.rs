@@ -183,6 +183,10 @@ impl Rounds for PlantEnd {
         }
         Ok(())
     }
+
+    fn end(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+        self.publish(now_ns, encoders).map(|_| ())
+    }
 }
 
 /// An agent's end.

@@ -32,6 +32,12 @@ pub trait Rounds {
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError>;
+
+    /// Shows the agents the encoders at the end, so that their odometry ends where the run does.
+    ///
+    /// # Errors
+    /// When the transport fails.
+    fn end(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError>;
 }
 
 /// Why the bus failed.

@@ -58,7 +58,8 @@ pub fn lockstep(
         record_sensors(world, robots, recorder);
         now_ns = next_ns;
     }
-    Ok(())
+    read_encoders(world, now_ns, &mut encoders);
+    rounds.end(now_ns, &encoders)
 }
 
 pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders]) {

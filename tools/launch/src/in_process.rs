@@ -93,6 +93,8 @@ struct Agents<R> {
     nodes: Vec<Node>,
     /// What lies on the bus for each robot.
     boxes: Vec<VecDeque<Position>>,
+    /// The encoders at the end.
+    last: Vec<Encoders>,
     recorder: Shared<R>,
 }
 
@@ -113,6 +115,7 @@ impl<R: Recorder> Agents<R> {
             schedule: experiment.settings.schedule(),
             nodes: nodes?,
             boxes: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
+            last: Vec::new(),
             recorder,
         })
     }
@@ -125,7 +128,8 @@ impl<R: Recorder> Agents<R> {
                 robot,
                 now_ns: 0,
             };
-            reports.push(node.finish(&mut mail, &mut self.recorder)?);
+            let last = self.last.get(robot);
+            reports.push(node.finish(last, &mut mail, &mut self.recorder)?);
         }
         Ok(reports)
     }
@@ -148,6 +152,11 @@ impl<R: Recorder> Rounds for Agents<R> {
             commands[robot] =
                 node.step(now_ns, due, &encoders[robot], &mut mail, &mut self.recorder)?;
         }
+        Ok(())
+    }
+
+    fn end(&mut self, _: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+        self.last = encoders.to_vec();
         Ok(())
     }
 }

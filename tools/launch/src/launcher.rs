@@ -109,7 +109,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<Outcome, LaunchErro
     let begin = Instant::now();
     let mut run = Run::prepare(resolved, options)?;
     run.start().map_err(system("start the processes"))?;
-    let mut live = Live::new(options.live, settings);
+    let live = Live::new(options.live, settings);
     while run.members.iter().any(|member| member.status.is_none()) {
         run.wait(&mut signals)
             .map_err(system("wait for the processes"))?;
