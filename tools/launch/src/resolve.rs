@@ -6,9 +6,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use slipstream_agents::Node;
 use slipstream_bus::experiment::{Clock, Settings};
 use slipstream_bus::message::robot_name;
-use slipstream_bus::{Experiment, RobotModel, RobotSetup};
+use slipstream_bus::{Experiment, ModelError, RobotModel, RobotSetup};
 use slipstream_recording::robot_toml;
 use toml::{Table, Value};
 
@@ -155,6 +156,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, Unusable> {
         },
         settings,
     };
+    judge(&experiment, &request.models)?;
     Ok(Resolved {
         experiment,
         keys: tree.listing(),
@@ -338,6 +340,32 @@ fn robots(
         robot.model = read_model(path)?;
     }
     Ok(robots)
+}
+
+/// Whether plant and controllers can be made of the robots: before anything is started.
+fn judge(experiment: &Experiment, models: &[(Option<String>, PathBuf)]) -> Result<(), Unusable> {
+    let unusable = |name: Option<&str>, error: ModelError| {
+        // The plant's errors name the robot in front of the key.
+        let (named, key) = match error.key.split_once(": ") {
+            Some((named, key)) => (Some(named), key),
+            None => (name, error.key.as_str()),
+        };
+        let own = models
+            .iter()
+            .find(|(name, _)| name.is_some() && name.as_deref() == named);
+        let all = models.iter().find(|(name, _)| name.is_none());
+        let place = match (own.or(all), experiment.settings.robots.model.as_str()) {
+            (Some((_, path)), _) => path.display().to_string(),
+            (None, "") => named.unwrap_or("robot").to_owned(),
+            (None, path) => path.to_owned(),
+        };
+        Unusable::new(place, format!("{key} {}", error.problem), error.remedy)
+    };
+    slipstream_sim::run::world(experiment).map_err(|error| unusable(None, error))?;
+    for (index, robot) in (0..).zip(&experiment.robots) {
+        Node::new(experiment, index).map_err(|error| unusable(Some(&robot.name), error))?;
+    }
+    Ok(())
 }
 
 fn read_model(path: &Path) -> Result<RobotModel, Unusable> {
