@@ -28,6 +28,7 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.delay_s = Some(self.delay_s);
     }
 }

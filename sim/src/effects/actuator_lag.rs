@@ -28,6 +28,7 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.lag_s = Some(self.time_constant_s);
     }
 }

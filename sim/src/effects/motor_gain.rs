@@ -29,6 +29,7 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.gain = [self.right, self.left];
     }
 }

@@ -28,6 +28,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.sag_per_s = self.rate_per_s;
     }
 }

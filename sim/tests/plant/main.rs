@@ -3,5 +3,7 @@
 mod closed_forms;
 mod convergence;
 mod derivatives;
+mod effects;
 mod laws;
+mod paper;
 mod support;
