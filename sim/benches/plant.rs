@@ -1,5 +1,10 @@
 //! Robot-steps a second, and the price of derivatives. One thread, one core.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on says so and stops"
+)]
+
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use num_dual::DualSVec64;

@@ -22,13 +22,13 @@ impl<T: DualNum<Primitive = f64> + Copy + nalgebra::Scalar> Scalar for T {
 }
 
 /// Number of velocities: surge and sway of c, yaw rate, speeds of the right and the left wheel.
-pub const VELOCITIES: usize = 5;
+pub(crate) const VELOCITIES: usize = 5;
 
 /// A vector over the velocities.
-pub type Vector<S> = SVector<S, VELOCITIES>;
+pub(crate) type Vector<S> = SVector<S, VELOCITIES>;
 
 /// A matrix over the velocities.
-pub type Matrix<S> = SMatrix<S, VELOCITIES, VELOCITIES>;
+pub(crate) type Matrix<S> = SMatrix<S, VELOCITIES, VELOCITIES>;
 
 /// A pair of numbers, [right, left] or [along, across].
 pub type Pair<S> = [S; 2];

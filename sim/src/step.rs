@@ -288,12 +288,12 @@ impl<S: Scalar> Robot<S> {
         body.pose[1] += (body.nu[0] * sin + body.nu[1] * cos) * shift;
         body.pose[2] += body.nu[2] * shift;
         body.nu += acceleration * shift;
-        for i in 0..2 {
+        for (i, torque) in torque.into_iter().enumerate() {
             body.angle[i] += body.nu[3 + i] * shift;
             if state.mode.gear[i].is_engaged() {
                 body.motor_speed[i] = body.nu[3 + i];
             } else if kind != CommandKind::Speed {
-                let net = torque[i] - self.motor_damping(kind) * body.motor_speed[i];
+                let net = torque - self.motor_damping(kind) * body.motor_speed[i];
                 body.motor_speed[i] += net / (self.wheel_inertia * MOTOR_SHARE) * shift;
             }
             body.motor_angle[i] += body.motor_speed[i] * shift;
@@ -318,9 +318,10 @@ impl<S: Scalar> Robot<S> {
         let body = &state.body;
         let mut torque = self.motor_torque(state.mode.kind, mean);
         let loss = self.motor_damping(state.mode.kind);
-        for i in 0..2 {
-            torque[i] = if state.mode.gear[i].is_engaged() {
-                torque[i] - loss * body.nu[3 + i]
+        for (i, torque) in torque.iter_mut().enumerate() {
+            let engaged = state.mode.gear[i].is_engaged();
+            *torque = if engaged {
+                *torque - loss * body.nu[3 + i]
             } else {
                 S::constant(0.0)
             };

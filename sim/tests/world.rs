@@ -1,5 +1,10 @@
 //! N robots, their sensors and their noise.
 
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on says so and stops"
+)]
+
 use slipstream_bus::{Camera, Imu, RobotModel, Sensors};
 use slipstream_sim::{Command, Setup, World};
 
