@@ -13,6 +13,7 @@ mod operator;
 mod parts;
 mod robot;
 mod rows;
+pub mod run;
 mod scalar;
 mod sensing;
 mod state;

@@ -1,0 +1,31 @@
+//! `slipstream export`: a recording into a folder of CSV files.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::failure::Failure;
+
+/// Turn a recording into a folder of CSV files, to the digit.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The MCAP file.
+    recording: PathBuf,
+    /// The folder to write; it must not exist or be empty.
+    #[arg(long, value_name = "FOLDER")]
+    out: PathBuf,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let import = slipstream_recording::read(&arguments.recording)?;
+    for warning in &import.warnings {
+        eprintln!("{warning}");
+    }
+    for (topic, messages) in &import.left_out {
+        eprintln!("{topic}: {messages} messages have no place in the CSV format; left out");
+    }
+    slipstream_recording::write_folder(&import.recording, &arguments.out)?;
+    println!("{}", arguments.out.display());
+    Ok(())
+}

@@ -1,0 +1,28 @@
+//! `slipstream import`: any recording into one MCAP file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::failure::Failure;
+
+/// Turn a recording (a folder of CSV files, or a robot's ROS 2 bag) into one MCAP file.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Folder with recording.toml, or an MCAP file.
+    recording: PathBuf,
+    /// The MCAP file to write.
+    #[arg(long, value_name = "FILE.mcap")]
+    out: PathBuf,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let import = slipstream_recording::read(&arguments.recording)?;
+    for warning in &import.warnings {
+        eprintln!("{warning}");
+    }
+    slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
+    println!("{}", arguments.out.display());
+    Ok(())
+}

@@ -1,0 +1,4 @@
+//! MCAP files laid out as ROS 2 bags: the file itself, without what the messages mean.
+
+pub(crate) mod reader;
+pub(crate) mod writer;

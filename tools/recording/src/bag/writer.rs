@@ -1,0 +1,153 @@
+//! Writes an MCAP file as a ROS 2 bag: compressed chunks, index, CRC, definitions embedded.
+//!
+//! A chunk goes to the file in one piece once it is complete. A writer that is killed therefore
+//! leaves whole chunks and at most one that is cut off.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use mcap::records::MessageHeader;
+use mcap::write::{Metadata, NoSeek};
+use mcap::{Attachment, Compression, WriteOptions};
+use serde::Serialize;
+
+use crate::error::{Error, Result, writing};
+use crate::ros2::{MessageType, cdr};
+
+/// A chunk is closed when it holds this much (bytes, before compression).
+const CHUNK_BYTES: u64 = 768 * 1024;
+
+/// A topic that is being written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Channel(u16);
+
+/// An MCAP file that is being written.
+pub(crate) struct BagWriter<W: Write> {
+    path: PathBuf,
+    file: mcap::Writer<NoSeek<W>>,
+    /// The encoded message, kept to save allocations.
+    buffer: Vec<u8>,
+    /// Number of messages written to each channel so far, by its id.
+    sequence: Vec<u32>,
+}
+
+impl BagWriter<BufWriter<File>> {
+    /// Starts a file, replacing what was there.
+    pub(crate) fn create(path: &Path) -> Result<Self> {
+        let file = File::create(path).map_err(writing(path))?;
+        Self::new(BufWriter::new(file), path)
+    }
+}
+
+impl<W: Write> BagWriter<W> {
+    /// Starts to write to `sink`; `path` is only for errors.
+    pub(crate) fn new(sink: W, path: &Path) -> Result<Self> {
+        let options = WriteOptions::new()
+            .profile("ros2")
+            .library(concat!("slipstream ", env!("CARGO_PKG_VERSION")))
+            .compression(Some(Compression::Lz4))
+            .chunk_size(Some(CHUNK_BYTES))
+            .disable_seeking(true);
+        Ok(Self {
+            file: options
+                .create(NoSeek::new(sink))
+                .map_err(|e| failure(path, e))?,
+            path: path.to_owned(),
+            buffer: Vec::new(),
+            sequence: Vec::new(),
+        })
+    }
+
+    /// Opens a topic. `metadata` says what slipstream reads from it.
+    pub(crate) fn channel(
+        &mut self,
+        topic: &str,
+        message_type: MessageType,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<Channel> {
+        let schema = message_type.schema();
+        let schema = self
+            .file
+            .add_schema(message_type.name(), "ros2msg", schema.as_bytes())
+            .map_err(|e| failure(&self.path, e))?;
+        let id = self
+            .file
+            .add_channel(schema, topic, "cdr", metadata)
+            .map_err(|e| failure(&self.path, e))?;
+        if self.sequence.len() <= usize::from(id) {
+            self.sequence.resize(usize::from(id) + 1, 0);
+        }
+        Ok(Channel(id))
+    }
+
+    /// Writes a message at a time (ns); times before 0 are logged at 0, their own stamp is kept.
+    pub(crate) fn write<T: Serialize>(
+        &mut self,
+        channel: Channel,
+        t_ns: i64,
+        message: &T,
+    ) -> Result<()> {
+        cdr::encode(message, &mut self.buffer).map_err(|e| failure(&self.path, e))?;
+        let log_time = u64::try_from(t_ns).unwrap_or(0);
+        let mut header = MessageHeader {
+            channel_id: channel.0,
+            sequence: 0,
+            log_time,
+            publish_time: log_time,
+        };
+        if let Some(sequence) = self.sequence.get_mut(usize::from(channel.0)) {
+            header.sequence = *sequence;
+            *sequence = sequence.wrapping_add(1);
+        }
+        self.file
+            .write_to_known_channel(&header, &self.buffer)
+            .map_err(|e| failure(&self.path, e))
+    }
+
+    /// Attaches a file.
+    pub(crate) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> Result<()> {
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: name.to_owned(),
+            media_type: media_type.to_owned(),
+            data: data.into(),
+        };
+        self.file
+            .attach(&attachment)
+            .map_err(|e| failure(&self.path, e))
+    }
+
+    /// Writes names and values.
+    pub(crate) fn metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
+        let metadata = Metadata {
+            name: name.to_owned(),
+            metadata: values,
+        };
+        self.file
+            .write_metadata(&metadata)
+            .map_err(|e| failure(&self.path, e))
+    }
+
+    /// Closes the chunk and hands it to the system: what was written so far outlives this process.
+    pub(crate) fn flush(&mut self) -> Result<()> {
+        self.file.flush().map_err(|e| failure(&self.path, e))
+    }
+
+    /// Writes the index and closes the file.
+    pub(crate) fn finish(mut self) -> Result<W> {
+        self.file.finish().map_err(|e| failure(&self.path, e))?;
+        let mut sink = self.file.into_inner().into_inner();
+        sink.flush().map_err(writing(&self.path))?;
+        Ok(sink)
+    }
+}
+
+fn failure(path: &Path, error: impl ToString) -> Error {
+    Error::WriteMcap {
+        path: path.to_owned(),
+        message: error.to_string(),
+    }
+}

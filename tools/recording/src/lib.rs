@@ -1,0 +1,29 @@
+//! Recordings: one in-memory form, in and out as MCAP and as CSV folders; the robot's model.
+
+mod bag;
+mod build;
+mod csv_in;
+mod csv_out;
+mod error;
+mod mcap_in;
+mod mcap_out;
+mod open;
+pub mod recording;
+mod recording_toml;
+pub mod robot_toml;
+mod ros2;
+pub mod run_writer;
+mod sample;
+mod table;
+mod time;
+mod toml_file;
+mod topics;
+
+pub use bag::reader::Loss;
+pub use csv_in::{Import, read_folder};
+pub use csv_out::write_folder;
+pub use error::{Error, Result, Unusable};
+pub use mcap_out::{write_mcap, write_mcap_to};
+pub use open::read;
+pub use recording::Recording;
+pub use table::StreamKind;

@@ -1,0 +1,560 @@
+//! Records a run as it happens: one typed function for each thing that is recorded.
+//!
+//! Times are nanoseconds since the run began; robots are their index in the description; pairs are
+//! [right, left]. [`RunWriter::flush`] closes the chunk: a recorder that is killed loses at most
+//! what came after its last flush.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use crate::bag::writer::{BagWriter, Channel};
+use crate::error::Result;
+use crate::recording::Recording;
+use crate::ros2::MessageType;
+use crate::ros2::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
+use crate::table::StreamKind;
+use crate::topics::{self, Carries};
+use crate::{recording_toml, robot_toml};
+
+/// A file that goes along with a run.
+#[derive(Debug, Clone)]
+pub struct Attachment {
+    /// Its name, such as `experiment.toml`.
+    pub name: String,
+    /// What it is, such as `application/toml`.
+    pub media_type: String,
+    /// Its content.
+    pub data: Vec<u8>,
+}
+
+/// What is known about a run before it begins.
+#[derive(Debug, Clone, Default)]
+pub struct About {
+    /// Robots in order, with their encoders and noise, and the nominal model. Streams are not read.
+    pub description: Recording,
+    /// Experiment, models of single robots, and whatever else should be found in the file.
+    pub attachments: Vec<Attachment>,
+    /// Versions, seed and the like, by name.
+    pub metadata: BTreeMap<String, String>,
+}
+
+/// What became of a position message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// It arrived.
+    Arrived {
+        /// When (ns).
+        t_received_ns: i64,
+    },
+    /// It was lost on the way.
+    Lost,
+    /// The run ended before it arrived.
+    InFlight,
+}
+
+/// A position that one robot sent to another; known by sender and `seq`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PositionRecord<'a> {
+    /// The sender's name.
+    pub sender: &'a str,
+    /// The receiver's name.
+    pub receiver: &'a str,
+    /// Counts the sender's messages.
+    pub seq: u64,
+    /// When the encoders behind it were read (ns).
+    pub t_sampled_ns: i64,
+    /// When it was sent (ns).
+    pub t_sent_ns: i64,
+    /// What became of it.
+    pub fate: Fate,
+    /// Position (m, m) and heading (rad) as sent.
+    pub pose: [f64; 3],
+    /// Forward speed (m/s) and yaw rate (rad/s), where sent.
+    pub velocity: Option<[f64; 2]>,
+}
+
+/// What a driven wheel does on the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WheelContact {
+    /// The contact slides; else it sticks.
+    pub slips: bool,
+    /// Speed of the contact over the floor along the wheel (m/s).
+    pub slip_longitudinal_m_s: f64,
+    /// Speed of the contact over the floor across the wheel (m/s).
+    pub slip_lateral_m_s: f64,
+    /// Force of the floor on the wheel (N).
+    pub normal_force_n: f64,
+    /// Torque applied at the wheel (N m).
+    pub applied_torque_nm: f64,
+}
+
+/// The topics of one robot, opened when first written to.
+#[derive(Debug, Clone, Default)]
+struct RobotChannels {
+    name: String,
+    command: Option<Channel>,
+    ticks: Option<Channel>,
+    wheels: Option<Channel>,
+    pose: Option<Channel>,
+    odometry: Option<Channel>,
+    imu: Option<Channel>,
+    truth: Option<Channel>,
+    contact: Option<Channel>,
+}
+
+/// Records a run.
+pub struct RunWriter<W: Write> {
+    bag: BagWriter<W>,
+    robots: Vec<RobotChannels>,
+    tf: Option<Channel>,
+    links: Option<Channel>,
+    trace: Option<Channel>,
+    events: Option<Channel>,
+}
+
+impl RunWriter<BufWriter<File>> {
+    /// Starts a file, replacing what was there, and writes down what is known.
+    ///
+    /// # Errors
+    /// When the system does not let it be written.
+    pub fn create(path: &Path, about: &About) -> Result<Self> {
+        Self::start(BagWriter::create(path)?, about)
+    }
+}
+
+impl<W: Write> RunWriter<W> {
+    /// Records to `sink`; `path` is only for errors.
+    ///
+    /// # Errors
+    /// When `sink` fails.
+    pub fn to_sink(sink: W, path: &Path, about: &About) -> Result<Self> {
+        Self::start(BagWriter::new(sink, path)?, about)
+    }
+
+    fn start(mut bag: BagWriter<W>, about: &About) -> Result<Self> {
+        let toml = "application/toml";
+        let description = recording_toml::to_text(&about.description);
+        bag.attach(topics::DESCRIPTION, toml, description.as_bytes())?;
+        if let Some(model) = &about.description.model {
+            bag.attach(topics::MODEL, toml, robot_toml::to_text(model).as_bytes())?;
+        }
+        for attachment in &about.attachments {
+            bag.attach(&attachment.name, &attachment.media_type, &attachment.data)?;
+        }
+        let mut metadata = about.metadata.clone();
+        metadata.insert("format".to_owned(), "1".to_owned());
+        metadata.insert("kind".to_owned(), "run".to_owned());
+        bag.metadata(topics::ABOUT, metadata)?;
+        let robots = about.description.robots.iter();
+        Ok(Self {
+            bag,
+            robots: robots
+                .map(|robot| RobotChannels {
+                    name: robot.name.clone(),
+                    ..RobotChannels::default()
+                })
+                .collect(),
+            tf: None,
+            links: None,
+            trace: None,
+            events: None,
+        })
+    }
+
+    /// Torque that the robot's drives were told (N m).
+    ///
+    /// # Errors
+    /// When the file cannot be written; so with all that follow.
+    pub fn write_torque_command(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        torque_nm: [f64; 2],
+    ) -> Result<()> {
+        let carries = "torque_right_nm,torque_left_nm";
+        let message = joint_state(t_ns, &[], &[], &torque_nm);
+        let open = (
+            MessageType::JointState,
+            "command",
+            Some(StreamKind::Command),
+            carries,
+        );
+        self.write_to(robot, open, |c| &mut c.command, t_ns, &message)
+    }
+
+    /// Encoder counts, signed and cumulative.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_encoders(&mut self, robot: usize, t_ns: i64, counts: [i64; 2]) -> Result<()> {
+        let [right, left] = counts;
+        let message = ros::EncoderTicks {
+            header: header(t_ns, ""),
+            right,
+            left,
+        };
+        let carries = "ticks_right,ticks_left";
+        let open = (
+            MessageType::EncoderTicks,
+            "encoder_ticks",
+            Some(StreamKind::Wheels),
+            carries,
+        );
+        self.write_to(robot, open, |c| &mut c.ticks, t_ns, &message)
+    }
+
+    /// True wheel angles (rad) and speeds (rad/s), for viewers: the diagnosis reads the encoders.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_wheels(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        angle_rad: [f64; 2],
+        speed_rad_s: [f64; 2],
+    ) -> Result<()> {
+        let message = joint_state(t_ns, &angle_rad, &speed_rad_s, &[]);
+        let open = (MessageType::JointState, "joint_states", None, "");
+        self.write_to(robot, open, |c| &mut c.wheels, t_ns, &message)
+    }
+
+    /// What the camera saw: x (m), y (m), yaw (rad).
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_camera(&mut self, robot: usize, t_ns: i64, pose: [f64; 3]) -> Result<()> {
+        let [x_m, y_m, yaw_rad] = pose;
+        let message = ros::PoseStamped {
+            header: header(t_ns, topics::WORLD),
+            pose: Pose::planar(x_m, y_m, yaw_rad),
+        };
+        let open = (
+            MessageType::PoseStamped,
+            "pose",
+            Some(StreamKind::Pose),
+            "x_m,y_m,yaw_rad",
+        );
+        self.write_to(robot, open, |c| &mut c.pose, t_ns, &message)
+    }
+
+    /// Specific force forward and to the left (m/s²), yaw rate (rad/s).
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_imu(&mut self, robot: usize, t_ns: i64, values: [f64; 3]) -> Result<()> {
+        let message = imu(t_ns, values);
+        let carries = "ax_m_s2,ay_m_s2,gz_rad_s";
+        let open = (MessageType::Imu, "imu", Some(StreamKind::Imu), carries);
+        self.write_to(robot, open, |c| &mut c.imu, t_ns, &message)
+    }
+
+    /// Where the robot believes to be (m, m, rad), its speed (m/s) and yaw rate (rad/s).
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_odometry(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        pose: [f64; 3],
+        velocity: [f64; 2],
+    ) -> Result<()> {
+        let name = self.name_of(robot);
+        let [v_m_s, w_rad_s] = velocity;
+        let message = odometry(t_ns, &name, pose, Twist::planar(v_m_s, 0.0, w_rad_s));
+        let open = (
+            MessageType::Odometry,
+            "odometry",
+            Some(StreamKind::Odometry),
+            "v_m_s,w_rad_s",
+        );
+        self.write_to(robot, open, |c| &mut c.odometry, t_ns, &message)
+    }
+
+    /// True pose of c (m, m, rad) and its velocity in the body's frame: forward (m/s), to the left
+    /// (m/s), yaw rate (rad/s).
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_truth(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        pose: [f64; 3],
+        velocity: [f64; 3],
+    ) -> Result<()> {
+        let name = self.name_of(robot);
+        let [forward, left, yaw_rate] = velocity;
+        let message = odometry(t_ns, &name, pose, Twist::planar(forward, left, yaw_rate));
+        let open = (MessageType::Odometry, "truth", None, "");
+        self.write_to(robot, open, |c| &mut c.truth, t_ns, &message)
+    }
+
+    /// True poses of all robots in order (m, m, rad), as transforms for viewers.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_true_poses(&mut self, t_ns: i64, poses: &[[f64; 3]]) -> Result<()> {
+        let named = self.robots.iter().zip(poses);
+        let transforms: Vec<ros::TransformStamped<&str>> = named
+            .map(|(robot, &[x_m, y_m, yaw_rad])| ros::TransformStamped {
+                header: header(t_ns, topics::WORLD),
+                child_frame_id: robot.name.as_str(),
+                translation: Vector3::new(x_m, y_m, 0.0),
+                rotation: Quaternion::from_yaw(yaw_rad),
+            })
+            .collect();
+        let message = ros::TfMessage { transforms };
+        let open = (MessageType::TfMessage, topics::TF);
+        write_shared(&mut self.bag, &mut self.tf, open, None, t_ns, &message)
+    }
+
+    /// What both contacts do, [right, left].
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_contact(
+        &mut self,
+        robot: usize,
+        t_ns: i64,
+        wheels: [WheelContact; 2],
+    ) -> Result<()> {
+        let [right, left] = wheels.map(|wheel| ros::WheelContact {
+            state: u8::from(wheel.slips),
+            slip_longitudinal_m_s: wheel.slip_longitudinal_m_s,
+            slip_lateral_m_s: wheel.slip_lateral_m_s,
+            normal_force_n: wheel.normal_force_n,
+            applied_torque_nm: wheel.applied_torque_nm,
+        });
+        let message = ros::Contact {
+            header: header(t_ns, ""),
+            right,
+            left,
+        };
+        let open = (MessageType::Contact, "contact", None, "");
+        self.write_to(robot, open, |c| &mut c.contact, t_ns, &message)
+    }
+
+    /// A message between robots, once it is known what became of it.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_position(&mut self, position: &PositionRecord<'_>) -> Result<()> {
+        let carries = Carries {
+            stream: "links".to_owned(),
+            columns: LINK_COLUMNS.iter().map(|&name| name.to_owned()).collect(),
+            unknown: Vec::new(),
+        };
+        let message = position_message(position);
+        let open = (MessageType::PositionMessage, topics::LINKS);
+        let t_ns = position.t_sent_ns;
+        write_shared(
+            &mut self.bag,
+            &mut self.links,
+            open,
+            Some(carries),
+            t_ns,
+            &message,
+        )
+    }
+
+    /// A step of a position's way, as the launcher encodes it (postcard).
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_trace(&mut self, t_ns: i64, postcard: &[u8]) -> Result<()> {
+        let message = ros::TraceEvent {
+            stamp: Time::from_ns(t_ns),
+            postcard,
+        };
+        let open = (MessageType::TraceEvent, "/trace");
+        write_shared(&mut self.bag, &mut self.trace, open, None, t_ns, &message)
+    }
+
+    /// Something that happened, in words.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_event(&mut self, t_ns: i64, process: &str, text: &str) -> Result<()> {
+        let message = ros::Event {
+            stamp: Time::from_ns(t_ns),
+            process,
+            text,
+        };
+        let open = (MessageType::Event, "/events");
+        write_shared(&mut self.bag, &mut self.events, open, None, t_ns, &message)
+    }
+
+    /// Names and values that are known only now, such as the digest of the states.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
+        self.bag.metadata(name, values)
+    }
+
+    /// Closes the chunk and hands it to the system. Call it about once a second.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn flush(&mut self) -> Result<()> {
+        self.bag.flush()
+    }
+
+    /// Writes the index and closes the file.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn finish(self) -> Result<W> {
+        self.bag.finish()
+    }
+
+    fn name_of(&self, robot: usize) -> String {
+        let robot = self.robots.get(robot);
+        robot.map_or_else(String::new, |robot| robot.name.clone())
+    }
+
+    /// Writes to a robot's topic, opening it first where it is new. A robot that the description
+    /// does not have is not recorded.
+    fn write_to<T: serde::Serialize>(
+        &mut self,
+        robot: usize,
+        (message_type, name, kind, columns): (MessageType, &str, Option<StreamKind>, &str),
+        channel_of: impl Fn(&mut RobotChannels) -> &mut Option<Channel>,
+        t_ns: i64,
+        message: &T,
+    ) -> Result<()> {
+        let Some(robot) = self.robots.get_mut(robot) else {
+            return Ok(());
+        };
+        let channel = match channel_of(robot) {
+            Some(channel) => *channel,
+            None => {
+                let metadata = kind
+                    .map(|kind| Carries::robot(&robot.name, kind, columns).metadata())
+                    .unwrap_or_default();
+                let topic = topics::topic(&robot.name, name);
+                let channel = self.bag.channel(&topic, message_type, &metadata)?;
+                *channel_of(robot) = Some(channel);
+                channel
+            }
+        };
+        self.bag.write(channel, t_ns, message)
+    }
+}
+
+fn write_shared<W: Write, T: serde::Serialize>(
+    bag: &mut BagWriter<W>,
+    channel: &mut Option<Channel>,
+    (message_type, topic): (MessageType, &str),
+    carries: Option<Carries>,
+    t_ns: i64,
+    message: &T,
+) -> Result<()> {
+    let channel = match channel {
+        Some(channel) => *channel,
+        None => {
+            let metadata = carries
+                .map(|carries| carries.metadata())
+                .unwrap_or_default();
+            *channel.insert(bag.channel(topic, message_type, &metadata)?)
+        }
+    };
+    bag.write(channel, t_ns, message)
+}
+
+/// Columns of `links.csv` after the time of sending.
+pub(crate) const LINK_COLUMNS: [&str; 8] = [
+    "t_received_s",
+    "from",
+    "to",
+    "x_m",
+    "y_m",
+    "yaw_rad",
+    "v_m_s",
+    "w_rad_s",
+];
+
+pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
+    Header {
+        stamp: Time::from_ns(t_ns),
+        frame_id,
+    }
+}
+
+/// The names of the wheels' joints, in the order of every pair.
+pub(crate) const JOINTS: [&str; 2] = ["wheel_right", "wheel_left"];
+
+pub(crate) fn joint_state<'a>(
+    t_ns: i64,
+    position: &'a [f64],
+    velocity: &'a [f64],
+    effort: &'a [f64],
+) -> ros::JointState<&'a str, &'a [&'a str], &'a [f64]> {
+    ros::JointState {
+        header: header(t_ns, ""),
+        name: &JOINTS,
+        position,
+        velocity,
+        effort,
+    }
+}
+
+/// An IMU message. No orientation is measured, which ROS marks by a covariance of -1.
+pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu<&'static str> {
+    let mut unknown = [0.0; 9];
+    unknown[0] = -1.0;
+    ros::Imu {
+        header: header(t_ns, ""),
+        orientation: Quaternion::from_yaw(0.0),
+        orientation_covariance: unknown,
+        angular_velocity: Vector3::new(0.0, 0.0, gz_rad_s),
+        angular_velocity_covariance: [0.0; 9],
+        linear_acceleration: Vector3::new(ax_m_s2, ay_m_s2, 0.0),
+        linear_acceleration_covariance: [0.0; 9],
+    }
+}
+
+pub(crate) fn odometry(
+    t_ns: i64,
+    robot: &str,
+    [x_m, y_m, yaw_rad]: [f64; 3],
+    twist: Twist,
+) -> ros::Odometry<&str> {
+    ros::Odometry {
+        header: header(t_ns, topics::WORLD),
+        child_frame_id: robot,
+        pose: Pose::planar(x_m, y_m, yaw_rad),
+        pose_covariance: [[0.0; 6]; 6],
+        twist,
+        twist_covariance: [[0.0; 6]; 6],
+    }
+}
+
+pub(crate) fn position_message<'a>(record: &PositionRecord<'a>) -> ros::PositionMessage<&'a str> {
+    let (fate, t_received_ns) = match record.fate {
+        Fate::Arrived { t_received_ns } => (0, t_received_ns),
+        Fate::Lost => (1, 0),
+        Fate::InFlight => (2, 0),
+    };
+    let [x_m, y_m, yaw_rad] = record.pose;
+    let [v_m_s, w_rad_s] = record.velocity.unwrap_or([f64::NAN; 2]);
+    ros::PositionMessage {
+        header: header(record.t_sent_ns, topics::WORLD),
+        sender: record.sender,
+        receiver: record.receiver,
+        seq: record.seq,
+        t_sampled_ns: record.t_sampled_ns,
+        t_sent_ns: record.t_sent_ns,
+        t_received_ns,
+        fate,
+        x_m,
+        y_m,
+        yaw_rad,
+        v_m_s,
+        w_rad_s,
+    }
+}

@@ -1,0 +1,194 @@
+//! Every recording at hand goes through the in-memory form, a folder and an MCAP file, and comes
+//! back to the bit. Where `../shared` is absent the tests say that they were skipped.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::path::{Path, PathBuf};
+
+use slipstream_recording::{read, read_folder, write_folder, write_mcap};
+
+/// The folders with a `recording.toml` under `../shared`, in order.
+fn shared_recordings() -> Vec<PathBuf> {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let mut folders: Vec<PathBuf> = ["recordings", "practice"]
+        .iter()
+        .filter_map(|kind| std::fs::read_dir(shared.join(kind)).ok())
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.join("recording.toml").exists())
+        .collect();
+    folders.sort();
+    if folders.is_empty() {
+        eprintln!("SKIPPED: no recordings in ../shared");
+    }
+    folders
+}
+
+/// All files under a folder by their relative names.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    let mut pending = vec![folder.to_owned()];
+    while let Some(folder) = pending.pop() {
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                pending.push(path);
+            } else {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    let name = |path: &Path| path.strip_prefix(folder).unwrap().display().to_string();
+    let read = |path: &Path| std::fs::read(path).unwrap();
+    found.iter().map(|p| (name(p), read(p))).collect()
+}
+
+/// Every cell of two CSV files must be the same number bit for bit, or the same text.
+fn assert_same_cells(name: &str, original: &[u8], exported: &[u8]) -> usize {
+    let rows = |bytes: &[u8]| -> Vec<csv::StringRecord> {
+        csv::ReaderBuilder::new()
+            .has_headers(false)
+            .trim(csv::Trim::All)
+            .from_reader(bytes)
+            .records()
+            .map(Result::unwrap)
+            .collect()
+    };
+    let (original, exported) = (rows(original), rows(exported));
+    assert_eq!(original.len(), exported.len(), "{name}: rows");
+    let mut cells = 0;
+    for (line, (a, b)) in original.iter().zip(&exported).enumerate() {
+        assert_eq!(a.len(), b.len(), "{name}:{}: cells", line + 1);
+        for (a, b) in a.iter().zip(b) {
+            cells += 1;
+            if let (Ok(x), Ok(y)) = (a.parse::<i64>(), b.parse::<i64>()) {
+                assert_eq!(x, y, "{name}:{}", line + 1);
+            }
+            match (a.parse::<f64>(), b.parse::<f64>()) {
+                (Ok(x), Ok(y)) => assert_eq!(x.to_bits(), y.to_bits(), "{name}:{}", line + 1),
+                _ => assert_eq!(a, b, "{name}:{}", line + 1),
+            }
+        }
+    }
+    cells
+}
+
+#[test]
+fn every_shared_recording_is_the_same_after_folder_and_mcap() {
+    for folder in shared_recordings() {
+        let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+        let scratch = tempfile::tempdir().unwrap();
+        let at = |name: &str| scratch.path().join(name);
+
+        let imported = read_folder(&folder).unwrap();
+        assert_eq!(imported.warnings, Vec::<String>::new(), "{name}");
+        write_folder(&imported.recording, &at("first")).unwrap();
+        let first = files(&at("first"));
+        let mut cells = 0;
+        for (file, original) in files(&folder) {
+            if file.ends_with(".csv") {
+                let exported = first.iter().find(|(name, _)| *name == file).unwrap();
+                cells += assert_same_cells(&format!("{name}/{file}"), &original, &exported.1);
+            }
+        }
+
+        write_mcap(&imported.recording, &at("bag.mcap")).unwrap();
+        let back = read(&at("bag.mcap")).unwrap();
+        assert_eq!(back.warnings, Vec::<String>::new(), "{name}");
+        write_folder(&back.recording, &at("second")).unwrap();
+        let second = files(&at("second"));
+        let names = |files: &[(String, Vec<u8>)]| -> Vec<String> {
+            files.iter().map(|(name, _)| name.clone()).collect()
+        };
+        assert_eq!(names(&first), names(&second), "{name}");
+        for ((file, a), (_, b)) in first.iter().zip(&second) {
+            assert!(a == b, "{name}/{file} differs after MCAP");
+        }
+        let size = std::fs::metadata(at("bag.mcap")).unwrap().len();
+        eprintln!("{name}: {cells} cells, {size} bytes of MCAP");
+    }
+}
+
+/// A folder with everything that the standard messages do not hold.
+fn write_awkward(folder: &Path) {
+    let files = [
+        (
+            "recording.toml",
+            "format = 1\nname = \"awkward\"\norigin = \"by hand\"\nsame_robot = true\n\
+             weather = \"rain\"\n[robots.z]\nencoder_counts_per_rev = 1856\npose_point = \"axle\"\n\
+             surface = \"ice\"\n[robots.z.noise]\npose_m = 0.1\n[robots.a]\nimu = \"acceleration\"\n\
+             [robots.empty]\n",
+        ),
+        (
+            "robot.toml",
+            "format = 1\n[robot]\nwheel_radius_m = 0.1\nhalf_track_m = 0.30000000000000004\n\
+             [effects]\npush = [{ t_s = 1 }, { t_s = 2.5 }]\n",
+        ),
+        (
+            "z/command.csv",
+            "t_s,voltage_right_v,voltage_left_v\n-1.5,-0,1e-300\n0.30000000000000004,,1\n",
+        ),
+        (
+            "z/wheels.csv",
+            "t_s,ticks_right,ticks_left\n0,-5,9007199254740993\n0,,7\n5e9,1,\n",
+        ),
+        (
+            "z/pose.csv",
+            "t_s,x_m,y_m,yaw_rad,quality\n0.1,1,2,7.3,\"good, \"\"very\"\"\"\n0.1,,,,\n0.2,1,2,,bad\n",
+        ),
+        ("z/motor.csv", "t_s,supply_v\n0,12.1\n1,\n"),
+        ("a/pose.csv", "t_s,x_m,y_m\n0,1,2\n"),
+        ("a/imu.csv", "t_s,gz_rad_s\n1e-9,0.1\n2e-9,\n"),
+        ("a/odometry.csv", "t_s,v_m_s\n1248272272.841,1e22\n"),
+        ("a/command.csv", "t_s,v_m_s,w_rad_s\n"),
+        (
+            "a/wheels.csv",
+            "t_s,speed_right_rad_s,speed_left_rad_s\n0,1,2\n",
+        ),
+        (
+            "links.csv",
+            "t_sent_s,t_received_s,from,to,x_m,y_m,yaw_rad,v_m_s,w_rad_s,note\n\
+             0.1,0.30000000000000004,z,a,1,2,3,,0.5,x\n0.1,,a,z,,,,,,\n",
+        ),
+        ("rtt.csv", "seq,rtt_ms\n7,0.1\n3,\n"),
+    ];
+    for (name, text) in files {
+        let path = folder.join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+    }
+}
+
+#[test]
+fn what_standard_messages_do_not_hold_comes_back_all_the_same() {
+    let scratch = tempfile::tempdir().unwrap();
+    let at = |name: &str| scratch.path().join(name);
+    write_awkward(&at("given"));
+    let imported = read_folder(&at("given")).unwrap();
+    assert_eq!(imported.warnings.len(), 2, "{:?}", imported.warnings);
+    write_folder(&imported.recording, &at("first")).unwrap();
+    write_mcap(&imported.recording, &at("bag.mcap")).unwrap();
+    let back = read(&at("bag.mcap")).unwrap();
+    assert_eq!(back.warnings, Vec::<String>::new());
+    write_folder(&back.recording, &at("second")).unwrap();
+    let (first, second) = (files(&at("first")), files(&at("second")));
+    for ((name_a, a), (name_b, b)) in first.iter().zip(&second) {
+        let (a, b) = (String::from_utf8_lossy(a), String::from_utf8_lossy(b));
+        assert_eq!((name_a, a), (name_b, b));
+    }
+    assert_eq!(first.len(), second.len());
+    for (name, given) in files(&at("given")) {
+        let exported = first.iter().find(|(file, _)| *file == name).unwrap();
+        if name.ends_with(".csv") {
+            assert_same_cells(&name, &given, &exported.1);
+        }
+    }
+    let order: Vec<&str> = back
+        .recording
+        .robots
+        .iter()
+        .map(|r| r.name.as_str())
+        .collect();
+    assert_eq!(order, ["z", "a", "empty"]);
+}
