@@ -3,6 +3,7 @@
 mod attempt;
 mod balance;
 mod command;
+mod cruise;
 mod drive;
 pub mod effects;
 mod events;
