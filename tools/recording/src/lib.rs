@@ -23,6 +23,7 @@ pub use bag::reader::Loss;
 pub use csv_in::{Import, read_folder};
 pub use csv_out::write_folder;
 pub use error::{Error, Result, Unusable};
+pub use mcap_in::read_mcap_from;
 pub use mcap_out::{write_mcap, write_mcap_to};
 pub use open::read;
 pub use recording::Recording;
