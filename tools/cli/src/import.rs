@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use slipstream_recording::TopicMap;
 
 use crate::failure::Failure;
 
@@ -14,11 +15,19 @@ pub(crate) struct Arguments {
     /// The MCAP file to write.
     #[arg(long, value_name = "FILE.mcap")]
     out: PathBuf,
+    /// Which topic of a bag is which stream; guessed without it.
+    #[arg(long, value_name = "FILE.toml")]
+    topics: Option<PathBuf>,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let import = slipstream_recording::read(&arguments.recording)?;
+    let topics = arguments
+        .topics
+        .as_deref()
+        .map(TopicMap::read)
+        .transpose()?;
+    let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
     for warning in &import.warnings {
         eprintln!("{warning}");
     }

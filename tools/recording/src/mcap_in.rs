@@ -24,24 +24,19 @@ const ROW: &str = "slipstream_msgs/msg/Row";
 /// # Errors
 /// When it is no MCAP file, none of slipstream's, or its description is unusable.
 pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
-    let (import, _) = read_own(source, size, path)?;
+    let import = read_own(source, size, path)?;
     let not_ours = "no channel says what slipstream should read from it";
     import.ok_or_else(|| Unusable::new(path, not_ours, "give a file that slipstream wrote").into())
 }
 
-/// Reads a file of ours, `None` if it is a bag of someone else; and the bag's topics.
-pub(crate) fn read_own(
-    source: impl Read,
-    size: u64,
-    path: &Path,
-) -> Result<(Option<Import>, Vec<Arc<ChannelInfo>>)> {
+/// As [`read_mcap_from`]; `None` if it is a bag of someone else.
+pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
     let mut loading = Loading::default();
     let loss = read_bag(source, size, path, &mut |item| loading.visit(item))?;
-    let channels = std::mem::take(&mut loading.channels);
     if !loading.ours {
-        return Ok((None, channels));
+        return Ok(None);
     }
-    Ok((Some(loading.finish(loss, path)?), channels))
+    loading.finish(loss, path).map(Some)
 }
 
 /// What to do with the messages of a channel.
@@ -69,8 +64,6 @@ struct Loading {
     ours: bool,
     description: Option<String>,
     model: Option<String>,
-    /// All topics of the file.
-    channels: Vec<Arc<ChannelInfo>>,
     /// What to do with each channel, by its number.
     plans: Vec<Plan>,
     streams: Vec<StreamBuilder>,
@@ -86,7 +79,6 @@ impl Loading {
         match item {
             Item::Channel { id, channel } => {
                 let plan = self.plan(channel);
-                self.channels.push(Arc::clone(channel));
                 let at = usize::from(id);
                 if self.plans.len() <= at {
                     self.plans.resize(at + 1, Plan::View);

@@ -3,12 +3,13 @@
 //!
 //! Without Python the test says that it was skipped; on a build server (`CI` set) it fails.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
+
+#[path = "external/python.rs"]
+mod python;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::sync::OnceLock;
+use std::path::Path;
 
 use serde_json::{Value, json};
 use slipstream_bus::RobotModel;
@@ -17,60 +18,10 @@ use slipstream_recording::run_writer::{
     About, Attachment, Fate, PositionRecord, RunWriter, WheelContact,
 };
 
-/// Folder of the script and of the list of packages.
-fn here() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external")
-}
-
-/// Runs a command to its end; what it printed, or why not.
-fn run(command: &mut Command) -> Result<String, String> {
-    let output = command.output().map_err(|e| e.to_string())?;
-    if output.status.success() {
-        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
-    }
-    Err(String::from_utf8_lossy(&output.stderr).into_owned())
-}
-
-/// The Python of an environment that has the packages. The tests of this file share it.
-fn python() -> Result<PathBuf, String> {
-    static PYTHON: OnceLock<Result<PathBuf, String>> = OnceLock::new();
-    PYTHON.get_or_init(install).clone()
-}
-
-/// Makes the environment where it is not there yet.
-fn install() -> Result<PathBuf, String> {
-    let environment = Path::new(env!("CARGO_TARGET_TMPDIR")).join("external-readers");
-    let python = environment.join("bin/python");
-    let wanted = std::fs::read_to_string(here().join("requirements.txt")).unwrap();
-    let installed = environment.join("installed.txt");
-    if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
-        return Ok(python);
-    }
-    run(Command::new("python3")
-        .args(["-m", "venv", "--clear"])
-        .arg(&environment))?;
-    let requirements = here().join("requirements.txt");
-    run(Command::new(&python)
-        .args(["-m", "pip", "install", "--quiet", "--requirement"])
-        .arg(requirements))?;
-    std::fs::write(installed, wanted).map_err(|e| e.to_string())?;
-    Ok(python)
-}
-
 /// What the foreign programs see in the file; `None` where they cannot be had.
 fn read_by_others(file: &Path) -> Option<Value> {
-    let python = match python() {
-        Ok(python) => python,
-        Err(why) if std::env::var_os("CI").is_none() => {
-            eprintln!("SKIPPED: no Python environment: {why}");
-            return None;
-        }
-        Err(why) => panic!("no Python environment: {why}"),
-    };
-    let seen = run(Command::new(python)
-        .arg(here().join("read_bag.py"))
-        .arg(file));
-    Some(serde_json::from_str(&seen.unwrap()).unwrap())
+    let printed = python::script("read_bag.py", file)?;
+    Some(serde_json::from_str(&printed).unwrap())
 }
 
 /// The only message of a topic.
