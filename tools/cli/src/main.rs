@@ -1,5 +1,6 @@
 //! `slipstream`: arguments in, words and exit codes out.
 
+mod check;
 mod export;
 mod failure;
 mod import;
@@ -18,12 +19,14 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Check(check::Arguments),
     Import(import::Arguments),
     Export(export::Arguments),
 }
 
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
+        Command::Check(arguments) => check::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
     };

@@ -2,6 +2,7 @@
 
 mod bag;
 mod build;
+mod check;
 mod csv_in;
 mod csv_out;
 mod error;
@@ -22,6 +23,7 @@ mod topic_map;
 mod topics;
 
 pub use bag::reader::Loss;
+pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check};
 pub use csv_in::{Import, read_folder};
 pub use csv_out::write_folder;
 pub use error::{Error, Result, Unusable};
