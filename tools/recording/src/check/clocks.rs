@@ -65,7 +65,7 @@ fn lags(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) 
         if lag_s.abs() > WORTH_S {
             let word = if lag_s > 0.0 { "behind" } else { "before" };
             let statement = format!("the pose is about {:.2} s {word} the {other}", lag_s.abs());
-            let remedy = "expect a latency or an offset between clocks; drive lag counts too";
+            let remedy = "a latency, an offset between clocks, or slip: the diagnosis tells which";
             let (id, robot) = ("lag", &robot.name);
             findings.push(Finding::new(Severity::Note, robot, id, statement, remedy));
         }
@@ -75,23 +75,36 @@ fn lags(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) 
 /// The time (s) by which `late` comes after `early`, where they are the same motion. Between steps
 /// by the parabola through the three best.
 fn lag(late: &[f64], early: &[f64]) -> Option<f64> {
-    let cosine = |shift: isize| -> Option<f64> {
-        let skip = |list: &[f64], by: isize| {
-            let by = usize::try_from(by).unwrap_or(0).min(list.len());
-            list.iter().skip(by).copied().collect::<Vec<f64>>()
-        };
-        agreement(&skip(late, shift), &skip(early, -shift)).map(|a| a.cosine)
-    };
+    let (late, early) = (smooth(late), smooth(early));
+    let cosine = |shift: isize| cosine_at(&late, &early, shift);
     let cosines: Vec<f64> = (-REACH..=REACH).map(cosine).collect::<Option<_>>()?;
     let best = (1..cosines.len() - 1).max_by(|a, b| cosines[*a].total_cmp(&cosines[*b]))?;
     let [before, top, after] = [cosines[best - 1], cosines[best], cosines[best + 1]];
     let curvature = before - 2.0 * top + after;
-    // A flat or weak maximum tells nothing.
-    if top < 0.8 || curvature > -1e-4 || top < before || top < after {
+    // A weak maximum, or one hardly better than no lag, tells nothing.
+    let none = cosines[REACH as usize];
+    let clear = 1.0 - none > 1.5 * (1.0 - top) || best == REACH as usize;
+    if top < 0.9 || !clear || curvature >= 0.0 || top < before || top < after {
         return None;
     }
     let between = 0.5 * (before - after) / curvature;
     Some((best as f64 - REACH as f64 + between) * STEP_S)
+}
+
+/// The mean of each item and the four after it: differences of a noisy pose over half a second.
+fn smooth(list: &[f64]) -> Vec<f64> {
+    list.windows(5)
+        .map(|part| part.iter().sum::<f64>() / 5.0)
+        .collect()
+}
+
+/// The cosine of the two lists when the first is moved back by `shift` steps.
+fn cosine_at(late: &[f64], early: &[f64], shift: isize) -> Option<f64> {
+    let from = |list: &[f64], by: isize| {
+        let by = usize::try_from(by).unwrap_or(0).min(list.len());
+        list.iter().skip(by).copied().collect::<Vec<f64>>()
+    };
+    agreement(&from(late, shift), &from(early, -shift)).map(|a| a.cosine)
 }
 
 /// Findings about the messages between robots.
