@@ -11,6 +11,8 @@ mod text;
 mod units;
 mod wheels;
 
+pub(crate) use motion::unwrap;
+
 use serde::Serialize;
 use slipstream_bus::RobotModel;
 

@@ -3,6 +3,7 @@
 mod bag;
 mod build;
 mod check;
+mod compare;
 mod csv_in;
 mod csv_out;
 mod error;
@@ -24,6 +25,7 @@ mod topics;
 
 pub use bag::reader::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check};
+pub use compare::{Channel, compare};
 pub use csv_in::{Import, read_folder};
 pub use csv_out::write_folder;
 pub use error::{Error, Result, Unusable};

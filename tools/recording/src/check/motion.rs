@@ -209,7 +209,7 @@ fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
 }
 
 /// The heading without jumps of a whole turn. Empty cells stay empty.
-pub(super) fn unwrap(yaw: &[f64]) -> Vec<f64> {
+pub(crate) fn unwrap(yaw: &[f64]) -> Vec<f64> {
     let mut last = f64::NAN;
     let mut turns = 0.0;
     yaw.iter()

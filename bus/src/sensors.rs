@@ -1,0 +1,107 @@
+//! The sensors of a robot as plain data.
+
+use serde::{Deserialize, Serialize};
+
+/// What sees a robot, beside its encoders, which the controller reads at every tick.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Sensors {
+    /// A camera above, or motion capture.
+    pub camera: Option<Camera>,
+    /// An inertial sensor at c.
+    pub imu: Option<Imu>,
+}
+
+/// A camera above, or motion capture: pose of c.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Camera {
+    /// Frames a second (1/s).
+    pub rate_hz: f64,
+    /// Standard deviation of x and of y (m).
+    pub noise_m: f64,
+    /// Standard deviation of the yaw (rad).
+    pub noise_rad: f64,
+    /// From exposure until the pose is known (s). The stamp is that of the exposure.
+    pub latency_s: f64,
+    /// Share of frames without a pose.
+    pub dropout: f64,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            rate_hz: 30.0,
+            noise_m: 0.002,
+            noise_rad: 0.009,
+            latency_s: 0.0,
+            dropout: 0.0,
+        }
+    }
+}
+
+/// An inertial sensor at c: specific force along and across the body, yaw rate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Imu {
+    /// Samples a second (1/s).
+    pub rate_hz: f64,
+    /// Standard deviation of each specific force (m/s²).
+    pub noise_m_s2: f64,
+    /// Standard deviation of the yaw rate (rad/s).
+    pub noise_rad_s: f64,
+}
+
+impl Default for Imu {
+    fn default() -> Self {
+        Self {
+            rate_hz: 100.0,
+            noise_m_s2: 0.06,
+            noise_rad_s: 0.006,
+        }
+    }
+}
+
+impl Sensors {
+    /// Judges the values.
+    ///
+    /// # Errors
+    /// The first one that no sensor can have.
+    pub fn validate(&self) -> Result<(), crate::ModelError> {
+        let mut values = Vec::new();
+        if let Some(Camera {
+            rate_hz,
+            noise_m,
+            noise_rad,
+            latency_s,
+            dropout,
+        }) = self.camera
+        {
+            values.push(("sensors.camera.rate_hz", rate_hz, RATES_HZ));
+            values.push(("sensors.camera.noise_m", noise_m, NOISE));
+            values.push(("sensors.camera.noise_rad", noise_rad, NOISE));
+            values.push(("sensors.camera.latency_s", latency_s, [0.0, 10.0]));
+            values.push(("sensors.camera.dropout", dropout, [0.0, 1.0]));
+        }
+        if let Some(Imu {
+            rate_hz,
+            noise_m_s2,
+            noise_rad_s,
+        }) = self.imu
+        {
+            values.push(("sensors.imu.rate_hz", rate_hz, RATES_HZ));
+            values.push(("sensors.imu.noise_m_s2", noise_m_s2, NOISE));
+            values.push(("sensors.imu.noise_rad_s", noise_rad_s, NOISE));
+        }
+        for (key, value, [low, high]) in values {
+            if !(low..=high).contains(&value) {
+                let remedy = format!("give a number from {low} to {high}");
+                return Err(crate::ModelError::new(key, format!("is {value}"), remedy));
+            }
+        }
+        Ok(())
+    }
+}
+
+const RATES_HZ: [f64; 2] = [1e-3, 1e5];
+const NOISE: [f64; 2] = [0.0, 1e3];

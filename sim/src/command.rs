@@ -1,0 +1,86 @@
+//! What the actuators are told.
+
+use crate::scalar::{Pair, Scalar};
+
+/// A command to both wheels. It holds until the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Command<S = f64> {
+    /// Torque at the wheels.
+    Torque {
+        /// Right wheel (N m).
+        right_nm: S,
+        /// Left wheel (N m).
+        left_nm: S,
+    },
+    /// Voltage at the motors.
+    Voltage {
+        /// Right motor (V).
+        right_v: S,
+        /// Left motor (V).
+        left_v: S,
+    },
+    /// Speed of the wheels, followed exactly.
+    Speed {
+        /// Right wheel (rad/s).
+        right_rad_s: S,
+        /// Left wheel (rad/s).
+        left_rad_s: S,
+    },
+    /// Speed of the robot: wheel speeds (v ± b w) / r by the nominal b and r, followed exactly.
+    Twist {
+        /// Forward speed (m/s).
+        v_m_s: S,
+        /// Yaw rate (rad/s).
+        w_rad_s: S,
+    },
+}
+
+/// The quantity that a command sets at the wheels. A twist is a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CommandKind {
+    /// Torque (N m).
+    Torque,
+    /// Voltage (V).
+    Voltage,
+    /// Wheel speed (rad/s).
+    Speed,
+}
+
+impl CommandKind {
+    /// The kind's name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Voltage => "voltage",
+            Self::Speed => "speed",
+        }
+    }
+}
+
+impl<S: Scalar> Command<S> {
+    /// No torque.
+    pub fn rest() -> Self {
+        let zero = S::constant(0.0);
+        Self::Torque {
+            right_nm: zero,
+            left_nm: zero,
+        }
+    }
+
+    /// The kind of quantity, and its value at the right and the left wheel. `nominal` is r and b.
+    pub(crate) fn at_wheels(&self, nominal: Pair<f64>) -> (CommandKind, Pair<S>) {
+        match *self {
+            Self::Torque { right_nm, left_nm } => (CommandKind::Torque, [right_nm, left_nm]),
+            Self::Voltage { right_v, left_v } => (CommandKind::Voltage, [right_v, left_v]),
+            Self::Speed {
+                right_rad_s,
+                left_rad_s,
+            } => (CommandKind::Speed, [right_rad_s, left_rad_s]),
+            Self::Twist { v_m_s, w_rad_s } => {
+                let [r, b] = nominal;
+                let turn = w_rad_s * b;
+                (CommandKind::Speed, [(v_m_s + turn) / r, (v_m_s - turn) / r])
+            }
+        }
+    }
+}

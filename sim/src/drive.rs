@@ -1,0 +1,118 @@
+//! From the command to the motor: delay → dead band → saturation → lag → gain and sag.
+
+use std::collections::VecDeque;
+
+use crate::command::CommandKind;
+use crate::parts::{Drive, Limits};
+use crate::scalar::{Pair, Scalar, clamp};
+
+/// The commanded quantity after everything before the motor, over one span of time.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Supply<S> {
+    /// At the span's start.
+    pub(crate) start: Pair<S>,
+    /// Mean over the span, exact.
+    pub(crate) mean: Pair<S>,
+    /// At the span's end.
+    pub(crate) end: Pair<S>,
+    /// Output of the lag at the span's end.
+    pub(crate) lagged: Pair<S>,
+}
+
+impl<S: Scalar> Drive<S> {
+    /// What reaches the motors over `span` = [from (s), length (s)] if no delayed command changes
+    /// inside it. `command` holds from before `span` to its end; `history` matters with a delay.
+    pub(crate) fn supply(
+        &self,
+        kind: CommandKind,
+        command: Pair<S>,
+        history: &VecDeque<(f64, Pair<S>)>,
+        lagged: Pair<S>,
+        span: Pair<f64>,
+    ) -> Supply<S> {
+        let told = match self.delay_s {
+            None => command.map(|u| self.shaped(kind, u)),
+            Some(delay_s) => self.delayed(kind, delay_s, history, span),
+        };
+        let [t_s, over_s] = span;
+        let (start, mean, end) = match self.lag_s {
+            None => (told, told, told),
+            Some(lag_s) => {
+                let left = (-lag_s.recip() * over_s).exp();
+                let share = (-left + 1.0) * lag_s / over_s;
+                let part = |k: S| [0, 1].map(|i| told[i] + (lagged[i] - told[i]) * k);
+                (lagged, part(share), part(left))
+            }
+        };
+        let strength = |at_s: f64, y: Pair<S>| {
+            let sag = -self.sag_per_s * at_s + 1.0;
+            [y[0] * self.gain[0] * sag, y[1] * self.gain[1] * sag]
+        };
+        Supply {
+            start: strength(t_s, start),
+            mean: strength(t_s + over_s / 2.0, mean),
+            end: strength(t_s + over_s, end),
+            lagged: end,
+        }
+    }
+
+    /// The command of `delay_s` ago. A change at the span's very end weighs nothing, but how much
+    /// it would weigh if the delay were shorter is what its derivative tells.
+    fn delayed(
+        &self,
+        kind: CommandKind,
+        delay_s: S,
+        history: &VecDeque<(f64, Pair<S>)>,
+        span: Pair<f64>,
+    ) -> Pair<S> {
+        let [t_s, over_s] = span;
+        let mut told = [S::constant(0.0); 2];
+        for &(since_s, command) in history {
+            let acts_s = delay_s + since_s;
+            let shaped = command.map(|u| self.shaped(kind, u));
+            if acts_s.value() <= t_s + SIMULTANEOUS_S {
+                told = shaped;
+            } else if acts_s.value() <= t_s + over_s + SIMULTANEOUS_S {
+                let share = (-acts_s + t_s + over_s) / over_s;
+                told = [0, 1].map(|i| told[i] + (shaped[i] - told[i]) * share);
+            }
+        }
+        told
+    }
+
+    /// The first instant inside `span` at which a delayed command begins to act.
+    pub(crate) fn next_change(
+        &self,
+        history: &VecDeque<(f64, Pair<S>)>,
+        span: Pair<f64>,
+    ) -> Option<f64> {
+        let delay_s = self.delay_s?.value();
+        let [from, to] = [span[0] + SIMULTANEOUS_S, span[0] + span[1] - SIMULTANEOUS_S];
+        history
+            .iter()
+            .map(|(since_s, _)| since_s + delay_s)
+            .find(|at| (from..to).contains(at))
+    }
+
+    /// Dead band and saturation.
+    fn shaped(&self, kind: CommandKind, u: S) -> S {
+        let dead = self.limit(kind, &self.dead_band);
+        if dead.is_some_and(|dead| u.value().abs() < dead.value()) {
+            return S::constant(0.0);
+        }
+        self.limit(kind, &self.saturation)
+            .map_or(u, |top| clamp(u, -top, top))
+    }
+
+    /// A limit in the unit of the command; a torque's limit bounds the voltage that would give it.
+    fn limit(&self, kind: CommandKind, limits: &Limits<S>) -> Option<S> {
+        match kind {
+            CommandKind::Torque => limits.torque_nm,
+            CommandKind::Voltage => Some(limits.torque_nm? / self.torque_per_volt?),
+            CommandKind::Speed => limits.speed_rad_s,
+        }
+    }
+}
+
+/// Instants closer than this are one (s): below it the change of a command moves nothing.
+const SIMULTANEOUS_S: f64 = 1e-12;

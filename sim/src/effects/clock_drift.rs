@@ -1,0 +1,42 @@
+//! One stream's clock runs fast or slow.
+
+use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use crate::parts::{Parts};
+use crate::scalar::{Scalar};
+
+/// The streams that have a clock of their own.
+const STREAMS: &[&str] = &["pose", "wheels", "imu"];
+
+/// See [`Effect::INFO`].
+#[derive(Debug, Clone)]
+pub(super) struct ClockDrift<S> {
+    rate: S,
+    stream: &'static str,
+}
+
+impl<S: Scalar> Effect<S> for ClockDrift<S> {
+    const INFO: Info = Info {
+        id: "clock_drift",
+        summary: "stamp = t (1 + rate) in one stream",
+        equation: "z(t (1 + k)) = y(t)",
+        source: "first order of a clock's error",
+        place: Place::Sensor,
+        channels: &[Channel::SensorPose, Channel::SensorWheels, Channel::SensorImu],
+        parameters: &[ParameterInfo::number("rate", "s/s", -0.1, 0.1, &[-0.002, -2e-4, 2e-4, 0.002]), ParameterInfo::text("stream", STREAMS)],
+        repeats: true,
+        kinematic: true,
+    };
+
+    fn new(values: &Values<S>) -> Self {
+        Self { rate: values.number("rate"), stream: values.text }
+    }
+
+    fn shape(&self, parts: &mut Parts<S>) {
+        let rates = &mut parts.sensing.clock_rate;
+        match self.stream {
+            "wheels" => rates.wheels = self.rate,
+            "imu" => rates.imu = self.rate,
+            _ => rates.pose = self.rate,
+        }
+    }
+}

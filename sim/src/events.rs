@@ -1,0 +1,140 @@
+//! Where a mode ends for other reasons than friction: the floor changes, gears meet or part.
+
+use crate::attempt::{Event, MOTOR_SHARE};
+use crate::command::CommandKind;
+use crate::parts::Grip;
+use crate::robot::Robot;
+use crate::scalar::{Pair, Scalar};
+use crate::state::{Body, Gear, State};
+
+impl<S: Scalar> Robot<S> {
+    /// Where the driven wheels touch the floor, right and left (m, world frame).
+    pub(crate) fn contacts(&self, pose: [S; 3]) -> [Pair<S>; 2] {
+        let (sin, cos) = pose[2].sin_cos();
+        let back = self.com_to_axle;
+        [-self.half_track, self.half_track].map(|left| {
+            [
+                pose[0] - back * cos - left * sin,
+                pose[1] - back * sin + left * cos,
+            ]
+        })
+    }
+
+    /// Friction under each driven wheel. Of patches that overlap, the last one listed counts.
+    pub(crate) fn grips(&self, pose: [S; 3]) -> Pair<Option<Grip<S>>> {
+        if !self.effects.has_floor {
+            return [self.grip; 2];
+        }
+        self.contacts(pose).map(|contact| {
+            let mut grip = self.grip;
+            self.effects.floors(contact, |inside, own| {
+                if inside.value() > 0.0 {
+                    grip = Some(own);
+                }
+            });
+            grip
+        })
+    }
+
+    /// A wheel entering or leaving a patch between two bodies.
+    pub(crate) fn floor_event(&self, from: &Body<S>, to: &Body<S>) -> Option<Event<S>> {
+        let (before, after) = (self.contacts(from.pose), self.contacts(to.pose));
+        let mut event = None;
+        for (before, after) in before.into_iter().zip(after) {
+            let mut patch = 0;
+            self.effects.floors(before, |inside, _| {
+                let mut at = 0;
+                self.effects.floors(after, |then, _| {
+                    if at == patch && (inside.value() > 0.0) != (then.value() > 0.0) {
+                        event = Some(Event::new(inside, then));
+                    }
+                    at += 1;
+                });
+                patch += 1;
+            });
+        }
+        event
+    }
+
+    /// A gear that closes, or one whose motor no longer presses on its wheel.
+    pub(crate) fn gear_event(&self, state: &State<S>, to: &Body<S>) -> Option<Event<S>> {
+        (0..2).find_map(|i| {
+            let margin = |body: &Body<S>| self.gear_margin(state.mode.gear[i], body, i, state);
+            let end = margin(to)?;
+            (end.value() < 0.0).then(|| Event::new(margin(&state.body).unwrap_or(end), end))
+        })
+    }
+
+    /// How far a gear is from changing its state: play left (rad), or torque passed on (N m).
+    fn gear_margin(&self, gear: Gear, body: &Body<S>, i: usize, state: &State<S>) -> Option<S> {
+        let half = self.drive.gap_rad? * 0.5;
+        match gear {
+            Gear::Rigid => None,
+            Gear::Free => {
+                let apart = body.motor_angle[i] - body.angle[i];
+                let closing = (body.motor_speed[i] - body.nu[3 + i]) * apart;
+                let left = half - apart.abs();
+                // parting again from a stop that was just left is no contact
+                (closing.value() > 0.0 || left.value() > 0.0).then_some(left)
+            }
+            Gear::Forward => Some(self.passed_on(body, i, state)),
+            Gear::Backward => Some(-self.passed_on(body, i, state)),
+        }
+    }
+
+    /// Torque that the motor passes on to its wheel.
+    fn passed_on(&self, body: &Body<S>, i: usize, state: &State<S>) -> S {
+        let inertia = self.wheel_inertia * MOTOR_SHARE;
+        let motor = if state.mode.kind == CommandKind::Speed {
+            // the motor holds the wheel's speed: what it passes on is what the wheel takes
+            return body.acceleration[3 + i] * self.wheel_inertia * (1.0 - MOTOR_SHARE)
+                + self.radius[i] * body.contact.along_n[i];
+        } else {
+            body.torque[i]
+        };
+        motor - inertia * body.acceleration[3 + i]
+    }
+
+    /// Engages gears that have closed and releases those that no longer press.
+    pub(crate) fn shift_gears(&self, state: &mut State<S>) {
+        for i in 0..2 {
+            let gear = state.mode.gear[i];
+            let margin = self.gear_margin(gear, &state.body, i, state);
+            if margin.is_none_or(|margin| margin.value() >= 0.0) {
+                continue;
+            }
+            if gear.is_engaged() {
+                state.mode.gear[i] = Gear::Free;
+                continue;
+            }
+            let ahead = state.body.motor_angle[i].value() > state.body.angle[i].value();
+            state.mode.gear[i] = if ahead { Gear::Forward } else { Gear::Backward };
+            self.meet(state, i);
+        }
+    }
+
+    /// Motor and wheel meet without rebound. A wheel that can slip does: friction has no time to
+    /// act. One that cannot takes the body along.
+    fn meet(&self, state: &mut State<S>, i: usize) {
+        let body = &mut state.body;
+        let motor = self.wheel_inertia * MOTOR_SHARE;
+        let jump = body.motor_speed[i] - body.nu[3 + i];
+        if state.mode.grip[i].is_some() {
+            let share = if state.mode.kind == CommandKind::Speed {
+                1.0
+            } else {
+                MOTOR_SHARE
+            };
+            body.nu[3 + i] += jump * share;
+        } else {
+            let mobility = state.operator.acceleration[(3 + i, 3 + i)];
+            let impulse = if state.mode.kind == CommandKind::Speed {
+                jump / mobility
+            } else {
+                jump / (mobility + motor.recip())
+            };
+            body.nu += state.operator.acceleration.column(3 + i) * impulse;
+        }
+        body.motor_speed[i] = body.nu[3 + i];
+    }
+}

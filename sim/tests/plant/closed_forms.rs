@@ -1,0 +1,219 @@
+//! Motions whose answer can be written down.
+
+use crate::support::{STEP_S, assert_near, drive, gripping, robot, torque};
+use slipstream_bus::RobotModel;
+use slipstream_sim::{Command, GRAVITY_M_S2};
+
+const R: f64 = 0.0365;
+const B: f64 = 0.105;
+const D: f64 = 0.055;
+const E: f64 = 0.095;
+const M: f64 = 1.5 + 2.0 * 0.064;
+const I_WY: f64 = 0.001_168;
+
+/// N_r = N_l on a straight line (Eq. 4 to 6).
+fn load() -> f64 {
+    M * GRAVITY_M_S2 * E / (D + E) / 2.0
+}
+
+/// Eq. 8: a = 2 τ r / (m r² + 2 I_wy). A constant acceleration is integrated exactly: what is left
+/// is rounding over 1000 steps.
+#[test]
+fn straight_acceleration_while_rolling() {
+    let robot = robot(&RobotModel::default());
+    let mut state = robot.start([0.0; 3]);
+    drive(&robot, &mut state, 0.0, 1.0, STEP_S, |_| torque(0.05, 0.05));
+    let a = 2.0 * 0.05 * R / (M * R * R + 2.0 * I_WY);
+    assert_near("x", state.pose()[0], a / 2.0, 1e-12);
+    assert_near("v", state.velocity()[0], a, 1e-12);
+    assert_near("angle", state.wheel_angle()[0], a / 2.0 / R, 1e-10);
+    assert_near("y", state.pose()[1], 0.0, 1e-14);
+}
+
+/// 0.13 N m for 0.5 s breaks the wheels away at once. The body accelerates by μ N, the wheel by what
+/// is left, until their speeds meet again: an instant that falls inside a step.
+#[test]
+fn straight_acceleration_with_slip() {
+    let (tau, mu) = (0.13, 0.239);
+    let robot = robot(&gripping(mu));
+    let mut state = robot.start([0.0; 3]);
+    let push = |t_s: f64| {
+        if t_s < 0.5 {
+            torque(tau, tau)
+        } else {
+            torque(0.0, 0.0)
+        }
+    };
+    drive(&robot, &mut state, 0.0, 0.5, STEP_S, push);
+    let body = 2.0 * mu * load() / M;
+    let wheel = (tau - R * mu * load()) / I_WY * R;
+    assert_near("body", state.pose()[0], body / 8.0, 1e-12);
+    assert_near("wheel", R * state.wheel_angle()[0], wheel / 8.0, 1e-12);
+    assert_near("body, as published", state.pose()[0], 0.1856, 5e-5);
+    assert_near(
+        "wheel, as published",
+        R * state.wheel_angle()[0],
+        0.3355,
+        5e-5,
+    );
+
+    let ahead = (wheel - body) * 0.5;
+    let closing = body + R * R * mu * load() / I_WY;
+    let longer = ahead / closing;
+    let mut slid = 0.0;
+    for k in 500..2000 {
+        let t_s = f64::from(k) * STEP_S;
+        if state.slides() == [true, true] {
+            slid = t_s + STEP_S - 0.5;
+        }
+        robot.step(&mut state, t_s, STEP_S, &push(t_s));
+    }
+    assert_near("slip goes on for", slid, longer, STEP_S);
+    assert_near("slip goes on for, as published", longer, 0.209, 5e-4);
+    let gap = R * state.wheel_angle()[0] - state.pose()[0];
+    // the event is found to 1 ms / 8192, in which the speeds differ by up to 0.4 µm/s
+    assert_near(
+        "gap",
+        gap,
+        ahead * 0.5 / 2.0 + ahead * longer / 2.0,
+        1e-9 + 4e-7,
+    );
+    assert_near("gap, as published", gap, 0.2126, 5e-5);
+}
+
+/// Wheels break away at exactly τ_max (Eq. 11), and not below.
+#[test]
+fn break_away_at_tau_max() {
+    let mu = 0.24;
+    let tau_max = mu * load() * (2.0 * I_WY + M * R * R) / (M * R);
+    let robot = robot(&gripping(mu));
+    for (factor, slides) in [(1.0 - 1e-8, false), (1.0 + 1e-8, true)] {
+        let mut state = robot.start([0.0; 3]);
+        let tau = tau_max * factor;
+        drive(&robot, &mut state, 0.0, 0.1, STEP_S, |_| torque(tau, tau));
+        assert_eq!(state.slides(), [slides; 2], "at {factor} of the limit");
+    }
+}
+
+/// Wheel speeds ω_r, ω_l drive a circle of radius v / ω about the axle's middle.
+#[test]
+fn steady_circle() {
+    let robot = robot(&RobotModel::default());
+    let (v, w) = (0.4, 1.3);
+    let mut state = robot.start([0.0; 3]);
+    let circle = |_| Command::Twist {
+        v_m_s: v,
+        w_rad_s: w,
+    };
+    drive(&robot, &mut state, 0.0, 7.0, STEP_S, circle);
+    // the axle's middle starts at (−d, 0) and runs on a circle about (−d, v / w)
+    let (sin, cos) = (w * 7.0).sin_cos();
+    let axle = [v / w * sin - D, v / w * (1.0 - cos)];
+    let [x, y, phi] = state.pose();
+    assert_near("phi", phi, w * 7.0, 1e-11);
+    // chords of arcs of 1.3 mrad, to the sixth order of the turn: rounding is what is left
+    assert_near("x", x, axle[0] + D * cos, 1e-11);
+    assert_near("y", y, axle[1] + D * sin, 1e-11);
+    let [right, left] = state.wheel_speed();
+    assert_near("right wheel", right, (v + B * w) / R, 1e-12);
+    assert_near("left wheel", left, (v - B * w) / R, 1e-12);
+}
+
+/// Against viscous drag alone a robot coasts v0 / k far, with k = c / (m + 2 I_wy / r²).
+#[test]
+fn coast_down() {
+    let robot = robot(&RobotModel::default().with("viscous_drag", &[("coefficient", 2.0)]));
+    let mut state = robot.start([0.0; 3]);
+    let mass = M + 2.0 * I_WY / (R * R);
+    let push = |t_s: f64| {
+        if t_s < 0.5 {
+            torque(0.06, 0.06)
+        } else {
+            torque(0.0, 0.0)
+        }
+    };
+    drive(&robot, &mut state, 0.0, 0.5, STEP_S, push);
+    let (start, v0) = (state.pose()[0], state.velocity()[0]);
+    let pull = 2.0 * 0.06 / R / 2.0;
+    // trapezoidal rule on an exponential: (k h)² / 12 of the speed, k h = 0.6e-3
+    assert_near(
+        "speed",
+        v0,
+        pull * (1.0 - (-2.0 / mass * 0.5_f64).exp()),
+        1e-7,
+    );
+    drive(&robot, &mut state, 0.5, 20.0, STEP_S, push);
+    let far = v0 * mass / 2.0 * (1.0 - (-2.0 / mass * 20.0_f64).exp());
+    assert_near("distance", state.pose()[0] - start, far, 1e-7);
+}
+
+/// With dry axles whose friction exceeds the slope's moment, and with speed command 0, a robot
+/// stands for ten minutes along, across and askew on a slope, to the last bit.
+#[test]
+fn standing_on_a_slope() {
+    for downhill in [0.0, 1.0, std::f64::consts::FRAC_PI_2, 3.0] {
+        let slope = gripping(0.24).with(
+            "floor_slope",
+            &[("grade", 0.05), ("downhill_rad", downhill)],
+        );
+        let braked = slope.clone().with("axle_friction", &[("torque_nm", 0.03)]);
+        let cases = [
+            (
+                slope,
+                Command::Speed {
+                    right_rad_s: 0.0,
+                    left_rad_s: 0.0,
+                },
+            ),
+            (braked, torque(0.0, 0.0)),
+        ];
+        for (model, command) in cases {
+            let robot = robot(&model);
+            let mut state = robot.start([1.0, 2.0, 0.5]);
+            drive(&robot, &mut state, 0.0, 600.0, STEP_S, |_| command);
+            assert_eq!(
+                state.pose(),
+                [1.0, 2.0, 0.5],
+                "downhill {downhill}, {command:?}"
+            );
+            assert_eq!(state.wheel_angle(), [0.0; 2]);
+        }
+    }
+}
+
+/// A robot whose wheels are held slides down a slope that is steeper than its friction. Only the
+/// driven wheels brake: m g sin α − μ (N_r + N_l) is left to accelerate it.
+#[test]
+fn sliding_down_a_steep_slope() {
+    let (mu, grade): (f64, f64) = (0.24, 0.3);
+    let model = gripping(mu).with("floor_slope", &[("grade", grade), ("downhill_rad", 0.0)]);
+    let robot = robot(&model);
+    let mut state = robot.start([0.0; 3]);
+    let held = |_| Command::Speed {
+        right_rad_s: 0.0,
+        left_rad_s: 0.0,
+    };
+    drive(&robot, &mut state, 0.0, 1.0, STEP_S, held);
+    let upright = 1.0 / (1.0 + grade * grade).sqrt();
+    let a = GRAVITY_M_S2 * upright * (grade - mu * E / (D + E));
+    assert_near("x", state.pose()[0], a / 2.0, 1e-12);
+}
+
+/// A voltage turns a lifted-off or rolling robot up to the motor's line: τ = k V − c ω.
+#[test]
+fn voltage_drives_to_the_no_load_speed() {
+    let robot = robot(&RobotModel::default());
+    let mut state = robot.start([0.0; 3]);
+    let half = |_| Command::Voltage {
+        right_v: 6.0,
+        left_v: 6.0,
+    };
+    drive(&robot, &mut state, 0.0, 0.1, STEP_S, half);
+    let inertia = I_WY + M * R * R / 2.0;
+    let rate = 0.78 / 36.65 / inertia;
+    let speed = 36.65 / 2.0 * (1.0 - (-rate * 0.1_f64).exp());
+    // trapezoidal rule: (rate h)² / 12 of the speed, rate h = 9.4e-3
+    assert_near("spinning up", state.wheel_speed()[0], speed, 3e-4);
+    drive(&robot, &mut state, 0.1, 5.0, STEP_S, half);
+    assert_near("no load", state.wheel_speed()[0], 36.65 / 2.0, 1e-9);
+}

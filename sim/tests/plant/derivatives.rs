@@ -1,0 +1,287 @@
+//! Derivatives by dual numbers against central differences, for every parameter of every effect.
+
+use std::collections::BTreeSet;
+
+use crate::support::{STEP_S, mixed};
+use num_dual::DualSVec64;
+use slipstream_bus::{EffectSpec, Parameter, RobotModel};
+use slipstream_sim::effects::{CATALOGUE, Domain};
+use slipstream_sim::{Command, CommandKind, Robot, Scalar, Stream, lift, read_effects};
+
+type Dual = DualSVec64<1>;
+
+/// All that a recording of 1.5 s could show.
+fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> {
+    let mut state = robot.start([0.0, 0.0, 0.3].map(S::constant));
+    for k in 0..1500 {
+        let t_s = f64::from(k) * STEP_S;
+        let [right, left] = mixed(t_s + STEP_S / 2.0, size).map(S::constant);
+        let command = match kind {
+            CommandKind::Torque => Command::Torque {
+                right_nm: right,
+                left_nm: left,
+            },
+            CommandKind::Voltage => Command::Voltage {
+                right_v: right,
+                left_v: left,
+            },
+            CommandKind::Speed => Command::Speed {
+                right_rad_s: right,
+                left_rad_s: left,
+            },
+        };
+        robot.step(&mut state, t_s, STEP_S, &command);
+    }
+    let second = S::constant(1.5);
+    let mut seen = robot.seen_pose(state.pose()).to_vec();
+    seen.extend(state.velocity());
+    seen.extend(robot.seen_angle(&state));
+    seen.extend(state.wheel_angle());
+    seen.extend([Stream::Pose, Stream::Wheels, Stream::Imu].map(|s| robot.stamp_s(s, second)));
+    seen.push(robot.link_delay_s());
+    seen
+}
+
+struct Case {
+    effect: &'static str,
+    parameters: &'static [(&'static str, f64)],
+    kind: CommandKind,
+    size: f64,
+    slips: bool,
+}
+
+const fn case(
+    effect: &'static str,
+    parameters: &'static [(&'static str, f64)],
+    kind: CommandKind,
+    size: f64,
+) -> Case {
+    Case {
+        effect,
+        parameters,
+        kind,
+        size,
+        slips: false,
+    }
+}
+
+const fn slipping(effect: &'static str, parameters: &'static [(&'static str, f64)]) -> Case {
+    Case {
+        effect,
+        parameters,
+        kind: CommandKind::Torque,
+        size: 0.08,
+        slips: true,
+    }
+}
+
+const TORQUE: CommandKind = CommandKind::Torque;
+const SPEED: CommandKind = CommandKind::Speed;
+const VOLTAGE: CommandKind = CommandKind::Voltage;
+
+const CASES: &[Case] = &[
+    case(
+        "wheel_slip",
+        &[("friction_static", 0.222), ("friction_kinetic", 0.22)],
+        TORQUE,
+        0.08,
+    ),
+    case(
+        "wheel_slip",
+        &[("friction_static", 0.26), ("friction_kinetic", 0.21)],
+        TORQUE,
+        0.081,
+    ),
+    case(
+        "friction_patch",
+        &[
+            ("x_m", 0.15),
+            ("y_m", 0.02),
+            ("radius_m", 0.2),
+            ("friction", 0.12),
+        ],
+        TORQUE,
+        0.05,
+    ),
+    case("rolling_resistance", &[("coefficient", 0.01)], TORQUE, 0.05),
+    case("viscous_drag", &[("coefficient", 0.4)], TORQUE, 0.05),
+    case("quadratic_drag", &[("coefficient", 0.4)], TORQUE, 0.05),
+    case("caster_drag", &[("friction", 0.05)], TORQUE, 0.05),
+    case("yaw_scrub", &[("moment_nm", 0.01)], TORQUE, 0.05),
+    case("actuator_delay", &[("delay_s", 0.0234)], TORQUE, 0.05),
+    case("actuator_delay", &[("delay_s", 0.0234)], SPEED, 5.0),
+    case("command_dead_band", &[("torque_nm", 0.012)], TORQUE, 0.05),
+    case("command_saturation", &[("torque_nm", 0.04)], TORQUE, 0.05),
+    case("command_saturation", &[("torque_nm", 0.04)], VOLTAGE, 2.0),
+    case("command_saturation", &[("speed_rad_s", 3.0)], SPEED, 5.0),
+    case("actuator_lag", &[("time_constant_s", 0.03)], TORQUE, 0.05),
+    case("actuator_lag", &[("time_constant_s", 0.03)], SPEED, 5.0),
+    case(
+        "motor_gain",
+        &[("right", 0.95), ("left", 1.04)],
+        TORQUE,
+        0.05,
+    ),
+    case("motor_gain", &[("right", 0.95), ("left", 1.04)], SPEED, 5.0),
+    case("supply_sag", &[("rate_per_s", 0.01)], VOLTAGE, 2.0),
+    case("torque_speed_droop", &[("coefficient", 2e-3)], TORQUE, 0.05),
+    case("backlash", &[("gap_rad", 0.03)], TORQUE, 0.05),
+    case("axle_friction", &[("torque_nm", 0.006)], TORQUE, 0.05),
+    slipping("load_transfer", &[("com_height_m", 0.03)]),
+    case(
+        "wheel_radius",
+        &[("right_scale", 1.01), ("left_scale", 0.99)],
+        TORQUE,
+        0.05,
+    ),
+    case(
+        "wheel_radius",
+        &[("right_scale", 1.01), ("left_scale", 0.99)],
+        SPEED,
+        5.0,
+    ),
+    case("track_width", &[("scale", 1.1)], SPEED, 5.0),
+    slipping("track_width", &[("scale", 1.1)]),
+    case(
+        "payload",
+        &[("mass_kg", 0.2), ("x_m", 0.02), ("y_m", -0.03)],
+        TORQUE,
+        0.05,
+    ),
+    slipping(
+        "payload",
+        &[("mass_kg", 0.2), ("x_m", 0.02), ("y_m", -0.03)],
+    ),
+    case(
+        "floor_slope",
+        &[("grade", 0.01), ("downhill_rad", 0.9)],
+        TORQUE,
+        0.05,
+    ),
+    case(
+        "push",
+        &[
+            ("t_s", 0.4321),
+            ("impulse_n_s", 0.1),
+            ("direction_rad", 1.0),
+        ],
+        TORQUE,
+        0.05,
+    ),
+    case(
+        "pose_offset",
+        &[("x_m", 0.02), ("y_m", 0.01), ("yaw_rad", 0.03)],
+        TORQUE,
+        0.05,
+    ),
+    case("pose_latency", &[("latency_s", 0.04)], TORQUE, 0.05),
+    case("wheels_latency", &[("latency_s", 0.04)], TORQUE, 0.05),
+    case("imu_latency", &[("latency_s", 0.04)], TORQUE, 0.05),
+    case(
+        "encoder_scale",
+        &[("right_scale", 1.01), ("left_scale", 0.98)],
+        TORQUE,
+        0.05,
+    ),
+    case("link_delay", &[("delay_s", 0.04)], TORQUE, 0.05),
+    case("clock_drift", &[("rate", 1e-3)], TORQUE, 0.05),
+];
+
+fn model(case: &Case) -> RobotModel {
+    let mut model = RobotModel::default();
+    if case.slips {
+        model = RobotModel::paper_with_slip();
+    }
+    let mut spec = EffectSpec::new(case.effect, case.parameters);
+    if case.effect == "clock_drift" {
+        spec.parameters
+            .push(("stream".to_owned(), Parameter::Text("pose".to_owned())));
+    }
+    model.effects.push(spec);
+    model
+}
+
+/// Central difference and derivative of everything observed; the largest difference between them,
+/// as a share of the largest derivative.
+fn compare(case: &Case, parameter: &str, value: f64) -> (f64, f64) {
+    let model = model(case);
+    let list = read_effects(&model).unwrap();
+    let effect = list.len() - 1;
+    let shifted = |shift: f64| {
+        let list = lift(&list, |i, name, value| {
+            value
+                + if i == effect && name == parameter {
+                    shift
+                } else {
+                    0.0
+                }
+        });
+        observe(
+            &Robot::assemble(&model, &list).unwrap(),
+            case.kind,
+            case.size,
+        )
+    };
+    let dual = lift(&list, |i, name, value| {
+        let constant = Dual::from_re(value);
+        if i == effect && name == parameter {
+            constant.derivative(0)
+        } else {
+            constant
+        }
+    });
+    let dual = observe(
+        &Robot::assemble(&model, &dual).unwrap(),
+        case.kind,
+        case.size,
+    );
+    let step = 5e-4 * value.abs().max(1e-2);
+    let (above, below) = (shifted(step), shifted(-step));
+    let mut largest: f64 = 0.0;
+    let mut apart: f64 = 0.0;
+    for ((dual, above), below) in dual.iter().zip(above).zip(below) {
+        let derivative = dual.eps.0.map_or(0.0, |eps| eps[0]);
+        largest = largest.max(derivative.abs());
+        apart = apart.max((derivative - (above - below) / (2.0 * step)).abs());
+    }
+    (apart, largest)
+}
+
+/// What a difference over 5e-4 of the value can tell where events are found to 0.1 µs.
+const SHARE: f64 = 5e-3;
+
+#[test]
+fn dual_numbers_agree_with_differences() {
+    let mut wrong = Vec::new();
+    for case in CASES {
+        for &(parameter, value) in case.parameters {
+            let (apart, largest) = compare(case, parameter, value);
+            let label = format!("{} {parameter} ({:?})", case.effect, case.kind);
+            println!("{label}: {apart:.2e} of {largest:.2e}");
+            // commands stay on their side of a dead band
+            let flat = case.effect == "command_dead_band" && apart == 0.0;
+            if !flat && (largest == 0.0 || apart > SHARE * largest) {
+                wrong.push(format!("{label}: {apart:e} of {largest:e}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_parameter_is_covered() {
+    let covered: BTreeSet<_> = CASES
+        .iter()
+        .flat_map(|case| case.parameters.iter().map(|&(name, _)| (case.effect, name)))
+        .collect();
+    for info in CATALOGUE {
+        for parameter in info.parameters {
+            if matches!(parameter.domain, Domain::Number { .. }) {
+                let key = (info.id, parameter.name);
+                // a dead band on speeds is the one on torques with another unit
+                let twin = key == ("command_dead_band", "speed_rad_s");
+                assert!(covered.contains(&key) || twin, "{key:?} has no case");
+            }
+        }
+    }
+}

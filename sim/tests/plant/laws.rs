@@ -1,0 +1,348 @@
+//! Laws that hold for every robot and every command.
+
+use crate::support::{STEP_S, assert_near, drive, gripping, kinetic_energy, mixed, robot, torque};
+use proptest::prelude::*;
+use slipstream_bus::RobotModel;
+use slipstream_sim::{Command, Robot, State};
+
+fn mixed_torque(size_nm: f64) -> impl Fn(f64) -> Command {
+    move |t_s| {
+        let [right, left] = mixed(t_s, size_nm);
+        torque(right, left)
+    }
+}
+
+/// Without input, and whatever rubs, energy does not grow. The explicit trapezoid may add to the
+/// inertial terms' energy in the third order of the step: 1e-9 of it in a step.
+#[test]
+fn energy_never_grows_without_input() {
+    let frictions = [
+        RobotModel::default(),
+        gripping(0.05),
+        gripping(0.24),
+        gripping(0.24).with("axle_friction", &[("torque_nm", 0.004)]),
+        gripping(0.15).with("caster_drag", &[("friction", 0.1)]),
+        RobotModel::default()
+            .with("rolling_resistance", &[("coefficient", 0.01)])
+            .with("yaw_scrub", &[("moment_nm", 0.01)])
+            .with("viscous_drag", &[("coefficient", 0.3)])
+            .with("quadratic_drag", &[("coefficient", 0.3)])
+            .with("torque_speed_droop", &[("coefficient", 1e-3)]),
+    ];
+    for model in frictions {
+        let robot = robot(&model);
+        for start_nm in [[0.2, 0.2], [0.2, -0.1], [0.03, 0.25]] {
+            let mut state = robot.start([0.0; 3]);
+            drive(&robot, &mut state, 0.0, 0.7, STEP_S, |_| {
+                torque(start_nm[0], start_nm[1])
+            });
+            let mut energy = kinetic_energy(&model, &state);
+            for k in 0..4000 {
+                robot.step(
+                    &mut state,
+                    0.7 + f64::from(k) * STEP_S,
+                    STEP_S,
+                    &torque(0.0, 0.0),
+                );
+                let next = kinetic_energy(&model, &state);
+                assert!(
+                    next <= energy * (1.0 + 1e-9),
+                    "{energy} grew to {next} in step {k}"
+                );
+                energy = next;
+            }
+        }
+    }
+}
+
+/// Rolling without friction loses nothing: what was driven in comes out again.
+#[test]
+fn energy_is_the_work_of_the_motors() {
+    let model = RobotModel::default();
+    let robot = robot(&model);
+    let mut state = robot.start([0.0; 3]);
+    let mut work = 0.0;
+    for k in 0..5000 {
+        let [right, left] = mixed(f64::from(k) * STEP_S, 0.05);
+        let before = state.wheel_angle();
+        robot.step(
+            &mut state,
+            f64::from(k) * STEP_S,
+            STEP_S,
+            &torque(right, left),
+        );
+        let after = state.wheel_angle();
+        work += right * (after[0] - before[0]) + left * (after[1] - before[1]);
+    }
+    let energy = kinetic_energy(&model, &state);
+    assert_near("energy", energy, work, 1e-6 * work);
+}
+
+/// Each wheel's force stays inside its cone, and is at its edge, opposite to the slip, while it
+/// slides.
+#[test]
+fn forces_stay_inside_the_friction_limit() {
+    let (friction, height) = (0.24, 0.0216);
+    let robot = robot(&gripping(friction));
+    let mut state = robot.start([0.0; 3]);
+    let (mut slid, mut stuck) = (0, 0);
+    for k in 0..20_000 {
+        let t_s = f64::from(k) * STEP_S;
+        robot.step(&mut state, t_s, STEP_S, &mixed_torque(0.1)(t_s));
+        let contact = state.contact();
+        let [right, left] = contact.normal_n;
+        let limits = contact.normal_n.map(|n| friction * n);
+        let spare = [0, 1].map(|i| limits[i].powi(2) - contact.along_n[i].powi(2));
+        let tolerance = 1e-8 * (limits[0] + limits[1]);
+        assert!(
+            spare[0] > -tolerance && spare[1] > -tolerance,
+            "{contact:?}"
+        );
+        let across = spare[0].max(0.0).sqrt() + spare[1].max(0.0).sqrt();
+        assert!(
+            contact.across_n.abs() <= across + 1e-3 * across.max(1e-3),
+            "{contact:?}"
+        );
+        assert_near(
+            "Eq. 5",
+            (right - left) * 0.105,
+            contact.across_n * height,
+            1e-12,
+        );
+        if state.slides() == [true, true] {
+            slid += 1;
+        } else if state.slides() == [false, false] {
+            stuck += 1;
+        }
+    }
+    assert!(
+        slid > 500 && stuck > 500,
+        "both modes were driven: {slid} and {stuck}"
+    );
+}
+
+fn run(model: &RobotModel, pose: [f64; 3], size_nm: f64, swap: bool) -> State {
+    let robot = robot(model);
+    let mut state = robot.start(pose);
+    drive(&robot, &mut state, 0.0, 5.0, STEP_S, |t_s| {
+        let [right, left] = mixed(t_s, size_nm);
+        if swap {
+            torque(left, right)
+        } else {
+            torque(right, left)
+        }
+    });
+    state
+}
+
+/// Left and right exchanged gives the mirror image. Sums in another order round otherwise; slip
+/// lets a difference of the last digit grow to 1e-7 in 5 s.
+#[test]
+fn mirror_symmetry() {
+    for (model, size_nm, tolerance) in [
+        (RobotModel::default(), 0.05, 1e-11),
+        (gripping(0.24), 0.1, 1e-6),
+    ] {
+        let [x, y, phi] = run(&model, [0.0; 3], size_nm, false).pose();
+        let mirrored = run(&model, [0.0; 3], size_nm, true).pose();
+        assert_near("x", mirrored[0], x, tolerance);
+        assert_near("y", mirrored[1], -y, tolerance);
+        assert_near("phi", mirrored[2], -phi, tolerance);
+    }
+}
+
+/// A frame that is moved and turned sees the same motion.
+#[test]
+fn frame_invariance() {
+    for (model, size_nm) in [(RobotModel::default(), 0.05), (gripping(0.24), 0.1)] {
+        let [x, y, phi] = run(&model, [0.0; 3], size_nm, false).pose();
+        let (x0, y0, turn) = (3.0, -7.0, 1.1_f64);
+        let moved = run(&model, [x0, y0, turn], size_nm, false).pose();
+        let (sin, cos) = turn.sin_cos();
+        assert_near("x", moved[0], x0 + x * cos - y * sin, 1e-11);
+        assert_near("y", moved[1], y0 + x * sin + y * cos, 1e-11);
+        assert_near("phi", moved[2], turn + phi, 1e-11);
+    }
+}
+
+/// On ice the wheels spin and the robot's momentum, linear and angular, stays what a push made it.
+#[test]
+fn momentum_on_a_frictionless_floor() {
+    let model = gripping(1e-3)
+        .with(
+            "friction_patch",
+            &[
+                ("x_m", 0.0),
+                ("y_m", 0.0),
+                ("radius_m", 1e3),
+                ("friction", 1e-3),
+            ],
+        )
+        .with(
+            "push",
+            &[("t_s", 0.1), ("impulse_n_s", 0.5), ("direction_rad", 0.7)],
+        );
+    let robot = robot(&model);
+    let mut state = robot.start([0.0, 0.0, 0.3]);
+    drive(&robot, &mut state, 0.0, 0.2, STEP_S, |_| {
+        torque(0.05, -0.02)
+    });
+    let momentum = |state: &State| {
+        let [u, w, rate] = state.velocity();
+        let (sin, cos) = state.pose()[2].sin_cos();
+        // of body and wheels; the wheels' masses lie d behind c
+        let (m, back) = (1.5 + 2.0 * 0.064, 2.0 * 0.064 * 0.055);
+        let (along, across) = (m * u, m * w - back * rate);
+        [along * cos - across * sin, along * sin + across * cos]
+    };
+    let before = momentum(&state);
+    let grip = 1e-3 * 1.628 * 9.81;
+    // the push's 0.5 N s less what a friction of 0.001 takes in 0.2 s
+    assert_near("x", before[0], 0.5 * 0.7_f64.cos(), 0.2 * grip);
+    assert_near("y", before[1], 0.5 * 0.7_f64.sin(), 0.2 * grip);
+    drive(&robot, &mut state, 0.2, 1.0, STEP_S, |_| {
+        torque(0.05, -0.02)
+    });
+    let after = momentum(&state);
+    assert_near("x", after[0], before[0], grip);
+    assert_near("y", after[1], before[1], grip);
+}
+
+/// Where nothing dissipates, the motion runs backwards: opposite velocities under the torques in
+/// reverse order lead back to the start. Heun's rule is not reversible itself: 1e-6 in 4 s.
+#[test]
+fn reversible_without_friction() {
+    let robot = robot(&RobotModel::default());
+    let mut there = robot.start([0.0; 3]);
+    let command = mixed_torque(0.05);
+    drive(&robot, &mut there, 0.0, 4.0, STEP_S, &command);
+    let mut back = robot.start(there.pose());
+    let (velocity, wheels) = (there.velocity(), there.wheel_speed());
+    robot.set_motion(&mut back, velocity.map(|v| -v), wheels.map(|w| -w));
+    drive(&robot, &mut back, 0.0, 4.0, STEP_S, |t_s| {
+        command(4.0 - t_s)
+    });
+    for (axis, value) in back.pose().into_iter().enumerate() {
+        assert_near("pose", value, 0.0, 2e-6 * (1.0 + axis as f64));
+    }
+}
+
+/// A wheel of almost no inertia rolls, spins and stops as any other.
+#[test]
+fn any_positive_wheel_inertia_is_stable() {
+    for inertia in [1e-12, 1e-9, 1e-6, 1e-3, 1.0] {
+        for friction in [None, Some(0.24)] {
+            let mut model = friction.map_or_else(RobotModel::default, gripping);
+            model.robot.wheel_spin_inertia_kg_m2 = Some(inertia);
+            let robot = robot(&model);
+            let mut state = robot.start([0.0; 3]);
+            drive(&robot, &mut state, 0.0, 3.0, STEP_S, mixed_torque(0.04));
+            let [u, w, rate] = state.velocity();
+            assert!(
+                u.hypot(w) < 10.0 && rate.abs() < 100.0,
+                "I_wy {inertia}: {u} {w} {rate}"
+            );
+            // Eq. 1, wherever the wheels roll
+            if state.slides() == [false, false] {
+                for slip in robot.slip_m_s(&state) {
+                    assert_near("slip", slip, 0.0, 1e-12);
+                }
+            }
+        }
+    }
+}
+
+/// Without wheel slip, Eq. 1 holds to 1e-12 after every step.
+#[test]
+fn rolling_is_exact() {
+    let robot = robot(&RobotModel::default());
+    let mut state = robot.start([0.0; 3]);
+    for k in 0..10_000 {
+        let t_s = f64::from(k) * STEP_S;
+        robot.step(&mut state, t_s, STEP_S, &mixed_torque(0.08)(t_s));
+        for slip in robot.slip_m_s(&state) {
+            assert_near("slip", slip, 0.0, 1e-12);
+        }
+    }
+}
+
+fn some_robot() -> impl Strategy<Value = RobotModel> {
+    let masses = (0.05..50.0, 0.001..2.0, 1e-6..1e-2_f64, 0.02..0.3_f64);
+    let lengths = (0.05..0.5_f64, 0.0..0.3_f64, 0.05..0.5_f64, 0.0..0.2_f64);
+    let effects = proptest::collection::vec(0..12_usize, 0..5);
+    (masses, lengths, 0.02..1.2_f64, 0.5..1.0_f64, effects).prop_map(
+        |((mass, wheel, spin, radius), (b, d, e, h), friction, share, effects)| {
+            let mut model = RobotModel::default().with(
+                "wheel_slip",
+                &[
+                    ("friction_static", friction),
+                    ("friction_kinetic", friction * share),
+                ],
+            );
+            model.robot.body_mass_kg = Some(mass);
+            model.robot.body_yaw_inertia_kg_m2 = Some(mass * b * b);
+            model.robot.wheel_mass_kg = Some(wheel);
+            model.robot.wheel_spin_inertia_kg_m2 = Some(spin * (1.0 + wheel * 100.0));
+            model.robot.wheel_radius_m = radius;
+            model.robot.half_track_m = b;
+            model.robot.com_to_axle_m = Some(d);
+            model.robot.com_to_caster_m = Some(e);
+            model.robot.com_height_m = Some(h);
+            let weight = mass * 9.81;
+            let list: [(&str, &[(&str, f64)]); 12] = [
+                ("rolling_resistance", &[("coefficient", 0.02)]),
+                ("viscous_drag", &[("coefficient", 1.0)]),
+                ("quadratic_drag", &[("coefficient", 0.1)]),
+                ("caster_drag", &[("friction", 0.1)]),
+                ("yaw_scrub", &[("moment_nm", 0.02 * weight * b)]),
+                ("axle_friction", &[("torque_nm", 0.01 * weight * radius)]),
+                ("backlash", &[("gap_rad", 0.05)]),
+                ("actuator_lag", &[("time_constant_s", 0.03)]),
+                ("load_transfer", &[("com_height_m", h)]),
+                ("floor_slope", &[("grade", 0.05), ("downhill_rad", 2.0)]),
+                ("actuator_delay", &[("delay_s", 0.0133)]),
+                (
+                    "wheel_radius",
+                    &[("right_scale", 0.97), ("left_scale", 1.02)],
+                ),
+            ];
+            for i in effects {
+                let (effect, parameters) = list[i];
+                if !model.effects.iter().any(|known| known.effect == effect) {
+                    model = model.with(effect, parameters);
+                }
+            }
+            model
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    /// Random robots with random effects under random commands of every kind stay finite and no
+    /// faster than their input allows.
+    #[test]
+    fn nothing_blows_up(
+        model in some_robot(),
+        kind in 0..4,
+        sizes in proptest::collection::vec((-2.0..2.0_f64, -2.0..2.0_f64), 25),
+    ) {
+        let Ok(robot) = Robot::new(&model) else { return Ok(()) };
+        let mut state = robot.start([0.0; 3]);
+        let scale = model.robot.body_mass_kg.unwrap() * 9.81 * model.robot.wheel_radius_m * 0.3;
+        for (k, (right, left)) in sizes.iter().flat_map(|pair| std::iter::repeat_n(pair, 40)).enumerate() {
+            let command = match kind {
+                0 => torque(right * scale, left * scale),
+                1 => Command::Voltage { right_v: right * 6.0, left_v: left * 6.0 },
+                2 => Command::Speed { right_rad_s: right * 5.0, left_rad_s: left * 5.0 },
+                _ => Command::Twist { v_m_s: *right, w_rad_s: *left },
+            };
+            robot.step(&mut state, k as f64 * STEP_S, STEP_S, &command);
+        }
+        let [u, w, rate] = state.velocity();
+        let everything = [state.pose(), state.velocity()];
+        prop_assert!(everything.iter().flatten().all(|value| value.is_finite()), "{everything:?}");
+        prop_assert!(u.hypot(w) < 60.0 && rate.abs() < 600.0, "{u} {w} {rate}");
+    }
+}

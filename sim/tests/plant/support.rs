@@ -1,0 +1,79 @@
+//! Short ways to drive a robot.
+
+use slipstream_bus::RobotModel;
+use slipstream_sim::{Command, Robot, Scalar, State};
+
+/// Plant step of the tests (s).
+pub const STEP_S: f64 = 1e-3;
+
+pub fn torque<S: Scalar>(right: f64, left: f64) -> Command<S> {
+    Command::Torque {
+        right_nm: S::constant(right),
+        left_nm: S::constant(left),
+    }
+}
+
+pub fn robot(model: &RobotModel) -> Robot {
+    Robot::new(model).unwrap()
+}
+
+/// The paper's robot with equal coefficients of friction.
+pub fn gripping(friction: f64) -> RobotModel {
+    RobotModel::default().with(
+        "wheel_slip",
+        &[
+            ("friction_static", friction),
+            ("friction_kinetic", friction),
+        ],
+    )
+}
+
+/// Drives for `over_s` in steps of `step_s` under a command that depends on time.
+pub fn drive<S: Scalar>(
+    robot: &Robot<S>,
+    state: &mut State<S>,
+    from_s: f64,
+    over_s: f64,
+    step_s: f64,
+    command: impl Fn(f64) -> Command<S>,
+) {
+    let steps = (over_s / step_s).round() as usize;
+    for k in 0..steps {
+        let t_s = from_s + k as f64 * step_s;
+        robot.step(state, t_s, step_s, &command(t_s + step_s / 2.0));
+    }
+}
+
+/// A torque profile that starts, turns, brakes and reverses, holding each value for 20 ms.
+pub fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
+    let t = (t_s / 0.02).floor() * 0.02;
+    let right = (1.7 * t).sin() + 0.5 * (4.1 * t).cos();
+    let left = (1.7 * t + 0.4).sin() - 0.5 * (3.3 * t).cos();
+    [right * size_nm, left * size_nm]
+}
+
+/// Kinetic energy of the paper's robot (J), from its masses and not from the plant's matrix.
+pub fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
+    let body = &model.robot;
+    let known = |value: Option<f64>| value.unwrap();
+    let [u, w, rate] = state.velocity();
+    let [right, left] = state.wheel_speed();
+    let (b, d) = (body.half_track_m, known(body.com_to_axle_m));
+    let mut energy = known(body.body_mass_kg) * (u * u + w * w)
+        + known(body.body_yaw_inertia_kg_m2) * rate * rate;
+    for (side, speed) in [(-b, right), (b, left)] {
+        let along = u - side * rate;
+        let across = w - d * rate;
+        energy += known(body.wheel_mass_kg) * (along * along + across * across)
+            + known(body.wheel_yaw_inertia_kg_m2) * rate * rate
+            + known(body.wheel_spin_inertia_kg_m2) * speed * speed;
+    }
+    energy / 2.0
+}
+
+pub fn assert_near(what: &str, value: f64, expected: f64, tolerance: f64) {
+    assert!(
+        (value - expected).abs() <= tolerance,
+        "{what}: {value} is not {expected} within {tolerance}"
+    );
+}
