@@ -92,6 +92,10 @@ impl TopicMap {
                 }
             }
         }
+        if map.sources.is_empty() {
+            let robots = root.require("robots")?;
+            return Err(robots.error("maps no topic", "add lines such as `pose = \"/pose\"`"));
+        }
         Ok(map)
     }
 

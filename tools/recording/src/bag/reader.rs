@@ -12,6 +12,7 @@ use mcap::McapError;
 use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use crate::bag::lengths;
 use crate::error::Unusable;
 
 /// Largest chunk (bytes, packed or unpacked) that is read.
@@ -267,6 +268,9 @@ impl Reading<'_> {
 
     /// All records of a chunk, or none where its packing or checksum is wrong.
     fn read_chunk(&mut self, data: &[u8]) -> Result<(), McapError> {
+        if !lengths::fit(op::CHUNK, data) {
+            return Err(McapError::UnexpectedEoc);
+        }
         let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? else {
             return Err(McapError::UnexpectedEoc);
         };
@@ -298,7 +302,8 @@ impl Reading<'_> {
     }
 
     fn inner_record(&mut self, opcode: u8, data: &[u8]) {
-        let Ok(record) = mcap::parse_record(opcode, data) else {
+        let record = lengths::fit(opcode, data).then(|| mcap::parse_record(opcode, data));
+        let Some(Ok(record)) = record else {
             self.loss.damaged_records += 1;
             return;
         };
