@@ -107,6 +107,7 @@ fn write_run(file: &Path) {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one file, every message type")]
 fn every_message_of_a_run_is_what_others_see() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");

@@ -3,7 +3,7 @@
 //! 200,000 rows always; ten million with `cargo test --release -p slipstream-recording --test large
 //! -- --ignored`.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
 use std::fs::File;
 use std::io::{BufWriter, Write};

@@ -9,6 +9,7 @@ use slipstream_recording::recording::{Command, Recording, Robot};
 use slipstream_recording::run_writer::{About, Fate, PositionRecord, RunWriter};
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one run, looked at from all sides")]
 fn streams_of_a_run_are_read_back_as_they_were_written() {
     let path = Path::new("run.mcap");
     let mut r1 = Robot::named("r1");

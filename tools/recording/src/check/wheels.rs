@@ -16,6 +16,9 @@ struct Witness<'a> {
 
 /// Findings about sides and signs.
 pub(super) fn of(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
+    let mut add = |(severity, id, statement, remedy): Verdict| {
+        findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
+    };
     let witnesses = [
         Witness {
             name: "pose",
@@ -33,92 +36,77 @@ pub(super) fn of(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) 
             w: &windows.gyro_w,
         },
     ];
-    let mut add = |severity, id, statement: String, remedy: &str| {
-        findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
-    };
-    if !windows.wheel_right.is_empty() {
-        for witness in &witnesses {
-            match sides(windows, witness) {
-                Some((id, statement, remedy)) if id.is_empty() => {
-                    add(Severity::Note, "sides_unclear", statement, remedy);
-                }
-                Some((id, statement, remedy)) => add(Severity::Error, id, statement, remedy),
-                None => {}
-            }
-        }
-    }
-    let opposite = |a: &[f64], b: &[f64]| agreement(a, b).is_some_and(|a| a.cosine < -SAME);
+    witnesses
+        .iter()
+        .filter_map(|witness| sides(windows, witness))
+        .for_each(&mut add);
+    opposite_signs(windows).into_iter().for_each(&mut add);
+    crossed_commands(windows).into_iter().for_each(&mut add);
+}
+
+/// Sources of the same quantity that run against each other.
+fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
+    let Windows {
+        pose_v,
+        pose_w,
+        gyro_w,
+        command_v,
+        command_w,
+        wheel_right,
+        wheel_left,
+        command_right,
+        command_left,
+        ..
+    } = windows;
     let pairs = [
-        (
-            "pose",
-            &windows.pose_v,
-            "command",
-            &windows.command_v,
-            "forward speeds",
-        ),
-        (
-            "pose",
-            &windows.pose_w,
-            "command",
-            &windows.command_w,
-            "yaw rates",
-        ),
-        (
-            "pose",
-            &windows.pose_w,
-            "gyro",
-            &windows.gyro_w,
-            "yaw rates",
-        ),
-        (
-            "gyro",
-            &windows.gyro_w,
-            "command",
-            &windows.command_w,
-            "yaw rates",
-        ),
+        ("pose", pose_v, "command", command_v, "forward speeds"),
+        ("pose", pose_w, "command", command_w, "yaw rates"),
+        ("pose", pose_w, "gyro", gyro_w, "yaw rates"),
+        ("gyro", gyro_w, "command", command_w, "yaw rates"),
         (
             "wheels",
-            &windows.wheel_right,
+            wheel_right,
             "command",
-            &windows.command_right,
+            command_right,
             "right wheel's speeds",
         ),
         (
             "wheels",
-            &windows.wheel_left,
+            wheel_left,
             "command",
-            &windows.command_left,
+            command_left,
             "left wheel's speeds",
         ),
     ];
-    for (first, a, second, b, what) in pairs {
-        if opposite(a, b) {
-            let statement = format!("{first} and {second} have opposite {what}");
-            add(
-                Severity::Error,
-                "opposite_signs",
-                statement,
-                "turn the sign of the wrong one",
-            );
-        }
-    }
-    let crossed = |a: &[f64], b: &[f64]| agreement(a, b).map_or(0.0, |a| a.cosine);
-    let (right, left) = (&windows.wheel_right, &windows.wheel_left);
-    let (to_right, to_left) = (&windows.command_right, &windows.command_left);
-    let straight = crossed(right, to_right).min(crossed(left, to_left));
-    if crossed(right, to_left).min(crossed(left, to_right)) > (straight + 0.2).max(SAME) {
-        let statement = "each wheel follows the other one's command".to_owned();
-        add(
-            Severity::Error,
-            "wheels_swapped",
-            statement,
-            "swap right and left in one of the two",
-        );
-    }
+    let against = |a: &[f64], b: &[f64]| agreement(a, b).is_some_and(|a| a.cosine < -SAME);
+    let verdict = |first: &str, second: &str, what: &str| {
+        let statement = format!("{first} and {second} have opposite {what}");
+        let remedy = "turn the sign of the wrong one";
+        (Severity::Error, "opposite_signs", statement, remedy)
+    };
+    pairs
+        .iter()
+        .filter(|(_, a, _, b, _)| against(a, b))
+        .map(|(first, _, second, _, what)| verdict(first, second, what))
+        .collect()
 }
 
-type Verdict = (&'static str, String, &'static str);
+/// Each wheel follows the other one's command clearly better than its own.
+fn crossed_commands(windows: &Windows) -> Option<Verdict> {
+    let follows = |a: &[f64], b: &[f64]| agreement(a, b).map_or(0.0, |a| a.cosine);
+    let (right, left) = (&windows.wheel_right, &windows.wheel_left);
+    let (to_right, to_left) = (&windows.command_right, &windows.command_left);
+    let straight = follows(right, to_right).min(follows(left, to_left));
+    let crossed = follows(right, to_left).min(follows(left, to_right));
+    (crossed > (straight + 0.2).max(SAME)).then(|| {
+        let statement = "each wheel follows the other one's command".to_owned();
+        let remedy = "swap right and left in one of the two";
+        (Severity::Error, "wheels_swapped", statement, remedy)
+    })
+}
+
+/// Severity, id, statement and remedy.
+type Verdict = (Severity, &'static str, String, &'static str);
 
 /// How the wheels' sum and difference go with the witness's speed and yaw rate.
 fn sides(windows: &Windows, witness: &Witness<'_>) -> Option<Verdict> {
@@ -133,35 +121,41 @@ fn sides(windows: &Windows, witness: &Witness<'_>) -> Option<Verdict> {
     let numbers = format!("(cosines with the {name}: speed {sum_v:.2}, turning {difference_w:.2})");
     if sum_w.abs() > SAME && difference_v.abs() > SAME && sum_v.abs() < sum_w.abs() {
         let side = if difference_v > 0.0 { "left" } else { "right" };
+        let statement = format!("the {side} wheel counts backwards {numbers}");
         return Some((
+            Severity::Error,
             "wheel_reversed",
-            format!("the {side} wheel counts backwards {numbers}"),
+            statement,
             "turn the sign of that wheel",
         ));
     }
-    match (sum_v, difference_w) {
-        (v, w) if v < -SAME && w < -SAME => Some((
+    let (severity, id, what, remedy) = match (sum_v, difference_w) {
+        (v, w) if v < -SAME && w < -SAME => (
+            Severity::Error,
             "wheels_reversed",
-            format!("both wheels count backwards {numbers}"),
+            "both wheels count backwards".to_owned(),
             "turn the sign of both wheels",
-        )),
-        (v, w) if v > SAME && w < -SAME => Some((
+        ),
+        (v, w) if v > SAME && w < -SAME => (
+            Severity::Error,
             "wheels_swapped",
-            format!("right and left wheel are swapped, or yaw is clockwise {numbers}"),
+            "right and left wheel are swapped, or yaw is clockwise".to_owned(),
             "swap the wheels' columns; if the gyro agrees with the wheels, turn the yaw's sign",
-        )),
-        (v, w) if v < -SAME && w > SAME => Some((
+        ),
+        (v, w) if v < -SAME && w > SAME => (
+            Severity::Error,
             "wheels_swapped_and_reversed",
-            format!(
-                "the wheels are swapped and count backwards, or the heading points to the back {numbers}"
-            ),
+            "the wheels are swapped and count backwards, or the heading points to the back"
+                .to_owned(),
             "swap the wheels and turn their signs, or turn the yaw by half a turn",
-        )),
-        (v, w) if v.abs() < SAME && w.abs() < SAME => Some((
-            "",
-            format!("wheels and {name} tell different motions {numbers}"),
+        ),
+        (v, w) if v.abs() < SAME && w.abs() < SAME => (
+            Severity::Note,
+            "sides_unclear",
+            format!("wheels and {name} tell different motions"),
             "look for slip, a wrong clock, or too little motion to tell",
-        )),
-        _ => None,
-    }
+        ),
+        _ => return None,
+    };
+    Some((severity, id, format!("{what} {numbers}"), remedy))
 }
