@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use slipstream_launch::{LaunchError, RunError, Unusable};
+use slipstream_recording::Error as RecordingError;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +35,9 @@ pub(crate) enum Error {
     /// The input cannot be used.
     #[error(transparent)]
     Unusable(#[from] Unusable),
+    /// A file or argument cannot be used.
+    #[error("{0}")]
+    Input(String),
     /// The processes of a run could not be started.
     #[error(transparent)]
     Launch(LaunchError),
@@ -62,11 +66,22 @@ impl From<RunError> for Error {
     }
 }
 
+impl From<RecordingError> for Error {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Input(unusable) => Self::Input(unusable.to_string()),
+            RecordingError::Write { .. } | RecordingError::WriteMcap { .. } => {
+                Self::Failed(error.to_string())
+            }
+        }
+    }
+}
+
 impl Error {
     /// The exit code of this error.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Unusable(_) => Exit::Unusable,
+            Self::Unusable(_) | Self::Input(_) => Exit::Unusable,
             Self::Launch(_) | Self::Failed(_) => Exit::Failed,
         }
     }

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use slipstream_recording::TopicMap;
 
-use crate::failure::Failure;
+use crate::exit::{Error, Exit};
 
 /// Turn a recording (a folder of CSV files, or a robot's ROS 2 bag) into one MCAP file.
 #[derive(Debug, Args)]
@@ -14,15 +15,23 @@ pub(crate) struct Arguments {
     /// The MCAP file to write.
     #[arg(long, value_name = "FILE.mcap")]
     out: PathBuf,
+    /// Which topic of a bag is which stream; guessed without it.
+    #[arg(long, value_name = "FILE.toml")]
+    topics: Option<PathBuf>,
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let import = slipstream_recording::read(&arguments.recording)?;
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let topics = arguments
+        .topics
+        .as_deref()
+        .map(TopicMap::read)
+        .transpose()?;
+    let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
     for warning in &import.warnings {
         eprintln!("{warning}");
     }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
     println!("{}", arguments.out.display());
-    Ok(())
+    Ok(Exit::Done)
 }

@@ -1,7 +1,12 @@
 //! `slipstream`: arguments in, words and exit codes out.
 
+mod check;
 mod clean;
+mod compare;
+mod effects;
 mod exit;
+mod export;
+mod import;
 mod run;
 mod summary;
 
@@ -26,6 +31,11 @@ struct Arguments {
 enum Command {
     /// Run an experiment: a plant process and an agent process for each robot
     Run(run::Arguments),
+    Check(check::Arguments),
+    Compare(compare::Arguments),
+    Import(import::Arguments),
+    Export(export::Arguments),
+    Effects(effects::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -43,6 +53,11 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         None => run::run(&run::Arguments::default()),
         Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Import(arguments)) => import::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Effects(arguments)) => effects::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {

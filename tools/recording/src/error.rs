@@ -74,7 +74,14 @@ impl fmt::Display for Unusable {
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        write!(f, ": {}; {}", self.problem, self.remedy)
+        // What a file says may hold anything: an error is one line all the same.
+        let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
+        write!(
+            f,
+            ": {}; {}",
+            one_line(&self.problem),
+            one_line(&self.remedy)
+        )
     }
 }
 

@@ -1,8 +1,7 @@
 //! MCAP files in: our own by what their channels say they carry, others by a map of topics.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,21 +18,19 @@ use crate::{recording_toml, robot_toml};
 /// The type of rows kept to the digit.
 const ROW: &str = "slipstream_msgs/msg/Row";
 
-/// Reads one of our own MCAP files, also a truncated or damaged one. What was lost is said in the
-/// warnings and in [`Import::loss`]. `None`: it is a bag, but not one of ours.
+/// Reads an MCAP file, also a truncated or damaged one, from any source of `size` bytes. What was
+/// lost is said in the warnings and in [`Import::loss`]. `path` is only for errors and names.
 ///
 /// # Errors
-/// When it is no MCAP file or its description is unusable.
-pub(crate) fn read_own(path: &Path) -> Result<Option<Import>> {
-    let file = File::open(path).map_err(|e| Unusable::unreadable(path, &e))?;
-    let size = file
-        .metadata()
-        .map_err(|e| Unusable::unreadable(path, &e))?;
-    read_own_from(BufReader::with_capacity(1 << 18, file), size.len(), path)
+/// When it is no MCAP file, none of slipstream's, or its description is unusable.
+pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
+    let import = read_own(source, size, path)?;
+    let not_ours = "no channel says what slipstream should read from it";
+    import.ok_or_else(|| Unusable::new(path, not_ours, "give a file that slipstream wrote").into())
 }
 
-/// As [`read_own`], from any source of `size` bytes; `path` is only for errors and names.
-pub(crate) fn read_own_from(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
+/// As [`read_mcap_from`]; `None` if it is a bag of someone else.
+pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
     let mut loading = Loading::default();
     let loss = read_bag(source, size, path, &mut |item| loading.visit(item))?;
     if !loading.ours {

@@ -12,6 +12,7 @@ use mcap::McapError;
 use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use crate::bag::lengths;
 use crate::error::Unusable;
 
 /// Largest chunk (bytes, packed or unpacked) that is read.
@@ -53,7 +54,9 @@ pub(crate) enum Item<'a> {
 /// What of a file could not be read.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Loss {
-    /// Bytes at the end that were not read, because the file breaks off or is damaged there.
+    /// The file breaks off, or is damaged so that nothing behind can be found.
+    pub broken_off: bool,
+    /// Bytes behind the last record that was read.
     pub bytes_at_end: u64,
     /// Chunks whose checksum or content is wrong; their messages are left out.
     pub damaged_chunks: u64,
@@ -65,15 +68,14 @@ pub struct Loss {
     pub damaged_records: u64,
     /// Messages that were read.
     pub messages_read: u64,
-    /// The data is complete, only the index at the end is not.
+    /// It broke off in the index at the end: the data is complete.
     pub index_only: bool,
 }
 
 impl Loss {
     /// Whether anything was lost, be it only the index.
     pub fn any(&self) -> bool {
-        self.index_only
-            || self.bytes_at_end > 0
+        self.broken_off
             || self.damaged_chunks > 0
             || self.undecodable_messages > 0
             || self.damaged_records > 0
@@ -105,11 +107,11 @@ impl std::fmt::Display for Loss {
                 f,
                 "; the index at the end is damaged, no message is missing there"
             )?;
-        } else if self.bytes_at_end > 0 {
+        } else if self.broken_off {
+            let bytes = self.bytes_at_end;
             write!(
                 f,
-                "; the last {} bytes are no whole chunk and lost",
-                self.bytes_at_end
+                "; the file breaks off, its last {bytes} bytes are no whole chunk and lost"
             )?;
         }
         Ok(())
@@ -221,6 +223,7 @@ impl Reading<'_> {
                     if !started {
                         return Err(self.no_bag(size, &error));
                     }
+                    self.loss.broken_off = true;
                     self.loss.index_only = data_ended;
                     self.loss.bytes_at_end = size.saturating_sub(done);
                     break;
@@ -265,6 +268,9 @@ impl Reading<'_> {
 
     /// All records of a chunk, or none where its packing or checksum is wrong.
     fn read_chunk(&mut self, data: &[u8]) -> Result<(), McapError> {
+        if !lengths::fit(op::CHUNK, data) {
+            return Err(McapError::UnexpectedEoc);
+        }
         let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? else {
             return Err(McapError::UnexpectedEoc);
         };
@@ -296,7 +302,8 @@ impl Reading<'_> {
     }
 
     fn inner_record(&mut self, opcode: u8, data: &[u8]) {
-        let Ok(record) = mcap::parse_record(opcode, data) else {
+        let record = lengths::fit(opcode, data).then(|| mcap::parse_record(opcode, data));
+        let Some(Ok(record)) = record else {
             self.loss.damaged_records += 1;
             return;
         };

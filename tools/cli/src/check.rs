@@ -1,0 +1,50 @@
+//! `slipstream check`: what a recording can be used for.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use slipstream_recording::{TopicMap, robot_toml};
+
+use crate::exit::{Error, Exit};
+
+/// Look a recording over before any diagnosis: rates, gaps, units, swapped wheels, clocks.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Folder with recording.toml, or an MCAP file.
+    recording: PathBuf,
+    /// The robot's model; without it the one that came with the recording.
+    #[arg(long, value_name = "FILE.toml")]
+    robot: Option<PathBuf>,
+    /// Which topic of a bag is which stream; guessed without it.
+    #[arg(long, value_name = "FILE.toml")]
+    topics: Option<PathBuf>,
+    /// Write the report as JSON, too.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let topics = arguments
+        .topics
+        .as_deref()
+        .map(TopicMap::read)
+        .transpose()?;
+    let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
+    let model = arguments
+        .robot
+        .as_deref()
+        .map(robot_toml::read)
+        .transpose()?;
+    for warning in &import.warnings {
+        eprintln!("{warning}");
+    }
+    let report = slipstream_recording::check(&import.recording, model.as_ref());
+    print!("{report}");
+    if let Some(path) = &arguments.json {
+        let failed = |e: String| Error::Failed(format!("{}: {e}", path.display()));
+        let json = serde_json::to_string_pretty(&report).map_err(|e| failed(e.to_string()))?;
+        std::fs::write(path, json + "\n").map_err(|e| failed(e.to_string()))?;
+    }
+    Ok(Exit::Done)
+}

@@ -1,0 +1,217 @@
+//! `check` on a drive whose truth is known, spoiled in one way after the other.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
+use std::sync::Arc;
+
+use slipstream_bus::RobotModel;
+use slipstream_recording::recording::{
+    Command, Imu, LinkMessage, Links, Pose, Recording, Robot, Stream, Wheels,
+};
+use slipstream_recording::{Severity, check};
+
+const R: f64 = 0.0365;
+const B: f64 = 0.105;
+
+fn stream<V>(t_s: Vec<f64>, values: V) -> Stream<V> {
+    Stream {
+        t_s,
+        values,
+        unknown: Vec::new(),
+    }
+}
+
+/// 40 s of forward driving in bends, seen by everything.
+fn drive() -> Recording {
+    let step = 0.02;
+    let (mut x, mut y, mut yaw, mut right, mut left) = (0.0, 0.0, 0.0_f64, 0.0, 0.0);
+    let mut columns: [Vec<f64>; 8] = Default::default();
+    for i in 0..2000 {
+        let t = f64::from(i) * step;
+        let v = 0.3 + 0.1 * (0.9 * t).sin();
+        let w = 0.8 * (0.5 * t).sin();
+        for (column, value) in columns.iter_mut().zip([t, x, y, yaw, right, left, v, w]) {
+            column.push(value);
+        }
+        x += v * yaw.cos() * step;
+        y += v * yaw.sin() * step;
+        yaw += w * step;
+        right += (v + B * w) / R * step;
+        left += (v - B * w) / R * step;
+    }
+    let [t, x_m, y_m, yaw_rad, right_rad, left_rad, v_m_s, w_rad_s] = columns;
+    let mut robot = Robot::named("r1");
+    let gz_rad_s = Some(w_rad_s.clone());
+    robot.command = Some(stream(t.clone(), Command::Twist { v_m_s, w_rad_s }));
+    let pose = Pose {
+        x_m,
+        y_m,
+        yaw_rad: Some(yaw_rad),
+    };
+    robot.pose = Some(stream(t.clone(), pose));
+    robot.wheels = Some(stream(
+        t.clone(),
+        Wheels::Angle {
+            right_rad,
+            left_rad,
+        },
+    ));
+    robot.imu = Some(stream(
+        t,
+        Imu {
+            gz_rad_s,
+            ..Imu::default()
+        },
+    ));
+    Recording {
+        robots: vec![robot],
+        model: Some(RobotModel::default()),
+        ..Recording::default()
+    }
+}
+
+fn pose(recording: &mut Recording) -> &mut Stream<Pose> {
+    recording.robots[0].pose.as_mut().unwrap()
+}
+
+fn wheels(recording: &mut Recording) -> (&mut Vec<f64>, &mut Vec<f64>) {
+    match &mut recording.robots[0].wheels.as_mut().unwrap().values {
+        Wheels::Angle {
+            right_rad,
+            left_rad,
+        } => (right_rad, left_rad),
+        _ => unreachable!(),
+    }
+}
+
+fn scale(values: &mut [f64], by: f64) {
+    values.iter_mut().for_each(|value| *value *= by);
+}
+
+#[test]
+fn a_clean_drive_has_no_findings() {
+    let report = check(&drive(), None);
+    assert_eq!(report.findings, []);
+    assert!(report.can_judge.iter().any(|what| what.contains("slip")));
+    let stream = &report.robots[0].streams[0];
+    assert_eq!((stream.rows, stream.gaps_s.len()), (2000, 0));
+    assert!((stream.rate_hz.unwrap() - 50.0).abs() < 1e-6);
+}
+
+#[test]
+fn each_way_to_spoil_it_is_found_by_its_name() {
+    type Spoil = fn(&mut Recording);
+    let cases: [(&str, &str, Spoil); 10] = [
+        ("units", "yaw is in degrees", |r| {
+            scale(
+                pose(r).values.yaw_rad.as_mut().unwrap(),
+                180.0 / std::f64::consts::PI,
+            );
+        }),
+        ("units", "pose is in mm", |r| {
+            scale(&mut pose(r).values.x_m, 1000.0);
+            scale(&mut pose(r).values.y_m, 1000.0);
+        }),
+        ("units", "gyro is in degrees", |r| {
+            let imu = r.robots[0].imu.as_mut().unwrap();
+            scale(
+                imu.values.gz_rad_s.as_mut().unwrap(),
+                180.0 / std::f64::consts::PI,
+            );
+        }),
+        ("units", "wheels's angles are in degrees", |r| {
+            let (right, left) = wheels(r);
+            scale(right, 180.0 / std::f64::consts::PI);
+            scale(left, 180.0 / std::f64::consts::PI);
+        }),
+        ("wheels_swapped", "right and left wheel are swapped", |r| {
+            let (right, left) = wheels(r);
+            std::mem::swap(right, left);
+        }),
+        ("wheel_reversed", "the left wheel counts backwards", |r| {
+            scale(wheels(r).1, -1.0)
+        }),
+        ("wheel_reversed", "the right wheel counts backwards", |r| {
+            scale(wheels(r).0, -1.0)
+        }),
+        ("wheels_reversed", "both wheels count backwards", |r| {
+            let (right, left) = wheels(r);
+            scale(right, -1.0);
+            scale(left, -1.0);
+        }),
+        (
+            "opposite_signs",
+            "pose and gyro have opposite yaw rates",
+            |r| {
+                let imu = r.robots[0].imu.as_mut().unwrap();
+                scale(imu.values.gz_rad_s.as_mut().unwrap(), -1.0);
+            },
+        ),
+        ("no_overlap", "hardly overlap", |r| {
+            pose(r).t_s.iter_mut().for_each(|t_s| *t_s += 1.7e9);
+        }),
+    ];
+    for (id, words, spoil) in cases {
+        let mut recording = drive();
+        spoil(&mut recording);
+        let report = check(&recording, None);
+        let found = report
+            .findings
+            .iter()
+            .find(|f| f.id == id && f.statement.contains(words));
+        let found = found.unwrap_or_else(|| panic!("{words}: {report}"));
+        assert_eq!(found.severity, Severity::Error);
+        // Nothing of another kind is blamed but what follows from the same spoiling.
+        let others = report
+            .findings
+            .iter()
+            .filter(|f| f.id != id && f.severity == Severity::Error);
+        let others: Vec<&str> = others.map(|f| f.id).collect();
+        assert!(
+            others.iter().all(|id| *id == "opposite_signs"),
+            "{words}: {others:?}"
+        );
+    }
+}
+
+#[test]
+fn late_poses_gaps_and_messages_from_the_future_are_told() {
+    let mut recording = drive();
+    pose(&mut recording)
+        .t_s
+        .iter_mut()
+        .for_each(|t_s| *t_s += 0.15);
+    recording.robots[0].command.as_mut().unwrap().t_s[1000..]
+        .iter_mut()
+        .for_each(|t| *t += 2.0);
+    let message = |t_sent_s: f64, delay_s: f64| LinkMessage {
+        t_sent_s,
+        t_received_s: Some(t_sent_s + delay_s),
+        from: Arc::from("r9"),
+        to: Arc::from("r1"),
+        x_m: 0.0,
+        y_m: 0.0,
+        yaw_rad: 0.0,
+        v_m_s: f64::NAN,
+        w_rad_s: f64::NAN,
+    };
+    recording.links = Some(Links {
+        messages: vec![message(0.0, 0.1), message(1.0, -0.1)],
+        ..Links::default()
+    });
+    let report = check(&recording, None);
+    let has = |id: &str, words: &str| {
+        let found = report
+            .findings
+            .iter()
+            .any(|f| f.id == id && f.statement.contains(words));
+        assert!(found, "{id}: {report}");
+    };
+    has("lag", "the pose is about 0.15 s behind the wheels");
+    has("gaps", "command pauses 1 times, 2.02 s in all");
+    has(
+        "negative_latency",
+        "1 of 2 messages from r9 arrive before they were sent",
+    );
+    has("unknown_sender", "r9");
+}
