@@ -6,7 +6,7 @@ use crate::drive::Supply;
 use crate::operator::{Operator, inverse};
 use crate::robot::Robot;
 use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT, Element, Elements};
-use crate::scalar::{Matrix, Pair, Scalar, Vector, length, smaller};
+use crate::scalar::{Matrix, Pair, Scalar, Vector, length, length_square, smaller};
 use crate::state::{Body, Gear, Mode, OperatorKey, State};
 
 /// Share of the motor's side in I_wy where there is play.
@@ -15,8 +15,11 @@ pub(crate) const MOTOR_SHARE: f64 = 0.25;
 /// Share of a limit by which rounding may exceed it.
 const SLACK: f64 = 1e-9;
 
-/// Largest turn of a sliding direction in one step: 1 − cos.
-const TURN: f64 = 0.001;
+/// Share of the square of the limit below which a wheel is far from sliding.
+pub(crate) const SAFE: f64 = 0.98;
+
+/// Square of the sine of the largest turn of a sliding direction in one step.
+const TURN: f64 = 0.002;
 
 /// γ = 1 − 1/√2 of the two-stage Rosenbrock method that damps what is fastest completely (Verwer,
 /// Spee, Blom and Hundsdorfer, 1999).
@@ -205,13 +208,18 @@ impl<S: Scalar> Robot<S> {
             }
         }
         let forced = self.forced(state, over_s, supply);
-        let mut loss = Vector::from([S::constant(0.0); 5]);
-        if self.is_damped(kind) {
-            loss = self.damping(kind, mode.gear).component_mul(&from.nu);
-        }
-
-        let applied = self.applied(&from.nu, from.pose[2], span, at_wheel) - loss;
-        let first = self.balance(mode, &state.operator, &from.nu, applied);
+        let damped = self.is_damped(kind).then(|| self.damping(kind, mode.gear));
+        let loss = damped.map(|damping| damping.component_mul(&from.nu));
+        let applied = |nu: &Vector<S>, yaw: S| {
+            let applied = self.applied(nu, yaw, span, at_wheel);
+            loss.map_or(applied, |loss| applied - loss)
+        };
+        let first = self.balance(
+            mode,
+            &state.operator,
+            &from.nu,
+            applied(&from.nu, from.pose[2]),
+        );
         let margin = self.margin(mode, &state.operator, &first);
         let broken = margin.map_or(Elements::default(), |margin| margin.broken);
         if !broken.is_empty() {
@@ -228,19 +236,18 @@ impl<S: Scalar> Robot<S> {
             };
         }
         let operator = stiff.as_ref().unwrap_or(&state.operator);
-        let start = operator.acceleration * first.force + forced;
+        let start = operator.accelerate(&first.force) + forced;
         let guess = from.nu + start * S::constant(over_s);
-        let heading = from.pose[2] + (from.nu[2] + guess[2]) * (0.5 * over_s);
-        let applied = self.applied(&guess, heading, span, at_wheel) - loss;
-        let second = self.balance(mode, operator, &guess, applied);
-        let end = operator.acceleration * second.force + forced;
+        let yaw = from.pose[2] + (from.nu[2] + guess[2]) * (0.5 * over_s);
+        let second = self.balance(mode, operator, &guess, applied(&guess, yaw));
+        let end = operator.accelerate(&second.force) + forced;
         let mut body = *from;
         body.nu = match &stiff {
             None => from.nu + (start + end) * S::constant(0.5 * over_s),
             Some(operator) => {
                 // the two-stage Rosenbrock method of second order for any Jacobian
                 let inertia = self.inertia_matrix(self.wheel_inertias(mode.gear));
-                let own = operator.acceleration * (inertia * start);
+                let own = operator.accelerate(&(inertia * start));
                 let end = (end - own * S::constant(2.0)) * S::constant(0.5);
                 from.nu + (start * S::constant(1.5) + end) * S::constant(over_s)
             }
@@ -305,16 +312,15 @@ impl<S: Scalar> Robot<S> {
             let (true, Some(grip)) = (mode.slides(wheel), mode.grip[i]) else {
                 continue;
             };
-            let speed = length(self.seen(wheel, &state.body.nu))
-                .value()
-                .max(STANDING);
+            let [along, across] = self.seen(wheel, &state.body.nu).map(|v| v.value());
+            let square = (along * along + across * across).max(STANDING * STANDING);
             let limit = grip.friction_kinetic * balance.contact.normal_n[i];
-            let row = self.row([ALONG_RIGHT, ALONG_LEFT][i]);
-            let mobility = row.dot(&(state.operator.acceleration * row));
-            let change = limit.value() * mobility.value() * over_s;
-            if change <= STIFF * speed {
+            let change = limit.value() * state.operator.mobility[i] * over_s;
+            if change * change <= STIFF * STIFF * square {
                 continue;
             }
+            let row = self.row([ALONG_RIGHT, ALONG_LEFT][i]);
+            let speed = square.sqrt();
             let [along, across] = self.direction(mode, wheel, &state.body.nu);
             let turn = row * across - self.row(ACROSS) * along;
             let own = turn * turn.transpose() * (limit / speed);
@@ -383,6 +389,15 @@ impl<S: Scalar> Robot<S> {
             [None, None] => None,
             [Some(right), Some(left)] => {
                 let limits = [right, left];
+                let across = contact.across_n * contact.across_n;
+                let safe = |i: usize| {
+                    let along = contact.along_n[i] * contact.along_n[i];
+                    (along + across).value() <= (limits[i] * limits[i]).value() * SAFE
+                };
+                if safe(0) && safe(1) {
+                    // each could carry all that goes across: no need to know how much is left
+                    return None;
+                }
                 let along = [0, 1].map(|i| share(limits[i], contact.along_n[i].abs()));
                 let left = Elements::default().with(Element::WheelLeft);
                 let margin = Margin::new(along[0], Element::WheelRight).and(along[1], left);
@@ -424,22 +439,27 @@ impl<S: Scalar> Robot<S> {
         let mut verdict = Verdict::Steady;
         let mut stop: Option<Event<S>> = None;
         for element in mode.loose.iter().filter(|&element| mode.slides(element)) {
-            let direction = self.direction(mode, element, &from.nu);
+            let mut seen = self.seen(element, &from.nu);
+            if length_square(seen) <= STANDING * STANDING {
+                seen = mode.direction[element as usize];
+            }
+            let seen = seen.map(|part| S::constant(part.value()));
+            let led = mode.is_led(element);
             let ahead = |nu: &Vector<S>| {
-                let seen = self.seen(element, nu);
-                (seen[0] * direction[0] + seen[1] * direction[1], seen)
+                let [along, across] = self.seen(element, nu);
+                let across = if led { S::constant(0.0) } else { across };
+                (seen[0] * along + seen[1] * across, [along, across])
             };
             // a guess that overshoots would average friction forward with friction backward
-            let (end, seen) = ahead(&to.nu);
+            let (end, then) = ahead(&to.nu);
             let end = smaller(end, ahead(guess).0);
             if end.value() <= 0.0 {
                 let stop = stop.get_or_insert_with(|| Event::new(ahead(&from.nu).0, end));
                 stop.stopped = stop.stopped.with(element);
                 continue;
             }
-            let alone = self.direction(mode, element, &to.nu);
-            let turn = 1.0 - (alone[0] * direction[0] + alone[1] * direction[1]).value();
-            if turn > TURN && length(seen).value() > 0.0 {
+            let cross = (seen[0] * then[1] - seen[1] * then[0]).value();
+            if !led && cross * cross > TURN * length_square(seen) * length_square(then) {
                 verdict = Verdict::Coarse;
             }
         }

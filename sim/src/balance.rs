@@ -3,8 +3,8 @@
 use crate::effects::{Motion, Wrench};
 use crate::operator::Operator;
 use crate::robot::Robot;
-use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT, Element};
-use crate::scalar::{Pair, Scalar, Vector, clamp, length};
+use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT, Element, Elements};
+use crate::scalar::{Pair, Scalar, Vector, clamp, heading, length};
 use crate::state::{Contact, Mode};
 
 /// Slip below which the direction of sliding is the one in which it began (m/s or rad/s).
@@ -26,7 +26,7 @@ impl<S: Scalar> Robot<S> {
     pub(crate) fn applied(
         &self,
         nu: &Vector<S>,
-        heading: S,
+        yaw: S,
         span: Pair<f64>,
         torque: Pair<S>,
     ) -> Vector<S> {
@@ -42,7 +42,7 @@ impl<S: Scalar> Robot<S> {
             moment,
         };
         if self.pull.is_some() || self.effects.has_force {
-            self.external(nu, heading, span, &mut wrench);
+            self.external(nu, yaw, span, &mut wrench);
         }
         Vector::from([
             wrench.along,
@@ -54,8 +54,8 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Weight on a slope and the forces of effects.
-    fn external(&self, nu: &Vector<S>, heading: S, span: Pair<f64>, wrench: &mut Wrench<S>) {
-        let (sin, cos) = heading.sin_cos();
+    fn external(&self, nu: &Vector<S>, yaw: S, span: Pair<f64>, wrench: &mut Wrench<S>) {
+        let [cos, sin] = heading(yaw);
         if let Some([x, y]) = self.pull {
             let (along, across) = (x * cos + y * sin, y * cos - x * sin);
             let [sx, sy] = self.moment;
@@ -83,7 +83,10 @@ impl<S: Scalar> Robot<S> {
         nu: &Vector<S>,
         applied: Vector<S>,
     ) -> Balance<S> {
-        if self.dry.elements.is_empty() || self.load.transfer.is_none() {
+        if self.dry.elements.is_empty() {
+            return self.at_wheels(mode, operator, nu, applied);
+        }
+        if self.load.transfer.is_none() {
             let caster = self.load.total - self.load.driven;
             let force = self.with_dry(mode, nu, applied, caster);
             return self.at_wheels(mode, operator, nu, force);
@@ -125,15 +128,10 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Unit direction in which a sliding element slides.
+    #[inline]
     pub(crate) fn direction(&self, mode: &Mode<S>, element: Element, nu: &Vector<S>) -> Pair<S> {
         let mut seen = self.seen(element, nu);
-        let other = match element {
-            Element::WheelRight => Some(Element::WheelLeft),
-            Element::WheelLeft => Some(Element::WheelRight),
-            _ => None,
-        };
-        if other.is_some_and(|other| mode.held.has(other)) {
-            // both wheels share the slip across the axle, and the other one holds it
+        if mode.is_led(element) {
             seen[1] = S::constant(0.0);
         }
         let size = length(seen);
@@ -145,6 +143,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Normal forces, coupled with the contact forces of the same instant, and those forces.
+    #[inline]
     fn at_wheels(
         &self,
         mode: &Mode<S>,
@@ -153,11 +152,28 @@ impl<S: Scalar> Robot<S> {
         force: Vector<S>,
     ) -> Balance<S> {
         let zero = S::constant(0.0);
-        let along = [ALONG_RIGHT, ALONG_LEFT].map(|row| operator.multiplier(row, &force));
-        let across = operator.multiplier(ACROSS, &force);
-        if mode.grip[0].is_none() && mode.grip[1].is_none() {
+        let held = !mode.held.both(Elements::WHEELS).is_empty();
+        let (mut along, mut across) = ([zero; 2], zero);
+        if held {
+            along = [
+                operator.multiplier(ALONG_RIGHT, &force),
+                operator.multiplier(ALONG_LEFT, &force),
+            ];
+            across = operator.multiplier(ACROSS, &force);
+        }
+        let slides = [
+            mode.slides(Element::WheelRight),
+            mode.slides(Element::WheelLeft),
+        ];
+        if slides == [false; 2] && self.load.transfer.is_none() {
+            let normal_n = if mode.grip[0].is_none() && mode.grip[1].is_none() {
+                [zero; 2]
+            } else {
+                let shift = self.load.lateral * across + self.load.offset;
+                self.share(self.load.driven, shift)
+            };
             let contact = Contact {
-                normal_n: [zero; 2],
+                normal_n,
                 along_n: along,
                 across_n: across,
             };
@@ -167,13 +183,16 @@ impl<S: Scalar> Robot<S> {
         let mut per_newton = [[zero; 2]; 2];
         let mut pull = [Vector::from([zero; 5]); 2];
         let mut responds = [zero; 2];
-        for (i, wheel) in Element::WHEELS.into_iter().enumerate() {
-            if let (true, Some(grip)) = (mode.slides(wheel), mode.grip[i]) {
-                let direction = self.direction(mode, wheel, nu);
-                per_newton[i] = direction.map(|part| -grip.friction_kinetic * part);
-                pull[i] = self.row(wheel.rows()[0]) * per_newton[i][0]
-                    + self.row(ACROSS) * per_newton[i][1];
-                responds[i] = per_newton[i][1] + operator.multiplier(ACROSS, &pull[i]);
+        for i in 0..2 {
+            if let (true, Some(grip)) = (slides[i], mode.grip[i]) {
+                let [x, y] = self.direction(mode, Element::WHEELS[i], nu);
+                let friction = -grip.friction_kinetic;
+                per_newton[i] = [friction * x, friction * y];
+                pull[i] = self.pull_of(i, per_newton[i]);
+                responds[i] = per_newton[i][1];
+                if held {
+                    responds[i] += operator.multiplier(ACROSS, &pull[i]);
+                }
             }
         }
         let surge = self.load.transfer.map(|transfer| {
@@ -186,20 +205,36 @@ impl<S: Scalar> Robot<S> {
         });
         let normal = self.normal(across, responds, surge);
         let force = force + pull[0] * normal[0] + pull[1] * normal[1];
-        let contact = Contact {
-            normal_n: normal,
-            along_n: [0, 1].map(|i| {
-                let row = [ALONG_RIGHT, ALONG_LEFT][i];
-                per_newton[i][0] * normal[i] + operator.multiplier(row, &force)
-            }),
-            across_n: across + responds[0] * normal[0] + responds[1] * normal[1],
-        };
-        Balance { force, contact }
+        let mut along_n = [per_newton[0][0] * normal[0], per_newton[1][0] * normal[1]];
+        if held {
+            along_n[0] += operator.multiplier(ALONG_RIGHT, &force);
+            along_n[1] += operator.multiplier(ALONG_LEFT, &force);
+        }
+        let across_n = across + responds[0] * normal[0] + responds[1] * normal[1];
+        Balance {
+            force,
+            contact: Contact {
+                normal_n: normal,
+                along_n,
+                across_n,
+            },
+        }
+    }
+
+    /// The generalised force of a force [along, across] at the contact of wheel `i`.
+    #[inline]
+    fn pull_of(&self, i: usize, [along, across]: Pair<S>) -> Vector<S> {
+        let zero = S::constant(0.0);
+        let lever = self.half_track * along;
+        let moment = if i == 0 { lever } else { -lever } - self.com_to_axle * across;
+        let spin = -self.radius[i] * along;
+        let spin = if i == 0 { [spin, zero] } else { [zero, spin] };
+        Vector::from([along, across, moment, spin[0], spin[1]])
     }
 
     /// N_r and N_l (Eq. 4 to 6) when the lateral force is `across` + Σ `per_normal` N and, with
-    /// load transfer, the longitudinal acceleration is affine in N likewise. A wheel that would
-    /// lift carries nothing.
+    /// load transfer, the longitudinal acceleration is affine in N likewise.
+    #[inline]
     fn normal(&self, across: S, per_normal: Pair<S>, surge: Option<(S, S, Pair<S>)>) -> Pair<S> {
         let zero = S::constant(0.0);
         let half = |[a, b]: Pair<S>| ((a + b) * 0.5, (a - b) * 0.5);
@@ -215,7 +250,13 @@ impl<S: Scalar> Robot<S> {
             let whole = rest / (S::constant(1.0) - transfer * (sum + difference * tilt));
             clamp(whole, zero, self.load.total)
         });
-        let apart = clamp(shift + tilt * driven, -driven, driven);
-        [(driven + apart) * 0.5, (driven - apart) * 0.5]
+        self.share(driven, shift + tilt * driven)
+    }
+
+    /// N_r and N_l of this sum and difference. A wheel that would lift carries nothing.
+    #[inline]
+    fn share(&self, sum: S, difference: S) -> Pair<S> {
+        let apart = clamp(difference, -sum, sum);
+        [(sum + apart) * 0.5, (sum - apart) * 0.5]
     }
 }

@@ -20,8 +20,15 @@ pub(crate) struct Supply<S> {
 }
 
 impl<S: Scalar> Drive<S> {
+    /// Whether a torque reaches the motors as it is told.
+    pub(crate) fn is_direct(&self) -> bool {
+        let limited = self.dead_band.torque_nm.is_some() || self.saturation.torque_nm.is_some();
+        self.direct && !limited
+    }
+
     /// What reaches the motors over `span` = [from (s), length (s)] if no delayed command changes
     /// inside it. `command` holds from before `span` to its end; `history` matters with a delay.
+    #[inline]
     pub(crate) fn supply(
         &self,
         kind: CommandKind,
@@ -31,9 +38,17 @@ impl<S: Scalar> Drive<S> {
         span: Pair<f64>,
     ) -> Supply<S> {
         let told = match self.delay_s {
-            None => command.map(|u| self.shaped(kind, u)),
+            None => [self.shaped(kind, command[0]), self.shaped(kind, command[1])],
             Some(delay_s) => self.delayed(kind, delay_s, history, span),
         };
+        if self.direct {
+            return Supply {
+                start: told,
+                mean: told,
+                end: told,
+                lagged: told,
+            };
+        }
         let [t_s, over_s] = span;
         let (start, mean, end) = match self.lag_s {
             None => (told, told, told),
@@ -95,6 +110,7 @@ impl<S: Scalar> Drive<S> {
     }
 
     /// Dead band and saturation.
+    #[inline]
     fn shaped(&self, kind: CommandKind, u: S) -> S {
         let dead = self.limit(kind, &self.dead_band);
         if dead.is_some_and(|dead| u.value().abs() < dead.value()) {

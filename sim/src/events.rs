@@ -4,13 +4,13 @@ use crate::attempt::{Event, MOTOR_SHARE};
 use crate::command::CommandKind;
 use crate::parts::Grip;
 use crate::robot::Robot;
-use crate::scalar::{Pair, Scalar};
-use crate::state::{Body, Gear, State};
+use crate::scalar::{Pair, Scalar, heading};
+use crate::state::{Body, Gear, Mode, OperatorKey, State};
 
 impl<S: Scalar> Robot<S> {
     /// Where the driven wheels touch the floor, right and left (m, world frame).
     pub(crate) fn contacts(&self, pose: [S; 3]) -> [Pair<S>; 2] {
-        let (sin, cos) = pose[2].sin_cos();
+        let [cos, sin] = heading(pose[2]);
         let back = self.com_to_axle;
         [-self.half_track, self.half_track].map(|left| {
             [
@@ -116,6 +116,19 @@ impl<S: Scalar> Robot<S> {
     /// Motor and wheel meet without rebound. A wheel that can slip does: friction has no time to
     /// act. One that cannot takes the body along.
     fn meet(&self, state: &mut State<S>, i: usize) {
+        let Mode {
+            held,
+            mut gear,
+            kind,
+            ..
+        } = state.mode;
+        gear[i] = Gear::Free;
+        let operator = self.operator(&OperatorKey {
+            held,
+            gear,
+            kind,
+            over_s: 0.0,
+        });
         let body = &mut state.body;
         let motor = self.wheel_inertia * MOTOR_SHARE;
         let jump = body.motor_speed[i] - body.nu[3 + i];
@@ -127,13 +140,13 @@ impl<S: Scalar> Robot<S> {
             };
             body.nu[3 + i] += jump * share;
         } else {
-            let mobility = state.operator.acceleration[(3 + i, 3 + i)];
+            let mobility = operator.acceleration[(3 + i, 3 + i)];
             let impulse = if state.mode.kind == CommandKind::Speed {
                 jump / mobility
             } else {
                 jump / (mobility + motor.recip())
             };
-            body.nu += state.operator.acceleration.column(3 + i) * impulse;
+            body.nu += operator.acceleration.column(3 + i) * impulse;
         }
         body.motor_speed[i] = body.nu[3 + i];
     }

@@ -7,7 +7,7 @@
 //! decision is computed with derivatives by the operator of the new set.
 
 use crate::robot::{GRAVITY_M_S2, Robot};
-use crate::rows::{ACROSS, ELEMENTS, Element, Elements};
+use crate::rows::{ELEMENTS, Element, Elements};
 use crate::scalar::{Matrix, Pair, Scalar, Vector};
 use crate::state::Mode;
 

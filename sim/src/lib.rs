@@ -3,6 +3,7 @@
 mod attempt;
 mod balance;
 mod command;
+mod cruise;
 mod drive;
 pub mod effects;
 mod events;
@@ -12,6 +13,7 @@ mod operator;
 mod parts;
 mod robot;
 mod rows;
+pub mod run;
 mod scalar;
 mod sensing;
 mod state;

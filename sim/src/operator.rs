@@ -5,7 +5,7 @@
 //! of the robot, so that A changes only when an element starts or stops to slide.
 
 use crate::robot::Robot;
-use crate::rows::{Element, Elements, ROWS};
+use crate::rows::{ALONG_LEFT, ALONG_RIGHT, Element, Elements, ROWS};
 use crate::scalar::{Matrix, Scalar, VELOCITIES, Vector};
 
 /// A row depends on earlier ones if what they leave of it is smaller than this share.
@@ -16,11 +16,13 @@ const DEPENDENT: f64 = 1e-9;
 pub(crate) struct Operator<S> {
     /// a = A F.
     pub(crate) acceleration: Matrix<S>,
-    /// λ = Λ F for each held row, in the order of `held`.
-    multipliers: [Vector<S>; VELOCITIES],
-    /// The held rows, without those that depend on others.
-    held: [usize; VELOCITIES],
+    /// λ = Λ F for each row, zero where it is free or depends on rows held before it.
+    multipliers: [Vector<S>; ROWS],
+    /// Rows held, without those that depend on others.
+    held: [bool; ROWS],
     count: usize,
+    /// Change of each contact's slip along its wheel for a newton there, 1/kg.
+    pub(crate) mobility: [f64; 2],
     /// Some held row beside the second wheel's [`crate::rows::ACROSS`] depends on others.
     pub(crate) redundant: bool,
 }
@@ -30,9 +32,10 @@ impl<S: Scalar> Operator<S> {
     pub(crate) fn new(robot: &Robot<S>, inverse: Matrix<S>, held: Elements) -> Self {
         let mut operator = Self {
             acceleration: inverse,
-            multipliers: [Vector::from([S::constant(0.0); VELOCITIES]); VELOCITIES],
-            held: [ROWS; VELOCITIES],
+            multipliers: [Vector::zeros(); ROWS],
+            held: [false; ROWS],
             count: 0,
+            mobility: [0.0; 2],
             redundant: false,
         };
         for element in Element::ALL
@@ -40,11 +43,15 @@ impl<S: Scalar> Operator<S> {
             .filter(|&element| held.has(element))
         {
             for &row in element.rows() {
-                if !operator.held.contains(&row) {
+                if !operator.held[row] {
                     operator.hold(row, &robot.row(row), &inverse);
                 }
             }
         }
+        operator.mobility = [ALONG_RIGHT, ALONG_LEFT].map(|row| {
+            let row = robot.row(row);
+            row.dot(&(operator.acceleration * row)).value()
+        });
         operator
     }
 
@@ -60,11 +67,16 @@ impl<S: Scalar> Operator<S> {
         let share = response * pivot.recip();
         self.acceleration -= response * share.transpose();
         let own = -share;
-        for earlier in &mut self.multipliers[..self.count] {
+        for (earlier, _) in self
+            .multipliers
+            .iter_mut()
+            .zip(self.held)
+            .filter(|(_, held)| *held)
+        {
             *earlier += own * earlier.dot(jacobian);
         }
-        self.multipliers[self.count] = own;
-        self.held[self.count] = row;
+        self.multipliers[row] = own;
+        self.held[row] = true;
         self.count += 1;
         if self.count == VELOCITIES {
             // nothing can move, not even by rounding
@@ -72,22 +84,28 @@ impl<S: Scalar> Operator<S> {
         }
     }
 
+    /// Accelerations under `force`.
+    #[inline]
+    pub(crate) fn accelerate(&self, force: &Vector<S>) -> Vector<S> {
+        // symmetric: row i is column i, which lies together
+        let row = |i: usize| dot(self.acceleration.column(i).as_slice(), force);
+        Vector::from([row(0), row(1), row(2), row(3), row(4)])
+    }
+
     /// Multiplier of a row under `force`, zero where the row is free.
+    #[inline]
     pub(crate) fn multiplier(&self, row: usize, force: &Vector<S>) -> S {
-        let held = self.held[..self.count].iter().position(|&held| held == row);
-        held.map_or(S::constant(0.0), |at| self.multipliers[at].dot(force))
+        dot(self.multipliers[row].as_slice(), force)
     }
 
     /// Multiplier of a row for each unit of each force, zero where the row is free.
     pub(crate) fn multiplier_vector(&self, row: usize) -> Vector<S> {
-        let held = self.held[..self.count].iter().position(|&held| held == row);
-        held.map_or_else(Vector::zeros, |at| self.multipliers[at])
+        self.multipliers[row]
     }
 
     /// Velocities (or accelerations) that follow where a held row is moved at `rate`.
     pub(crate) fn response(&self, row: usize, rate: S) -> Vector<S> {
-        let held = self.held[..self.count].iter().position(|&held| held == row);
-        held.map_or_else(Vector::zeros, |at| self.multipliers[at] * -rate)
+        self.multipliers[row] * -rate
     }
 
     /// Removes from `nu` what the held rows forbid, as an impulse at them would.
@@ -130,6 +148,12 @@ impl<S: Scalar> Robot<S> {
             wheels[1],
         ])
     }
+}
+
+/// Scalar product in an order that leaves the sums independent of each other.
+#[inline(always)]
+fn dot<S: Scalar>(a: &[S], b: &Vector<S>) -> S {
+    (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + a[4] * b[4]
 }
 
 /// Inverse of a symmetric positive matrix (Gauss and Jordan, without pivoting).

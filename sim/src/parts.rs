@@ -37,6 +37,8 @@ pub struct Drive<S> {
     pub droop: S,
     /// Play between motor and wheel (rad).
     pub gap_rad: Option<S>,
+    /// No delay, no lag, no gain and no sag.
+    pub direct: bool,
 }
 
 /// A limit for each kind of command that can have one.
@@ -219,6 +221,7 @@ impl<S: Scalar> Drive<S> {
             back_emf: S::constant(model.motor.as_ref().map_or(0.0, per_speed)),
             droop: zero,
             gap_rad: None,
+            direct: true,
         }
     }
 }

@@ -126,6 +126,7 @@ impl<S: Scalar> Robot<S> {
 
     /// Slip velocity of the right and the left contact along the wheel and of both along the axle
     /// (m/s): the differences that Eq. 1 sets to zero.
+    #[inline]
     pub(crate) fn slip(&self, nu: &Vector<S>) -> [S; 3] {
         let turn = self.half_track * nu[2];
         [
@@ -142,6 +143,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Velocity that an element sees: along its one or two rows.
+    #[inline]
     pub(crate) fn seen(&self, element: Element, nu: &Vector<S>) -> [S; 2] {
         let zero = S::constant(0.0);
         match element {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::parts::Streams;
 use crate::robot::Robot;
-use crate::scalar::{Pair, Scalar};
+use crate::scalar::{Pair, Scalar, heading};
 use crate::state::State;
 
 /// A stream of measurements.
@@ -49,7 +49,7 @@ impl<S: Scalar> Robot<S> {
     /// What a camera that tracks the declared point c reports: x, y (m) and yaw (rad, not wrapped).
     pub fn seen_pose(&self, pose: [S; 3]) -> [S; 3] {
         let [forward, left, turn] = self.sensing.pose_offset;
-        let (sin, cos) = pose[2].sin_cos();
+        let [cos, sin] = heading(pose[2]);
         [
             pose[0] + forward * cos - left * sin,
             pose[1] + forward * sin + left * cos,
@@ -59,7 +59,12 @@ impl<S: Scalar> Robot<S> {
 
     /// Angles that the encoders report (rad): of the motors' side of the gears, scaled.
     pub fn seen_angle(&self, state: &State<S>) -> Pair<S> {
-        let [right, left] = state.encoder_angle();
+        let motors = self.drive.gap_rad.is_some();
+        let [right, left] = if motors {
+            state.body.motor_angle
+        } else {
+            state.body.angle
+        };
         let scale = self.sensing.encoder_scale;
         [right * scale[0], left * scale[1]]
     }
@@ -69,7 +74,7 @@ impl<S: Scalar> Robot<S> {
     pub fn seen_inertial(&self, state: &State<S>) -> [S; 3] {
         let [along, across, _] = state.acceleration();
         let [pull_along, pull_across] = self.pull.map_or([S::constant(0.0); 2], |[x, y]| {
-            let (sin, cos) = state.pose()[2].sin_cos();
+            let [cos, sin] = heading(state.pose()[2]);
             [x * cos + y * sin, y * cos - x * sin]
         });
         [

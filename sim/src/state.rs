@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::command::CommandKind;
+use crate::cruise::Cruise;
 use crate::operator::Operator;
 use crate::parts::Grip;
 use crate::robot::Robot;
@@ -20,6 +21,8 @@ pub struct State<S = f64> {
     pub(crate) operator: Operator<S>,
     /// What the operator was made for.
     pub(crate) made_for: OperatorKey,
+    /// The short way through a step, where the mode allows it.
+    pub(crate) cruise: Option<Cruise<S>>,
     /// The force under which all of redundantly held elements were last found to hold.
     pub(crate) held_under: Option<Vector<f64>>,
     /// Past commands, oldest first: from when (s) and what. Empty without a delay.
@@ -35,9 +38,9 @@ pub(crate) struct Body<S> {
     pub(crate) nu: Vector<S>,
     /// Wheel angles (rad).
     pub(crate) angle: Pair<S>,
-    /// Angles of the motors' side of the gears (rad). Equal to the wheels' without backlash.
+    /// Angles of the motors' side of the gears (rad), where there is backlash.
     pub(crate) motor_angle: Pair<S>,
-    /// Speeds of the motors' side of the gears (rad/s).
+    /// Speeds of the motors' side of the gears (rad/s), where there is backlash.
     pub(crate) motor_speed: Pair<S>,
     /// Output of the actuators' lag, in the unit of the command.
     pub(crate) lagged: Pair<S>,
@@ -111,6 +114,17 @@ impl<S: Scalar> Mode<S> {
     pub(crate) fn slides(&self, element: Element) -> bool {
         self.loose.has(element) && !self.held.has(element)
     }
+
+    /// Whether a wheel slides beside one that holds: their slip across the axle is the same, and
+    /// none.
+    #[inline]
+    pub(crate) fn is_led(&self, element: Element) -> bool {
+        match element {
+            Element::WheelRight => self.held.has(Element::WheelLeft),
+            Element::WheelLeft => self.held.has(Element::WheelRight),
+            _ => false,
+        }
+    }
 }
 
 impl<S: Scalar> Robot<S> {
@@ -178,11 +192,13 @@ impl<S: Scalar> Robot<S> {
         let operator = self.operator(&made_for);
         let delayed = self.drive.delay_s.is_some();
         let history = VecDeque::with_capacity(if delayed { HISTORY } else { 0 });
+        let cruise = Cruise::new(self, &mode, &operator);
         State {
             body,
             mode,
             operator,
             made_for,
+            cruise,
             held_under: None,
             history,
         }
@@ -208,11 +224,6 @@ impl<S: Scalar> State<S> {
     /// Wheel speeds, right and left (rad/s).
     pub fn wheel_speed(&self) -> Pair<S> {
         [self.body.nu[3], self.body.nu[4]]
-    }
-
-    /// Angles that the encoders count: of the motors' side of the gears (rad).
-    pub fn encoder_angle(&self) -> Pair<S> {
-        self.body.motor_angle
     }
 
     /// Mean torque at each wheel in the last step (N m).

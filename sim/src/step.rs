@@ -2,11 +2,12 @@
 
 use crate::attempt::{Event, MOTOR_SHARE, Verdict};
 use crate::command::{Command, CommandKind};
+use crate::cruise::Cruise;
 use crate::drive::Supply;
 use crate::grouping::Standing;
 use crate::robot::Robot;
 use crate::rows::{ACROSS, Element, Elements};
-use crate::scalar::{Pair, Scalar, Vector};
+use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::state::{OperatorKey, State};
 
 /// Halvings of a step until an event in it is found: to 1/8192 of its length.
@@ -49,6 +50,12 @@ impl<S: Scalar> Robot<S> {
     /// Second order in `dt_s`; a change between rolling and sliding is found inside the step.
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
+        if kind == CommandKind::Torque
+            && let Some(cruise) = &state.cruise
+            && cruise.step(self, &mut state.body, dt_s, command)
+        {
+            return;
+        }
         if kind != state.mode.kind {
             state.mode.kind = kind;
             self.regroup(state, [t_s, dt_s], [S::constant(0.0); 2], Change::default());
@@ -241,6 +248,7 @@ impl<S: Scalar> Robot<S> {
         if key != state.made_for {
             state.operator = self.operator(&key);
             state.made_for = key;
+            state.cruise = Cruise::new(self, &state.mode, &state.operator);
         }
     }
 
@@ -275,17 +283,17 @@ impl<S: Scalar> Robot<S> {
         let kind = state.mode.kind;
         let torque = self.motor_torque(kind, supply.mean);
         let body = &mut state.body;
-        let (sin, cos) = body.pose[2].sin_cos();
+        let [cos, sin] = heading(body.pose[2]);
         body.pose[0] += (body.nu[0] * cos - body.nu[1] * sin) * shift;
         body.pose[1] += (body.nu[0] * sin + body.nu[1] * cos) * shift;
         body.pose[2] += body.nu[2] * shift;
         body.nu += acceleration * shift;
-        for i in 0..2 {
+        for (i, torque) in torque.into_iter().enumerate() {
             body.angle[i] += body.nu[3 + i] * shift;
             if state.mode.gear[i].is_engaged() {
                 body.motor_speed[i] = body.nu[3 + i];
             } else if kind != CommandKind::Speed {
-                let net = torque[i] - self.motor_damping(kind) * body.motor_speed[i];
+                let net = torque - self.motor_damping(kind) * body.motor_speed[i];
                 body.motor_speed[i] += net / (self.wheel_inertia * MOTOR_SHARE) * shift;
             }
             body.motor_angle[i] += body.motor_speed[i] * shift;
@@ -302,7 +310,7 @@ impl<S: Scalar> Robot<S> {
         self.prepare(state, span, supply);
         let applied = self.applied_now(state, span, supply.mean);
         let balance = self.balance(&state.mode, &state.operator, &state.body.nu, applied);
-        state.operator.acceleration * balance.force
+        state.operator.accelerate(&balance.force)
     }
 
     /// Forces at this instant that do not depend on what sticks.
@@ -310,9 +318,10 @@ impl<S: Scalar> Robot<S> {
         let body = &state.body;
         let mut torque = self.motor_torque(state.mode.kind, mean);
         let loss = self.motor_damping(state.mode.kind);
-        for i in 0..2 {
-            torque[i] = if state.mode.gear[i].is_engaged() {
-                torque[i] - loss * body.nu[3 + i]
+        for (i, torque) in torque.iter_mut().enumerate() {
+            let engaged = state.mode.gear[i].is_engaged();
+            *torque = if engaged {
+                *torque - loss * body.nu[3 + i]
             } else {
                 S::constant(0.0)
             };

@@ -5,7 +5,7 @@ use crate::command::CommandKind;
 use crate::drive::Supply;
 use crate::robot::Robot;
 use crate::rows::Element;
-use crate::scalar::{Pair, Scalar, Vector};
+use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::state::{Body, State};
 
 impl<S: Scalar> Robot<S> {
@@ -32,6 +32,10 @@ impl<S: Scalar> Robot<S> {
         body.pose = advance_pose(from.pose, &mean, &(body.nu - from.nu), over_s);
         body.angle = [0, 1].map(|i| from.angle[i] + mean[3 + i] * over_s);
         let damping = self.motor_damping(state.mode.kind);
+        if self.drive.gap_rad.is_none() && !rigid {
+            body.torque = [0, 1].map(|i| torque[i] - damping * mean[3 + i]);
+            return;
+        }
         for i in 0..2 {
             let engaged = state.mode.gear[i].is_engaged();
             if engaged {
@@ -68,7 +72,8 @@ impl<S: Scalar> Robot<S> {
 ///
 /// The displacement is that in the frame at half the turn, ∫ R(δ τ) (v + Δv τ) dτ over τ from −½ to
 /// ½, to the fourth order in the turn δ: an arc of 1 ms is exact to rounding.
-fn advance_pose<S: Scalar>(
+#[inline]
+pub(crate) fn advance_pose<S: Scalar>(
     pose: [S; 3],
     mean: &Vector<S>,
     change: &Vector<S>,
@@ -80,7 +85,7 @@ fn advance_pose<S: Scalar>(
     let skew = turn * (1.0 / 12.0);
     let along = mean[0] * chord - change[1] * skew;
     let across = mean[1] * chord + change[0] * skew;
-    let (sin, cos) = (pose[2] + turn * 0.5).sin_cos();
+    let [cos, sin] = heading(pose[2] + turn * 0.5);
     [
         pose[0] + (along * cos - across * sin) * over_s,
         pose[1] + (along * sin + across * cos) * over_s,

@@ -40,6 +40,8 @@ pub struct Truth {
     pub contact: Contact,
     /// Speed at which each contact slides (m/s).
     pub slip_m_s: [f64; 2],
+    /// The same along the right and the left wheel, and across both (m/s).
+    pub slip_parts_m_s: [f64; 3],
     /// Whether each contact slides.
     pub slides: [bool; 2],
 }
@@ -159,6 +161,7 @@ impl World {
             torque_nm: state.applied_torque(),
             contact: state.contact(),
             slip_m_s: [right.hypot(across), left.hypot(across)],
+            slip_parts_m_s: [right, left, across],
             slides: state.slides(),
         }
     }

@@ -1,8 +1,8 @@
 //! The actuator acts late.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,17 +17,31 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
         equation: "y(t) = u(t - T)",
         source: "pure delay",
         place: Place::Command,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("delay_s", "s", 0.0, 1.0, &[0.005, 0.02, 0.06, 0.15])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "delay_s",
+            "s",
+            0.0,
+            1.0,
+            &[0.005, 0.02, 0.06, 0.15],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { delay_s: values.number("delay_s") }
+        Self {
+            delay_s: values.number("delay_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.delay_s = Some(self.delay_s);
     }
 }

@@ -1,8 +1,8 @@
 //! The actuator follows its command gradually.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,17 +17,31 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
         equation: "T dy/dt = u - y",
         source: "first-order system",
         place: Place::Command,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("time_constant_s", "s", 1e-4, 10.0, &[0.01, 0.03, 0.1])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "time_constant_s",
+            "s",
+            1e-4,
+            10.0,
+            &[0.01, 0.03, 0.1],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { time_constant_s: values.number("time_constant_s") }
+        Self {
+            time_constant_s: values.number("time_constant_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.lag_s = Some(self.time_constant_s);
     }
 }

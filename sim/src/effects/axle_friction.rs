@@ -1,8 +1,8 @@
 //! Dry friction in the wheels' bearings.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,14 +17,27 @@ impl<S: Scalar> Effect<S> for AxleFriction<S> {
         equation: "tau = -tau_0 sign(omega)",
         source: "Coulomb's law",
         place: Place::DriveTrain,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("torque_nm", "N m", 0.0, 100.0, &[0.002, 0.006, 0.02])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "torque_nm",
+            "N m",
+            0.0,
+            100.0,
+            &[0.002, 0.006, 0.02],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { torque_nm: values.number("torque_nm") }
+        Self {
+            torque_nm: values.number("torque_nm"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

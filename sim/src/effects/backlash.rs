@@ -1,8 +1,8 @@
 //! Play in the gears.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -13,24 +13,33 @@ pub(super) struct Backlash<S> {
 impl<S: Scalar> Effect<S> for Backlash<S> {
     const INFO: Info = Info {
         id: "backlash",
-        summary: "play between motor and wheel, starting in its middle, contact without rebound; a quarter of I_wy turns with the motor, where the encoder is",
+        summary: "play between motor and wheel, starting in its middle, contact without \
+            rebound; a quarter of I_wy turns with the motor, where the encoder is",
         equation: "tau_wheel = 0 while |theta_m - theta_w| < gap / 2",
         source: "dead zone with inelastic contact",
         place: Place::DriveTrain,
         channels: &[
-        Channel::Longitudinal,
-        Channel::Yaw,
-        Channel::WheelRight,
-        Channel::WheelLeft,
-        Channel::SensorWheels,
-    ],
-        parameters: &[ParameterInfo::number("gap_rad", "rad", 1e-4, 1.0, &[0.01, 0.03, 0.08])],
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+            Channel::SensorWheels,
+        ],
+        parameters: &[ParameterInfo::number(
+            "gap_rad",
+            "rad",
+            1e-4,
+            1.0,
+            &[0.01, 0.03, 0.08],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { gap_rad: values.number("gap_rad") }
+        Self {
+            gap_rad: values.number("gap_rad"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

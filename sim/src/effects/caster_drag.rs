@@ -1,8 +1,8 @@
 //! The caster rubs.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,14 +17,28 @@ impl<S: Scalar> Effect<S> for CasterDrag<S> {
         equation: "F = -mu N_ca v_ca / |v_ca|",
         source: "Coulomb's law; N_ca from Eq. 6",
         place: Place::Contact,
-        channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("friction", "1", 0.0, 10.0, &[0.02, 0.06, 0.2])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Lateral,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "friction",
+            "1",
+            0.0,
+            10.0,
+            &[0.02, 0.06, 0.2],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { friction: values.number("friction") }
+        Self {
+            friction: values.number("friction"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! One stream's clock runs fast or slow.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// The streams that have a clock of their own.
 const STREAMS: &[&str] = &["pose", "wheels", "imu"];
@@ -21,14 +21,24 @@ impl<S: Scalar> Effect<S> for ClockDrift<S> {
         equation: "z(t (1 + k)) = y(t)",
         source: "first order of a clock's error",
         place: Place::Sensor,
-        channels: &[Channel::SensorPose, Channel::SensorWheels, Channel::SensorImu],
-        parameters: &[ParameterInfo::number("rate", "s/s", -0.1, 0.1, &[-0.002, -2e-4, 2e-4, 0.002]), ParameterInfo::text("stream", STREAMS)],
+        channels: &[
+            Channel::SensorPose,
+            Channel::SensorWheels,
+            Channel::SensorImu,
+        ],
+        parameters: &[
+            ParameterInfo::number("rate", "s/s", -0.1, 0.1, &[-0.002, -2e-4, 2e-4, 0.002]),
+            ParameterInfo::text("stream", STREAMS),
+        ],
         repeats: true,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { rate: values.number("rate"), stream: values.text }
+        Self {
+            rate: values.number("rate"),
+            stream: values.text,
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

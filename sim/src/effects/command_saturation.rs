@@ -2,7 +2,7 @@
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
 use crate::parts::{Limits, Parts};
-use crate::scalar::{Scalar};
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,18 +18,31 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
         equation: "y = clamp(u, -u_1, u_1)",
         source: "piecewise linear map",
         place: Place::Command,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("torque_nm", "N m", 0.0, 1e3, &[0.04, 0.07, 0.1]).or(), ParameterInfo::number("speed_rad_s", "rad/s", 0.0, 1e4, &[1.0, 5.0, 15.0]).or()],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[
+            ParameterInfo::number("torque_nm", "N m", 0.0, 1e3, &[0.04, 0.07, 0.1]).or(),
+            ParameterInfo::number("speed_rad_s", "rad/s", 0.0, 1e4, &[1.0, 5.0, 15.0]).or(),
+        ],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { torque_nm: values.option("torque_nm"), speed_rad_s: values.option("speed_rad_s") }
+        Self {
+            torque_nm: values.option("torque_nm"),
+            speed_rad_s: values.option("speed_rad_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.saturation =
-            Limits { torque_nm: self.torque_nm, speed_rad_s: self.speed_rad_s };
+        parts.drive.saturation = Limits {
+            torque_nm: self.torque_nm,
+            speed_rad_s: self.speed_rad_s,
+        };
     }
 }

@@ -1,8 +1,8 @@
 //! The encoders count too much or too little.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -19,13 +19,19 @@ impl<S: Scalar> Effect<S> for EncoderScale<S> {
         source: "plain factor",
         place: Place::Sensor,
         channels: &[Channel::SensorWheels],
-        parameters: &[ParameterInfo::number("right_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]), ParameterInfo::number("left_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03])],
+        parameters: &[
+            ParameterInfo::number("right_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
+            ParameterInfo::number("left_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
+        ],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { right_scale: values.number("right_scale"), left_scale: values.number("left_scale") }
+        Self {
+            right_scale: values.number("right_scale"),
+            left_scale: values.number("left_scale"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! The floor tilts.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -19,13 +19,19 @@ impl<S: Scalar> Effect<S> for FloorSlope<S> {
         source: "component of weight",
         place: Place::Body,
         channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[ParameterInfo::number("grade", "1", 0.0, 1.0, &[0.002, 0.008, 0.03]), ParameterInfo::number("downhill_rad", "rad", -7.0, 7.0, &[0.0, 1.571, 3.142, -1.571])],
+        parameters: &[
+            ParameterInfo::number("grade", "1", 0.0, 1.0, &[0.002, 0.008, 0.03]),
+            ParameterInfo::number("downhill_rad", "rad", -7.0, 7.0, &[0.0, 1.6, 3.1, -1.6]),
+        ],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { grade: values.number("grade"), downhill_rad: values.number("downhill_rad") }
+        Self {
+            grade: values.number("grade"),
+            downhill_rad: values.number("downhill_rad"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

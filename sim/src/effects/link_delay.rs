@@ -1,8 +1,8 @@
 //! Messages tell the past.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,13 +18,21 @@ impl<S: Scalar> Effect<S> for LinkDelay<S> {
         source: "pure delay",
         place: Place::Link,
         channels: &[Channel::Link],
-        parameters: &[ParameterInfo::number("delay_s", "s", 0.0, 10.0, &[0.01, 0.04, 0.15])],
+        parameters: &[ParameterInfo::number(
+            "delay_s",
+            "s",
+            0.0,
+            10.0,
+            &[0.01, 0.04, 0.15],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { delay_s: values.number("delay_s") }
+        Self {
+            delay_s: values.number("delay_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! The motors are not as strong as told.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,17 +18,29 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
         equation: "y = g u",
         source: "plain factor",
         place: Place::Command,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("right", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15]), ParameterInfo::number("left", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[
+            ParameterInfo::number("right", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15]),
+            ParameterInfo::number("left", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15]),
+        ],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { right: values.number("right"), left: values.number("left") }
+        Self {
+            right: values.number("right"),
+            left: values.number("left"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.gain = [self.right, self.left];
     }
 }

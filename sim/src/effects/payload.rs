@@ -1,8 +1,8 @@
 //! Something lies on the robot.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -20,13 +20,21 @@ impl<S: Scalar> Effect<S> for Payload<S> {
         source: "moment balances of Eq. 5 and 6 with one mass more",
         place: Place::Body,
         channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[ParameterInfo::number("mass_kg", "kg", 0.0, 1e3, &[0.05, 0.15, 0.4]), ParameterInfo::number("x_m", "m", -10.0, 10.0, &[-0.04, 0.0, 0.04]), ParameterInfo::number("y_m", "m", -10.0, 10.0, &[-0.04, 0.0, 0.04])],
+        parameters: &[
+            ParameterInfo::number("mass_kg", "kg", 0.0, 1e3, &[0.05, 0.15, 0.4]),
+            ParameterInfo::number("x_m", "m", -10.0, 10.0, &[-0.04, 0.0, 0.04]),
+            ParameterInfo::number("y_m", "m", -10.0, 10.0, &[-0.04, 0.0, 0.04]),
+        ],
         repeats: true,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { mass_kg: values.number("mass_kg"), x_m: values.number("x_m"), y_m: values.number("y_m") }
+        Self {
+            mass_kg: values.number("mass_kg"),
+            x_m: values.number("x_m"),
+            y_m: values.number("y_m"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

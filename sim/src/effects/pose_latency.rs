@@ -1,8 +1,8 @@
 //! The camera is stamped late.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,13 +18,21 @@ impl<S: Scalar> Effect<S> for PoseLatency<S> {
         source: "pure delay",
         place: Place::Sensor,
         channels: &[Channel::SensorPose],
-        parameters: &[ParameterInfo::number("latency_s", "s", -2.0, 2.0, &[-0.1, -0.02, 0.01, 0.04, 0.15, 0.4])],
+        parameters: &[ParameterInfo::number(
+            "latency_s",
+            "s",
+            -2.0,
+            2.0,
+            &[-0.1, -0.02, 0.01, 0.04, 0.15, 0.4],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { latency_s: values.number("latency_s") }
+        Self {
+            latency_s: values.number("latency_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

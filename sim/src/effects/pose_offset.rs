@@ -1,8 +1,8 @@
 //! The camera tracks another point.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -20,13 +20,21 @@ impl<S: Scalar> Effect<S> for PoseOffset<S> {
         source: "rigid-body geometry",
         place: Place::Sensor,
         channels: &[Channel::SensorPose],
-        parameters: &[ParameterInfo::number("x_m", "m", -10.0, 10.0, &[-0.05, 0.05]), ParameterInfo::number("y_m", "m", -10.0, 10.0, &[-0.05, 0.05]), ParameterInfo::number("yaw_rad", "rad", -3.2, 3.2, &[-0.05, 0.05])],
+        parameters: &[
+            ParameterInfo::number("x_m", "m", -10.0, 10.0, &[-0.05, 0.05]),
+            ParameterInfo::number("y_m", "m", -10.0, 10.0, &[-0.05, 0.05]),
+            ParameterInfo::number("yaw_rad", "rad", -3.2, 3.2, &[-0.05, 0.05]),
+        ],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { x_m: values.number("x_m"), y_m: values.number("y_m"), yaw_rad: values.number("yaw_rad") }
+        Self {
+            x_m: values.number("x_m"),
+            y_m: values.number("y_m"),
+            yaw_rad: values.number("yaw_rad"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

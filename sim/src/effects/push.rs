@@ -22,20 +22,32 @@ impl<S: Scalar> Effect<S> for Push<S> {
         source: "impulse and momentum",
         place: Place::Body,
         channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
-        parameters: &[ParameterInfo::number("t_s", "s", 0.0, 1e6, &[]), ParameterInfo::number("impulse_n_s", "N s", 0.0, 1e3, &[0.02, 0.1, 0.4]), ParameterInfo::number("direction_rad", "rad", -7.0, 7.0, &[0.0, 1.571, 3.142, -1.571])],
+        parameters: &[
+            ParameterInfo::number("t_s", "s", 0.0, 1e6, &[]),
+            ParameterInfo::number("impulse_n_s", "N s", 0.0, 1e3, &[0.02, 0.1, 0.4]),
+            ParameterInfo::number("direction_rad", "rad", -7.0, 7.0, &[0.0, 1.6, 3.1, -1.6]),
+        ],
         repeats: true,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { t_s: values.number("t_s"), impulse_n_s: values.number("impulse_n_s"), direction_rad: values.number("direction_rad") }
+        Self {
+            t_s: values.number("t_s"),
+            impulse_n_s: values.number("impulse_n_s"),
+            direction_rad: values.number("direction_rad"),
+        }
     }
 
     fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
         let from = larger(self.t_s, S::constant(motion.t_s));
         let end = self.t_s + DURATION_S;
         let to_end = end - (motion.t_s + motion.over_s);
-        let to = if to_end.value() < 0.0 { end } else { end - to_end };
+        let to = if to_end.value() < 0.0 {
+            end
+        } else {
+            end - to_end
+        };
         let overlap = to - from;
         if overlap.value() <= 0.0 {
             return;

@@ -16,14 +16,26 @@ impl<S: Scalar> Effect<S> for QuadraticDrag<S> {
         equation: "F = -c |v| v",
         source: "Rayleigh's drag equation",
         place: Place::Body,
-        channels: &[Channel::Longitudinal, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("coefficient", "N s^2/m^2", 0.0, 100.0, &[0.1, 0.5, 2.0])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "coefficient",
+            "N s^2/m^2",
+            0.0,
+            100.0,
+            &[0.1, 0.5, 2.0],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { coefficient: values.number("coefficient") }
+        Self {
+            coefficient: values.number("coefficient"),
+        }
     }
 
     fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {

@@ -1,8 +1,8 @@
 //! A force of constant size against the motion.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,14 +17,26 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
         equation: "F = -c m g sign(u)",
         source: "Coulomb's law; c = force / weight, payload included",
         place: Place::Body,
-        channels: &[Channel::Longitudinal, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("coefficient", "1", 0.0, 1.0, &[0.003, 0.01, 0.03])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "coefficient",
+            "1",
+            0.0,
+            1.0,
+            &[0.003, 0.01, 0.03],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { coefficient: values.number("coefficient") }
+        Self {
+            coefficient: values.number("coefficient"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! The battery runs down.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,17 +17,31 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
         equation: "y = u (1 - k t)",
         source: "first order in time of a falling supply",
         place: Place::Command,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("rate_per_s", "1/s", -0.1, 0.1, &[-0.002, 0.002, 0.008])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "rate_per_s",
+            "1/s",
+            -0.1,
+            0.1,
+            &[-0.002, 0.002, 0.008],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { rate_per_s: values.number("rate_per_s") }
+        Self {
+            rate_per_s: values.number("rate_per_s"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {
+        parts.drive.direct = false;
         parts.drive.sag_per_s = self.rate_per_s;
     }
 }

@@ -1,8 +1,8 @@
 //! The motor weakens with speed.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,14 +17,27 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
         equation: "tau = tau_c - k omega",
         source: "DC motor's torque-speed line",
         place: Place::DriveTrain,
-        channels: &[Channel::Longitudinal, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("coefficient", "N m s/rad", 0.0, 10.0, &[5e-4, 2e-3, 8e-3])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "coefficient",
+            "N m s/rad",
+            0.0,
+            10.0,
+            &[5e-4, 2e-3, 8e-3],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { coefficient: values.number("coefficient") }
+        Self {
+            coefficient: values.number("coefficient"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! The wheels roll as if further apart, or closer, than told.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,13 +18,21 @@ impl<S: Scalar> Effect<S> for TrackWidth<S> {
         source: "plain factor",
         place: Place::Contact,
         channels: &[Channel::Yaw],
-        parameters: &[ParameterInfo::number("scale", "1", 0.2, 5.0, &[0.95, 0.98, 1.02, 1.05, 1.4])],
+        parameters: &[ParameterInfo::number(
+            "scale",
+            "1",
+            0.2,
+            5.0,
+            &[0.95, 0.98, 1.02, 1.05, 1.4],
+        )],
         repeats: false,
         kinematic: true,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { scale: values.number("scale") }
+        Self {
+            scale: values.number("scale"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! A force in proportion to speed.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -17,14 +17,26 @@ impl<S: Scalar> Effect<S> for ViscousDrag<S> {
         equation: "F = -c v",
         source: "Stokes's law of drag",
         place: Place::Body,
-        channels: &[Channel::Longitudinal, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("coefficient", "N s/m", 0.0, 100.0, &[0.1, 0.4, 1.5])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[ParameterInfo::number(
+            "coefficient",
+            "N s/m",
+            0.0,
+            100.0,
+            &[0.1, 0.4, 1.5],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { coefficient: values.number("coefficient") }
+        Self {
+            coefficient: values.number("coefficient"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

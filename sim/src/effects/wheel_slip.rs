@@ -2,7 +2,7 @@
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
 use crate::parts::{Grip, Parts};
-use crate::scalar::{Scalar};
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -14,18 +14,43 @@ pub(super) struct WheelSlip<S> {
 impl<S: Scalar> Effect<S> for WheelSlip<S> {
     const INFO: Info = Info {
         id: "wheel_slip",
-        summary: "traction at each driven wheel limited by Coulomb friction, both directions together",
+        summary: "traction at each driven wheel limited by Coulomb friction, both directions \
+            together",
         equation: "|F| <= mu_s N while rolling; F = -mu_k N s / |s| at slip velocity s",
         source: "Konduri, Torres and Pagilla, Eq. 9 and 10",
         place: Place::Contact,
-        channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw, Channel::WheelRight, Channel::WheelLeft],
-        parameters: &[ParameterInfo::number("friction_static", "1", 1e-3, 10.0, &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45]), ParameterInfo::number("friction_kinetic", "1", 1e-3, 10.0, &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45])],
+        channels: &[
+            Channel::Longitudinal,
+            Channel::Lateral,
+            Channel::Yaw,
+            Channel::WheelRight,
+            Channel::WheelLeft,
+        ],
+        parameters: &[
+            ParameterInfo::number(
+                "friction_static",
+                "1",
+                1e-3,
+                10.0,
+                &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45],
+            ),
+            ParameterInfo::number(
+                "friction_kinetic",
+                "1",
+                1e-3,
+                10.0,
+                &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45],
+            ),
+        ],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { friction_static: values.number("friction_static"), friction_kinetic: values.number("friction_kinetic") }
+        Self {
+            friction_static: values.number("friction_static"),
+            friction_kinetic: values.number("friction_kinetic"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

@@ -1,8 +1,8 @@
 //! A moment of constant size against turning.
 
 use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
-use crate::parts::{Parts};
-use crate::scalar::{Scalar};
+use crate::parts::Parts;
+use crate::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -18,13 +18,21 @@ impl<S: Scalar> Effect<S> for YawScrub<S> {
         source: "Coulomb's law",
         place: Place::Contact,
         channels: &[Channel::Yaw],
-        parameters: &[ParameterInfo::number("moment_nm", "N m", 0.0, 100.0, &[0.003, 0.01, 0.04])],
+        parameters: &[ParameterInfo::number(
+            "moment_nm",
+            "N m",
+            0.0,
+            100.0,
+            &[0.003, 0.01, 0.04],
+        )],
         repeats: false,
         kinematic: false,
     };
 
     fn new(values: &Values<S>) -> Self {
-        Self { moment_nm: values.number("moment_nm") }
+        Self {
+            moment_nm: values.number("moment_nm"),
+        }
     }
 
     fn shape(&self, parts: &mut Parts<S>) {

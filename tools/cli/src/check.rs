@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use slipstream_recording::{TopicMap, robot_toml};
 
-use crate::failure::Failure;
+use crate::exit::{Error, Exit};
 
 /// Look a recording over before any diagnosis: rates, gaps, units, swapped wheels, clocks.
 #[derive(Debug, Args)]
@@ -24,7 +24,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let topics = arguments
         .topics
         .as_deref()
@@ -42,9 +42,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let report = slipstream_recording::check(&import.recording, model.as_ref());
     print!("{report}");
     if let Some(path) = &arguments.json {
-        let failed = |e: String| Failure::Work(format!("{}: {e}", path.display()));
+        let failed = |e: String| Error::Failed(format!("{}: {e}", path.display()));
         let json = serde_json::to_string_pretty(&report).map_err(|e| failed(e.to_string()))?;
         std::fs::write(path, json + "\n").map_err(|e| failed(e.to_string()))?;
     }
-    Ok(())
+    Ok(Exit::Done)
 }

@@ -8,7 +8,7 @@ use plotters::prelude::*;
 use slipstream_bus::RobotModel;
 use slipstream_recording::{Channel, robot_toml};
 
-use crate::failure::Failure;
+use crate::exit::{Error, Exit};
 
 /// Show the simulation of the recorded commands over the recording: one picture per channel, no
 /// diagnosis.
@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
         eprintln!("{warning}");
@@ -44,8 +44,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         chosen.map(|(_, model)| model.clone())
     };
     let channels = slipstream_recording::compare(&import.recording, model_of)
-        .map_err(|why| Failure::Input(format!("{}: {why}", arguments.recording.display())))?;
-    let failed = |e: String| Failure::Work(format!("{}: {e}", arguments.report.display()));
+        .map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
+    let failed = |e: String| Error::Failed(format!("{}: {e}", arguments.report.display()));
     let page = page(&import.recording.name, &channels).map_err(failed)?;
     std::fs::write(&arguments.report, page).map_err(|e| failed(e.to_string()))?;
     for channel in &channels {
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
     }
     println!("{}", arguments.report.display());
-    Ok(())
+    Ok(Exit::Done)
 }
 
 /// One page with all pictures in it.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::failure::Failure;
+use crate::exit::{Error, Exit};
 
 /// Turn a recording into a folder of CSV files, to the digit.
 #[derive(Debug, Args)]
@@ -17,7 +17,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
         eprintln!("{warning}");
@@ -27,5 +27,5 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     slipstream_recording::write_folder(&import.recording, &arguments.out)?;
     println!("{}", arguments.out.display());
-    Ok(())
+    Ok(Exit::Done)
 }

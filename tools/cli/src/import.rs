@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use slipstream_recording::TopicMap;
 
-use crate::failure::Failure;
+use crate::exit::{Error, Exit};
 
 /// Turn a recording (a folder of CSV files, or a robot's ROS 2 bag) into one MCAP file.
 #[derive(Debug, Args)]
@@ -21,7 +21,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let topics = arguments
         .topics
         .as_deref()
@@ -36,5 +36,5 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
     println!("{}", arguments.out.display());
-    Ok(())
+    Ok(Exit::Done)
 }

@@ -1,37 +1,68 @@
 //! `slipstream`: arguments in, words and exit codes out.
 
 mod check;
+mod clean;
 mod compare;
+mod effects;
+mod exit;
 mod export;
-mod failure;
 mod import;
+mod run;
+mod summary;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+use crate::exit::Exit;
+
 /// Robots in formation on real floors: run them, measure them, find the physics a model leaves out.
+///
+/// Without a command: runs the platoon of three robots and says what happened.
 #[derive(Debug, Parser)]
-#[command(name = "slipstream", version, arg_required_else_help = true)]
+#[command(name = "slipstream", version)]
 struct Arguments {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Run an experiment: a plant process and an agent process for each robot
+    Run(run::Arguments),
     Check(check::Arguments),
     Compare(compare::Arguments),
     Import(import::Arguments),
     Export(export::Arguments),
+    Effects(effects::Arguments),
+    /// Remove what dead runs left behind in shared memory
+    Clean,
 }
 
 fn main() -> ExitCode {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    if slipstream_launch::roles::is_role(&arguments) {
+        let reported = slipstream_launch::roles::play(&arguments);
+        return if reported {
+            Exit::Done.into()
+        } else {
+            Exit::Failed.into()
+        };
+    }
     let done = match Arguments::parse().command {
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Compare(arguments) => compare::run(&arguments),
-        Command::Import(arguments) => import::run(&arguments),
-        Command::Export(arguments) => export::run(&arguments),
+        None => run::run(&run::Arguments::default()),
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Check(arguments)) => check::run(&arguments),
+        Some(Command::Compare(arguments)) => compare::run(&arguments),
+        Some(Command::Import(arguments)) => import::run(&arguments),
+        Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Effects(arguments)) => effects::run(&arguments),
+        Some(Command::Clean) => clean::run(),
     };
-    failure::exit_code(done)
+    done.unwrap_or_else(|error| {
+        eprintln!("slipstream: {error}");
+        error.exit()
+    })
+    .into()
 }

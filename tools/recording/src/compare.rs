@@ -182,7 +182,7 @@ fn simulate(
         .fold(last, f64::max)
         .min(last + 1.0);
     let mut state = plant.start(start_pose(robot, model));
-    let mut samples = vec![sample(start_s, &state)];
+    let mut samples = vec![sample(plant, start_s, &state)];
     let mut next_sample_s = start_s + SAMPLE_S;
     for (i, (from_s, told)) in commands.iter().enumerate() {
         let to_s = commands.get(i + 1).map_or(end_s, |(t_s, _)| *t_s);
@@ -196,7 +196,7 @@ fn simulate(
             let t_s = from_s + k as f64 * step_s;
             plant.step(&mut state, t_s - start_s, step_s, told);
             if t_s + step_s >= next_sample_s {
-                samples.push(sample(t_s + step_s, &state));
+                samples.push(sample(plant, t_s + step_s, &state));
                 next_sample_s = t_s + step_s + SAMPLE_S;
             }
         }
@@ -204,14 +204,14 @@ fn simulate(
     samples
 }
 
-fn sample(t_s: f64, state: &State) -> Sample {
+fn sample(plant: &Plant, t_s: f64, state: &State) -> Sample {
     let [along, across, _] = state.acceleration();
     Sample {
         t_s,
         pose: state.pose(),
         velocity: state.velocity(),
         acceleration: [along, across],
-        angle: state.encoder_angle(),
+        angle: plant.seen_angle(state),
         speed: state.wheel_speed(),
     }
 }

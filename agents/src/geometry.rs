@@ -1,0 +1,88 @@
+//! What a controller knows of its robot: the nominal model in the paper's symbols.
+
+use std::f64::consts::TAU;
+
+use slipstream_bus::{ModelError, RobotModel};
+
+/// Lengths and inertias of the nominal model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    /// r: wheel radius (m).
+    pub r: f64,
+    /// b: half of the track (m).
+    pub b: f64,
+    /// d: distance from c back to the axle (m); 0 where the model does not know it.
+    pub d: f64,
+    /// Angle of one encoder count (rad).
+    pub count_rad: f64,
+    /// Masses, where the model knows them.
+    pub dynamics: Option<Dynamics>,
+}
+
+/// What torque limits need to know besides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dynamics {
+    /// m_t = m_r + 2 m_w: total mass (kg).
+    pub m_t: f64,
+    /// I_wy: spin inertia of a wheel (kg m²).
+    pub i_wy: f64,
+    /// Inertia of the whole robot about the vertical through the axle's middle (kg m²).
+    pub i_axle: f64,
+    /// e: distance from c forward to the caster (m).
+    pub e: f64,
+    /// h: height of c (m).
+    pub h: f64,
+}
+
+impl Geometry {
+    /// The nominal model of a robot; its effects are what the controller does not know.
+    ///
+    /// # Errors
+    /// A robot without encoders: nothing could be controlled.
+    pub fn new(model: &RobotModel) -> Result<Self, ModelError> {
+        let body = &model.robot;
+        let Some(encoder) = &model.encoder else {
+            return Err(ModelError::new(
+                "encoder.counts_per_rev",
+                "is missing: the controller drives by its encoders",
+                "give the counts in one turn of the wheel",
+            ));
+        };
+        Ok(Self {
+            r: body.wheel_radius_m,
+            b: body.half_track_m,
+            d: body.com_to_axle_m.unwrap_or(0.0),
+            count_rad: TAU / f64::from(encoder.counts_per_rev),
+            dynamics: Dynamics::new(model),
+        })
+    }
+
+    /// Wheel speeds (rad/s) at a forward speed (m/s) and yaw rate (rad/s), by Eq. 1.
+    pub fn wheel_speeds(&self, v: f64, w: f64) -> [f64; 2] {
+        [(v + self.b * w) / self.r, (v - self.b * w) / self.r]
+    }
+
+    /// Forward speed (m/s) and yaw rate (rad/s) at wheel speeds (rad/s), by Eq. 1.
+    pub fn twist(&self, [right, left]: [f64; 2]) -> [f64; 2] {
+        [
+            self.r * (right + left) / 2.0,
+            self.r * (right - left) / (2.0 * self.b),
+        ]
+    }
+}
+
+impl Dynamics {
+    fn new(model: &RobotModel) -> Option<Self> {
+        let body = &model.robot;
+        let (m_r, m_w) = (body.body_mass_kg?, body.wheel_mass_kg?);
+        let (b, d) = (body.half_track_m, body.com_to_axle_m?);
+        let yaw = body.body_yaw_inertia_kg_m2? + 2.0 * body.wheel_yaw_inertia_kg_m2?;
+        Some(Self {
+            m_t: m_r + 2.0 * m_w,
+            i_wy: body.wheel_spin_inertia_kg_m2?,
+            i_axle: yaw + m_r * d * d + 2.0 * m_w * b * b,
+            e: body.com_to_caster_m?,
+            h: body.com_height_m?,
+        })
+    }
+}

@@ -1,0 +1,334 @@
+//! An agent with its links: takes positions from the delay line, runs the loops that are due, sends
+//! when the protocol says so, and tells the recorder. Still a core: time and transport come in.
+
+use slipstream_bus::ModelError;
+use slipstream_bus::experiment::{Experiment, Protocol};
+use slipstream_bus::link::{Channel, DelayLine, LinkCounts};
+use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
+use slipstream_bus::record::{EventKind, Fate, Record, Recorder};
+use slipstream_bus::time::{Due, ns_from_s};
+use slipstream_bus::transport::{BusError, Mail};
+
+use crate::agent::Agent;
+
+/// One robot's controller and its two links.
+#[derive(Debug, Clone)]
+pub struct Node {
+    robot: RobotIndex,
+    agent: Agent,
+    incoming: Option<Incoming>,
+    outgoing: Option<Outgoing>,
+    watchdog: bool,
+    torque: TorqueCommand,
+}
+
+/// The link from the robot ahead; for the front robot of a ring from the last one.
+#[derive(Debug, Clone)]
+struct Incoming {
+    from: RobotIndex,
+    line: DelayLine,
+    /// Something fresh came since the last sending.
+    fresh: bool,
+    /// The turn around the ring of what came last.
+    turn: u32,
+}
+
+/// The link to the next robot.
+#[derive(Debug, Clone)]
+struct Outgoing {
+    to: RobotIndex,
+    protocol: Protocol,
+    /// After this long without a return the front robot starts the ring anew (ns).
+    patience_ns: i64,
+    seq: u32,
+    turn: u32,
+    last_ns: Option<i64>,
+}
+
+/// What an agent has to say at the end.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+pub struct NodeReport {
+    /// x (m), y (m), φ (rad) of c by odometry.
+    pub final_odometry: [f64; 3],
+    /// The largest desired speed before limiting (m/s).
+    pub max_desired_speed_m_s: f64,
+    /// Positions sent, and the link's receiver.
+    pub sent: Option<(RobotIndex, u64)>,
+    /// What became of the positions received, and the link's sender.
+    pub received: Option<(RobotIndex, LinkCounts)>,
+}
+
+impl Node {
+    /// The node of robot `index`.
+    ///
+    /// # Errors
+    /// A robot whose model lacks what the chosen control needs.
+    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, ModelError> {
+        let settings = &experiment.settings;
+        let links = &settings.links;
+        let count = settings.robots.count;
+        let ring = links.protocol == Protocol::Ring;
+        let driven = count > 1 && !settings.open_loop.enabled;
+        let from = index
+            .checked_sub(1)
+            .or(ring.then_some(count - 1))
+            .filter(|_| driven);
+        let to = Some((index + 1) % count).filter(|&to| driven && (ring || to != 0));
+        let turn_ns = settings.expected_turn_ns(experiment.longest_trace_ns());
+        Ok(Self {
+            robot: index,
+            agent: Agent::new(experiment, index)?,
+            incoming: from.map(|from| {
+                let traced = &experiment.half_round_trips_ns;
+                let channel = Channel::new(links, traced, settings.seed, from, index);
+                let line = DelayLine::new(channel, links.reorder);
+                Incoming {
+                    from,
+                    line,
+                    fresh: false,
+                    turn: 0,
+                }
+            }),
+            outgoing: to.map(|to| Outgoing {
+                to,
+                protocol: links.protocol,
+                patience_ns: turn_ns + ns_from_s(links.ring_timeout_s),
+                seq: 0,
+                turn: 0,
+                last_ns: None,
+            }),
+            watchdog: false,
+            torque: TorqueCommand {
+                robot: index,
+                ..TorqueCommand::default()
+            },
+        })
+    }
+
+    /// Runs what is due at `now_ns` and says the torque in force from then on.
+    ///
+    /// # Errors
+    /// When the transport fails.
+    pub fn step(
+        &mut self,
+        now_ns: i64,
+        due: Due,
+        encoders: &Encoders,
+        mail: &mut impl Mail,
+        recorder: &mut impl Recorder,
+    ) -> Result<TorqueCommand, BusError> {
+        recorder.record(&Record::Encoders {
+            t_ns: encoders.sampled_ns,
+            robot: self.robot,
+            counts: encoders.counts,
+        });
+        if due.outer {
+            self.collect(mail, recorder)?;
+            self.take(now_ns, recorder);
+            recorder.record(&Record::Outer(self.agent.outer(now_ns, encoders)));
+            self.tell_watchdog(now_ns, recorder);
+            self.send(now_ns, mail, recorder)?;
+        }
+        if due.inner {
+            let tick = self.agent.inner(now_ns, encoders);
+            recorder.record(&Record::Inner(tick));
+            self.torque.tick_ns = now_ns;
+            self.torque.torque_nm = tick.torque_nm;
+        }
+        Ok(self.torque)
+    }
+
+    /// What a successor needs to go on: pose of c, counters, and how far the messages have come.
+    pub fn notes(&self) -> [u64; 6] {
+        let [x, y, yaw] = self.agent.pose().map(f64::to_bits);
+        let [right, left] = self.agent.counts().map(i64::cast_unsigned);
+        let sent = self
+            .outgoing
+            .as_ref()
+            .map_or((0, 0), |link| (link.seq, link.turn));
+        [
+            x,
+            y,
+            yaw,
+            right,
+            left,
+            u64::from(sent.0) << 32 | u64::from(sent.1),
+        ]
+    }
+
+    /// Goes on where a predecessor that died had come to.
+    pub fn resume(&mut self, [x, y, yaw, right, left, sent]: [u64; 6]) {
+        let pose = [x, y, yaw].map(f64::from_bits);
+        self.agent.resume(pose, [right, left].map(u64::cast_signed));
+        if let Some(link) = &mut self.outgoing {
+            let [seq, turn] = [sent >> 32, sent & u64::from(u32::MAX)];
+            link.seq = u32::try_from(seq).unwrap_or(u32::MAX);
+            link.turn = u32::try_from(turn).unwrap_or(u32::MAX);
+        }
+    }
+
+    /// Takes in the encoders at the end and what is still on the bus, and closes the account.
+    ///
+    /// # Errors
+    /// When the transport fails.
+    pub fn finish(
+        &mut self,
+        last: Option<&Encoders>,
+        mail: &mut impl Mail,
+        recorder: &mut impl Recorder,
+    ) -> Result<NodeReport, BusError> {
+        self.collect(mail, recorder)?;
+        if let Some(encoders) = last {
+            self.agent.see(encoders);
+        }
+        Ok(NodeReport {
+            final_odometry: self.agent.pose(),
+            max_desired_speed_m_s: self.agent.max_desired_speed_m_s(),
+            sent: self
+                .outgoing
+                .as_ref()
+                .map(|link| (link.to, u64::from(link.seq))),
+            received: self
+                .incoming
+                .as_ref()
+                .map(|link| (link.from, link.line.counts())),
+        })
+    }
+
+    /// Bus → delay line.
+    fn collect(
+        &mut self,
+        mail: &mut impl Mail,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), BusError> {
+        let Some(incoming) = &mut self.incoming else {
+            return Ok(());
+        };
+        while let Some(position) = mail.receive()? {
+            recorder.record(&Record::Arrived {
+                from: incoming.from,
+                to: self.robot,
+                seq: position.seq,
+                sent_ns: position.sent_ns,
+                available_ns: incoming.line.put(position),
+            });
+        }
+        Ok(())
+    }
+
+    /// Delay line → controller: the newest sampling time wins.
+    fn take(&mut self, now_ns: i64, recorder: &mut impl Recorder) {
+        let Some(incoming) = &mut self.incoming else {
+            return;
+        };
+        let mut newest: Option<Position> = None;
+        let mut tell = |seq: u32, fate: Fate| {
+            recorder.record(&Record::Taken {
+                from: incoming.from,
+                to: self.robot,
+                seq,
+                tick_ns: now_ns,
+                fate,
+            });
+        };
+        while let Some(arrival) = incoming.line.take(now_ns) {
+            let position = arrival.message.position;
+            if arrival.stale {
+                tell(position.seq, Fate::Stale);
+            } else if let Some(older) = newest.replace(position) {
+                tell(older.seq, Fate::Superseded);
+            }
+        }
+        if let Some(position) = newest {
+            tell(position.seq, Fate::Used);
+            incoming.fresh = true;
+            incoming.turn = position.turn;
+            self.agent.take(&position, now_ns);
+        }
+    }
+
+    /// Delay line of the next robot ← this one, when the protocol says so.
+    fn send(
+        &mut self,
+        now_ns: i64,
+        mail: &mut impl Mail,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), BusError> {
+        let Some(outgoing) = &mut self.outgoing else {
+            return Ok(());
+        };
+        let Some(turn) = outgoing.turn_to_send(self.robot, self.incoming.as_ref(), now_ns) else {
+            return Ok(());
+        };
+        if let Some(incoming) = &mut self.incoming {
+            let returned = incoming.fresh && incoming.turn == outgoing.turn;
+            if self.robot == 0 && outgoing.last_ns.is_some() && !returned {
+                let kind = EventKind::RingRestarted;
+                recorder.record(&Record::Event {
+                    t_ns: now_ns,
+                    robot: Some(0),
+                    kind,
+                });
+            }
+            incoming.fresh = false;
+        }
+        let mut position = self.agent.position();
+        position.seq = outgoing.seq;
+        position.turn = turn;
+        let queued_ns = mail.send(&mut position)?;
+        outgoing.seq += 1;
+        outgoing.turn = turn;
+        outgoing.last_ns = Some(now_ns);
+        recorder.record(&Record::Sent {
+            to: outgoing.to,
+            position,
+            queued_ns,
+        });
+        Ok(())
+    }
+
+    fn tell_watchdog(&mut self, now_ns: i64, recorder: &mut impl Recorder) {
+        let fired = self.agent.watchdog_fired();
+        if fired != self.watchdog {
+            let kind = if fired {
+                EventKind::WatchdogFired
+            } else {
+                EventKind::WatchdogCleared
+            };
+            recorder.record(&Record::Event {
+                t_ns: now_ns,
+                robot: Some(self.robot),
+                kind,
+            });
+        }
+        self.watchdog = fired;
+    }
+}
+
+impl Outgoing {
+    /// The turn to send for at an outer tick, if any.
+    ///
+    /// `periodic`: at every tick. `ring`: the front robot when its last turn came back or is
+    /// overdue, every other robot when something fresh came.
+    fn turn_to_send(
+        &self,
+        robot: RobotIndex,
+        incoming: Option<&Incoming>,
+        now_ns: i64,
+    ) -> Option<u32> {
+        let Some(last_ns) = self.last_ns.filter(|_| self.protocol == Protocol::Ring) else {
+            return match (self.protocol, robot, incoming) {
+                (Protocol::Periodic, ..) | (_, 0, _) => Some(0),
+                (_, _, Some(link)) if link.fresh => Some(link.turn),
+                _ => None,
+            };
+        };
+        let fresh = incoming.filter(|link| link.fresh);
+        if robot > 0 {
+            return fresh.map(|link| link.turn);
+        }
+        let returned = fresh.is_some_and(|link| link.turn == self.turn);
+        let overdue = now_ns - last_ns >= self.patience_ns;
+        (returned || overdue).then_some(self.turn + 1)
+    }
+}

@@ -1,0 +1,109 @@
+//! The plant as the master of virtual time: it goes to the next instant at which anything is due,
+//! asks the agents, goes on. No wall clock.
+
+use slipstream_bus::Experiment;
+use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::time::ns_from_s;
+use slipstream_bus::transport::{BusError, Rounds};
+
+use super::observer::Observer;
+use crate::{Command, World};
+
+/// Hears how far the run has come.
+pub trait Progress {
+    /// After the round at `now_ns`.
+    fn at(&mut self, now_ns: i64, world: &World, observer: &Observer);
+}
+
+impl Progress for () {
+    fn at(&mut self, _: i64, _: &World, _: &Observer) {}
+}
+
+/// Runs the world from its beginning to the experiment's end.
+///
+/// # Errors
+/// When an agent does not answer or the run is stopped; world and observer then hold what was.
+pub fn lockstep(
+    experiment: &Experiment,
+    world: &mut World,
+    observer: &mut Observer,
+    rounds: &mut impl Rounds,
+    recorder: &mut impl Recorder,
+    progress: &mut impl Progress,
+) -> Result<(), BusError> {
+    let settings = &experiment.settings;
+    let schedule = settings.schedule();
+    let end_ns = ns_from_s(settings.duration_s);
+    let step_ns = ns_from_s(settings.plant.step_s);
+    let robots = experiment.robots.len();
+    let mut encoders = vec![Encoders::default(); robots];
+    let mut answers = vec![TorqueCommand::default(); robots];
+    let mut commands: Vec<Command> = answers.iter().map(command).collect();
+    let mut now_ns = 0;
+    while now_ns < end_ns {
+        if schedule.due(now_ns).any() {
+            read_encoders(world, now_ns, &mut encoders);
+            rounds.round(now_ns, &encoders, &mut answers)?;
+            for (torque, answer) in commands.iter_mut().zip(&answers) {
+                *torque = command(answer);
+                recorder.record(&applied(now_ns, answer));
+            }
+            progress.at(now_ns, world, observer);
+        }
+        let grid_ns = (now_ns / step_ns + 1) * step_ns;
+        let next_ns = grid_ns.min(schedule.next_after(now_ns)).min(end_ns);
+        world.step(next_ns - now_ns, &commands);
+        observer.step(world, next_ns - now_ns, recorder);
+        record_sensors(world, robots, recorder);
+        now_ns = next_ns;
+    }
+    read_encoders(world, now_ns, &mut encoders);
+    rounds.end(now_ns, &encoders)
+}
+
+pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders]) {
+    for (i, reading) in encoders.iter_mut().enumerate() {
+        *reading = Encoders {
+            sampled_ns: now_ns,
+            counts: world.encoder_counts(i),
+        };
+    }
+}
+
+pub(super) fn command(answer: &TorqueCommand) -> Command {
+    let [right_nm, left_nm] = answer.torque_nm;
+    Command::Torque { right_nm, left_nm }
+}
+
+pub(super) fn applied(t_ns: i64, answer: &TorqueCommand) -> Record {
+    Record::Applied {
+        t_ns,
+        robot: answer.robot,
+        tick_ns: answer.tick_ns,
+        torque_nm: answer.torque_nm,
+    }
+}
+
+pub(super) fn record_sensors(world: &mut World, robots: usize, recorder: &mut impl Recorder) {
+    for (i, robot) in (0..robots).zip(0..) {
+        if let Some(sample) = world.camera(i) {
+            recorder.record(&Record::Camera {
+                t_ns: sample.stamp_ns,
+                robot,
+                pose: sample.value,
+            });
+        }
+        if let Some(sample) = world.imu(i) {
+            let [ax, ay, yaw_rate_rad_s] = sample.value;
+            let acceleration_m_s2 = [ax, ay];
+            let t_ns = sample.stamp_ns;
+            recorder.record(&Record::Imu {
+                t_ns,
+                robot,
+                acceleration_m_s2,
+                yaw_rate_rad_s,
+            });
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! `slipstream effects`: the catalogue of physics that a model may have or leave out.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
+
+use crate::exit::{Error, Exit};
+
+/// List the effects: what each is, its equation, its parameters and where it shows
+///
+/// Example: slipstream effects wheel_slip
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// One effect only.
+    effect: Option<String>,
+    /// Write the catalogue to a file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Prints it.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let chosen: Vec<&Info> = match &arguments.effect {
+        None => CATALOGUE.iter().collect(),
+        Some(id) => vec![find(id).ok_or_else(|| {
+            Error::Input(format!(
+                "{id}: is no effect; `slipstream effects` lists those that are"
+            ))
+        })?],
+    };
+    if let Some(file) = &arguments.json {
+        let effects: Vec<Value> = chosen.iter().map(|info| as_json(info)).collect();
+        let answer = json!({"format": 1, "effects": effects});
+        std::fs::write(file, format!("{answer:#}\n")).map_err(|error| {
+            Error::Failed(format!("{}: cannot be written: {error}", file.display()))
+        })?;
+    }
+    for info in chosen {
+        println!("{}", in_words(info));
+    }
+    Ok(Exit::Done)
+}
+
+fn in_words(info: &Info) -> String {
+    let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
+    let mut words = format!(
+        "{}\n  {}\n  {}    [{}]\n  shows in {}\n",
+        info.id,
+        info.summary,
+        info.equation,
+        info.source,
+        channels.join(", ")
+    );
+    for parameter in info.parameters {
+        // writing to a string cannot fail
+        let _ = writeln!(words, "  {}", parameter_in_words(parameter));
+    }
+    words
+}
+
+fn parameter_in_words(parameter: &ParameterInfo) -> String {
+    let ParameterInfo {
+        name,
+        unit,
+        domain,
+        alternative,
+    } = parameter;
+    let or = if *alternative { ", one of these" } else { "" };
+    match domain {
+        Domain::Number { lower, upper, .. } => {
+            format!("{name} ({unit}) from {lower} to {upper}{or}")
+        }
+        Domain::Text(words) => format!("{name}: one of {}", words.join(", ")),
+    }
+}
+
+fn as_json(info: &Info) -> Value {
+    let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
+    let parameters: Vec<Value> = info
+        .parameters
+        .iter()
+        .map(|parameter| match parameter.domain {
+            Domain::Number { lower, upper, .. } => json!({
+                "name": parameter.name, "unit": parameter.unit, "lower": lower, "upper": upper,
+            }),
+            Domain::Text(words) => json!({
+                "name": parameter.name, "unit": parameter.unit, "words": words,
+            }),
+        })
+        .collect();
+    json!({
+        "id": info.id, "summary": info.summary, "equation": info.equation,
+        "source": info.source, "channels": channels, "parameters": parameters,
+        "repeats": info.repeats, "kinematic": info.kinematic,
+    })
+}

@@ -1,0 +1,144 @@
+//! `slipstream run`: one experiment.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use slipstream_bus::experiment::Clock;
+use slipstream_launch::launcher::{self, Options};
+use slipstream_launch::{Outcome, Request, Resolved, Unusable, Verdict, in_process, resolve};
+
+use crate::exit::{Error, Exit};
+use crate::summary;
+
+/// What `run` is told.
+#[derive(Debug, Default, clap::Args)]
+pub(crate) struct Arguments {
+    /// platoon (the default), single, or a TOML file
+    experiment: Option<String>,
+    /// How many robots
+    #[arg(long, value_name = "N")]
+    robots: Option<u32>,
+    /// A robot.toml for all robots, or for one (r2=robot.toml)
+    #[arg(long = "robot", value_name = "[NAME=]FILE")]
+    models: Vec<String>,
+    /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Virtual time, as fast as it goes, or the wall clock
+    #[arg(long, value_enum)]
+    clock: Option<ClockName>,
+    /// Run everything in this process, without shared memory
+    #[arg(long)]
+    in_process: bool,
+    /// Where all chance comes from
+    #[arg(long)]
+    seed: Option<u64>,
+    /// The recording; NAME.mcap in this folder where not given
+    #[arg(long, value_name = "FILE.mcap")]
+    out: Option<PathBuf>,
+    /// Keep no recording
+    #[arg(long, conflicts_with = "out")]
+    no_recording: bool,
+    /// Only show the experiment: every key, its value and where it came from
+    #[arg(long)]
+    dry_run: bool,
+    /// Write the result as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum ClockName {
+    Virtual,
+    Wall,
+}
+
+/// Runs the experiment and says what happened.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let resolved = resolve(&arguments.request()?)?;
+    if arguments.dry_run {
+        print!("{}", resolved.to_toml());
+        return Ok(Exit::Done);
+    }
+    let outcome = if arguments.in_process {
+        arguments.run_in_process(&resolved)?
+    } else {
+        arguments.run_processes(&resolved)?
+    };
+    if let Some(path) = &arguments.json {
+        outcome.write_json(path).map_err(|error| {
+            let place = format!("--json {}", path.display());
+            Unusable::new(
+                place,
+                format!("cannot be written: {error}"),
+                "give another file",
+            )
+        })?;
+    }
+    print!("{}", summary::text(&outcome, &resolved.experiment));
+    Ok(match outcome.verdict {
+        Verdict::Done => Exit::Done,
+        Verdict::Interrupted => Exit::Interrupted,
+        Verdict::Failed(reason) => {
+            eprintln!("slipstream: {reason}");
+            Exit::Failed
+        }
+    })
+}
+
+impl Arguments {
+    fn request(&self) -> Result<Request, Unusable> {
+        let pair = |text: &String| {
+            let (key, value) = text.split_once('=').ok_or_else(|| {
+                Unusable::new(format!("--set {text}"), "has no =", "give --set KEY=VALUE")
+            })?;
+            Ok((key.trim().to_owned(), value.trim().to_owned()))
+        };
+        let model = |text: &String| match text.split_once('=') {
+            Some((name, file)) => (Some(name.to_owned()), PathBuf::from(file)),
+            None => (None, PathBuf::from(text)),
+        };
+        Ok(Request {
+            experiment: self.experiment.clone(),
+            robots: self.robots,
+            models: self.models.iter().map(model).collect(),
+            set: self.set.iter().map(pair).collect::<Result<_, _>>()?,
+            clock: self.clock.map(|clock| match clock {
+                ClockName::Virtual => Clock::Virtual,
+                ClockName::Wall => Clock::Wall,
+            }),
+            seed: self.seed,
+        })
+    }
+
+    fn out(&self, resolved: &Resolved) -> Option<PathBuf> {
+        let name = &resolved.experiment.settings.name;
+        let default = || PathBuf::from(format!("{name}.mcap"));
+        (!self.no_recording).then(|| self.out.clone().unwrap_or_else(default))
+    }
+
+    fn run_processes(&self, resolved: &Resolved) -> Result<Outcome, Error> {
+        let program = std::env::current_exe()
+            .map_err(|error| Error::Failed(format!("failed to find this program: {error}")))?;
+        let options = Options {
+            program,
+            out: self.out(resolved),
+            live: std::io::stderr().is_terminal(),
+        };
+        Ok(launcher::run(resolved, &options)?)
+    }
+
+    fn run_in_process(&self, resolved: &Resolved) -> Result<Outcome, Error> {
+        if resolved.experiment.settings.clock == Clock::Wall {
+            return Err(Error::Unusable(Unusable::new(
+                "--in-process",
+                "has no wall clock",
+                "leave one of --in-process and --clock wall",
+            )));
+        }
+        Ok(in_process::outcome(
+            resolved,
+            self.out(resolved).as_deref(),
+        )?)
+    }
+}

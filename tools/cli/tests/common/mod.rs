@@ -1,0 +1,149 @@
+//! What the tests of real processes share.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// `slipstream run` with these arguments, in a folder.
+pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipstream"));
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+/// Runs to the end.
+pub(crate) fn slipstream(folder: &Path, arguments: &[&str]) -> Output {
+    command(folder, arguments).output().unwrap()
+}
+
+/// Runs to a good end and reads the JSON.
+pub(crate) fn run_json(folder: &Path, arguments: &[&str]) -> Value {
+    let mut all = vec!["run", "--json", "result.json"];
+    all.extend(arguments);
+    let output = slipstream(folder, &all);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {words}");
+    read_json(&folder.join("result.json"))
+}
+
+pub(crate) fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+/// A process of a run, as the system shows it.
+#[derive(Debug, Clone)]
+pub(crate) struct Role {
+    pub(crate) pid: u32,
+    /// The arguments, the role first.
+    pub(crate) arguments: Vec<String>,
+}
+
+impl Role {
+    /// `plant`, `agent` or `recorder`.
+    pub(crate) fn name(&self) -> &str {
+        &self.arguments[0]
+    }
+
+    /// The run's folder.
+    pub(crate) fn folder(&self) -> &str {
+        let at = self
+            .arguments
+            .iter()
+            .position(|word| word == "--run")
+            .unwrap();
+        &self.arguments[at + 1]
+    }
+}
+
+/// The direct children of a launcher.
+pub(crate) fn roles(launcher: u32) -> Vec<Role> {
+    let path = format!("/proc/{launcher}/task/{launcher}/children");
+    let pids = std::fs::read_to_string(path).unwrap_or_default();
+    let role = |pid: &str| {
+        let line = std::fs::read(format!("/proc/{pid}/cmdline")).ok()?;
+        let words = line.split(|&byte| byte == 0).skip(1);
+        let arguments: Vec<String> = words
+            .map(|word| String::from_utf8_lossy(word).into_owned())
+            .collect();
+        let named = arguments
+            .first()
+            .is_some_and(|name| name != "run" && !name.is_empty());
+        named.then_some(Role {
+            pid: pid.parse().ok()?,
+            arguments,
+        })
+    };
+    pids.split_whitespace().filter_map(role).collect()
+}
+
+/// Whether a process exists and is no zombie.
+pub(crate) fn lives(pid: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+    stat.rsplit(')')
+        .next()
+        .is_some_and(|rest| !rest.is_empty() && !rest.starts_with(" Z"))
+}
+
+/// What there is in shared memory of the run in `folder`.
+pub(crate) fn shared_memory(folder: &str) -> Vec<String> {
+    let name = folder.rsplit('/').next().unwrap();
+    let entries = std::fs::read_dir("/dev/shm").unwrap();
+    let names =
+        entries.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    names.filter(|other| other.contains(name)).collect()
+}
+
+/// Waits until `done` says so; says how long it took, or panics after `limit`.
+pub(crate) fn wait_for(what: &str, limit: Duration, mut done: impl FnMut() -> bool) -> Duration {
+    let begin = Instant::now();
+    while !done() {
+        assert!(
+            begin.elapsed() < limit,
+            "{what} takes longer than {limit:?}"
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    begin.elapsed()
+}
+
+/// Two threads that never rest, until dropped.
+pub(crate) struct Load {
+    rest: Arc<AtomicBool>,
+    threads: Vec<std::thread::JoinHandle<()>>,
+}
+
+impl Load {
+    pub(crate) fn new() -> Self {
+        let rest = Arc::new(AtomicBool::new(false));
+        let threads = (0..2)
+            .map(|_| {
+                let rest = Arc::clone(&rest);
+                std::thread::spawn(move || {
+                    while !rest.load(Ordering::Relaxed) {
+                        std::hint::spin_loop();
+                    }
+                })
+            })
+            .collect();
+        Self { rest, threads }
+    }
+}
+
+impl Drop for Load {
+    fn drop(&mut self) {
+        self.rest.store(true, Ordering::Relaxed);
+        for thread in self.threads.drain(..) {
+            let _ = thread.join();
+        }
+    }
+}

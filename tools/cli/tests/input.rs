@@ -1,0 +1,198 @@
+//! Input that cannot be used: one line with the place and the remedy, exit code 2, nothing left.
+
+mod common;
+
+use std::path::Path;
+
+use common::slipstream;
+
+fn refuse(folder: &Path, arguments: &[&str], wanted: &[&str]) {
+    let before = left();
+    let output = slipstream(folder, &[&["run"], arguments].concat());
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
+    assert_eq!(words.trim_end().lines().count(), 1, "{words}");
+    for part in wanted {
+        assert!(
+            words.contains(part),
+            "{arguments:?}: no {part:?} in {words}"
+        );
+    }
+    let new: Vec<String> = left()
+        .into_iter()
+        .filter(|name| !before.contains(name))
+        .collect();
+    assert!(new.is_empty(), "{new:?}");
+    assert!(!folder.join("platoon.mcap").exists());
+}
+
+/// Folders that are being made; other tests' runs have others.
+fn left() -> Vec<String> {
+    let entries = std::fs::read_dir("/dev/shm").unwrap();
+    let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+    names.filter(|name| name.starts_with("making-")).collect()
+}
+
+#[test]
+fn what_arguments_say_wrong_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let refuse = |arguments: &[&str], wanted: &[&str]| refuse(folder.path(), arguments, wanted);
+    refuse(
+        &["--robots", "0"],
+        &["--robots 0: robots.count is 0; give 1 to"],
+    );
+    refuse(
+        &["--set", "links.delay_s=-0.1"],
+        &["--set links.delay_s=-0.1: links.delay_s is -0.1; give 0 or more"],
+    );
+    refuse(
+        &["--set", "links.dealy_s=0.1"],
+        &["links.dealy_s is no key; did you mean links.delay_s?"],
+    );
+    refuse(
+        &["--set", "links.protocol=star"],
+        &["links.protocol: unknown variant", "`ring`"],
+    );
+    refuse(&["--set", "duration_s=soon"], &["duration_s is no number"]);
+    refuse(
+        &["--set", "duration_s"],
+        &["--set duration_s: has no =; give --set KEY=VALUE"],
+    );
+    refuse(
+        &["--set", "on_death=continue"],
+        &["on_death needs the wall clock"],
+    );
+    refuse(&["--robot", "nowhere.toml"], &["nowhere.toml: ", "; "]);
+    refuse(
+        &["--set", "links.trace=nowhere.csv"],
+        &["nowhere.csv: ", "seq and rtt_ms"],
+    );
+    refuse(
+        &["nowhere.toml"],
+        &["nowhere.toml: cannot be read", "platoon, single"],
+    );
+    refuse(
+        &["--out", "no/where.mcap"],
+        &["--out no/where.mcap: cannot be written"],
+    );
+    refuse(
+        &["--in-process", "--clock", "wall"],
+        &["--in-process: has no wall clock"],
+    );
+}
+
+#[test]
+fn what_files_say_wrong_is_named_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    file("a.toml", "duration_s = 3\n[links]\nloss = 1.5\n");
+    refuse(
+        folder.path(),
+        &["a.toml"],
+        &["a.toml:3: links.loss is 1.5; give a share"],
+    );
+    file("b.toml", "\n\n[links]\nlos = 0.5\n");
+    refuse(
+        folder.path(),
+        &["b.toml"],
+        &["b.toml:4: links.los is no key; did you mean links.loss"],
+    );
+    file("c.toml", "duration_s = \n");
+    refuse(folder.path(), &["c.toml"], &["c.toml:1: is no TOML"]);
+    file("d.toml", "format = 2\n");
+    refuse(
+        folder.path(),
+        &["d.toml"],
+        &["d.toml:1: format is 2; this program reads format = 1"],
+    );
+    file("rtt.csv", "seq,rtt_ms\n0,12.5\n1,-3\n");
+    refuse(
+        folder.path(),
+        &["--set", "links.trace=rtt.csv"],
+        &["rtt.csv:3: rtt_ms is -3; give milliseconds"],
+    );
+    let robot = "format = 1\n[robot]\nwheel_radius_m = 0.0365\nhalf_track_m = 0.105\n";
+    file(
+        "r.toml",
+        &format!("{robot}[effects]\nwheel_slop = {{ friction = 1 }}\n"),
+    );
+    refuse(folder.path(), &["--robot", "r.toml"], &["wheel_slop"]);
+    file("k.toml", robot);
+    refuse(
+        folder.path(),
+        &["--robot", "r9=k.toml"],
+        &["there is no robot r9; give r1 to r3"],
+    );
+    refuse(folder.path(), &["--robot", "k.toml"], &["encoder"]);
+}
+
+/// The resource is looked at before anything is started.
+#[test]
+fn too_few_file_descriptors_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = env!("CARGO_BIN_EXE_slipstream");
+    let script = format!("ulimit -n 80; exec {program} run --robots 10");
+    let output = std::process::Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(
+        words.contains("ulimit -n: 10 robots need 214 file descriptors, 80"),
+        "{words}"
+    );
+}
+
+/// Every key says where it came from: built in, file and line, argument.
+#[test]
+fn a_dry_run_shows_every_key_and_its_origin() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mine.toml"), "[links]\ndelay_s = 0.1\n").unwrap();
+    let arguments = [
+        "run",
+        "mine.toml",
+        "--dry-run",
+        "--seed",
+        "9",
+        "--set",
+        "control.k_x=2",
+        "--robots",
+        "5",
+    ];
+    let output = slipstream(folder.path(), &arguments);
+    assert!(output.status.success());
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let line = |key: &str| {
+        let found = text
+            .lines()
+            .find(|line| line.starts_with(&format!("{key} = ")));
+        found
+            .unwrap_or_else(|| panic!("no {key} in {text}"))
+            .split_whitespace()
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(line("links.delay_s")[2..], ["0.1", "#", "mine.toml:2"]);
+    assert_eq!(line("seed")[2..], ["9", "#", "--seed", "9"]);
+    assert_eq!(
+        line("control.k_x")[2..],
+        ["2.0", "#", "--set", "control.k_x=2"]
+    );
+    assert_eq!(
+        line("links.loss")[2..],
+        ["0.0", "#", "built", "in", "(platoon)"]
+    );
+    // What it shows is an experiment that says the same.
+    std::fs::write(folder.path().join("again.toml"), &text).unwrap();
+    let again = slipstream(folder.path(), &["run", "again.toml", "--dry-run"]);
+    let values = |text: &str| -> Vec<String> {
+        text.lines()
+            .map(|line| line.split("  #").next().unwrap().trim_end().to_owned())
+            .collect()
+    };
+    assert_eq!(
+        values(&String::from_utf8_lossy(&again.stdout)),
+        values(&text)
+    );
+}

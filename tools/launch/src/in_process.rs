@@ -1,0 +1,217 @@
+//! A run in one process on one thread: the same cores, no shared memory, no waiting.
+
+use std::cell::RefCell;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::Path;
+use std::rc::Rc;
+use std::time::Instant;
+
+use slipstream_agents::{Node, NodeReport};
+use slipstream_bus::message::{Encoders, Position, TorqueCommand};
+use slipstream_bus::record::{NoRecorder, Record, Recorder};
+use slipstream_bus::time::Schedule;
+use slipstream_bus::transport::{BusError, Mail, Rounds};
+use slipstream_bus::{Experiment, ModelError};
+use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
+
+use crate::outcome::{Outcome, Parts};
+use crate::resolve::Resolved;
+use crate::sink::Sink;
+
+/// What the cores of a run had to say at its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reports {
+    /// The plant.
+    pub plant: PlantReport,
+    /// The agents, from the front.
+    pub agents: Vec<NodeReport>,
+    /// How long it took on the wall clock (s).
+    pub wall_s: f64,
+}
+
+/// Why a run in one process failed.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The robot model or the control cannot be.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The bus, which here is memory of our own.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    Recording(#[from] slipstream_recording::Error),
+}
+
+/// Runs an experiment; `hashing` asks for the state hash.
+///
+/// # Errors
+/// A robot that cannot be simulated or controlled.
+pub fn run(experiment: &Experiment, hashing: bool) -> Result<Reports, RunError> {
+    run_recorded(experiment, hashing, NoRecorder).map(|(reports, _)| reports)
+}
+
+/// Runs an experiment and gives back the recorder that heard everything.
+///
+/// # Errors
+/// A robot that cannot be simulated or controlled.
+pub fn run_recorded<R: Recorder>(
+    experiment: &Experiment,
+    hashing: bool,
+    recorder: R,
+) -> Result<(Reports, R), RunError> {
+    let begin = Instant::now();
+    let recorder = Shared(Rc::new(RefCell::new(recorder)));
+    let mut world = world(experiment)?;
+    let mut observer = Observer::new(experiment, hashing);
+    let mut agents = Agents::new(experiment, recorder.clone())?;
+    let mut heard = recorder.clone();
+    lockstep(
+        experiment,
+        &mut world,
+        &mut observer,
+        &mut agents,
+        &mut heard,
+        &mut (),
+    )?;
+    drop(heard);
+    let reports = Reports {
+        plant: observer.finish(&world),
+        agents: agents.finish()?,
+        wall_s: begin.elapsed().as_secs_f64(),
+    };
+    let recorder = Rc::into_inner(recorder.0).ok_or_else(|| BusError::Failed {
+        what: "recorder".to_owned(),
+        reason: "is still in use".to_owned(),
+    })?;
+    Ok((reports, recorder.into_inner()))
+}
+
+/// All agents of a run and the messages between them.
+struct Agents<R> {
+    schedule: Schedule,
+    nodes: Vec<Node>,
+    /// What lies on the bus for each robot.
+    boxes: Vec<VecDeque<Position>>,
+    /// The encoders at the end.
+    last: Vec<Encoders>,
+    recorder: Shared<R>,
+}
+
+/// A robot's end of the links, in memory.
+struct LocalMail<'a> {
+    boxes: &'a mut [VecDeque<Position>],
+    robot: usize,
+    now_ns: i64,
+}
+
+impl<R: Recorder> Agents<R> {
+    fn new(experiment: &Experiment, recorder: Shared<R>) -> Result<Self, ModelError> {
+        let count = experiment.settings.robots.count;
+        let nodes: Result<Vec<Node>, ModelError> = (0..count)
+            .map(|index| Node::new(experiment, index))
+            .collect();
+        Ok(Self {
+            schedule: experiment.settings.schedule(),
+            nodes: nodes?,
+            boxes: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
+            last: Vec::new(),
+            recorder,
+        })
+    }
+
+    fn finish(mut self) -> Result<Vec<NodeReport>, BusError> {
+        let mut reports = Vec::with_capacity(self.nodes.len());
+        for (robot, node) in self.nodes.iter_mut().enumerate() {
+            let mut mail = LocalMail {
+                boxes: &mut self.boxes,
+                robot,
+                now_ns: 0,
+            };
+            let last = self.last.get(robot);
+            reports.push(node.finish(last, &mut mail, &mut self.recorder)?);
+        }
+        Ok(reports)
+    }
+}
+
+impl<R: Recorder> Rounds for Agents<R> {
+    fn round(
+        &mut self,
+        now_ns: i64,
+        encoders: &[Encoders],
+        commands: &mut [TorqueCommand],
+    ) -> Result<(), BusError> {
+        let due = self.schedule.due(now_ns);
+        for (robot, node) in self.nodes.iter_mut().enumerate() {
+            let mut mail = LocalMail {
+                boxes: &mut self.boxes,
+                robot,
+                now_ns,
+            };
+            commands[robot] =
+                node.step(now_ns, due, &encoders[robot], &mut mail, &mut self.recorder)?;
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, _: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+        self.last = encoders.to_vec();
+        Ok(())
+    }
+}
+
+impl Mail for LocalMail<'_> {
+    fn receive(&mut self) -> Result<Option<Position>, BusError> {
+        Ok(self.boxes[self.robot].pop_front())
+    }
+
+    fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
+        position.sent_ns = self.now_ns;
+        let to = (self.robot + 1) % self.boxes.len();
+        self.boxes[to].push_back(*position);
+        Ok(self.now_ns)
+    }
+}
+
+/// One recorder heard from several places of one thread.
+struct Shared<R>(Rc<RefCell<R>>);
+
+impl<R> Clone for Shared<R> {
+    fn clone(&self) -> Self {
+        Self(Rc::clone(&self.0))
+    }
+}
+
+impl<R: Recorder> Recorder for Shared<R> {
+    fn record(&mut self, record: &Record) {
+        self.0.borrow_mut().record(record);
+    }
+}
+
+/// Runs an experiment to the outcome that processes would come to, recorded to `out` if given.
+///
+/// # Errors
+/// As [`run`], and when the recording cannot be written.
+pub fn outcome(resolved: &Resolved, out: Option<&Path>) -> Result<Outcome, RunError> {
+    let experiment = &resolved.experiment;
+    let begin = Instant::now();
+    let reports = match out {
+        None => run(experiment, true)?,
+        Some(out) => {
+            let sink = Sink::create(out, experiment, &resolved.to_toml())?;
+            let (reports, sink) = run_recorded(experiment, true, sink)?;
+            sink.finish(BTreeMap::new())?;
+            reports
+        }
+    };
+    let parts = Parts {
+        plant: Some(reports.plant),
+        agents: reports.agents.into_iter().map(Some).collect(),
+    };
+    let mut outcome = Outcome::new(experiment, &parts);
+    outcome.loop_s = reports.wall_s;
+    outcome.recording = out.map(Path::to_path_buf);
+    outcome.wall_s = begin.elapsed().as_secs_f64();
+    Ok(outcome)
+}

@@ -1,0 +1,221 @@
+//! Dotted keys in TOML tables: found, replaced, listed; and the lines at which a file has them.
+
+use std::path::{Path, PathBuf};
+
+use strsim::levenshtein;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+use crate::resolve::Unusable;
+
+/// An experiment's file.
+#[derive(Debug)]
+pub(crate) struct File {
+    path: PathBuf,
+    table: Table,
+    /// Keys in the file's order with the lines at which they stand.
+    lines: Vec<(String, usize)>,
+}
+
+/// Keys of a file that are not the experiment's.
+const ASIDE: [&str; 2] = ["format", "base"];
+
+impl File {
+    /// Parses the text of an experiment.
+    pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, Unusable> {
+        let unusable = |error: toml::de::Error| {
+            let line = error.span().map_or(1, |span| line_at(text, span.start));
+            let problem = error
+                .message()
+                .lines()
+                .next()
+                .unwrap_or_default()
+                .to_owned();
+            let place = format!("{}:{line}", path.display());
+            Unusable::new(place, format!("is no TOML: {problem}"), "mend the line")
+        };
+        let table: Table = text.parse().map_err(unusable)?;
+        let spanned = DeTable::parse(text).map_err(unusable)?;
+        let mut lines = Vec::new();
+        gather(spanned.get_ref(), "", text, &mut lines);
+        lines.sort_by_key(|&(_, line)| line);
+        let file = Self {
+            path: path.to_owned(),
+            table,
+            lines,
+        };
+        match file.table.get("format") {
+            None | Some(Value::Integer(1)) => Ok(file),
+            Some(other) => Err(Unusable::new(
+                file.place("format"),
+                format!("format is {other}"),
+                "this program reads format = 1",
+            )),
+        }
+    }
+
+    /// The built-in experiment that the file says it builds on.
+    pub(crate) fn base(&self) -> Option<&str> {
+        self.table.get("base").and_then(Value::as_str)
+    }
+
+    /// File and line of a key.
+    pub(crate) fn place(&self, key: &str) -> String {
+        let line = self
+            .lines
+            .iter()
+            .find(|(name, _)| name == key)
+            .map_or(1, |&(_, line)| line);
+        format!("{}:{line}", self.path.display())
+    }
+
+    /// The experiment's keys with values and lines, in the file's order.
+    pub(crate) fn keys(&self) -> Vec<(String, Value, usize)> {
+        let own = self
+            .lines
+            .iter()
+            .filter(|(key, _)| !ASIDE.contains(&key.as_str()));
+        own.filter_map(|(key, line)| {
+            find(&self.table, key).map(|value| (key.clone(), value.clone(), *line))
+        })
+        .collect()
+    }
+}
+
+fn gather(table: &DeTable<'_>, prefix: &str, text: &str, lines: &mut Vec<(String, usize)>) {
+    for (key, value) in table {
+        let name = format!("{prefix}{}", key.get_ref());
+        match value.get_ref() {
+            DeValue::Table(inner) => gather(inner, &format!("{name}."), text, lines),
+            _ => lines.push((name, line_at(text, key.span().start))),
+        }
+    }
+}
+
+fn line_at(text: &str, offset: usize) -> usize {
+    let before = text.get(..offset).unwrap_or(text);
+    before.bytes().filter(|&byte| byte == b'\n').count() + 1
+}
+
+/// The value at a dotted key that is no table.
+pub(crate) fn find<'a>(table: &'a Table, key: &str) -> Option<&'a Value> {
+    match key.split_once('.') {
+        None => table.get(key).filter(|value| !value.is_table()),
+        Some((first, rest)) => find(table.get(first)?.as_table()?, rest),
+    }
+}
+
+/// Replaces the value at a dotted key that exists.
+pub(crate) fn replace(table: &mut Table, key: &str, value: Value) {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value);
+        }
+        Some((first, rest)) => {
+            if let Some(Value::Table(inner)) = table.get_mut(first) {
+                replace(inner, rest, value);
+            }
+        }
+    }
+}
+
+/// All dotted keys with their values, in order.
+pub(crate) fn leaves(table: &Table) -> Vec<(String, &Value)> {
+    let mut found = Vec::new();
+    for (key, value) in table {
+        match value {
+            Value::Table(inner) => {
+                let inner = leaves(inner).into_iter();
+                found.extend(inner.map(|(rest, value)| (format!("{key}.{rest}"), value)));
+            }
+            _ => found.push((key.clone(), value)),
+        }
+    }
+    found
+}
+
+/// The key that is spelled most like a wrong one, if any is.
+pub(crate) fn nearest(table: &Table, key: &str) -> Option<String> {
+    let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
+    let likeness = |candidate: &str| {
+        levenshtein(candidate, key).min(levenshtein(&last(candidate), &last(key)) + 1)
+    };
+    leaves(table)
+        .into_iter()
+        .map(|(candidate, _)| (likeness(&candidate), candidate))
+        .min()
+        .filter(|&(distance, _)| distance <= 3)
+        .map(|(_, candidate)| candidate)
+}
+
+/// A value of the same type as `before`: whole numbers stand for floats. Else the type wanted.
+pub(crate) fn fit(before: &Value, value: Value) -> Result<Value, &'static str> {
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a key given as a whole number is small"
+    )]
+    let float = |value: Value| match value {
+        Value::Integer(whole) => Value::Float(whole as f64),
+        other => other,
+    };
+    let value = match (before, value) {
+        (Value::Float(_), value) => float(value),
+        (Value::Array(_), Value::Array(items)) => {
+            Value::Array(items.into_iter().map(float).collect())
+        }
+        (Value::Integer(_), Value::Integer(whole)) if whole < 0 => {
+            return Err("whole number, 0 or more");
+        }
+        (Value::String(_), value @ (Value::Boolean(_) | Value::Integer(_) | Value::Float(_))) => {
+            Value::String(value.to_string())
+        }
+        (_, value) => value,
+    };
+    if before.same_type(&value) {
+        return Ok(value);
+    }
+    Err(match before {
+        Value::String(_) => "text",
+        Value::Integer(_) => "whole number",
+        Value::Float(_) => "number",
+        Value::Boolean(_) => "true or false",
+        Value::Array(_) => "list",
+        Value::Datetime(_) | Value::Table(_) => "table",
+    })
+}
+
+/// A value as it stands on a command line: TOML, or else text.
+pub(crate) fn parse_value(text: &str) -> Value {
+    let parsed = format!("value = {text}").parse::<Table>().ok();
+    let value = parsed
+        .filter(|table| table.len() == 1)
+        .and_then(|mut t| t.remove("value"));
+    value.unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_on_a_command_line_are_toml_or_text() {
+        assert_eq!(parse_value("0.1"), Value::Float(0.1));
+        assert_eq!(parse_value("ring"), Value::String("ring".into()));
+        assert_eq!(parse_value("a.csv"), Value::String("a.csv".into()));
+        assert_eq!(parse_value("1\nb = 2"), Value::String("1\nb = 2".into()));
+    }
+
+    #[test]
+    fn a_misspelt_key_is_recognised() {
+        let table: Table = "[links]\ndelay_s = 1\n[control]\nk_x = 2".parse().unwrap();
+        assert_eq!(
+            nearest(&table, "links.dealy_s").as_deref(),
+            Some("links.delay_s")
+        );
+        assert_eq!(
+            nearest(&table, "link.delay_s").as_deref(),
+            Some("links.delay_s")
+        );
+        assert_eq!(nearest(&table, "weather"), None);
+    }
+}

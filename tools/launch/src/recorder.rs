@@ -1,0 +1,142 @@
+//! The recorder's process: takes records from the bus and writes them down, whoever dies.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use slipstream_bus::bell::Stage;
+use slipstream_bus::experiment::Clock;
+use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::record_pipe::RecordReceiver;
+use slipstream_bus::role::Joined;
+use slipstream_bus::transport::BusError;
+
+use crate::place_files::read_keys;
+use crate::sink::Sink;
+
+/// How long the recorder sleeps when nothing comes.
+const NAP: Duration = Duration::from_millis(1);
+/// What was written is made safe at least so often.
+const SAFE: Duration = Duration::from_millis(250);
+/// A source that is silent for so long does not hold up the others.
+const SILENCE: Duration = Duration::from_millis(300);
+
+/// What the recorder has to say at its end.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct RecorderOutcome {
+    /// Records in the file.
+    pub records: u64,
+    /// Why the file is not what it should be.
+    pub failure: Option<String>,
+}
+
+/// Records the run in `folder` to `out` until everybody else is gone.
+///
+/// # Errors
+/// When it cannot join the run or begin the file.
+pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
+    let joined = Joined::new(folder)?;
+    let failed = |e: slipstream_recording::Error| BusError::Failed {
+        what: "recording".to_owned(),
+        reason: e.to_string(),
+    };
+    let keys = read_keys(&joined.place);
+    let sink = Sink::create(out, &joined.experiment, &keys).map_err(failed)?;
+    let services = joined.services("recorder")?;
+    let receiver = RecordReceiver::new(&services)?;
+    joined.bell.ready();
+    let sources = joined.experiment.robots.len() + 1;
+    let lockstep = joined.experiment.settings.clock == Clock::Virtual;
+    let mut order = Order::new(if lockstep { sources } else { 0 }, sink);
+    let failure = pump(&joined, &receiver, &mut order)
+        .err()
+        .map(|error| error.to_string());
+    Ok(match order.finish() {
+        Ok(records) => RecorderOutcome { records, failure },
+        Err(error) => RecorderOutcome {
+            records: 0,
+            failure: Some(error.to_string()),
+        },
+    })
+}
+
+/// Takes records in until everybody else is gone and nothing is left.
+fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result<(), BusError> {
+    let mut safe = Instant::now();
+    let mut heard = Instant::now();
+    loop {
+        // Asked before the queue is found empty: nothing can come after that. Without a launcher
+        // nobody says so; then silence does.
+        let orphaned = joined.parent.is_gone() && heard.elapsed() > SILENCE;
+        let last = joined.bell.stage() >= Stage::Drained || orphaned;
+        let mut idle = true;
+        while receiver.take(|source, record| order.take(source as usize, record))? {
+            idle = false;
+            heard = Instant::now();
+        }
+        order.release();
+        if safe.elapsed() >= SAFE {
+            order.sink.flush();
+            safe = Instant::now();
+        }
+        if idle && last {
+            return Ok(());
+        }
+        if idle {
+            std::thread::sleep(NAP);
+        }
+    }
+}
+
+/// Merges the sources by time, so that the file does not depend on who ran when.
+struct Order {
+    sink: Sink,
+    /// How far each source has come (ns).
+    reached_ns: Vec<i64>,
+    waiting: Vec<(i64, usize, Record)>,
+    released: Instant,
+}
+
+impl Order {
+    /// Without `sources` nothing is held back.
+    fn new(sources: usize, sink: Sink) -> Self {
+        Self {
+            sink,
+            reached_ns: vec![-1; sources],
+            waiting: Vec::new(),
+            released: Instant::now(),
+        }
+    }
+
+    fn take(&mut self, source: usize, record: &Record) {
+        let Some(reached_ns) = self.reached_ns.get_mut(source) else {
+            self.sink.record(record);
+            return;
+        };
+        *reached_ns = record.t_ns().max(*reached_ns);
+        self.waiting.push((*reached_ns, source, *record));
+    }
+
+    /// Writes what no source can come before any more.
+    fn release(&mut self) {
+        let silent = self.released.elapsed() > SILENCE;
+        let all = self.reached_ns.iter().copied().min().filter(|_| !silent);
+        let before_ns = all.unwrap_or(i64::MAX);
+        if !self.waiting.iter().any(|&(t_ns, ..)| t_ns < before_ns) {
+            return;
+        }
+        self.released = Instant::now();
+        self.waiting
+            .sort_by_key(|&(t_ns, source, _)| (t_ns, source));
+        let ready = self.waiting.partition_point(|&(t_ns, ..)| t_ns < before_ns);
+        for (_, _, record) in self.waiting.drain(..ready) {
+            self.sink.record(&record);
+        }
+    }
+
+    fn finish(mut self) -> slipstream_recording::Result<u64> {
+        self.reached_ns.clear();
+        self.release();
+        self.sink.finish(BTreeMap::new())
+    }
+}

@@ -1,0 +1,312 @@
+//! From records to the recording's file.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+
+use slipstream_bus::message::{Position, RobotIndex, robot_name};
+use slipstream_bus::record::{EventKind, Fate, Record, Recorder, State};
+use slipstream_bus::time::ns_from_s;
+use slipstream_bus::{Experiment, RobotModel};
+use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
+use slipstream_recording::robot_toml;
+use slipstream_recording::run_writer::{
+    About, Attachment, Fate as Ending, PositionRecord, RunWriter, WheelContact,
+};
+
+/// Writes a run's records to an MCAP file. The first failure ends the writing and is kept.
+pub struct Sink {
+    writer: RunWriter<BufWriter<File>>,
+    failure: Option<slipstream_recording::Error>,
+    names: Vec<String>,
+    poses: Vec<[f64; 3]>,
+    under_way: BTreeMap<(RobotIndex, u32), UnderWay>,
+    end_ns: i64,
+    records: u64,
+    trace: Vec<u8>,
+}
+
+/// A message whose fate is not yet known. Its two ends tell in any order.
+#[derive(Debug, Default)]
+struct UnderWay {
+    sent: Option<(RobotIndex, Position)>,
+    arrived: Option<Option<i64>>,
+    taken: bool,
+}
+
+impl Sink {
+    /// Begins the file. `keys` is the experiment as it was resolved, as TOML.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn create(
+        path: &Path,
+        experiment: &Experiment,
+        keys: &str,
+    ) -> slipstream_recording::Result<Self> {
+        Ok(Self {
+            writer: RunWriter::create(path, &about(experiment, keys))?,
+            failure: None,
+            names: experiment
+                .robots
+                .iter()
+                .map(|robot| robot.name.clone())
+                .collect(),
+            poses: Vec::new(),
+            under_way: BTreeMap::new(),
+            end_ns: ns_from_s(experiment.settings.duration_s),
+            records: 0,
+            trace: vec![0; 512],
+        })
+    }
+
+    /// Makes what was written so far safe.
+    pub fn flush(&mut self) {
+        let result = self.writer.flush();
+        self.keep(result);
+    }
+
+    /// Writes what is left and closes the file; says how many records it holds.
+    ///
+    /// # Errors
+    /// The first failure of all.
+    pub fn finish(mut self, about: BTreeMap<String, String>) -> slipstream_recording::Result<u64> {
+        let rest = std::mem::take(&mut self.under_way);
+        for ((_, seq), message) in rest {
+            self.write_position(seq, &message);
+        }
+        if let Some(failure) = self.failure {
+            return Err(failure);
+        }
+        self.writer.write_metadata("slipstream.end", about)?;
+        self.writer.finish()?;
+        Ok(self.records)
+    }
+
+    fn keep(&mut self, result: slipstream_recording::Result<()>) {
+        if let Err(error) = result {
+            self.failure.get_or_insert(error);
+        }
+    }
+
+    fn write(&mut self, record: &Record) -> slipstream_recording::Result<()> {
+        match *record {
+            Record::State(state) => self.write_state(&state)?,
+            Record::Encoders {
+                t_ns,
+                robot,
+                counts,
+            } => {
+                self.writer.write_encoders(robot as usize, t_ns, counts)?;
+            }
+            Record::Applied {
+                t_ns,
+                robot,
+                torque_nm,
+                ..
+            } => {
+                self.writer
+                    .write_torque_command(robot as usize, t_ns, torque_nm)?;
+            }
+            Record::Camera { t_ns, robot, pose } => {
+                self.writer.write_camera(robot as usize, t_ns, pose)?;
+            }
+            Record::Imu {
+                t_ns,
+                robot,
+                acceleration_m_s2: [ax, ay],
+                yaw_rate_rad_s,
+            } => {
+                self.writer
+                    .write_imu(robot as usize, t_ns, [ax, ay, yaw_rate_rad_s])?;
+            }
+            Record::Outer(tick) => {
+                let robot = tick.robot as usize;
+                self.writer
+                    .write_odometry(robot, tick.t_ns, tick.pose, tick.velocity)?;
+            }
+            Record::Event { t_ns, robot, kind } => {
+                let process = robot.map_or_else(|| "plant".to_owned(), robot_name);
+                self.writer.write_event(t_ns, &process, words(kind))?;
+            }
+            Record::Inner(_) => {}
+            Record::Sent { to, position, .. } => {
+                let message = self.message(position.from, position.seq);
+                message.sent = Some((to, position));
+                self.settle(position.from, position.seq);
+            }
+            Record::Arrived {
+                from,
+                seq,
+                available_ns,
+                ..
+            } => {
+                self.message(from, seq).arrived = Some(available_ns);
+                self.settle(from, seq);
+            }
+            Record::Taken {
+                from, seq, fate, ..
+            } => {
+                let _: Fate = fate;
+                self.message(from, seq).taken = true;
+                self.settle(from, seq);
+            }
+        }
+        self.write_trace(record)
+    }
+
+    /// What `trace` needs, as it is.
+    fn write_trace(&mut self, record: &Record) -> slipstream_recording::Result<()> {
+        let traced = matches!(
+            record,
+            Record::Outer(_)
+                | Record::Inner(_)
+                | Record::Sent { .. }
+                | Record::Arrived { .. }
+                | Record::Taken { .. }
+                | Record::Applied { .. }
+        );
+        if let Ok(bytes) = postcard::to_slice(record, &mut self.trace)
+            && traced
+        {
+            self.writer.write_trace(record.t_ns(), bytes)?;
+        }
+        Ok(())
+    }
+
+    fn write_state(&mut self, state: &State) -> slipstream_recording::Result<()> {
+        let (robot, t_ns) = (state.robot as usize, state.t_ns);
+        self.writer
+            .write_truth(robot, t_ns, state.pose, state.velocity)?;
+        self.writer
+            .write_wheels(robot, t_ns, state.wheel_angle_rad, state.wheel_speed_rad_s)?;
+        let contact = [0, 1].map(|side| WheelContact {
+            slips: state.slides[side],
+            slip_longitudinal_m_s: state.slip_m_s[side],
+            slip_lateral_m_s: state.slip_m_s[2],
+            normal_force_n: state.normal_n[side],
+            applied_torque_nm: state.torque_nm[side],
+        });
+        self.writer.write_contact(robot, t_ns, contact)?;
+        // The robots' states of one instant come one after the other.
+        self.poses.truncate(robot);
+        self.poses.push(state.pose);
+        if self.poses.len() == self.names.len() {
+            self.writer.write_true_poses(t_ns, &self.poses)?;
+        }
+        Ok(())
+    }
+
+    fn message(&mut self, from: RobotIndex, seq: u32) -> &mut UnderWay {
+        self.under_way.entry((from, seq)).or_default()
+    }
+
+    /// Writes a message whose fate is known.
+    fn settle(&mut self, from: RobotIndex, seq: u32) {
+        let known = self.under_way.get(&(from, seq)).is_some_and(|message| {
+            message.sent.is_some() && (message.taken || message.arrived == Some(None))
+        });
+        if known && let Some(message) = self.under_way.remove(&(from, seq)) {
+            self.write_position(seq, &message);
+        }
+    }
+
+    fn write_position(&mut self, seq: u32, message: &UnderWay) {
+        let Some((to, position)) = message.sent else {
+            return;
+        };
+        let name = |robot: RobotIndex| self.names.get(robot as usize).map_or("?", String::as_str);
+        let fate = match message.arrived {
+            Some(None) => Ending::Lost,
+            Some(Some(t_received_ns)) if t_received_ns < self.end_ns => {
+                Ending::Arrived { t_received_ns }
+            }
+            _ => Ending::InFlight,
+        };
+        let record = PositionRecord {
+            sender: name(position.from),
+            receiver: name(to),
+            seq: u64::from(seq),
+            t_sampled_ns: position.sampled_ns,
+            t_sent_ns: position.sent_ns,
+            fate,
+            pose: [position.x_m, position.y_m, position.yaw_rad],
+            velocity: Some([position.v_m_s, position.w_rad_s]),
+        };
+        let result = self.writer.write_position(&record);
+        self.keep(result);
+    }
+}
+
+impl Recorder for Sink {
+    fn record(&mut self, record: &Record) {
+        if self.failure.is_none() {
+            self.records += 1;
+            let result = self.write(record);
+            self.keep(result);
+        }
+    }
+}
+
+/// What is known about a run before it begins.
+fn about(experiment: &Experiment, keys: &str) -> About {
+    let settings = &experiment.settings;
+    let camera = &settings.sensors.camera;
+    let imu = &settings.sensors.imu;
+    let robot = |setup: &slipstream_bus::RobotSetup| Robot {
+        encoder_counts_per_rev: setup.model.encoder.as_ref().map(|e| e.counts_per_rev),
+        pose_point: Some(PosePoint::CentreOfMass),
+        noise: Noise {
+            pose_m: Some(camera.noise_m),
+            pose_rad: Some(camera.noise_rad),
+            imu_m_s2: Some(imu.noise_m_s2),
+            imu_rad_s: Some(imu.noise_rad_s),
+            ..Noise::default()
+        },
+        ..Robot::named(&setup.name)
+    };
+    let truth = |setup: &slipstream_bus::RobotSetup| Attachment {
+        name: format!("simulated.{}.toml", setup.name),
+        media_type: "application/toml".to_owned(),
+        data: robot_toml::to_text(&setup.model).into_bytes(),
+    };
+    let nominal = |model: &RobotModel| RobotModel {
+        effects: Vec::new(),
+        ..model.clone()
+    };
+    About {
+        description: Recording {
+            name: settings.name.clone(),
+            origin: format!("slipstream {}", env!("CARGO_PKG_VERSION")),
+            robots: experiment.robots.iter().map(robot).collect(),
+            model: experiment.robots.first().map(|setup| nominal(&setup.model)),
+            ..Recording::default()
+        },
+        attachments: std::iter::once(Attachment {
+            name: "experiment.toml".to_owned(),
+            media_type: "application/toml".to_owned(),
+            data: keys.as_bytes().to_vec(),
+        })
+        .chain(experiment.robots.iter().map(truth))
+        .collect(),
+        metadata: BTreeMap::from([
+            ("seed".to_owned(), settings.seed.to_string()),
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ]),
+    }
+}
+
+fn words(kind: EventKind) -> &'static str {
+    match kind {
+        EventKind::Started => "started",
+        EventKind::Stopped => "stopped",
+        EventKind::WatchdogFired => "no fresh position: slows down",
+        EventKind::WatchdogCleared => "has a fresh position again",
+        EventKind::RingRestarted => "the ring was silent: started anew",
+        EventKind::PlantLost => "the encoders went silent: no torque",
+        EventKind::DeadlineMissed => "a deadline was missed",
+        EventKind::Died => "died",
+        EventKind::Rejoined => "came back",
+    }
+}

@@ -1,0 +1,153 @@
+//! The loops do not allocate once they run: the cores not at all; on the bus iceoryx2 0.10 takes one
+//! small block for each sample that is sent, gives it back at once, and that is all.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::rc::Rc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use slipstream_agents::Node;
+use slipstream_bus::bell::{Bell, Stage};
+use slipstream_bus::message::{Encoders, TorqueCommand};
+use slipstream_bus::place::Place;
+use slipstream_bus::record::NoRecorder;
+use slipstream_bus::services::Services;
+use slipstream_bus::shared::{AgentEnd, Parent, PlantEnd};
+use slipstream_bus::transport::Rounds;
+use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
+use slipstream_launch::in_process::run;
+
+/// Counts allocations of all threads.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call goes to the system's allocator unchanged; counting touches no memory of it.
+#[expect(
+    unsafe_code,
+    reason = "an allocator cannot be written without; argued above"
+)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+fn experiment(duration_s: f64) -> Experiment {
+    let mut settings = Settings {
+        duration_s,
+        ..Settings::default()
+    };
+    settings.links.delay_s = 0.08;
+    settings.links.jitter_s = 0.05;
+    settings.links.loss = 0.1;
+    let robots = (0..settings.robots.count)
+        .map(|index| RobotSetup {
+            name: format!("r{}", index + 1),
+            model: RobotModel::paper_with_slip(),
+            pose: settings.start_pose(index),
+        })
+        .collect();
+    Experiment {
+        settings,
+        robots,
+        half_round_trips_ns: Vec::new(),
+    }
+}
+
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    work();
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+/// Twenty times as long, not one allocation more: plant, controllers and links.
+fn the_cores() {
+    let count = |duration_s| {
+        let experiment = experiment(duration_s);
+        allocations(|| drop(run(&experiment, true).unwrap()))
+    };
+    let short = count(1.0);
+    assert!(short > 0, "the counter counts");
+    assert_eq!(count(20.0), short);
+}
+
+/// Rounds over real shared memory, plant and agents in threads of one process.
+fn the_bus() {
+    const WARM: i64 = 200;
+    const ROUNDS: i64 = 2_000;
+    let experiment = experiment(1000.0);
+    let schedule = experiment.settings.schedule();
+    let (place, _alive) = Place::create(0xa110_0000 | std::process::id() & 0xf_ffff).unwrap();
+    let robots = experiment.settings.robots.count;
+    Bell::create(&place.bell(), robots as usize).unwrap();
+    let open = || Rc::new(Bell::open(&place.bell()).unwrap());
+    let bell = open();
+    let services = Services::join(&place, &experiment, "plant").unwrap();
+    let kept = services.create_all().unwrap();
+    let mut counted = 0;
+    std::thread::scope(|scope| {
+        for robot in 0..robots {
+            let (place, experiment, open) = (&place, &experiment, &open);
+            scope.spawn(move || {
+                let bell = open();
+                let services = Services::join(place, experiment, "agent").unwrap();
+                let mut end =
+                    AgentEnd::new(&services, Rc::clone(&bell), Parent::now(), robot).unwrap();
+                let mut node = Node::new(experiment, robot).unwrap();
+                bell.ready();
+                while let Some(round) = end.next_round().unwrap() {
+                    let (due, links) = (schedule.due(round.now_ns), end.links());
+                    let command = node
+                        .step(round.now_ns, due, &round.encoders, links, &mut NoRecorder)
+                        .unwrap();
+                    end.answer(command).unwrap();
+                }
+            });
+        }
+        let mut end = PlantEnd::new(&services, Rc::clone(&bell), Parent::now()).unwrap();
+        end.await_ready(robots).unwrap();
+        let encoders = vec![Encoders::default(); robots as usize];
+        let mut commands = vec![TorqueCommand::default(); robots as usize];
+        let mut now_ns = 0;
+        let mut rounds = |many: i64| {
+            for _ in 0..many {
+                end.round(now_ns, &encoders, &mut commands).unwrap();
+                now_ns = schedule.next_after(now_ns);
+            }
+        };
+        rounds(WARM);
+        counted = allocations(|| rounds(ROUNDS));
+        bell.advance(Stage::Over);
+    });
+    drop(kept);
+    place.remove().unwrap();
+    // A sample from the plant and from each agent in a round, and a position now and then.
+    let samples = u64::try_from(ROUNDS).unwrap() * u64::from(1 + robots);
+    assert!(
+        counted <= samples + samples / 10,
+        "{counted} allocations for {samples} samples"
+    );
+}
+
+/// One test, since the counter hears every thread.
+#[test]
+fn the_loops_do_not_allocate() {
+    the_cores();
+    the_bus();
+}

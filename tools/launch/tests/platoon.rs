@@ -1,0 +1,231 @@
+//! The paper's experiments, run in one process: what its controller must bring about.
+
+use slipstream_bus::experiment::{Protocol, TorqueLimit};
+use slipstream_bus::record::{EventKind, Fate, Record};
+use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
+use slipstream_launch::Reports;
+use slipstream_launch::in_process::{run, run_recorded};
+
+fn experiment(mut settings: Settings, change: impl Fn(&mut Settings)) -> Experiment {
+    change(&mut settings);
+    settings.validate().unwrap();
+    let robots = (0..settings.robots.count)
+        .map(|index| RobotSetup {
+            name: format!("r{}", index + 1),
+            model: RobotModel::paper_with_slip(),
+            pose: settings.start_pose(index),
+        })
+        .collect();
+    Experiment {
+        settings,
+        robots,
+        half_round_trips_ns: Vec::new(),
+    }
+}
+
+fn platoon(change: impl Fn(&mut Settings)) -> Reports {
+    run(&experiment(Settings::default(), change), false).unwrap()
+}
+
+fn slip_s(reports: &Reports) -> f64 {
+    reports
+        .plant
+        .robots
+        .iter()
+        .flat_map(|robot| robot.slip_time_s)
+        .fold(0.0, f64::max)
+}
+
+/// Section 4: with limited torque the wheels hold; without they slip, and the encoders say more
+/// than was driven.
+#[test]
+fn limiting_the_torque_ends_the_slip() {
+    for protocol in [Protocol::Ring, Protocol::Periodic] {
+        for delay_s in [0.0, 0.1] {
+            let with = |limit| {
+                platoon(|s| {
+                    s.control.torque_limit = limit;
+                    s.links.protocol = protocol;
+                    s.links.delay_s = delay_s;
+                })
+            };
+            let free = with(TorqueLimit::None);
+            assert!(slip_s(&free) > 0.2, "{protocol:?} {delay_s}");
+            let believed_m = free.agents[0].final_odometry[0];
+            assert!(believed_m > free.plant.robots[0].final_true[0] + 0.02);
+            for limit in [TorqueLimit::Inner, TorqueLimit::Outer] {
+                let slip = slip_s(&with(limit));
+                assert!(slip == 0.0, "{limit:?} {protocol:?} {delay_s}: {slip}");
+            }
+            // It has to feel the slip once to know the floor.
+            let adaptive = slip_s(&with(TorqueLimit::Adaptive));
+            assert!(adaptive > 0.0 && adaptive < slip_s(&free), "{adaptive}");
+        }
+    }
+}
+
+/// The robots drive the profile's 4.302 m and stand 0.6096 m apart at the end.
+#[test]
+fn the_platoon_arrives_in_formation() {
+    let reports = platoon(|s| s.control.torque_limit = TorqueLimit::Inner);
+    let x: Vec<f64> = reports
+        .plant
+        .robots
+        .iter()
+        .map(|robot| robot.final_true[0])
+        .collect();
+    assert!((x[0] - (0.6096 + 4.302)).abs() < 0.01, "{x:?}");
+    assert!(
+        (x[0] - x[1] - 0.6096).abs() < 0.01 && (x[1] - x[2] - 0.6096).abs() < 0.01,
+        "{x:?}"
+    );
+    assert_eq!(reports.plant.robots[0].max_spacing_error_m, None);
+}
+
+/// Later positions: larger corrections and spacing errors (the paper's point on delay).
+#[test]
+fn delay_costs_spacing() {
+    let error = |delay_s| {
+        let reports = platoon(|s| s.links.delay_s = delay_s);
+        reports.plant.robots[1].max_spacing_error_m.unwrap()
+    };
+    let errors = [error(0.0), error(0.1), error(0.3)];
+    assert!(errors[0] < errors[1] && errors[1] < errors[2], "{errors:?}");
+}
+
+/// A platoon that drives a curve keeps its shape: the reference lies on the path that the one ahead
+/// drove, not behind its back.
+#[test]
+fn a_turning_platoon_follows_the_path() {
+    let reports = platoon(|s| {
+        s.profile.times_s = vec![0.0, 1.0, 4.0, 5.0];
+        s.profile.speeds_m_s = vec![0.0, 0.3, 0.3, 0.3];
+        s.profile.yaw_rates_rad_s = vec![0.0, 0.0, 0.0, 0.3];
+        s.formation.start_s = 1.0;
+        s.links.protocol = Protocol::Periodic;
+        s.duration_s = 20.0;
+    });
+    // From 5 s on the front robot drives a circle of 1 m; the others must be on it too.
+    let poses: Vec<[f64; 3]> = reports
+        .plant
+        .robots
+        .iter()
+        .map(|robot| robot.final_true)
+        .collect();
+    let d = 0.055;
+    let centre = |[x, y, yaw]: [f64; 3]| {
+        let (sin, cos) = yaw.sin_cos();
+        [x - d * cos - sin, y - d * sin + cos]
+    };
+    let [cx, cy] = centre(poses[0]);
+    for [x, y, yaw] in &poses[1..] {
+        let radius = (x - d * yaw.cos() - cx).hypot(y - d * yaw.sin() - cy);
+        assert!((radius - 1.0).abs() < 0.03, "{radius} {poses:?}");
+    }
+    for robot in &reports.plant.robots[1..] {
+        assert!(robot.max_spacing_error_m.unwrap() < 0.06, "{robot:?}");
+    }
+}
+
+/// Section 3: 0.13 N m slips and the encoders run ahead; cut to Eq. 11 they agree with the truth.
+#[test]
+fn the_single_robot_shows_what_the_limit_does() {
+    let gap_m = |limit| {
+        let experiment = experiment(Settings::single(), |s| s.control.torque_limit = limit);
+        let reports = run(&experiment, false).unwrap();
+        assert!((reports.plant.duration_s - 2.0).abs() < 1e-12);
+        let [believed, driven] = [
+            reports.agents[0].final_odometry[0],
+            reports.plant.robots[0].final_true[0],
+        ];
+        assert!(driven > 0.5);
+        (believed - driven, slip_s(&reports))
+    };
+    let (free, slip) = gap_m(TorqueLimit::None);
+    assert!(free > 0.05 && slip > 0.5, "{free} {slip}");
+    let (limited, slip) = gap_m(TorqueLimit::Inner);
+    assert!(limited.abs() < 1e-3 && slip == 0.0, "{limited} {slip}");
+}
+
+fn records(change: impl Fn(&mut Settings)) -> Vec<Record> {
+    run_recorded(&experiment(Settings::default(), change), false, Vec::new())
+        .unwrap()
+        .1
+}
+
+/// Section 4: a robot sends after it received. With a delay of two outer ticks a turn of three
+/// robots takes six ticks.
+#[test]
+fn the_ring_goes_round_in_order() {
+    let records = records(|s| {
+        s.links.delay_s = 0.1;
+        s.duration_s = 2.0;
+    });
+    let sent: Vec<(u32, i64)> = records
+        .iter()
+        .filter_map(|record| match record {
+            Record::Sent { position, .. } => Some((position.from, position.sent_ns / 1_000_000)),
+            _ => None,
+        })
+        .collect();
+    let expected: Vec<(u32, i64)> = (0..20).map(|k| (k % 3, i64::from(k) * 100)).collect();
+    assert_eq!(sent, expected);
+}
+
+#[test]
+fn a_ring_that_lost_its_message_is_started_anew() {
+    let records = records(|s| {
+        s.links.loss = 0.3;
+        s.duration_s = 10.0;
+    });
+    let restarts = records.iter().filter(|record| {
+        matches!(
+            record,
+            Record::Event {
+                kind: EventKind::RingRestarted,
+                ..
+            }
+        )
+    });
+    assert!(restarts.count() > 3);
+    // Restarts or not, there is one message under way at a time: nothing is ever stale.
+    let stale = |record: &&Record| {
+        matches!(
+            record,
+            Record::Taken {
+                fate: Fate::Stale,
+                ..
+            }
+        )
+    };
+    assert_eq!(records.iter().filter(stale).count(), 0);
+}
+
+/// Without fresh positions a follower slows down at the rate that its key says, and stands.
+#[test]
+fn the_watchdog_stops_a_follower_that_hears_nothing() {
+    let records = records(|s| {
+        s.links.protocol = Protocol::Periodic;
+        s.links.loss = 0.999_999;
+        s.robots.count = 2;
+        s.control.torque_limit = TorqueLimit::Inner;
+    });
+    let fired = records.iter().find_map(|record| match record {
+        Record::Event {
+            t_ns,
+            kind: EventKind::WatchdogFired,
+            ..
+        } => Some(*t_ns),
+        _ => None,
+    });
+    let fired_ns = fired.unwrap();
+    assert!(
+        (4_000_000_000..4_300_000_000).contains(&fired_ns),
+        "{fired_ns}"
+    );
+    let last = records.iter().rev().find_map(|record| match record {
+        Record::State(state) if state.robot == 1 => Some(*state),
+        _ => None,
+    });
+    assert!(last.unwrap().velocity[0].abs() < 0.01, "{last:?}");
+}
