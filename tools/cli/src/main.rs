@@ -3,6 +3,7 @@
 mod check;
 mod clean;
 mod compare;
+mod diagnose;
 mod effects;
 mod exit;
 mod export;
@@ -35,6 +36,7 @@ enum Command {
     Compare(compare::Arguments),
     Import(import::Arguments),
     Export(export::Arguments),
+    Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
@@ -57,6 +59,7 @@ fn main() -> ExitCode {
         Some(Command::Compare(arguments)) => compare::run(&arguments),
         Some(Command::Import(arguments)) => import::run(&arguments),
         Some(Command::Export(arguments)) => export::run(&arguments),
+        Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Effects(arguments)) => effects::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };

@@ -1,0 +1,138 @@
+//! `slipstream diagnose`: what the model leaves out, where, how much, how sure.
+
+use std::io::{IsTerminal, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use slipstream_bus::RobotModel;
+use slipstream_diagnose::{Answer, Verdict, diagnose};
+use slipstream_recording::robot_toml;
+
+use crate::exit::{Error, Exit};
+
+/// Find what a robot's model leaves out, from a recording
+///
+/// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Folder with recording.toml, or an MCAP file.
+    recording: PathBuf,
+    /// A robot's model, for all or for the robot NAME; without it the one in the recording.
+    #[arg(long, value_name = "[NAME=]FILE.toml")]
+    robot: Vec<String>,
+    /// Write the answer to a file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
+    #[arg(long, value_name = "FILE.toml")]
+    improved: Option<PathBuf>,
+    /// Take an effect out of the catalogue.
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    for id in &arguments.without {
+        if slipstream_sim::effects::find(id).is_none() {
+            return Err(Error::Input(format!(
+                "--without {id}: is no effect; `slipstream effects` lists those that are"
+            )));
+        }
+    }
+    let import = slipstream_recording::read(&arguments.recording)?;
+    for warning in &import.warnings {
+        eprintln!("{warning}");
+    }
+    let models = read_models(&arguments.robot)?;
+    let model_of = |robot: &str| {
+        let named = models
+            .iter()
+            .find(|(name, _)| name.as_deref() == Some(robot));
+        let chosen = named.or_else(|| models.iter().find(|(name, _)| name.is_none()));
+        chosen.map(|(_, model)| model.clone())
+    };
+    let live = std::io::stderr().is_terminal();
+    let mut progress = |what: &str| {
+        if live {
+            // a progress line that cannot be shown is not worth an error
+            let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
+        }
+    };
+    let done = diagnose(
+        &import.recording,
+        model_of,
+        &arguments.without,
+        &mut progress,
+    );
+    if live {
+        eprint!("\r\x1b[K");
+    }
+    let (answer, improved) =
+        done.map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
+    if let Some(file) = &arguments.json {
+        let text = serde_json::to_string_pretty(&answer)
+            .map_err(|error| Error::Failed(format!("{}: {error}", file.display())))?;
+        write(file, &(text + "\n"))?;
+    }
+    if let Some(file) = &arguments.improved {
+        for (name, model) in &improved {
+            let file = if improved.len() == 1 {
+                file.clone()
+            } else {
+                file.with_extension(format!("{name}.toml"))
+            };
+            robot_toml::write(model, &file)?;
+        }
+    }
+    say(&answer);
+    Ok(Exit::Done)
+}
+
+fn read_models(arguments: &[String]) -> Result<Vec<(Option<String>, RobotModel)>, Error> {
+    let mut models = Vec::new();
+    for argument in arguments {
+        let (name, file) = match argument.split_once('=') {
+            Some((name, file)) => (Some(name.to_owned()), file),
+            None => (None, argument.as_str()),
+        };
+        models.push((name, robot_toml::read(Path::new(file))?));
+    }
+    Ok(models)
+}
+
+fn write(file: &Path, text: &str) -> Result<(), Error> {
+    std::fs::write(file, text)
+        .map_err(|error| Error::Failed(format!("{}: cannot be written: {error}", file.display())))
+}
+
+fn say(answer: &Answer) {
+    let held = &answer.held_out;
+    match answer.verdict {
+        Verdict::Match => println!("The model matches the recording: nothing beyond the noise."),
+        Verdict::Explained => println!("What the model leaves out explains the recording:"),
+        Verdict::Unexplained => println!("Something remains that the catalogue does not explain."),
+    }
+    for finding in &answer.findings {
+        println!("\n{}", finding.statement);
+        for parameter in &finding.parameters {
+            if let (Some(estimate), Some([low, high])) = (parameter.estimate, parameter.ci95) {
+                let (name, unit) = (&parameter.name, &parameter.unit);
+                println!("  {name} {estimate:.5} {unit}  (95 % between {low:.5} and {high:.5})");
+            }
+        }
+        if !finding.confused_with.is_empty() {
+            println!(
+                "  cannot be told from {} here",
+                finding.confused_with.join(", ")
+            );
+        }
+    }
+    for left in &answer.unexplained {
+        println!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
+    }
+    println!(
+        "\nPrediction error over 5 s: {:.2} standard deviations before, {:.2} after.",
+        held.nrmse_before, held.nrmse_after
+    );
+}

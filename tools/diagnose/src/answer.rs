@@ -1,0 +1,300 @@
+//! What is answered: CONTRACT.md, section 4.
+
+use serde::Serialize;
+use slipstream_bus::RobotModel;
+use slipstream_sim::effects::Info;
+
+use crate::hypothesis::Hypothesis;
+use crate::score;
+use crate::search::{Found, Search};
+
+/// Level of the residuals, in deviations, above which something is left unexplained.
+const LEFT_OVER: f64 = 1.12;
+
+/// The answer of a diagnosis.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Answer {
+    /// Version of this form.
+    pub format: u32,
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// What the model leaves out.
+    pub findings: Vec<Finding>,
+    /// Prediction before and after.
+    pub held_out: HeldOut,
+    /// What remains.
+    pub unexplained: Vec<Unexplained>,
+}
+
+/// What a diagnosis comes to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Nothing beyond the noise was found.
+    #[default]
+    Match,
+    /// The findings bring the residuals to noise.
+    Explained,
+    /// Something significant remains.
+    Unexplained,
+}
+
+/// One effect that the model leaves out.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// Whose.
+    pub robot: String,
+    /// Its identity in the vocabulary, or `unknown`.
+    pub effect: String,
+    /// One sentence for a person.
+    pub statement: String,
+    /// How much.
+    pub parameters: Vec<ParameterEstimate>,
+    /// Where.
+    #[serde(rename = "where")]
+    pub place: Place,
+    /// What this recording cannot tell it from.
+    pub confused_with: Vec<String>,
+    /// How sure.
+    pub evidence: Evidence,
+}
+
+/// A parameter with its interval.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterEstimate {
+    /// Its name.
+    pub name: String,
+    /// Its unit.
+    pub unit: String,
+    /// What the model says.
+    pub nominal: Option<f64>,
+    /// What the recording says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimate: Option<f64>,
+    /// Where it lies with 95 % confidence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ci95: Option<[f64; 2]>,
+    /// The value of a parameter that is a word.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub text: Option<String>,
+}
+
+/// Where a finding shows.
+#[derive(Debug, Clone, Serialize)]
+pub struct Place {
+    /// The channel.
+    pub channel: String,
+    /// When it is at work (s).
+    pub intervals_s: Vec<[f64; 2]>,
+    /// Under which condition.
+    pub condition: String,
+}
+
+/// How sure a finding is.
+#[derive(Debug, Clone, Serialize)]
+pub struct Evidence {
+    /// Nats on the data of the fit.
+    pub log_likelihood_gain: f64,
+    /// Over everything that was looked at.
+    pub p_value: f64,
+}
+
+/// Prediction over 5 s before and after.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct HeldOut {
+    /// Each channel.
+    pub channels: Vec<HeldOutChannel>,
+    /// All pose channels before.
+    pub nrmse_before: f64,
+    /// All pose channels after.
+    pub nrmse_after: f64,
+}
+
+/// Prediction of one channel.
+#[derive(Debug, Clone, Serialize)]
+pub struct HeldOutChannel {
+    /// Whose.
+    pub robot: String,
+    /// Which.
+    pub channel: String,
+    /// Deviations before.
+    pub nrmse_before: f64,
+    /// Deviations after.
+    pub nrmse_after: f64,
+}
+
+/// What remains.
+#[derive(Debug, Clone, Serialize)]
+pub struct Unexplained {
+    /// Whose.
+    pub robot: String,
+    /// In which channel.
+    pub channel: String,
+    /// On what it depends.
+    pub driver: String,
+    /// When (s).
+    pub intervals_s: Vec<[f64; 2]>,
+    /// What it looks like.
+    pub shape: String,
+}
+
+const CHANNEL_NAMES: [&str; 5] = ["wheel_right", "wheel_left", "pose_x", "pose_y", "pose_yaw"];
+
+impl Answer {
+    /// Adds what was found on one robot.
+    pub(crate) fn add(&mut self, search: &Search<'_>, found: &Found) {
+        self.format = 1;
+        let robot = &search.track.robot;
+        let mut first = 0;
+        for (at, hypothesis) in found.hypotheses.iter().enumerate() {
+            self.findings
+                .push(finding(search, found, hypothesis, at, first));
+            first += hypothesis.values.len();
+        }
+        let (before, total_before) = score::prediction(search, search.model);
+        let (after, total_after) = score::prediction(search, &improved(search.model, found));
+        for (channel, name) in CHANNEL_NAMES.iter().enumerate() {
+            if let (Some(nrmse_before), Some(nrmse_after)) = (before[channel], after[channel]) {
+                self.held_out.channels.push(HeldOutChannel {
+                    robot: robot.clone(),
+                    channel: (*name).to_owned(),
+                    nrmse_before,
+                    nrmse_after,
+                });
+            }
+        }
+        // several robots: the one that is worst off
+        self.held_out.nrmse_before = self.held_out.nrmse_before.max(total_before);
+        self.held_out.nrmse_after = self.held_out.nrmse_after.max(total_after);
+        self.leftover(search, found);
+    }
+
+    /// What the fitted model leaves beyond the noise.
+    fn leftover(&mut self, search: &Search<'_>, found: &Found) {
+        let misfit = &found.fit.misfit;
+        let level =
+            |channel: usize| (misfit.squares[channel] / misfit.counts[channel].max(1.0)).sqrt();
+        let worst = (0..CHANNEL_NAMES.len()).max_by(|&a, &b| level(a).total_cmp(&level(b)));
+        let Some(worst) = worst.filter(|&worst| level(worst) > LEFT_OVER) else {
+            return;
+        };
+        let robot = search.track.robot.clone();
+        let channel = [
+            "wheel_right",
+            "wheel_left",
+            "longitudinal",
+            "lateral",
+            "yaw",
+        ][worst];
+        let shape = format!(
+            "residuals of {:.2} standard deviations in {} that no effect of the catalogue explains",
+            level(worst),
+            CHANNEL_NAMES[worst]
+        );
+        let [from, to] = search.track.span_s();
+        self.unexplained.push(Unexplained {
+            robot: robot.clone(),
+            channel: channel.to_owned(),
+            driver: "t".to_owned(),
+            intervals_s: vec![[from, to]],
+            shape,
+        });
+    }
+
+    /// Draws the verdict from what was added.
+    pub(crate) fn conclude(&mut self) {
+        self.verdict = match (self.findings.is_empty(), self.unexplained.is_empty()) {
+            (_, false) => Verdict::Unexplained,
+            (true, true) => Verdict::Match,
+            (false, true) => Verdict::Explained,
+        };
+    }
+}
+
+fn finding(
+    search: &Search<'_>,
+    found: &Found,
+    hypothesis: &Hypothesis,
+    at: usize,
+    first: usize,
+) -> Finding {
+    let info: &Info = hypothesis.info;
+    let unit = |name: &str| {
+        let own = info.parameters.iter().find(|p| p.name == name);
+        own.map_or("1", |p| p.unit).to_owned()
+    };
+    let mut parameters: Vec<ParameterEstimate> = hypothesis
+        .values
+        .iter()
+        .enumerate()
+        .map(|(i, (name, _))| {
+            let (estimate, deviation) =
+                (found.fit.values[first + i], found.fit.deviations[first + i]);
+            ParameterEstimate {
+                name: (*name).to_owned(),
+                unit: unit(name),
+                nominal: None,
+                estimate: Some(estimate),
+                ci95: Some([estimate - 1.96 * deviation, estimate + 1.96 * deviation]),
+                text: None,
+            }
+        })
+        .collect();
+    if let Some((name, word)) = hypothesis.text {
+        parameters.push(ParameterEstimate {
+            name: name.to_owned(),
+            unit: "text".to_owned(),
+            nominal: None,
+            estimate: None,
+            ci95: None,
+            text: Some(word.to_owned()),
+        });
+    }
+    let gain = found.gains.get(at).copied().unwrap_or(0.0);
+    let confused: Vec<String> = found
+        .twins
+        .get(at)
+        .into_iter()
+        .flatten()
+        .map(|id| (*id).to_owned())
+        .collect();
+    let numbers: Vec<String> = parameters
+        .iter()
+        .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
+        .collect();
+    let robot = search.track.robot.clone();
+    let [from, to] = search.track.span_s();
+    Finding {
+        statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
+        robot,
+        effect: info.id.to_owned(),
+        parameters,
+        place: Place {
+            channel: info.channels[0].name().to_owned(),
+            intervals_s: vec![[from, to]],
+            condition: String::new(),
+        },
+        confused_with: confused,
+        // over all hypotheses that were tried, by Bonferroni
+        evidence: Evidence {
+            log_likelihood_gain: gain,
+            p_value: (100.0 * (-gain).exp()).min(1.0),
+        },
+    }
+}
+
+/// The nominal model with what was found.
+pub(crate) fn improved(model: &RobotModel, found: &Found) -> RobotModel {
+    let mut model = model.clone();
+    let mut values = found.fit.values.iter();
+    for hypothesis in &found.hypotheses {
+        let mut own = hypothesis.clone();
+        for (_, value) in &mut own.values {
+            if let Some(fitted) = values.next() {
+                *value = *fitted;
+            }
+        }
+        model.effects.push(own.spec());
+    }
+    model
+}
