@@ -31,6 +31,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for warning in &import.warnings {
         eprintln!("{warning}");
     }
+    for (topic, messages) in &import.left_out {
+        eprintln!("{topic}: {messages} messages are of no stream of the format; left out");
+    }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
     println!("{}", arguments.out.display());
     Ok(Exit::Done)

@@ -139,6 +139,7 @@ fn unusable_input_is_one_line_and_exit_code_2() {
     }
     for arguments in [
         &["check", "nowhere"][..],
+        &["check", "."],
         &["check", "given/recording.toml"],
         &["compare", "given", "--robot", "nowhere.toml"],
         &["export", "given", "--out", "given"],

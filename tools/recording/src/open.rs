@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::csv_in::{Import, read_folder};
 use crate::error::{Result, Unusable};
@@ -29,7 +29,10 @@ pub fn read(path: &Path) -> Result<Import> {
 pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     let metadata = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
     if metadata.is_dir() {
-        return read_folder(path);
+        return match bag_inside(path)? {
+            Some(bag) => read_mapped(&bag, map),
+            None => read_folder(path),
+        };
     }
     if map.is_some() {
         return read_foreign(path, map);
@@ -39,5 +42,36 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     match read_own(source, metadata.len(), path)? {
         Some(import) => Ok(import),
         None => read_foreign(path, None),
+    }
+}
+
+/// The one MCAP file of a folder without `recording.toml`, as ROS 2 leaves it beside its
+/// `metadata.yaml`.
+fn bag_inside(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable> {
+    if folder.join("recording.toml").exists() {
+        return Ok(None);
+    }
+    let unreadable = |e| Unusable::unreadable(folder, &e);
+    let mut bags = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "mcap")
+        {
+            bags.push(path);
+        }
+    }
+    match bags.len() {
+        1 => Ok(bags.pop()),
+        0 => {
+            let problem = "holds neither recording.toml nor an MCAP file";
+            let remedy = "give a folder of CSV files with recording.toml, or an MCAP file";
+            Err(Unusable::new(folder, problem, remedy))
+        }
+        many => {
+            let problem = format!("holds {many} MCAP files");
+            Err(Unusable::new(folder, problem, "name one of them"))
+        }
     }
 }

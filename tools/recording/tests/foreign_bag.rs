@@ -62,6 +62,13 @@ fn the_guess_finds_the_streams_and_says_so() {
     assert!((yaw_rad[99] - 0.495).abs() < 1e-15);
     assert_eq!(robot.odometry.as_ref().unwrap().values.v_m_s[0], 0.5);
 
+    // A folder as `ros2 bag record` leaves it will do as well.
+    let in_folder = read(folder.path()).unwrap();
+    assert_eq!(
+        in_folder.recording.robots[0].pose.as_ref().unwrap().t_s,
+        pose.t_s
+    );
+
     // The printed guess, saved, is a map that gives the same.
     let map = guess.split_once('\n').unwrap().1;
     let map = TopicMap::parse(map, Path::new("map.toml")).unwrap();

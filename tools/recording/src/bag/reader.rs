@@ -15,7 +15,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::bag::lengths;
 use crate::error::Unusable;
 
-/// Largest chunk (bytes, packed or unpacked) that is read.
+/// Largest chunk (bytes, packed or unpacked) and largest other record that is read.
 const LARGEST_CHUNK: u64 = 256 << 20;
 
 /// A topic of a file.
@@ -135,7 +135,7 @@ pub(crate) fn read_bag(
     path: &Path,
     visit: &mut dyn FnMut(Item<'_>) -> Visited,
 ) -> Result<Loss, Unusable> {
-    let limit = usize::try_from(size).unwrap_or(usize::MAX).max(64);
+    let limit = usize::try_from(size.clamp(64, LARGEST_CHUNK)).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default()
         .with_emit_chunks(true)
         .with_record_length_limit(limit);
