@@ -130,6 +130,8 @@ pub enum EventKind {
     PlantBack,
     /// A loop was too late on the wall clock.
     DeadlineMissed,
+    /// Its process died.
+    Died,
     /// A dead agent came back.
     Rejoined,
 }

@@ -297,6 +297,7 @@ fn words(kind: EventKind) -> &'static str {
         EventKind::PlantLost => "the encoders went silent: no torque",
         EventKind::PlantBack => "the encoders are back",
         EventKind::DeadlineMissed => "a deadline was missed",
+        EventKind::Died => "died",
         EventKind::Rejoined => "came back",
     }
 }
