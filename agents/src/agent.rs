@@ -37,6 +37,7 @@ pub struct Agent {
     newest: Option<Position>,
     fresh_ns: i64,
     watchdog: bool,
+    plant_lost: bool,
     outer: OuterTick,
     inner_encoders: Option<Encoders>,
     wheel_speed: [f64; 2],
@@ -86,6 +87,7 @@ impl Agent {
             newest: None,
             fresh_ns: 0,
             watchdog: false,
+            plant_lost: false,
             outer: OuterTick::default(),
             inner_encoders: None,
             wheel_speed: [0.0; 2],
@@ -138,12 +140,12 @@ impl Agent {
         self.measure_speed(encoders);
         let limit_nm = self.limits_nm();
         let control = &self.settings.control;
-        let plant_lost = self.settings.clock == Clock::Wall
+        self.plant_lost = self.settings.clock == Clock::Wall
             && now_ns - encoders.sampled_ns > ns_from_s(control.plant_timeout_s);
         let WheelTorque {
             wanted_nm,
             torque_nm,
-        } = if plant_lost {
+        } = if self.plant_lost {
             self.loops.reset();
             WheelTorque {
                 wanted_nm: [0.0; 2],
@@ -227,6 +229,11 @@ impl Agent {
             self.wheel_speed = turned(before.counts, encoders.counts, &self.geometry)
                 .map(|angle| angle / s_from_ns(elapsed_ns));
         }
+    }
+
+    /// Whether the encoders are silent, so that there is no torque.
+    pub fn plant_lost(&self) -> bool {
+        self.plant_lost
     }
 
     fn integrate_profile(&mut self, now_ns: i64) {

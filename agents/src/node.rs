@@ -19,6 +19,7 @@ pub struct Node {
     incoming: Option<Incoming>,
     outgoing: Option<Outgoing>,
     watchdog: bool,
+    plant_lost: bool,
     torque: TorqueCommand,
 }
 
@@ -98,6 +99,7 @@ impl Node {
                 last_ns: None,
             }),
             watchdog: false,
+            plant_lost: false,
             torque: TorqueCommand {
                 robot: index,
                 ..TorqueCommand::default()
@@ -126,12 +128,31 @@ impl Node {
             self.collect(mail, recorder)?;
             self.take(now_ns, recorder);
             recorder.record(&Record::Outer(self.agent.outer(now_ns, encoders)));
-            self.tell_watchdog(now_ns, recorder);
+            let fired = self.agent.watchdog_fired();
+            let kinds = [EventKind::WatchdogFired, EventKind::WatchdogCleared];
+            tell_change(
+                &mut self.watchdog,
+                fired,
+                kinds,
+                self.robot,
+                now_ns,
+                recorder,
+            );
             self.send(now_ns, mail, recorder)?;
         }
         if due.inner {
             let tick = self.agent.inner(now_ns, encoders);
             recorder.record(&Record::Inner(tick));
+            let lost = self.agent.plant_lost();
+            let kinds = [EventKind::PlantLost, EventKind::PlantBack];
+            tell_change(
+                &mut self.plant_lost,
+                lost,
+                kinds,
+                self.robot,
+                now_ns,
+                recorder,
+            );
             self.torque.tick_ns = now_ns;
             self.torque.torque_nm = tick.torque_nm;
         }
@@ -180,6 +201,7 @@ impl Node {
         self.collect(mail, recorder)?;
         if let Some(encoders) = last {
             self.agent.see(encoders);
+            self.empty_line(encoders.sampled_ns, recorder);
         }
         Ok(NodeReport {
             final_odometry: self.agent.pose(),
@@ -247,6 +269,22 @@ impl Node {
         }
     }
 
+    /// Takes out what arrived after the last outer tick.
+    fn empty_line(&mut self, now_ns: i64, recorder: &mut impl Recorder) {
+        let Some(incoming) = &mut self.incoming else {
+            return;
+        };
+        while let Some(arrival) = incoming.line.take(now_ns) {
+            recorder.record(&Record::Taken {
+                from: incoming.from,
+                to: self.robot,
+                seq: arrival.message.position.seq,
+                tick_ns: now_ns,
+                fate: Fate::Unused,
+            });
+        }
+    }
+
     /// Delay line of the next robot ← this one, when the protocol says so.
     fn send(
         &mut self,
@@ -286,23 +324,27 @@ impl Node {
         });
         Ok(())
     }
+}
 
-    fn tell_watchdog(&mut self, now_ns: i64, recorder: &mut impl Recorder) {
-        let fired = self.agent.watchdog_fired();
-        if fired != self.watchdog {
-            let kind = if fired {
-                EventKind::WatchdogFired
-            } else {
-                EventKind::WatchdogCleared
-            };
-            recorder.record(&Record::Event {
-                t_ns: now_ns,
-                robot: Some(self.robot),
-                kind,
-            });
-        }
-        self.watchdog = fired;
+/// Records that something began (`kinds[0]`) or ended.
+fn tell_change(
+    before: &mut bool,
+    now: bool,
+    kinds: [EventKind; 2],
+    robot: RobotIndex,
+    t_ns: i64,
+    recorder: &mut impl Recorder,
+) {
+    if *before != now {
+        let [began, ended] = kinds;
+        let kind = if now { began } else { ended };
+        recorder.record(&Record::Event {
+            t_ns,
+            robot: Some(robot),
+            kind,
+        });
     }
+    *before = now;
 }
 
 impl Outgoing {

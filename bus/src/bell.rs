@@ -47,6 +47,8 @@ struct Head {
     robots: AtomicU32,
     stop: AtomicU32,
     recorder_gone: AtomicU32,
+    /// How often the plant has died; once at most.
+    plant_deaths: AtomicU32,
     now_ns: AtomicI64,
     start_ns: AtomicI64,
     speed_bits: AtomicU64,
@@ -65,6 +67,8 @@ struct Slot {
     answered: AtomicU32,
     /// Counts the writes of the notes below; odd while one is under way.
     version: AtomicU32,
+    /// How often the agent has died.
+    deaths: AtomicU32,
     notes: [AtomicU64; NOTES],
 }
 
@@ -218,6 +222,23 @@ impl Bell {
     /// Whether nobody takes records any more.
     pub fn recorder_gone(&self) -> bool {
         self.head().recorder_gone.load(Ordering::Acquire) != 0
+    }
+
+    /// Launcher: a robot's agent has died, or the plant.
+    pub fn has_died(&self, robot: Option<usize>) {
+        self.deaths_of(robot).fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// How often a robot's agent has died, or the plant.
+    pub fn deaths(&self, robot: Option<usize>) -> u32 {
+        self.deaths_of(robot).load(Ordering::Acquire)
+    }
+
+    fn deaths_of(&self, robot: Option<usize>) -> &AtomicU32 {
+        match robot {
+            Some(robot) => &self.slot(robot).deaths,
+            None => &self.head().plant_deaths,
+        }
     }
 
     /// Plant: begins round `epoch`, never 0, and wakes all agents.

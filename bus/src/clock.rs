@@ -114,6 +114,15 @@ pub struct RealTime {
 }
 
 impl RealTime {
+    /// What both were permitted.
+    #[must_use]
+    pub fn both(self, other: Self) -> Self {
+        Self {
+            fifo: self.fifo && other.fifo,
+            locked: self.locked && other.locked,
+        }
+    }
+
     /// Asks for all that helps this thread to be punctual.
     pub fn ask(priority: u8) -> Self {
         let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));

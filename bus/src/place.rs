@@ -47,15 +47,14 @@ impl Place {
         // Made under another name, so that nobody sees it without its lock.
         let making = Path::new(SHARED_MEMORY).join(format!("making-{name}"));
         DirBuilder::new().mode(0o700).create(&making)?;
-        let alive = OpenOptions::new()
-            .write(true)
-            .create_new(true)
-            .mode(0o600)
-            .open(making.join("alive"))?;
-        flock(&alive, FlockOperation::NonBlockingLockShared)?;
         let folder = Path::new(SHARED_MEMORY).join(name);
-        fs::rename(&making, &folder)?;
-        Ok((Self { folder }, Alive { _file: alive }))
+        match lock_in(&making).and_then(|alive| fs::rename(&making, &folder).map(|()| alive)) {
+            Ok(alive) => Ok((Self { folder }, alive)),
+            Err(error) => {
+                let _ = fs::remove_dir_all(&making);
+                Err(error)
+            }
+        }
     }
 
     /// The place in this folder, of a run that lives.
@@ -108,6 +107,15 @@ impl Place {
         }
         remove_path(&self.folder)
     }
+}
+
+/// Creates the lock of a new run and takes it.
+fn lock_in(folder: &Path) -> io::Result<Alive> {
+    let mut options = OpenOptions::new();
+    options.write(true).create_new(true).mode(0o600);
+    let file = options.open(folder.join("alive"))?;
+    flock(&file, FlockOperation::NonBlockingLockShared)?;
+    Ok(Alive { _file: file })
 }
 
 /// What dead runs left behind.

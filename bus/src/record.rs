@@ -111,15 +111,13 @@ pub enum Fate {
     Superseded,
     /// A newer one had come before.
     Stale,
+    /// It came after the last outer tick.
+    Unused,
 }
 
 /// Something worth knowing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// A process came to its loop.
-    Started,
-    /// A process left its loop in order.
-    Stopped,
     /// A follower had no fresh position and slows down.
     WatchdogFired,
     /// It has one again.
@@ -128,9 +126,11 @@ pub enum EventKind {
     RingRestarted,
     /// The encoders went silent: no torque.
     PlantLost,
+    /// They are back.
+    PlantBack,
     /// A loop was too late on the wall clock.
     DeadlineMissed,
-    /// A process died; the others went on.
+    /// Its process died.
     Died,
     /// A dead agent came back.
     Rejoined,

@@ -294,7 +294,7 @@ impl AgentEnd {
                 return Err(BusError::Stopped);
             }
         }
-        let Some((header, encoders)) = self.newest_world()? else {
+        let Some((header, encoders)) = self.next_world()? else {
             return Err(BusError::failed("world", "a round without encoders"));
         };
         if header.epoch != self.epoch {
@@ -335,19 +335,26 @@ impl AgentEnd {
             .map_err(|e| BusError::failed("command", e))
     }
 
+    /// The next encoders of this robot, if any came.
+    fn next_world(&self) -> Result<Option<(WorldHeader, Encoders)>, BusError> {
+        let sample = self
+            .world
+            .receive()
+            .map_err(|e| BusError::failed("world", e))?;
+        Ok(sample.and_then(|sample| {
+            let encoders = sample.payload().get(self.robot as usize).copied();
+            encoders.map(|encoders| (*sample.user_header(), encoders))
+        }))
+    }
+
     /// The newest encoders of this robot, if any came since the last call.
     ///
     /// # Errors
     /// When the transport fails.
     pub fn newest_world(&self) -> Result<Option<(WorldHeader, Encoders)>, BusError> {
         let mut newest = None;
-        while let Some(sample) = self
-            .world
-            .receive()
-            .map_err(|e| BusError::failed("world", e))?
-        {
-            let encoders = sample.payload().get(self.robot as usize).copied();
-            newest = encoders.map(|encoders| (*sample.user_header(), encoders));
+        while let Some(next) = self.next_world()? {
+            newest = Some(next);
         }
         Ok(newest)
     }

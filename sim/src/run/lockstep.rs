@@ -47,7 +47,9 @@ pub fn lockstep(
             rounds.round(now_ns, &encoders, &mut answers)?;
             for (torque, answer) in commands.iter_mut().zip(&answers) {
                 *torque = command(answer);
-                recorder.record(&applied(now_ns, answer));
+                if answer.tick_ns == now_ns {
+                    recorder.record(&applied(now_ns, answer));
+                }
             }
             progress.at(now_ns, world, observer);
         }

@@ -1,6 +1,6 @@
 //! `slipstream run`: one experiment.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
 use slipstream_bus::experiment::Clock;
@@ -57,7 +57,7 @@ enum ClockName {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let resolved = resolve(&arguments.request()?)?;
     if arguments.dry_run {
-        print!("{}", resolved.to_toml());
+        say(&resolved.to_toml());
         return Ok(Exit::Done);
     }
     let outcome = if arguments.in_process {
@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             )
         })?;
     }
-    print!("{}", summary::text(&outcome, &resolved.experiment));
+    say(&summary::text(&outcome, &resolved.experiment));
     Ok(match outcome.verdict {
         Verdict::Done => Exit::Done,
         Verdict::Interrupted => Exit::Interrupted,
@@ -84,6 +84,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             Exit::Failed
         }
     })
+}
+
+/// Prints text; who has closed the pipe does not want it.
+fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 impl Arguments {

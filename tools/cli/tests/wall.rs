@@ -80,6 +80,14 @@ fn kill_r2(on_death: &str) -> (serde_json::Value, Option<i32>, String) {
     assert!(!lives(pid));
     let words = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(words.contains("r2 (pid"), "{words}");
+    // Its death stands in the recording; an event is plain text there.
+    let recording = slipstream_recording::read(&folder.path().join("platoon.mcap")).unwrap();
+    assert!(
+        recording
+            .left_out
+            .get("/events")
+            .is_some_and(|&events| events > 0)
+    );
     (
         read_json(&folder.path().join("result.json")),
         output.status.code(),

@@ -13,6 +13,7 @@ use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::bell::{Bell, Stage};
+use slipstream_bus::clock::RealTime;
 use slipstream_bus::experiment::{Clock, OnDeath};
 use slipstream_bus::message::robot_name;
 use slipstream_bus::place::{Alive, Place};
@@ -277,6 +278,9 @@ impl<'a> Run<'a> {
             return Ok(());
         };
         self.fail(reason);
+        if role != "recorder" {
+            self.bell.has_died(robot.map(|robot| robot as usize));
+        }
         let settings = &self.resolved.experiment.settings;
         let goes_on = settings.clock == Clock::Wall
             && settings.on_death != OnDeath::Stop
@@ -373,7 +377,9 @@ impl<'a> Run<'a> {
         if let Some(plant) = &plant {
             outcome.loop_s = plant.loop_s;
             outcome.start_up_s = plant.start_up_s;
-            outcome.real_time = plant.deadlines.map(|_| plant.real_time);
+            let all = agents.iter().flatten().map(|agent| agent.real_time);
+            let least = all.fold(plant.real_time, RealTime::both);
+            outcome.real_time = plant.deadlines.map(|_| least);
         } else {
             outcome.duration_s = s_from_ns(self.bell.told().0);
         }

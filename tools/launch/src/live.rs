@@ -23,7 +23,7 @@ impl Live {
             ProgressDrawTarget::hidden()
         };
         let bar = ProgressBar::with_draw_target(Some(length), target);
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("{bar:14} {msg}") {
             bar.set_style(style);
         }
         Self {
@@ -38,9 +38,9 @@ impl Live {
         let now_s = s_from_ns(now_ns);
         let pace = now_s / self.begin.elapsed().as_secs_f64();
         self.bar.set_position(u64::try_from(now_ns).unwrap_or(0));
+        // Fits a terminal of 80 columns.
         self.bar.set_message(format!(
-            "{now_s:6.2} s  {pace:5.1}x real time  r1 at {speed_m_s:5.2} m/s  largest spacing \
-             error {:4.1} cm",
+            "{now_s:6.2} s  {pace:5.1}x  r1 {speed_m_s:5.2} m/s  spacing off by {:4.1} cm",
             spacing_error_m * 100.0
         ));
     }

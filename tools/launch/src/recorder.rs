@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use slipstream_bus::bell::Stage;
+use slipstream_bus::bell::{Bell, Stage};
 use slipstream_bus::experiment::Clock;
-use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::record_pipe::RecordReceiver;
 use slipstream_bus::role::Joined;
 use slipstream_bus::transport::BusError;
@@ -60,8 +60,39 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
     })
 }
 
+/// Writes down deaths, of which nobody else can tell.
+struct Obituary {
+    /// Of the plant first, then of the robots' agents: how many are written down.
+    known: Vec<u32>,
+}
+
+impl Obituary {
+    fn new(robots: usize) -> Self {
+        Self {
+            known: vec![0; robots + 1],
+        }
+    }
+
+    fn write(&mut self, bell: &Bell, sink: &mut Sink) {
+        let processes = std::iter::once(None).chain((0u32..).map(Some));
+        for (known, robot) in self.known.iter_mut().zip(processes) {
+            let deaths = bell.deaths(robot.map(|robot| robot as usize));
+            for _ in *known..deaths {
+                let t_ns = bell.told().0;
+                sink.record(&Record::Event {
+                    t_ns,
+                    robot,
+                    kind: EventKind::Died,
+                });
+            }
+            *known = deaths;
+        }
+    }
+}
+
 /// Takes records in until everybody else is gone and nothing is left.
 fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result<(), BusError> {
+    let mut obituary = Obituary::new(joined.experiment.robots.len());
     let mut safe = Instant::now();
     let mut heard = Instant::now();
     loop {
@@ -75,6 +106,7 @@ fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result
             heard = Instant::now();
         }
         order.release();
+        obituary.write(&joined.bell, &mut order.sink);
         if safe.elapsed() >= SAFE {
             order.sink.flush();
             safe = Instant::now();

@@ -69,10 +69,8 @@ pub fn is_role(arguments: &[OsString]) -> bool {
 pub fn play(arguments: &[OsString]) -> bool {
     let role = match Role::try_parse_from(arguments) {
         Ok(role) => role,
-        Err(error) => {
-            let _ = error.print();
-            return false;
-        }
+        // Nobody but the launcher starts a role: says so and ends with exit code 2.
+        Err(error) => error.exit(),
     };
     match role.play() {
         Ok(()) | Err(BusError::Stopped) => true,

@@ -6,8 +6,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use slipstream_bus::message::{Position, RobotIndex, robot_name};
-use slipstream_bus::record::{EventKind, Fate, Record, Recorder, State};
-use slipstream_bus::time::ns_from_s;
+use slipstream_bus::record::{EventKind, Record, Recorder, State};
 use slipstream_bus::{Experiment, RobotModel};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
@@ -22,7 +21,6 @@ pub struct Sink {
     names: Vec<String>,
     poses: Vec<[f64; 3]>,
     under_way: BTreeMap<(RobotIndex, u32), UnderWay>,
-    end_ns: i64,
     records: u64,
     trace: Vec<u8>,
 }
@@ -55,7 +53,6 @@ impl Sink {
                 .collect(),
             poses: Vec::new(),
             under_way: BTreeMap::new(),
-            end_ns: ns_from_s(experiment.settings.duration_s),
             records: 0,
             trace: vec![0; 512],
         })
@@ -145,10 +142,7 @@ impl Sink {
                 self.message(from, seq).arrived = Some(available_ns);
                 self.settle(from, seq);
             }
-            Record::Taken {
-                from, seq, fate, ..
-            } => {
-                let _: Fate = fate;
+            Record::Taken { from, seq, .. } => {
                 self.message(from, seq).taken = true;
                 self.settle(from, seq);
             }
@@ -219,9 +213,7 @@ impl Sink {
         let name = |robot: RobotIndex| self.names.get(robot as usize).map_or("?", String::as_str);
         let fate = match message.arrived {
             Some(None) => Ending::Lost,
-            Some(Some(t_received_ns)) if t_received_ns < self.end_ns => {
-                Ending::Arrived { t_received_ns }
-            }
+            Some(Some(t_received_ns)) if message.taken => Ending::Arrived { t_received_ns },
             _ => Ending::InFlight,
         };
         let record = PositionRecord {
@@ -299,12 +291,11 @@ fn about(experiment: &Experiment, keys: &str) -> About {
 
 fn words(kind: EventKind) -> &'static str {
     match kind {
-        EventKind::Started => "started",
-        EventKind::Stopped => "stopped",
         EventKind::WatchdogFired => "no fresh position: slows down",
         EventKind::WatchdogCleared => "has a fresh position again",
         EventKind::RingRestarted => "the ring was silent: started anew",
         EventKind::PlantLost => "the encoders went silent: no torque",
+        EventKind::PlantBack => "the encoders are back",
         EventKind::DeadlineMissed => "a deadline was missed",
         EventKind::Died => "died",
         EventKind::Rejoined => "came back",

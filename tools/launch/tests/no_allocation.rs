@@ -6,7 +6,6 @@
     reason = "a test stops at what it does not expect"
 )]
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -20,38 +19,6 @@ use slipstream_bus::shared::{AgentEnd, Parent, PlantEnd};
 use slipstream_bus::transport::Rounds;
 use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
 use slipstream_launch::in_process::run;
-
-/// Counts allocations of all threads.
-struct Counting;
-
-static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
-
-// SAFETY: every call goes to the system's allocator unchanged; counting touches no memory of it.
-#[expect(
-    unsafe_code,
-    reason = "an allocator cannot be written without; argued above"
-)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: as the caller promises.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 fn experiment(duration_s: f64) -> Experiment {
     let mut settings = Settings {
@@ -76,13 +43,12 @@ fn experiment(duration_s: f64) -> Experiment {
 }
 
 fn allocations(work: impl FnOnce()) -> u64 {
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
-    work();
-    ALLOCATIONS.load(Ordering::Relaxed) - before
+    allocation_counter::measure(work).count_total
 }
 
 /// Twenty times as long, not one allocation more: plant, controllers and links.
-fn the_cores() {
+#[test]
+fn the_cores_do_not_allocate() {
     let count = |duration_s| {
         let experiment = experiment(duration_s);
         allocations(|| drop(run(&experiment, true).unwrap()))
@@ -93,7 +59,8 @@ fn the_cores() {
 }
 
 /// Rounds over real shared memory, plant and agents in threads of one process.
-fn the_bus() {
+#[test]
+fn the_bus_allocates_one_block_a_sample() {
     const WARM: i64 = 200;
     const ROUNDS: i64 = 2_000;
     let experiment = experiment(1000.0);
@@ -105,10 +72,10 @@ fn the_bus() {
     let bell = open();
     let services = Services::join(&place, &experiment, "plant").unwrap();
     let kept = services.create_all().unwrap();
-    let mut counted = 0;
+    let counted = AtomicU64::new(0);
     std::thread::scope(|scope| {
         for robot in 0..robots {
-            let (place, experiment, open) = (&place, &experiment, &open);
+            let (place, experiment, open, counted) = (&place, &experiment, &open, &counted);
             scope.spawn(move || {
                 let bell = open();
                 let services = Services::join(place, experiment, "agent").unwrap();
@@ -116,13 +83,18 @@ fn the_bus() {
                     AgentEnd::new(&services, Rc::clone(&bell), Parent::now(), robot).unwrap();
                 let mut node = Node::new(experiment, robot).unwrap();
                 bell.ready();
-                while let Some(round) = end.next_round().unwrap() {
-                    let (due, links) = (schedule.due(round.now_ns), end.links());
-                    let command = node
-                        .step(round.now_ns, due, &round.encoders, links, &mut NoRecorder)
-                        .unwrap();
-                    end.answer(command).unwrap();
-                }
+                let mut answer = |rounds: i64| {
+                    for _ in 0..rounds {
+                        let round = end.next_round().unwrap().unwrap();
+                        let (due, links) = (schedule.due(round.now_ns), end.links());
+                        let command = node
+                            .step(round.now_ns, due, &round.encoders, links, &mut NoRecorder)
+                            .unwrap();
+                        end.answer(command).unwrap();
+                    }
+                };
+                answer(WARM);
+                counted.fetch_add(allocations(|| answer(ROUNDS)), Ordering::Relaxed);
             });
         }
         let mut end = PlantEnd::new(&services, Rc::clone(&bell), Parent::now()).unwrap();
@@ -137,22 +109,16 @@ fn the_bus() {
             }
         };
         rounds(WARM);
-        counted = allocations(|| rounds(ROUNDS));
+        counted.fetch_add(allocations(|| rounds(ROUNDS)), Ordering::Relaxed);
         bell.advance(Stage::Over);
     });
     drop(kept);
     place.remove().unwrap();
+    let counted = counted.into_inner();
     // A sample from the plant and from each agent in a round, and a position now and then.
     let samples = u64::try_from(ROUNDS).unwrap() * u64::from(1 + robots);
     assert!(
         counted <= samples + samples / 10,
         "{counted} allocations for {samples} samples"
     );
-}
-
-/// One test, since the counter hears every thread.
-#[test]
-fn the_loops_do_not_allocate() {
-    the_cores();
-    the_bus();
 }

@@ -14,6 +14,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use slipstream_bus::clock::{Deadlines, Monotonic, RealTime, WallClock};
 use slipstream_launch::{Request, in_process, resolve};
 
 fn main() {
@@ -27,6 +28,7 @@ fn main() {
             latency::measure();
             start_up();
             real_time_factors();
+            deadlines();
             memory();
             in_one_process();
         }
@@ -94,6 +96,50 @@ fn real_time_factors() {
             factor(&["--no-recording"])
         );
     }
+}
+
+/// The plant's loop of 1 kHz on the wall clock, beside a bare loop that only sleeps.
+fn deadlines() {
+    const SECONDS: i64 = 15;
+    println!(
+        "\nWall clock, {SECONDS} s at 1 kHz: steps missed, latest wake-up (ms), real-time scheduling"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let duration = format!("duration_s={SECONDS}");
+    let result = run(folder.path(), &["--clock", "wall", "--set", &duration]);
+    let plant = &result["deadlines"][0];
+    let (missed, latest_ms) = (
+        plant["missed"].as_u64().unwrap(),
+        number(plant, "latest_s") * 1e3,
+    );
+    println!(
+        "  ours {missed:6} {latest_ms:8.2} {}",
+        result["real_time"]["fifo"]
+    );
+    let missed: u64 = result["deadlines"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .skip(1)
+        .map(|loops| loops["missed"].as_u64().unwrap())
+        .sum();
+    println!("agents {missed:6}");
+    // In a thread of its own, which alone becomes a real-time one.
+    let (deadlines, fifo) = std::thread::spawn(move || {
+        let fifo = RealTime::ask(30).fifo;
+        let clock = WallClock::new(Monotonic::now());
+        let mut deadlines = Deadlines::default();
+        for due_ns in (1..=SECONDS * 1000).map(|k| k * 1_000_000) {
+            clock.sleep_until(due_ns);
+            let now_ns = clock.now_ns();
+            deadlines.count(due_ns, now_ns, now_ns, 1_000_000);
+        }
+        (deadlines, fifo)
+    })
+    .join()
+    .unwrap();
+    let latest_ms = deadlines.latest_ns as f64 / 1e6;
+    println!("  bare {:6} {latest_ms:8.2} {fifo}", deadlines.missed);
 }
 
 /// Memory of the plant and of an agent, from the system, in the middle of a run.
