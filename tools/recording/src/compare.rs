@@ -1,7 +1,7 @@
 //! `slipstream compare`: the simulation of the recorded commands beside the recording.
 //!
-//! Open loop from the first command to the last row, started where the recording starts. Where no
-//! command was recorded, the wheels drive the simulation. Nothing is fitted.
+//! Open loop from the first command to the last row. Only where it starts is fitted, to the poses
+//! of the first half second. Where no command was recorded, the wheels drive the simulation.
 
 use std::f64::consts::TAU;
 
@@ -13,6 +13,8 @@ use crate::recording::{Command, PosePoint, Recording, Robot, Stream, Wheels};
 
 /// Longest step of the simulation (s).
 const STEP_S: f64 = 1e-3;
+/// The start is fitted to the poses of so long a time (s).
+const START_S: f64 = 0.5;
 /// Time between the simulated samples that are kept (s).
 const SAMPLE_S: f64 = 5e-3;
 
@@ -61,7 +63,8 @@ pub fn compare(
         };
         if let Some(commands) = commands(robot, &model) {
             let plant = Plant::new(&model).map_err(|e| e.to_string())?;
-            let run = simulate(&plant, robot, &model, &commands);
+            let start = fit_start(&plant, robot, &model, &commands);
+            let run = simulate(&plant, robot, start, &commands, f64::INFINITY);
             channels.extend(of_robot(robot, &model, &run));
         }
     }
@@ -163,11 +166,13 @@ struct Sample {
     speed: [f64; 2],
 }
 
+/// Simulates from `start`, no longer than to `until_s`.
 fn simulate(
     plant: &Plant,
     robot: &Robot,
-    model: &RobotModel,
+    start: [f64; 3],
     commands: &[(f64, Told)],
+    until_s: f64,
 ) -> Vec<Sample> {
     let start_s = commands.first().map_or(0.0, |(t_s, _)| *t_s);
     let last = commands.last().map_or(0.0, |(t_s, _)| *t_s);
@@ -181,11 +186,13 @@ fn simulate(
         .flatten()
         .fold(last, f64::max)
         .min(last + 1.0);
-    let mut state = plant.start(start_pose(robot, model));
+    let end_s = end_s.min(until_s);
+    let mut state = plant.start(start);
     let mut samples = vec![sample(plant, start_s, &state)];
     let mut next_sample_s = start_s + SAMPLE_S;
     for (i, (from_s, told)) in commands.iter().enumerate() {
-        let to_s = commands.get(i + 1).map_or(end_s, |(t_s, _)| *t_s);
+        let next = commands.get(i + 1).map_or(end_s, |(t_s, _)| *t_s);
+        let to_s = next.min(end_s);
         let steps = ((to_s - from_s) / STEP_S).ceil().max(0.0);
         let step_s = if steps > 0.0 {
             (to_s - from_s) / steps
@@ -237,6 +244,39 @@ fn start_pose(robot: &Robot, model: &RobotModel) -> [f64; 3] {
     };
     let ahead = tracked_to_com_m(robot, model);
     [x + ahead * yaw.cos(), y + ahead * yaw.sin(), *yaw]
+}
+
+/// Where c starts: as the first pose says, then turned and shifted by what is left on average over
+/// the first half second, because one pose alone is noisy.
+fn fit_start(
+    plant: &Plant,
+    robot: &Robot,
+    model: &RobotModel,
+    commands: &[(f64, Told)],
+) -> [f64; 3] {
+    let first = start_pose(robot, model);
+    let (Some(pose), Some((from_s, _))) = (&robot.pose, commands.first()) else {
+        return first;
+    };
+    let until_s = from_s.max(pose.t_s.first().copied().unwrap_or(*from_s)) + START_S;
+    let run = simulate(plant, robot, first, commands, until_s);
+    let channels = of_robot(robot, model, &run);
+    let left = |name: &str| -> f64 {
+        let Some(channel) = channels.iter().find(|channel| channel.name == name) else {
+            return 0.0;
+        };
+        let early = channel.recorded.iter().filter(|(t_s, _)| *t_s <= until_s);
+        let differences: Vec<f64> = early
+            .filter_map(|(t_s, value)| Some(value - interpolate(&channel.simulated, *t_s)?))
+            .collect();
+        differences.iter().sum::<f64>() / (differences.len() as f64).max(1.0)
+    };
+    let [x_m, y_m, yaw_rad] = first;
+    [
+        x_m + left("pose x"),
+        y_m + left("pose y"),
+        yaw_rad + left("pose yaw"),
+    ]
 }
 
 /// Recorded beside simulated, for every column that the simulation can tell.
