@@ -314,7 +314,7 @@ impl Default for Settings {
             },
             sensors: SensorSettings::default(),
             recording: RecordingRates {
-                state_period_s: 0.01,
+                state_period_s: 0.02,
             },
         }
     }

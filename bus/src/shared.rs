@@ -267,6 +267,11 @@ impl AgentEnd {
         })
     }
 
+    /// The robot.
+    pub fn robot(&self) -> RobotIndex {
+        self.robot
+    }
+
     /// On the wall clock positions carry its time.
     pub fn use_clock(&mut self, clock: WallClock) {
         self.links.time = SendTime::Wall(clock);

@@ -69,6 +69,18 @@ impl<S: Scalar> Robot<S> {
         [right * scale[0], left * scale[1]]
     }
 
+    /// Speeds of what the encoders count (rad/s).
+    pub fn seen_speed(&self, state: &State<S>) -> Pair<S> {
+        let motors = self.drive.gap_rad.is_some();
+        let [right, left] = if motors {
+            state.body.motor_speed
+        } else {
+            state.wheel_speed()
+        };
+        let scale = self.sensing.encoder_scale;
+        [right * scale[0], left * scale[1]]
+    }
+
     /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c. On a slope, weight
     /// shows in it as it does in a real sensor.
     pub fn seen_inertial(&self, state: &State<S>) -> [S; 3] {

@@ -104,6 +104,26 @@ impl<S: Scalar> Robot<S> {
         state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
     }
 
+    /// Sets `state` rolling on both wheels at forward speed `u` (m/s) and yaw rate `rate` (rad/s).
+    pub fn set_rolling(&self, state: &mut State<S>, u: S, rate: S) {
+        let turn = self.half_track * rate;
+        let wheels = [(u + turn) / self.radius[0], (u - turn) / self.radius[1]];
+        self.set_motion(state, [u, self.com_to_axle * rate, rate], wheels);
+    }
+
+    /// Lets `command` have acted since long ago: nothing is left of others in delay and lag.
+    pub fn settle_drive(&self, state: &mut State<S>, command: &Command<S>) {
+        let (kind, command) = command.at_wheels(self.nominal);
+        if self.drive.delay_s.is_some() {
+            state.history.clear();
+            state.history.push_back((f64::NEG_INFINITY, command));
+        }
+        let supply = self
+            .drive
+            .supply(kind, command, &state.history, command, [0.0, 1.0]);
+        state.body.lagged = supply.lagged;
+    }
+
     /// Keeps a command for as long as the delay needs it.
     fn remember(&self, state: &mut State<S>, t_s: f64, command: Pair<S>) {
         let Some(delay_s) = self.drive.delay_s else {

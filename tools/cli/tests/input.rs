@@ -1,4 +1,9 @@
 //! Input that cannot be used: one line with the place and the remedy, exit code 2, nothing left.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 mod common;
 

@@ -2,6 +2,11 @@
 //! recording readable and leaves nothing in shared memory.
 //!
 //! `SLIPSTREAM_KILLS` sets how often (100 in `just kill`).
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 mod common;
 

@@ -1,5 +1,10 @@
 //! The project's most important promise: a run in N + 1 processes and the same run in one process
 //! go through the same states, bit for bit, whatever else the machine does.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 mod common;
 

@@ -1,4 +1,9 @@
 //! Runs on the wall clock: deadlines, deaths, and coming back.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 mod common;
 

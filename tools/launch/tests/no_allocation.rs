@@ -1,5 +1,10 @@
 //! The loops do not allocate once they run: the cores not at all; on the bus iceoryx2 0.10 takes one
 //! small block for each sample that is sent, gives it back at once, and that is all.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::rc::Rc;

@@ -1,4 +1,9 @@
 //! The paper's experiments, run in one process: what its controller must bring about.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 use slipstream_bus::experiment::{Protocol, TorqueLimit};
 use slipstream_bus::record::{EventKind, Fate, Record};

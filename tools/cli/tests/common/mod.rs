@@ -1,5 +1,10 @@
 //! What the tests of real processes share.
 #![allow(dead_code, reason = "each test file uses its part")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,0 +1,19 @@
+# What CI runs.
+ci:
+    bash .ci/run
+
+# All benchmarks: plant, lockstep and latency, recordings.
+bench:
+    cargo bench --workspace
+
+# Processes killed at random moments, a hundred times over.
+kill:
+    SLIPSTREAM_KILLS=100 cargo test --release -p slipstream --test kill -- --nocapture
+
+# Ten million rows in and out.
+large:
+    cargo test --release -p slipstream-recording --test large -- --include-ignored --nocapture
+
+# Each reader fuzzed for five minutes (needs a nightly toolchain and cargo-fuzz).
+fuzz:
+    cd tools/recording/fuzz && for target in $(cargo +nightly fuzz list); do cargo +nightly fuzz run $target -- -max_total_time=300; done

@@ -1,0 +1,144 @@
+//! The table of ARCHITECTURE.md against the manifests: who may import whom, and why each external
+//! crate is there.
+
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot go on says so and stops"
+)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// Packages from the lowest floor up. Those of one floor do not know each other.
+const FLOORS: [&[&str]; 5] = [
+    &["slipstream-bus"],
+    &["slipstream-agents", "slipstream-sim"],
+    &["slipstream-recording"],
+    &["slipstream-launch"],
+    &["slipstream"],
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn table(path: &Path) -> toml::Table {
+    read(path)
+        .parse()
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+struct Package {
+    name: String,
+    /// Internal packages that it imports.
+    imports: BTreeSet<String>,
+    /// External crates that it imports.
+    crates: BTreeSet<String>,
+}
+
+fn package(folder: &str) -> Package {
+    let manifest = table(&root().join(folder).join("Cargo.toml"));
+    let mut names = BTreeSet::new();
+    for section in ["dependencies", "dev-dependencies", "build-dependencies"] {
+        if let Some(list) = manifest.get(section).and_then(toml::Value::as_table) {
+            names.extend(list.keys().cloned());
+        }
+    }
+    let (imports, crates) = names
+        .into_iter()
+        .partition(|name| name.starts_with("slipstream"));
+    Package {
+        name: manifest["package"]["name"].as_str().unwrap().to_owned(),
+        imports,
+        crates,
+    }
+}
+
+fn packages() -> BTreeMap<String, Package> {
+    let workspace = table(&root().join("Cargo.toml"));
+    let members = workspace["workspace"]["members"].as_array().unwrap();
+    members
+        .iter()
+        .map(|member| member.as_str().unwrap())
+        .map(|folder| (folder.to_owned(), package(folder)))
+        .collect()
+}
+
+fn floor(package: &str) -> Option<usize> {
+    FLOORS.iter().position(|floor| floor.contains(&package))
+}
+
+#[test]
+fn rooms_import_only_from_below() {
+    let packages = packages();
+    for package in packages
+        .values()
+        .filter(|package| package.name != "slipstream-tests")
+    {
+        let own = floor(&package.name);
+        let own = own.unwrap_or_else(|| panic!("{} stands on no floor", package.name));
+        for import in package
+            .imports
+            .iter()
+            .filter(|import| **import != package.name)
+        {
+            let below = floor(import).is_some_and(|floor| floor < own);
+            assert!(
+                below,
+                "{} imports {import}, which does not lie below it",
+                package.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_table_of_rooms_is_true() {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    for (folder, package) in packages() {
+        let start = format!("| `{folder}` | `{}` |", package.name);
+        let row = text.lines().find(|line| line.starts_with(&start));
+        let row = row.unwrap_or_else(|| panic!("ARCHITECTURE.md has no row {start}"));
+        let allowed = row.split('|').nth(4).unwrap().trim();
+        for import in package
+            .imports
+            .iter()
+            .filter(|import| **import != package.name)
+        {
+            let short = import.trim_start_matches("slipstream-");
+            let listed = allowed == "all below" || allowed.split(", ").any(|name| name == short);
+            assert!(
+                listed,
+                "{folder} imports {import}: its row allows {allowed}"
+            );
+        }
+    }
+}
+
+#[test]
+fn every_external_crate_has_its_reason() {
+    let text = read(&root().join("ARCHITECTURE.md"));
+    let mut used = BTreeSet::new();
+    for package in packages().into_values() {
+        used.extend(package.crates);
+    }
+    for name in &used {
+        assert!(
+            text.contains(&format!("\n| {name} | ")),
+            "ARCHITECTURE.md: why {name}?"
+        );
+    }
+    let listed = text.split("## Dependencies").nth(1).unwrap().lines();
+    for row in listed.filter(|line| line.starts_with("| ") && !line.starts_with("| crate")) {
+        let name = row.split('|').nth(1).unwrap().trim();
+        assert!(
+            name == "---" || used.contains(name),
+            "ARCHITECTURE.md: nobody uses {name}"
+        );
+    }
+}

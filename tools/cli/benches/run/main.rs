@@ -1,0 +1,145 @@
+//! What a run costs, beside the least that the machine allows: `just bench`.
+//!
+//! Every table is measured by this one program in one go; compare columns, not days.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a measurement stops at what it does not expect"
+)]
+
+mod latency;
+mod lockstep;
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use slipstream_launch::{Request, in_process, resolve};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    match arguments.get(1).map(String::as_str) {
+        Some("raw-agent") => lockstep::raw_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("bus-agent") => lockstep::bus_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("echo") => latency::echo(&arguments[2], Path::new(&arguments[3])),
+        _ => {
+            lockstep::measure();
+            latency::measure();
+            start_up();
+            real_time_factors();
+            memory();
+            in_one_process();
+        }
+    }
+}
+
+/// This program in another role.
+fn myself(arguments: &[&str]) -> std::process::Child {
+    Command::new(std::env::current_exe().unwrap())
+        .args(arguments)
+        .spawn()
+        .unwrap()
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Value {
+    let status = Command::new(env!("CARGO_BIN_EXE_slipstream"))
+        .current_dir(folder)
+        .args(["run", "--json", "result.json"])
+        .args(arguments)
+        .stdout(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    serde_json::from_str(&std::fs::read_to_string(folder.join("result.json")).unwrap()).unwrap()
+}
+
+fn number(result: &Value, key: &str) -> f64 {
+    result[key].as_f64().unwrap()
+}
+
+/// The best of some: what the machine can do when it is let.
+fn best(times: u32, measure: impl FnMut(u32) -> f64) -> f64 {
+    (0..times).map(measure).fold(f64::INFINITY, f64::min)
+}
+
+fn start_up() {
+    println!("\nStart-up until everybody is connected, and a run of 1 ms from launch to end (ms)");
+    let folder = tempfile::tempdir().unwrap();
+    for robots in ["3", "10", "100"] {
+        let measure = |key: &str| {
+            best(3, |_| {
+                let arguments = ["--robots", robots, "--set", "duration_s=0.001"];
+                number(&run(folder.path(), &arguments), key) * 1e3
+            })
+        };
+        println!(
+            "{robots:>6} {:8.1} {:8.1}",
+            measure("start_up_s"),
+            measure("wall_s")
+        );
+    }
+}
+
+fn real_time_factors() {
+    println!("\nReal-time factor of the platoon, loop alone: recorded, not recorded");
+    let folder = tempfile::tempdir().unwrap();
+    for robots in ["3", "10", "100"] {
+        let factor = |more: &[&str]| {
+            let arguments = [&["--robots", robots], more].concat();
+            15.0 / best(5, |_| number(&run(folder.path(), &arguments), "loop_s"))
+        };
+        println!(
+            "{robots:>6} {:8.0} {:8.0}",
+            factor(&[]),
+            factor(&["--no-recording"])
+        );
+    }
+}
+
+/// Memory of the plant and of an agent, from the system, in the middle of a run.
+fn memory() {
+    println!("\nMemory, resident and of its own (MB): plant, agent");
+    let folder = tempfile::tempdir().unwrap();
+    for robots in ["3", "100"] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_slipstream"))
+            .current_dir(folder.path())
+            .args(["run", "--robots", robots, "--set", "duration_s=100000"])
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(1500));
+        let children = format!("/proc/{0}/task/{0}/children", child.id());
+        let pids = std::fs::read_to_string(children).unwrap();
+        let pids: Vec<&str> = pids.split_whitespace().collect();
+        let [plant, agent] = [pids[0], pids[2]].map(|pid| [mb(pid, "VmRSS"), mb(pid, "RssAnon")]);
+        println!("{robots:>6} {plant:5.1?} {agent:5.1?}");
+        let pid = i32::try_from(child.id()).unwrap();
+        let pid = rustix::process::Pid::from_raw(pid).unwrap();
+        rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
+        child.wait().unwrap();
+    }
+}
+
+fn mb(pid: &str, key: &str) -> f64 {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
+    let line = status.lines().find(|line| line.starts_with(key)).unwrap();
+    line.split_whitespace()
+        .nth(1)
+        .unwrap()
+        .parse::<f64>()
+        .unwrap()
+        / 1024.0
+}
+
+fn in_one_process() {
+    println!("\nRuns of 15 s in one process, a second of one core: with state hash, without");
+    let experiment = resolve(&Request::default()).unwrap().experiment;
+    let rate = |hashing| {
+        1.0 / best(20, |_| {
+            let begin = Instant::now();
+            in_process::run(&experiment, hashing).unwrap();
+            begin.elapsed().as_secs_f64()
+        })
+    };
+    println!("{:15.0} {:8.0}", rate(true), rate(false));
+}
