@@ -5,8 +5,8 @@
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::RobotModel;
-use slipstream_sim::{Command as Told, Robot as Plant, State};
+use slipstream_bus::{ModelError, RobotModel};
+use slipstream_sim::{Command as Told, CommandKind, Robot as Plant, State};
 
 use crate::check::unwrap;
 use crate::recording::{Command, PosePoint, Recording, Robot, Stream, Wheels};
@@ -45,32 +45,56 @@ impl Channel {
     }
 }
 
+/// Why nothing can be laid side by side.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CompareError {
+    /// A robot has no model.
+    #[error("no model for {0}; give one with --robot")]
+    NoModel(String),
+    /// The simulation refuses a robot's model.
+    #[error("the model of {robot}: {source}")]
+    Model {
+        /// The robot.
+        robot: String,
+        /// What is wrong with its model.
+        source: ModelError,
+    },
+    /// Nothing drives a simulation.
+    #[error(
+        "neither command.csv nor wheels.csv of any robot has two rows; record what the drives \
+         were told"
+    )]
+    NothingToSimulate,
+}
+
 /// Simulates every robot that recorded commands or wheels, and lays both side by side.
 ///
 /// # Errors
-/// In words: a model that the simulation refuses, or a recording without anything to drive it.
+/// A robot without a model or with one that the simulation refuses, or a recording without anything
+/// to drive it.
 pub fn compare(
     recording: &Recording,
     model_of: impl Fn(&str) -> Option<RobotModel>,
-) -> Result<Vec<Channel>, String> {
+) -> Result<Vec<Channel>, CompareError> {
     let mut channels = Vec::new();
     for robot in &recording.robots {
         let Some(model) = model_of(&robot.name).or_else(|| recording.model.clone()) else {
-            return Err(format!(
-                "no model for {}; give one with --robot",
-                robot.name
-            ));
+            return Err(CompareError::NoModel(robot.name.clone()));
         };
         if let Some(commands) = commands(robot, &model) {
-            let plant = Plant::new(&model).map_err(|e| e.to_string())?;
+            let refused = |source| CompareError::Model {
+                robot: robot.name.clone(),
+                source,
+            };
+            let plant = Plant::new(&model).map_err(refused)?;
+            plant.accepts(kind(&commands)).map_err(refused)?;
             let start = fit_start(&plant, robot, &model, &commands);
             let run = simulate(&plant, robot, start, &commands, f64::INFINITY);
             channels.extend(of_robot(robot, &model, &run));
         }
     }
     if channels.is_empty() {
-        let problem = "neither command.csv nor wheels.csv of any robot has two rows";
-        return Err(format!("{problem}; there is nothing to simulate"));
+        return Err(CompareError::NothingToSimulate);
     }
     Ok(channels)
 }
@@ -115,6 +139,15 @@ fn commands(robot: &Robot, model: &RobotModel) -> Option<Commands> {
         steps.zip(turns).map(rate).chain([0.0]).collect()
     };
     Some(pairs(&wheels.t_s, &rate(&right), &rate(&left), speed)).filter(|rows| rows.len() > 1)
+}
+
+/// What the commands set at the wheels.
+fn kind(commands: &[(f64, Told)]) -> CommandKind {
+    match commands.first() {
+        Some((_, Told::Torque { .. })) => CommandKind::Torque,
+        Some((_, Told::Voltage { .. })) => CommandKind::Voltage,
+        _ => CommandKind::Speed,
+    }
 }
 
 fn speed(right_rad_s: f64, left_rad_s: f64) -> Told {
