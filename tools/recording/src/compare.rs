@@ -1,18 +1,20 @@
 //! `slipstream compare`: the simulation of the recorded commands beside the recording.
 //!
-//! Open loop from the first command to the last row, started where the recording starts. Where no
-//! command was recorded, the wheels drive the simulation. Nothing is fitted.
+//! Open loop from the first command to the last row. Only where it starts is fitted, to the poses
+//! of the first half second. Where no command was recorded, the wheels drive the simulation.
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::RobotModel;
-use slipstream_sim::{Command as Told, Robot as Plant, State};
+use slipstream_bus::{ModelError, RobotModel};
+use slipstream_sim::{Command as Told, CommandKind, Robot as Plant, State};
 
 use crate::check::unwrap;
 use crate::recording::{Command, PosePoint, Recording, Robot, Stream, Wheels};
 
 /// Longest step of the simulation (s).
 const STEP_S: f64 = 1e-3;
+/// The start is fitted to the poses of so long a time (s).
+const START_S: f64 = 0.5;
 /// Time between the simulated samples that are kept (s).
 const SAMPLE_S: f64 = 5e-3;
 
@@ -43,31 +45,56 @@ impl Channel {
     }
 }
 
+/// Why nothing can be laid side by side.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CompareError {
+    /// A robot has no model.
+    #[error("no model for {0}; give one with --robot")]
+    NoModel(String),
+    /// The simulation refuses a robot's model.
+    #[error("the model of {robot}: {source}")]
+    Model {
+        /// The robot.
+        robot: String,
+        /// What is wrong with its model.
+        source: ModelError,
+    },
+    /// Nothing drives a simulation.
+    #[error(
+        "neither command.csv nor wheels.csv of any robot has two rows; record what the drives \
+         were told"
+    )]
+    NothingToSimulate,
+}
+
 /// Simulates every robot that recorded commands or wheels, and lays both side by side.
 ///
 /// # Errors
-/// In words: a model that the simulation refuses, or a recording without anything to drive it.
+/// A robot without a model or with one that the simulation refuses, or a recording without anything
+/// to drive it.
 pub fn compare(
     recording: &Recording,
     model_of: impl Fn(&str) -> Option<RobotModel>,
-) -> Result<Vec<Channel>, String> {
+) -> Result<Vec<Channel>, CompareError> {
     let mut channels = Vec::new();
     for robot in &recording.robots {
         let Some(model) = model_of(&robot.name).or_else(|| recording.model.clone()) else {
-            return Err(format!(
-                "no model for {}; give one with --robot",
-                robot.name
-            ));
+            return Err(CompareError::NoModel(robot.name.clone()));
         };
         if let Some(commands) = commands(robot, &model) {
-            let plant = Plant::new(&model).map_err(|e| e.to_string())?;
-            let run = simulate(&plant, robot, &model, &commands);
+            let refused = |source| CompareError::Model {
+                robot: robot.name.clone(),
+                source,
+            };
+            let plant = Plant::new(&model).map_err(refused)?;
+            plant.accepts(kind(&commands)).map_err(refused)?;
+            let start = fit_start(&plant, robot, &model, &commands);
+            let run = simulate(&plant, robot, start, &commands, f64::INFINITY);
             channels.extend(of_robot(robot, &model, &run));
         }
     }
     if channels.is_empty() {
-        let problem = "neither command.csv nor wheels.csv of any robot has two rows";
-        return Err(format!("{problem}; there is nothing to simulate"));
+        return Err(CompareError::NothingToSimulate);
     }
     Ok(channels)
 }
@@ -112,6 +139,15 @@ fn commands(robot: &Robot, model: &RobotModel) -> Option<Commands> {
         steps.zip(turns).map(rate).chain([0.0]).collect()
     };
     Some(pairs(&wheels.t_s, &rate(&right), &rate(&left), speed)).filter(|rows| rows.len() > 1)
+}
+
+/// What the commands set at the wheels.
+fn kind(commands: &[(f64, Told)]) -> CommandKind {
+    match commands.first() {
+        Some((_, Told::Torque { .. })) => CommandKind::Torque,
+        Some((_, Told::Voltage { .. })) => CommandKind::Voltage,
+        _ => CommandKind::Speed,
+    }
 }
 
 fn speed(right_rad_s: f64, left_rad_s: f64) -> Told {
@@ -163,11 +199,13 @@ struct Sample {
     speed: [f64; 2],
 }
 
+/// Simulates from `start`, no longer than to `until_s`.
 fn simulate(
     plant: &Plant,
     robot: &Robot,
-    model: &RobotModel,
+    start: [f64; 3],
     commands: &[(f64, Told)],
+    until_s: f64,
 ) -> Vec<Sample> {
     let start_s = commands.first().map_or(0.0, |(t_s, _)| *t_s);
     let last = commands.last().map_or(0.0, |(t_s, _)| *t_s);
@@ -181,11 +219,13 @@ fn simulate(
         .flatten()
         .fold(last, f64::max)
         .min(last + 1.0);
-    let mut state = plant.start(start_pose(robot, model));
+    let end_s = end_s.min(until_s);
+    let mut state = plant.start(start);
     let mut samples = vec![sample(plant, start_s, &state)];
     let mut next_sample_s = start_s + SAMPLE_S;
     for (i, (from_s, told)) in commands.iter().enumerate() {
-        let to_s = commands.get(i + 1).map_or(end_s, |(t_s, _)| *t_s);
+        let next = commands.get(i + 1).map_or(end_s, |(t_s, _)| *t_s);
+        let to_s = next.min(end_s);
         let steps = ((to_s - from_s) / STEP_S).ceil().max(0.0);
         let step_s = if steps > 0.0 {
             (to_s - from_s) / steps
@@ -237,6 +277,39 @@ fn start_pose(robot: &Robot, model: &RobotModel) -> [f64; 3] {
     };
     let ahead = tracked_to_com_m(robot, model);
     [x + ahead * yaw.cos(), y + ahead * yaw.sin(), *yaw]
+}
+
+/// Where c starts: as the first pose says, then turned and shifted by what is left on average over
+/// the first half second, because one pose alone is noisy.
+fn fit_start(
+    plant: &Plant,
+    robot: &Robot,
+    model: &RobotModel,
+    commands: &[(f64, Told)],
+) -> [f64; 3] {
+    let first = start_pose(robot, model);
+    let (Some(pose), Some((from_s, _))) = (&robot.pose, commands.first()) else {
+        return first;
+    };
+    let until_s = from_s.max(pose.t_s.first().copied().unwrap_or(*from_s)) + START_S;
+    let run = simulate(plant, robot, first, commands, until_s);
+    let channels = of_robot(robot, model, &run);
+    let left = |name: &str| -> f64 {
+        let Some(channel) = channels.iter().find(|channel| channel.name == name) else {
+            return 0.0;
+        };
+        let early = channel.recorded.iter().filter(|(t_s, _)| *t_s <= until_s);
+        let differences: Vec<f64> = early
+            .filter_map(|(t_s, value)| Some(value - interpolate(&channel.simulated, *t_s)?))
+            .collect();
+        differences.iter().sum::<f64>() / (differences.len() as f64).max(1.0)
+    };
+    let [x_m, y_m, yaw_rad] = first;
+    [
+        x_m + left("pose x"),
+        y_m + left("pose y"),
+        yaw_rad + left("pose yaw"),
+    ]
 }
 
 /// Recorded beside simulated, for every column that the simulation can tell.

@@ -1,8 +1,8 @@
 //! What one message says, whatever its type: one place per quantity, NaN where it says nothing.
 
 use crate::ros2::cdr::decode;
+use crate::ros2::compose::JOINTS;
 use crate::ros2::messages::{self as ros, Header, Pose, Twist};
-use crate::run_writer::JOINTS;
 
 /// Where to look inside a message.
 #[derive(Debug, Clone, PartialEq, Eq)]

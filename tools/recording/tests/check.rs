@@ -207,6 +207,16 @@ fn late_poses_gaps_and_messages_from_the_future_are_told() {
             .any(|f| f.id == id && f.statement.contains(words));
         assert!(found, "{id}: {report}");
     };
+    let mut milliseconds = drive();
+    pose(&mut milliseconds)
+        .t_s
+        .iter_mut()
+        .for_each(|t_s| *t_s *= 1000.0);
+    let found = check(&milliseconds, None).findings;
+    assert!(
+        found.iter().any(|f| f.remedy.contains("milliseconds")),
+        "{found:?}"
+    );
     has("lag", "the pose is about 0.15 s behind the wheels");
     has("gaps", "command pauses 1 times, 2.02 s in all");
     has(

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use slipstream_bus::RobotModel;
-use slipstream_recording::compare;
 use slipstream_recording::recording::{Command, Pose, Recording, Robot, Stream, Wheels};
+use slipstream_recording::{CompareError, compare};
 use slipstream_sim::{Command as Told, Robot as Plant};
 
 fn stream<V>(t_s: &[f64], values: V) -> Stream<V> {
@@ -116,9 +116,13 @@ fn what_cannot_be_simulated_is_said() {
     let model = RobotModel::default();
     let mut recording = drive(&model);
     let error = compare(&recording, |_| None).unwrap_err();
-    assert_eq!(error, "no model for r1; give one with --robot");
+    assert_eq!(error, CompareError::NoModel("r1".to_owned()));
+    let mut massless = model.clone();
+    massless.robot.body_mass_kg = None;
+    let error = compare(&recording, |_| Some(massless.clone())).unwrap_err();
+    assert!(matches!(error, CompareError::Model { .. }), "{error}");
     recording.robots[0].command = None;
     recording.robots[0].wheels = None;
     let error = compare(&recording, |_| Some(model.clone())).unwrap_err();
-    assert!(error.contains("there is nothing to simulate"), "{error}");
+    assert_eq!(error, CompareError::NothingToSimulate);
 }

@@ -1,7 +1,8 @@
 //! Whether the lengths inside a record fit into it.
 //!
 //! The `mcap` crate makes room for as much as a text's length claims (up to 4 GiB) before it looks
-//! for the text. A damaged length must not do that: it is looked at here first.
+//! for the text, and takes an attachment's last twelve bytes for granted. A damaged length must do
+//! no harm: it is looked at here first.
 
 use mcap::records::op;
 
@@ -19,6 +20,8 @@ pub(crate) fn fit(opcode: u8, data: &[u8]) -> bool {
         .get(skip..)
         .and_then(|rest| (0..texts).try_fold(rest, |rest, _| text(rest)));
     match after {
+        // The content's length and its checksum.
+        Some(rest) if opcode == op::ATTACHMENT => rest.len() >= 12,
         Some(rest) if map => map_fits(rest).is_some(),
         Some(_) => true,
         None => false,
@@ -50,6 +53,15 @@ fn map_fits(data: &[u8]) -> Option<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Found by fuzzing: the crate panicked on an attachment that ends within its content's length.
+    #[test]
+    fn an_attachment_without_room_for_its_checksum_does_not_fit() {
+        let attachment = |tail: usize| [&[0; 16][..], &[0; 8], &vec![0; tail]].concat();
+        assert!(fit(op::ATTACHMENT, &attachment(12)));
+        assert!(!fit(op::ATTACHMENT, &attachment(11)));
+        assert!(mcap::parse_record(op::ATTACHMENT, &attachment(12)).is_ok());
+    }
 
     #[test]
     fn a_text_longer_than_its_record_does_not_fit() {

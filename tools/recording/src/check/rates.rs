@@ -107,6 +107,20 @@ fn judge(robot: &str, report: &StreamReport, findings: &mut Vec<Finding>) {
             "look for a logger that stalls or a sensor that loses sight",
         ));
     }
+    // Nobody records fifty rows with five seconds and more between them.
+    if report.rows >= 50 && report.rate_hz.is_some_and(|rate| rate < 0.2) {
+        let statement = format!(
+            "{stream} has a row every {:.0} s",
+            1.0 / report.rate_hz.unwrap_or(1.0)
+        );
+        findings.push(Finding::new(
+            Severity::Warning,
+            robot,
+            "units",
+            statement,
+            "look whether t_s is in milliseconds",
+        ));
+    }
     if report.repeated_times * 20 > report.rows {
         let statement = format!("{} rows of {stream} repeat a time", report.repeated_times);
         findings.push(Finding::new(

@@ -1,0 +1,63 @@
+//! Messages made of plain numbers: the same for a run and for an imported recording.
+
+use crate::ros2::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
+use crate::topics;
+
+/// The head of a message stamped with this time (ns).
+pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
+    Header {
+        stamp: Time::from_ns(t_ns),
+        frame_id,
+    }
+}
+
+/// The names of the wheels' joints, in the order of every pair.
+pub(crate) const JOINTS: [&str; 2] = ["wheel_right", "wheel_left"];
+
+/// A joint state of both wheels; a list that is empty says nothing.
+pub(crate) fn joint_state<'a>(
+    t_ns: i64,
+    position: &'a [f64],
+    velocity: &'a [f64],
+    effort: &'a [f64],
+) -> ros::JointState<&'a str, &'a [&'a str], &'a [f64]> {
+    ros::JointState {
+        header: header(t_ns, ""),
+        name: &JOINTS,
+        position,
+        velocity,
+        effort,
+    }
+}
+
+/// An IMU message. No orientation is measured, which ROS marks by a covariance of -1.
+pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu<&'static str> {
+    let mut unknown = [0.0; 9];
+    unknown[0] = -1.0;
+    ros::Imu {
+        header: header(t_ns, ""),
+        orientation: Quaternion::from_yaw(0.0),
+        orientation_covariance: unknown,
+        angular_velocity: Vector3::new(0.0, 0.0, gz_rad_s),
+        angular_velocity_covariance: [0.0; 9],
+        linear_acceleration: Vector3::new(ax_m_s2, ay_m_s2, 0.0),
+        linear_acceleration_covariance: [0.0; 9],
+    }
+}
+
+/// A robot's pose in the world and its motion.
+pub(crate) fn odometry(
+    t_ns: i64,
+    robot: &str,
+    [x_m, y_m, yaw_rad]: [f64; 3],
+    twist: Twist,
+) -> ros::Odometry<&str> {
+    ros::Odometry {
+        header: header(t_ns, topics::WORLD),
+        child_frame_id: robot,
+        pose: Pose::planar(x_m, y_m, yaw_rad),
+        pose_covariance: [[0.0; 6]; 6],
+        twist,
+        twist_covariance: [[0.0; 6]; 6],
+    }
+}
