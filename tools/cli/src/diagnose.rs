@@ -12,6 +12,10 @@ use crate::exit::{Error, Exit};
 
 /// Find what a robot's model leaves out, from a recording
 ///
+/// A first form: it looks for effects that always act, on robots with recorded commands, one
+/// recording at a time, and takes minutes. Patches, pushes, links and what the catalogue does not
+/// hold are not looked for yet.
+///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {

@@ -13,7 +13,7 @@ use crate::window::{LOCALS, Window};
 pub(crate) const FLOOR: f64 = 0.8;
 
 /// Rounds of the fit in which a hypothesis shows whether it is worth fitting to the end.
-const GLANCE: usize = 4;
+const GLANCE: usize = 2;
 /// Rounds of a full fit.
 const FULL: usize = 40;
 /// Hypotheses that are fitted to the end.
@@ -23,6 +23,8 @@ const BEST: usize = 7;
 const PAY: [f64; 2] = [24.0, 6.0];
 /// Share of what was gained so far that one more effect has to bring.
 const PAY_SHARE: f64 = 0.02;
+/// Δ(−2 ln L) within which two effects cannot be told apart.
+const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
 const SIGMAS: f64 = 4.2;
 
@@ -111,7 +113,7 @@ impl Search<'_> {
         while let Some(next) = self.next(all, &found, begin, progress) {
             found = self.prune(next, progress);
         }
-        Some(self.weigh(found, all, progress))
+        Some(self.weigh(found, progress))
     }
 
     fn taken(found: &Found, hypothesis: &Hypothesis) -> bool {
@@ -154,18 +156,28 @@ impl Search<'_> {
                 .deviance(FLOOR)
                 .total_cmp(&b.1.misfit.deviance(FLOOR))
         });
+        let twins: Vec<(&'static str, f64)> = full
+            .iter()
+            .filter_map(|(h, fit)| Some((h.last()?.info.id, fit.misfit.deviance(FLOOR))))
+            .collect();
         full.into_iter().find_map(|(hypotheses, fit)| {
             let own = hypotheses.last()?;
+            let own_id = own.info.id;
+            let level = fit.misfit.deviance(FLOOR);
+            let near =
+                |(id, other): &&(&'static str, f64)| *id != own_id && (other - level).abs() < TWINS;
             let gain = so_far - fit.misfit.deviance(FLOOR);
             let parameters = own.values.len();
             let due = PAY[0] + PAY[1] * (parameters as f64 - 1.0);
             let pays = gain > due.max(PAY_SHARE * (begin - so_far));
             let clear = self.is_clear(&hypotheses, &fit, hypotheses.len() - 1);
+            let mut all_twins = found.twins.clone();
+            all_twins.push(twins.iter().filter(near).map(|(id, _)| *id).collect());
             (pays && clear).then(|| Found {
                 hypotheses,
                 fit,
                 gains: Vec::new(),
-                twins: Vec::new(),
+                twins: all_twins,
             })
         })
     }
@@ -245,11 +257,13 @@ impl Search<'_> {
                 Some(fit)
                     if fit.misfit.deviance(FLOOR) - found.fit.misfit.deviance(FLOOR) < due =>
                 {
+                    let mut twins = found.twins;
+                    twins.remove(at);
                     found = Found {
                         hypotheses: without,
                         fit,
                         gains: Vec::new(),
-                        twins: Vec::new(),
+                        twins,
                     };
                     at = 0;
                 }
@@ -259,40 +273,16 @@ impl Search<'_> {
         found
     }
 
-    /// What each effect brings, and which other one would fit as well in its place.
-    fn weigh(&self, mut found: Found, all: &[Hypothesis], progress: &mut dyn FnMut(&str)) -> Found {
+    /// What each effect brings: the fit without it against the fit with all.
+    fn weigh(&self, mut found: Found, progress: &mut dyn FnMut(&str)) -> Found {
         let whole = found.fit.misfit.deviance(FLOOR);
-        let mut kinds: Vec<&Hypothesis> = Vec::new();
-        for hypothesis in all.iter().filter(|h| !Self::taken(&found, h)) {
-            kinds.push(hypothesis);
-        }
         for at in 0..found.hypotheses.len() {
-            let mut without = found.clone();
-            without.hypotheses = self.settled(&found);
-            without.hypotheses.remove(at);
-            let gone = self.fit(&without.hypotheses, &found.fit.starts, FULL);
-            let Some(gone) = gone else { continue };
-            found
-                .gains
-                .push((gone.misfit.deviance(FLOOR) - whole) / 2.0);
-            without.fit = gone;
-            let mut twins: Vec<&'static str> = Vec::new();
-            let glances = self.try_each(&kinds, &without, GLANCE, progress);
-            let gained = without.fit.misfit.deviance(FLOOR) - whole;
-            for (hypotheses, fit) in glances {
-                let Some(own) = hypotheses.last() else {
-                    continue;
-                };
-                let near = fit.misfit.deviance(FLOOR) - whole < (0.05 * gained).max(60.0);
-                if !near || twins.contains(&own.info.id) {
-                    continue;
-                }
-                let full = self.fit(&hypotheses, &fit.starts, FULL);
-                if full.is_some_and(|f| f.misfit.deviance(FLOOR) - whole < 9.0) {
-                    twins.push(own.info.id);
-                }
-            }
-            found.twins.push(twins);
+            let mut without = self.settled(&found);
+            let removed = without.remove(at);
+            progress(&format!("what {} brings", removed.info.id));
+            let gone = self.fit(&without, &found.fit.starts, FULL);
+            let gone = gone.map_or(whole, |fit| fit.misfit.deviance(FLOOR));
+            found.gains.push((gone - whole) / 2.0);
         }
         found
     }
