@@ -15,7 +15,7 @@ const FLOORS: [&[&str]; 5] = [
     &["slipstream-bus"],
     &["slipstream-agents", "slipstream-sim"],
     &["slipstream-recording"],
-    &["slipstream-launch"],
+    &["slipstream-launch", "slipstream-trace"],
     &["slipstream"],
 ];
 
