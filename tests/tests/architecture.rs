@@ -15,7 +15,11 @@ const FLOORS: [&[&str]; 5] = [
     &["slipstream-bus"],
     &["slipstream-agents", "slipstream-sim"],
     &["slipstream-recording"],
-    &["slipstream-launch", "slipstream-trace"],
+    &[
+        "slipstream-diagnose",
+        "slipstream-launch",
+        "slipstream-trace",
+    ],
     &["slipstream"],
 ];
 

@@ -287,6 +287,151 @@ fn on_the_wall_clock_no_stage_is_negative() {
     assert_eq!(answer["hops"].as_array().unwrap().len(), 3);
 }
 
+/// The delays of a run are replayed from its own export.
+#[test]
+fn the_circle_closes() {
+    let folder = tempfile::tempdir().unwrap();
+    let common = [
+        "--in-process",
+        "--set",
+        "links.protocol=periodic",
+        "--robots",
+        "2",
+    ];
+    let chances = [
+        "--set",
+        "links.delay_s=0.12",
+        "--set",
+        "links.jitter_s=0.05",
+        "--set",
+        "links.loss=0.1",
+    ];
+    let log = |name: &str, arguments: &[&str]| {
+        run_json(
+            folder.path(),
+            &[&["--out", name], &common[..], arguments].concat(),
+        );
+        slipstream_trace::read(&folder.path().join(name))
+            .unwrap()
+            .log
+    };
+    let first = log("a.mcap", &chances);
+    let output = slipstream(folder.path(), &["trace", "a.mcap", "--rtt", "rtt.csv"]);
+    assert!(output.status.success());
+    let second = log("b.mcap", &["--set", "links.trace=rtt.csv", "--seed", "9"]);
+    let (first, second) = (follow(&first), follow(&second));
+    let lost = first
+        .iter()
+        .filter(|message| message.fate == Fate::Lost)
+        .count();
+    assert!(first.len() > 250 && lost > 10, "{} {lost}", first.len());
+    assert_eq!(first, second);
+}
+
+/// Of two runs that differ in the links' delay alone, that stage alone differs: both arrive 20 ms
+/// before an outer tick at which an inner one is due, too.
+#[test]
+fn the_stage_that_changed_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, delay) in [
+        ("a.mcap", "links.delay_s=0.08"),
+        ("b.mcap", "links.delay_s=0.18"),
+    ] {
+        run_json(
+            folder.path(),
+            &[
+                "--in-process",
+                "--out",
+                name,
+                "--set",
+                delay,
+                "--set",
+                "duration_s=6",
+            ],
+        );
+    }
+    let arguments = [
+        "trace",
+        "b.mcap",
+        "--against",
+        "a.mcap",
+        "--json",
+        "trace.json",
+        "--report",
+        "r.html",
+    ];
+    let output = slipstream(folder.path(), &arguments);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let answer = read_json(&folder.path().join("trace.json"));
+    let hops = answer["against"].as_array().unwrap();
+    assert_eq!(hops.len(), 3);
+    for hop in hops {
+        for change in hop["stages"].as_array().unwrap() {
+            let stage = change["stage"].as_str().unwrap();
+            let expected = match stage {
+                "injected_delay" | "end_to_end" => 0.1,
+                _ => 0.0,
+            };
+            let difference = change["difference_s"].as_f64().unwrap();
+            assert!((difference - expected).abs() < 1e-12, "{change}");
+            assert_eq!(change["changed"], expected != 0.0, "{change}");
+        }
+    }
+    let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
+    // A waterfall and a histogram for each link: constant stages have no histogram.
+    assert_eq!(page.matches("<svg").count(), 6);
+    assert!(page.contains("injected_delay 180.0000 ms"));
+}
+
+/// Each arrow starts, passes and ends where a tick is drawn; each stage that begins ends.
+#[test]
+fn arrows_of_the_timeline_hang_on_ticks() {
+    let folder = tempfile::tempdir().unwrap();
+    run_json(
+        folder.path(),
+        &[
+            "--in-process",
+            "--out",
+            "run.mcap",
+            "--set",
+            "links.delay_s=0.08",
+        ],
+    );
+    let output = slipstream(
+        folder.path(),
+        &["trace", "run.mcap", "--perfetto", "p.json"],
+    );
+    assert!(output.status.success());
+    let timeline = read_json(&folder.path().join("p.json"));
+    let events = timeline["traceEvents"].as_array().unwrap();
+    let of = |ph: &str| {
+        events
+            .iter()
+            .filter(|event| event["ph"] == ph)
+            .collect::<Vec<_>>()
+    };
+    let place = |event: &Value| format!("{} {} {}", event["pid"], event["tid"], event["ts"]);
+    let ticks: std::collections::BTreeSet<String> = of("X").into_iter().map(place).collect();
+    let (starts, steps, ends) = (of("s"), of("t"), of("f"));
+    assert!(starts.len() > 100);
+    assert_eq!((steps.len(), ends.len()), (2 * starts.len(), starts.len()));
+    for arrow in [starts, steps, ends].concat() {
+        assert!(ticks.contains(&place(arrow)), "{arrow}");
+    }
+    assert_eq!(of("b").len(), of("e").len());
+    let processes = of("M")
+        .into_iter()
+        .filter(|event| event["name"] == "process_name");
+    let names: Vec<&str> = processes
+        .map(|event| event["args"]["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["plant", "r1", "r2", "r3"]);
+}
+
 #[test]
 fn what_holds_no_trace_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use slipstream_bus::message::{RobotIndex, robot_name};
+use slipstream_bus::message::RobotIndex;
 use slipstream_bus::time::s_from_ns;
 
+use crate::against::HopChange;
 use crate::figures::Figures;
 use crate::log::Log;
-use crate::way::{Fate, Message, STAGES, Way, follow};
+use crate::way::{Fate, Link, Message, STAGES, Way, by_link, follow};
 
 /// The whole answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +24,9 @@ pub struct Answer {
     pub at_outer_ticks: Vec<Age>,
     /// How punctual the loops of the agents were.
     pub loops: Vec<LoopFigures>,
+    /// How each link differs from another run, where one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<Vec<HopChange>>,
 }
 
 /// One link.
@@ -115,6 +119,7 @@ pub fn answer(log: &Log, names: &[String]) -> Answer {
         platoon: platoon(log, &messages, &names),
         at_outer_ticks: at_outer_ticks(log, &names),
         loops: loops(log, &names),
+        against: None,
     }
 }
 
@@ -124,18 +129,15 @@ pub(crate) struct Names<'a>(pub(crate) &'a [String]);
 impl Names<'_> {
     pub(crate) fn of(&self, robot: RobotIndex) -> String {
         let name = self.0.get(robot as usize);
-        name.cloned().unwrap_or_else(|| robot_name(robot))
+        name.cloned()
+            .unwrap_or_else(|| format!("r{}", u64::from(robot) + 1))
     }
 }
 
 fn hops(messages: &[Message], names: &Names<'_>) -> Vec<Hop> {
-    let mut links: BTreeMap<(RobotIndex, RobotIndex), Vec<&Message>> = BTreeMap::new();
-    for message in messages {
-        let link = (message.from, message.to);
-        links.entry(link).or_default().push(message);
-    }
-    let links = links.into_iter();
+    let links = by_link(messages.iter().map(|message| (message.link(), message)));
     links
+        .into_iter()
         .map(|((from, to), messages)| hop(names.of(from), names.of(to), &messages))
         .collect()
 }
@@ -159,8 +161,13 @@ fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
         let durations = ways.iter().map(|way| way.stages_ns()[i]).collect();
         Figures::new(durations).map(|figures| StageFigures { stage, figures })
     };
-    let error = |way: &Way| way.end_to_end_ns() - way.stages_ns().iter().sum::<i64>();
-    let largest = ways.iter().map(|way| error(way).abs()).max();
+    let sum = |way: &Way| way.stages_ns().into_iter().fold(0, i64::saturating_add);
+    let error = |way: &Way| {
+        way.end_to_end_ns()
+            .saturating_sub(sum(way))
+            .saturating_abs()
+    };
+    let largest = ways.iter().map(error).max();
     Hop {
         from,
         to,
@@ -174,8 +181,8 @@ fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
 }
 
 /// Ages of all pairs, in the order of who is used and who uses.
-fn ages(pairs: BTreeMap<Pair, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
-    let age = |((from, to), ages): (Pair, Vec<i64>)| {
+fn ages(pairs: BTreeMap<Link, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
+    let age = |((from, to), ages): (Link, Vec<i64>)| {
         let count = ages.len() as u64;
         Figures::new(ages).map(|figures| Age {
             from: names.of(from),
@@ -187,13 +194,10 @@ fn ages(pairs: BTreeMap<Pair, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
     pairs.into_iter().filter_map(age).collect()
 }
 
-/// Whom information is about, and who uses it.
-type Pair = (RobotIndex, RobotIndex);
-
 /// Follows each used message back to the robots whose messages its sender went by.
 fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
-    let mut pairs: BTreeMap<Pair, Vec<i64>> = BTreeMap::new();
+    let mut pairs: BTreeMap<Link, Vec<i64>> = BTreeMap::new();
     for message in messages {
         // The front robot goes by nobody: a ring's return only tells it to send again.
         let Fate::Used(way) = message.fate else {
@@ -208,7 +212,7 @@ fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
             let Some(sent) = log.sent.get(&key) else {
                 break;
             };
-            let age_ns = applied_ns - sent.position.sampled_ns;
+            let age_ns = applied_ns.saturating_sub(sent.position.sampled_ns);
             pairs.entry((key.0, message.to)).or_default().push(age_ns);
             let tick = log.outer.get(&(key.0, sent.position.tick_ns));
             let before = tick.and_then(|tick| tick.message).zip(ahead.get(&key.0));
@@ -223,11 +227,11 @@ fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
 
 fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
-    let mut pairs: BTreeMap<Pair, Vec<i64>> = BTreeMap::new();
+    let mut pairs: BTreeMap<Link, Vec<i64>> = BTreeMap::new();
     for (&(robot, _), tick) in &log.outer {
         let key = ahead.get(&robot).copied().zip(tick.message);
         if let Some((key, sent)) = key.and_then(|key| Some((key, log.sent.get(&key)?))) {
-            let age_ns = tick.began_ns - sent.position.sampled_ns;
+            let age_ns = tick.began_ns.saturating_sub(sent.position.sampled_ns);
             pairs.entry((key.0, robot)).or_default().push(age_ns);
         }
     }
@@ -245,7 +249,10 @@ fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopFigures> {
         times.push([t_ns, tick.began_ns]);
     }
     let figures = |((robot, name), times): ((RobotIndex, &'static str), Vec<[i64; 2]>)| {
-        let late = times.iter().map(|[due, began]| began - due).collect();
+        let late = times.iter();
+        let late = late
+            .map(|[due, began]| began.saturating_sub(*due))
+            .collect();
         Figures::new(late).map(|late| LoopFigures {
             process: names.of(robot),
             name,
@@ -259,7 +266,11 @@ fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopFigures> {
 
 /// Ticks missing between these, which are due at whole multiples of one period.
 fn left_out(times: &[[i64; 2]]) -> u64 {
-    let gaps = || times.windows(2).map(|pair| pair[1][0] - pair[0][0]);
+    let gaps = || {
+        times
+            .windows(2)
+            .map(|pair| pair[1][0].saturating_sub(pair[0][0]))
+    };
     let Some(period_ns) = gaps().min().filter(|&period_ns| period_ns > 0) else {
         return 0;
     };

@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_recording::{Result, Unusable, read_trace};
 
+use crate::answer::Names;
 use crate::log::Log;
 
 /// A recording's trace, and what was lost of it.
@@ -16,6 +18,13 @@ pub struct Reading {
     pub log: Log,
     /// One line for each thing that the reader should know.
     pub warnings: Vec<String>,
+}
+
+impl Reading {
+    /// A robot's name.
+    pub fn name_of(&self, robot: RobotIndex) -> String {
+        Names(&self.robots).of(robot)
+    }
 }
 
 /// Reads the trace of a run's MCAP file, also of a damaged one as far as it is whole.

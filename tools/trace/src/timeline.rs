@@ -3,6 +3,8 @@
 //! Times are microseconds; exact nanoseconds stand in each event's arguments. A tick is drawn from
 //! its begin with a width of 1 µs: how long it worked is not recorded.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 use slipstream_bus::message::RobotIndex;
 
@@ -26,7 +28,7 @@ pub fn timeline(log: &Log, names: &[String]) -> Value {
         events.push(slice("inner", track(robot, INNER), tick.began_ns, due_ns));
     }
     for (&(robot, due_ns), &taken_ns) in &log.applied {
-        events.push(slice("torque", [PLANT, robot + 1], taken_ns, due_ns));
+        events.push(slice("torque", at_plant(robot), taken_ns, due_ns));
     }
     for message in follow(log) {
         if let Fate::Used(way) = message.fate {
@@ -40,7 +42,11 @@ pub fn timeline(log: &Log, names: &[String]) -> Value {
 }
 
 fn track(robot: RobotIndex, thread: u32) -> [u32; 2] {
-    [robot + 2, thread]
+    [robot.saturating_add(2), thread]
+}
+
+fn at_plant(robot: RobotIndex) -> [u32; 2] {
+    [PLANT, robot.saturating_add(1)]
 }
 
 fn micros(ns: i64) -> f64 {
@@ -49,11 +55,11 @@ fn micros(ns: i64) -> f64 {
 
 fn titles(log: &Log, names: &Names<'_>) -> Vec<Value> {
     let title = |what: &str, [pid, tid]: [u32; 2], name: &str| json!({"ph": "M", "name": what, "pid": pid, "tid": tid, "args": {"name": name}});
-    let robots: std::collections::BTreeSet<_> = log.inner.keys().map(|tick| tick.0).collect();
+    let robots: BTreeSet<RobotIndex> = log.inner.keys().map(|tick| tick.0).collect();
     let mut titles = vec![title("process_name", [PLANT, 0], "plant")];
     for robot in robots {
         let name = names.of(robot);
-        titles.push(title("thread_name", [PLANT, robot + 1], &name));
+        titles.push(title("thread_name", at_plant(robot), &name));
         titles.push(title("process_name", track(robot, 0), &name));
         titles.push(title("thread_name", track(robot, OUTER), "outer loop"));
         titles.push(title("thread_name", track(robot, INNER), "inner loop"));
@@ -70,7 +76,7 @@ fn slice(name: &str, [pid, tid]: [u32; 2], t_ns: i64, due_ns: i64) -> Value {
 fn stages(events: &mut Vec<Value>, id: &str, to: RobotIndex, way: &Way) {
     let [pid, tid] = track(to, OUTER);
     for (stage, pair) in STAGES.iter().zip(way.instants_ns.windows(2)) {
-        let length_ns = pair[1] - pair[0];
+        let length_ns = pair[1].saturating_sub(pair[0]);
         for (ph, t_ns) in [("b", pair[0]), ("e", pair[1])] {
             events.push(
                 json!({"ph": ph, "cat": "way", "id": id, "name": stage, "pid": pid, "tid": tid,
@@ -87,7 +93,7 @@ fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, way: &Way) {
         ("s", track(message.from, OUTER), sender),
         ("t", track(message.to, OUTER), outer),
         ("t", track(message.to, INNER), inner),
-        ("f", [PLANT, message.to + 1], plant),
+        ("f", at_plant(message.to), plant),
     ];
     for (ph, [pid, tid], t_ns) in steps {
         events.push(

@@ -64,20 +64,39 @@ pub struct Way {
     pub instants_ns: [i64; 8],
 }
 
+impl Message {
+    /// Its link.
+    pub(crate) fn link(&self) -> Link {
+        (self.from, self.to)
+    }
+}
+
 impl Way {
     /// How long each stage took (ns), in the order of [`STAGES`].
     pub fn stages_ns(&self) -> [i64; 7] {
         let mut stages = [0; 7];
         for (stage, pair) in stages.iter_mut().zip(self.instants_ns.windows(2)) {
-            *stage = pair[1] - pair[0];
+            *stage = pair[1].saturating_sub(pair[0]);
         }
         stages
     }
 
     /// From the encoder sample to the plant's step (ns).
     pub fn end_to_end_ns(&self) -> i64 {
-        self.instants_ns[7] - self.instants_ns[0]
+        self.instants_ns[7].saturating_sub(self.instants_ns[0])
     }
+}
+
+/// A link: sender and receiver.
+pub(crate) type Link = (RobotIndex, RobotIndex);
+
+/// What belongs to each link.
+pub(crate) fn by_link<T>(items: impl IntoIterator<Item = (Link, T)>) -> BTreeMap<Link, Vec<T>> {
+    let mut links: BTreeMap<Link, Vec<T>> = BTreeMap::new();
+    for (link, item) in items {
+        links.entry(link).or_default().push(item);
+    }
+    links
 }
 
 /// Every message of a run, by sender and number, with what became of it.
@@ -99,7 +118,8 @@ fn message(log: &Log, key: Key) -> Message {
         from,
         to,
         seq,
-        delay_ns: times.map(|(sent, available_ns)| available_ns - sent.position.sent_ns),
+        delay_ns: times
+            .map(|(sent, available_ns)| available_ns.saturating_sub(sent.position.sent_ns)),
         fate,
     }
 }
