@@ -60,12 +60,30 @@ fn one_rolling(bencher: Bencher<'_, '_>) {
     measure::<f64>(bencher, &slipping(), 0.02);
 }
 
-#[divan::bench(name = "1 robot, slipping")]
+#[divan::bench(name = "1 robot, slipping and sticking")]
 fn one_slipping(bencher: Bencher<'_, '_>) {
     measure::<f64>(bencher, &slipping(), 0.13);
 }
 
-#[divan::bench(name = "1 robot, slipping, 8 derivatives at once")]
+#[divan::bench(name = "1 robot, slipping all the time")]
+fn one_sliding(bencher: Bencher<'_, '_>) {
+    let robot = Robot::new(&slipping()).unwrap();
+    let torque = Command::Torque {
+        right_nm: 0.13,
+        left_nm: 0.129,
+    };
+    bencher
+        .counter(ItemsCount::new(STEPS))
+        .with_inputs(|| robot.start([0.0; 3]))
+        .bench_local_values(|mut state| {
+            for k in 0..STEPS {
+                black_box(&robot).step(&mut state, f64::from(k) * STEP_S, STEP_S, &torque);
+            }
+            state
+        });
+}
+
+#[divan::bench(name = "1 robot, slipping and sticking, 8 derivatives at once")]
 fn one_slipping_dual(bencher: Bencher<'_, '_>) {
     measure::<DualSVec64<8>>(bencher, &slipping(), 0.13);
 }
@@ -106,7 +124,7 @@ fn hundred_rolling(bencher: Bencher<'_, '_>) {
     hundred(bencher, &slipping(), 0.02);
 }
 
-#[divan::bench(name = "100 robots, slipping")]
+#[divan::bench(name = "100 robots, slipping and sticking")]
 fn hundred_slipping(bencher: Bencher<'_, '_>) {
     hundred(bencher, &slipping(), 0.13);
 }

@@ -19,14 +19,14 @@ const SLACK: f64 = 1e-9;
 pub(crate) const SAFE: f64 = 0.98;
 
 /// Square of the sine of the largest turn of a sliding direction in one step.
-const TURN: f64 = 0.002;
+pub(crate) const TURN: f64 = 0.002;
 
 /// γ = 1 − 1/√2 of the two-stage Rosenbrock method that damps what is fastest completely (Verwer,
 /// Spee, Blom and Hundsdorfer, 1999).
 const ROSENBROCK: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// Share of a slip velocity that friction may change in one explicit step.
-const STIFF: f64 = 0.2;
+pub(crate) const STIFF: f64 = 0.2;
 
 /// What became of the set of held elements in a step.
 #[derive(Debug, Clone, Copy)]

@@ -5,12 +5,12 @@
 //! The step is [`crate::Robot::step`]'s, in fewer terms; where friction might not hold it is refused.
 
 use crate::attempt::SAFE;
-use crate::command::CommandKind;
 use crate::operator::Operator;
+use crate::parts::Grip;
 use crate::robot::Robot;
-use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT, Elements};
+use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT};
 use crate::scalar::{Pair, Scalar, Vector};
-use crate::state::{Body, Contact, Mode};
+use crate::state::{Body, Contact};
 use crate::travel::advance_pose;
 
 /// One quantity per newton metre at the right and the left wheel, per u φ̇ and per φ̇².
@@ -38,17 +38,11 @@ struct Instant<S> {
 }
 
 impl<S: Scalar> Cruise<S> {
-    /// The coefficients, if `mode` is one of them that this step is for.
-    pub(crate) fn new(robot: &Robot<S>, mode: &Mode<S>, operator: &Operator<S>) -> Option<Self> {
-        let plain = robot.dry.elements.is_empty()
-            && robot.pull.is_none()
-            && robot.load.transfer.is_none()
-            && robot.drive.gap_rad.is_none()
-            && robot.drive.is_direct()
-            && !(robot.damped || robot.effects.has_force || robot.effects.has_floor);
-        if !plain || mode.held != Elements::WHEELS || mode.kind != CommandKind::Torque {
-            return None;
-        }
+    pub(crate) fn new(
+        robot: &Robot<S>,
+        grip: Pair<Option<Grip<S>>>,
+        operator: &Operator<S>,
+    ) -> Self {
         let zero = S::constant(0.0);
         let (m, [sx, sy], d) = (robot.mass, robot.moment, robot.com_to_axle);
         // forces along, across and about for u φ̇ and for φ̇²: see Robot::applied with w = d φ̇
@@ -63,21 +57,21 @@ impl<S: Scalar> Cruise<S> {
             ]
         };
         let acceleration = |i: usize| operator.acceleration.row(i).transpose();
-        let friction = match mode.grip {
+        // a plain robot has the same floor under both wheels
+        let friction = match grip {
             [Some(right), Some(left)] => {
                 Some([right, left].map(|g| g.friction_static * g.friction_static * SAFE))
             }
-            [None, None] => None,
-            _ => return None,
+            _ => None,
         };
-        Some(Self {
+        Self {
             surge: row(&acceleration(0)),
             turn: row(&acceleration(2)),
             along: [ALONG_RIGHT, ALONG_LEFT].map(|r| row(&operator.multiplier_vector(r))),
             across: row(&operator.multiplier_vector(ACROSS)),
             per_radius: [robot.radius[0].recip(), robot.radius[1].recip()],
             friction,
-        })
+        }
     }
 
     #[inline(always)]

@@ -16,6 +16,8 @@ mod rows;
 pub mod run;
 mod scalar;
 mod sensing;
+mod short;
+mod skid;
 mod state;
 mod step;
 mod travel;

@@ -3,12 +3,12 @@
 use std::collections::VecDeque;
 
 use crate::command::CommandKind;
-use crate::cruise::Cruise;
 use crate::operator::Operator;
 use crate::parts::Grip;
 use crate::robot::Robot;
 use crate::rows::{ELEMENTS, Element, Elements};
 use crate::scalar::{Pair, Scalar, Vector};
+use crate::short::Short;
 
 /// Commands that a delay line holds before it has to allocate.
 const HISTORY: usize = 1024;
@@ -22,7 +22,7 @@ pub struct State<S = f64> {
     /// What the operator was made for.
     pub(crate) made_for: OperatorKey,
     /// The short way through a step, where the mode allows it.
-    pub(crate) cruise: Option<Cruise<S>>,
+    pub(crate) short: Option<Short<S>>,
     /// The force under which all of redundantly held elements were last found to hold.
     pub(crate) held_under: Option<Vector<f64>>,
     /// Past commands, oldest first: from when (s) and what. Empty without a delay.
@@ -192,13 +192,13 @@ impl<S: Scalar> Robot<S> {
         let operator = self.operator(&made_for);
         let delayed = self.drive.delay_s.is_some();
         let history = VecDeque::with_capacity(if delayed { HISTORY } else { 0 });
-        let cruise = Cruise::new(self, &mode, &operator);
+        let short = Short::new(self, &mode, &operator);
         State {
             body,
             mode,
             operator,
             made_for,
-            cruise,
+            short,
             held_under: None,
             history,
         }

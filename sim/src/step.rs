@@ -2,12 +2,12 @@
 
 use crate::attempt::{Event, MOTOR_SHARE, Verdict};
 use crate::command::{Command, CommandKind};
-use crate::cruise::Cruise;
 use crate::drive::Supply;
 use crate::grouping::Standing;
 use crate::robot::Robot;
 use crate::rows::{ACROSS, Element, Elements};
 use crate::scalar::{Pair, Scalar, Vector, heading};
+use crate::short::Short;
 use crate::state::{OperatorKey, State};
 
 /// Halvings of a step until an event in it is found: to 1/8192 of its length.
@@ -51,8 +51,8 @@ impl<S: Scalar> Robot<S> {
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
         if kind == CommandKind::Torque
-            && let Some(cruise) = &state.cruise
-            && cruise.step(self, &mut state.body, dt_s, command)
+            && let Some(short) = &state.short
+            && short.step(self, &mut state.body, dt_s, command)
         {
             return;
         }
@@ -268,7 +268,7 @@ impl<S: Scalar> Robot<S> {
         if key != state.made_for {
             state.operator = self.operator(&key);
             state.made_for = key;
-            state.cruise = Cruise::new(self, &state.mode, &state.operator);
+            state.short = Short::new(self, &state.mode, &state.operator);
         }
     }
 

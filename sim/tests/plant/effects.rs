@@ -406,7 +406,8 @@ fn the_catalogue_is_complete() {
 /// Wrong effects are refused with the key and a remedy.
 #[test]
 fn wrong_effects_are_refused() {
-    let cases: [(&str, &[(&str, f64)], &str); 7] = [
+    type Case = (&'static str, &'static [(&'static str, f64)], &'static str);
+    let cases: [Case; 7] = [
         ("wheel_slipp", &[], "effects.wheel_slipp"),
         (
             "viscous_drag",

@@ -4,21 +4,21 @@ use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot, Scalar, State};
 
 /// Plant step of the tests (s).
-pub const STEP_S: f64 = 1e-3;
+pub(crate) const STEP_S: f64 = 1e-3;
 
-pub fn torque<S: Scalar>(right: f64, left: f64) -> Command<S> {
+pub(crate) fn torque<S: Scalar>(right: f64, left: f64) -> Command<S> {
     Command::Torque {
         right_nm: S::constant(right),
         left_nm: S::constant(left),
     }
 }
 
-pub fn robot(model: &RobotModel) -> Robot {
+pub(crate) fn robot(model: &RobotModel) -> Robot {
     Robot::new(model).unwrap()
 }
 
 /// The paper's robot with equal coefficients of friction.
-pub fn gripping(friction: f64) -> RobotModel {
+pub(crate) fn gripping(friction: f64) -> RobotModel {
     RobotModel::default().with(
         "wheel_slip",
         &[
@@ -29,7 +29,7 @@ pub fn gripping(friction: f64) -> RobotModel {
 }
 
 /// Drives for `over_s` in steps of `step_s` under a command that depends on time.
-pub fn drive<S: Scalar>(
+pub(crate) fn drive<S: Scalar>(
     robot: &Robot<S>,
     state: &mut State<S>,
     from_s: f64,
@@ -45,7 +45,7 @@ pub fn drive<S: Scalar>(
 }
 
 /// A torque profile that starts, turns, brakes and reverses, holding each value for 20 ms.
-pub fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
+pub(crate) fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
     let t = (t_s / 0.02).floor() * 0.02;
     let right = (1.7 * t).sin() + 0.5 * (4.1 * t).cos();
     let left = (1.7 * t + 0.4).sin() - 0.5 * (3.3 * t).cos();
@@ -53,7 +53,7 @@ pub fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
 }
 
 /// Kinetic energy of the paper's robot (J), from its masses and not from the plant's matrix.
-pub fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
+pub(crate) fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
     let body = &model.robot;
     let known = |value: Option<f64>| value.unwrap();
     let [u, w, rate] = state.velocity();
@@ -71,7 +71,7 @@ pub fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
     energy / 2.0
 }
 
-pub fn assert_near(what: &str, value: f64, expected: f64, tolerance: f64) {
+pub(crate) fn assert_near(what: &str, value: f64, expected: f64, tolerance: f64) {
     assert!(
         (value - expected).abs() <= tolerance,
         "{what}: {value} is not {expected} within {tolerance}"

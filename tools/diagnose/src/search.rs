@@ -37,6 +37,13 @@ pub(crate) struct Found {
     pub(crate) twins: Vec<Vec<&'static str>>,
 }
 
+/// Effects as the plant takes them, and which of their numbers are fitted from which values.
+struct Setting {
+    list: Vec<Listed<f64>>,
+    free: Vec<Free>,
+    values: Vec<f64>,
+}
+
 /// One track with its nominal model.
 pub(crate) struct Search<'a> {
     pub(crate) track: &'a Track,
@@ -52,7 +59,7 @@ impl Search<'_> {
         starts: &[[f64; LOCALS]],
         rounds: usize,
     ) -> Option<Fit> {
-        let (list, free, values) = self.listed(hypotheses)?;
+        let Setting { list, free, values } = self.listed(hypotheses)?;
         let problem = Problem {
             track: self.track,
             windows: self.windows,
@@ -63,7 +70,7 @@ impl Search<'_> {
         problem.fit(&values, starts, rounds)
     }
 
-    fn listed(&self, hypotheses: &[Hypothesis]) -> Option<(Vec<Listed<f64>>, Vec<Free>, Vec<f64>)> {
+    fn listed(&self, hypotheses: &[Hypothesis]) -> Option<Setting> {
         let mut model = self.model.clone();
         let known = model.effects.len();
         model
@@ -78,7 +85,7 @@ impl Search<'_> {
                 values.push(value);
             }
         }
-        (free.len() <= GLOBALS).then_some((list, free, values))
+        (free.len() <= GLOBALS).then_some(Setting { list, free, values })
     }
 
     /// Searches from the nominal model on. `progress` is told what is being done.

@@ -248,8 +248,8 @@ impl<S: Scalar> Seen<'_, S> {
                 break;
             }
             let share = (true_s - t_s) / step_s;
-            for i in 0..2 {
-                let own = at(3 + i, share) + self.offset[i] - angle[i];
+            for (i, angle) in angle.into_iter().enumerate() {
+                let own = at(3 + i, share) + self.offset[i] - angle;
                 take(stamp_s, i, own / self.track.wheel_rad);
             }
             self.wheels[0] += 1;
