@@ -54,7 +54,7 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
         Fate::Unused,
     ];
     let fate = fate[seq as usize % fate.len()];
-    let lost = seq % 7 == 0;
+    let lost = seq.is_multiple_of(7);
     log.record(&Record::Arrived {
         from,
         to,
@@ -81,7 +81,7 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
         ..InnerTick::default()
     }));
     // Now and then a torque that no plant took up.
-    if seq % 11 != 0 {
+    if !seq.is_multiple_of(11) {
         log.record(&Record::Applied {
             t_ns: applied_ns,
             taken_ns: applied_ns,
@@ -106,12 +106,18 @@ fn a_million_sums_are_exact_and_no_message_is_missing() {
     assert_eq!(hop.largest_sum_error_s, 0.0);
     let number =
         |class: &dyn Fn(u32) -> bool| (0..messages).filter(|&seq| class(seq)).count() as u64;
-    let used = |seq: u32| seq % 7 != 0 && seq % 5 < 2;
+    let used = |seq: u32| !seq.is_multiple_of(7) && seq % 5 < 2;
     assert_eq!(hop.sent, u64::from(messages));
-    assert_eq!(hop.messages, number(&|seq| used(seq) && seq % 11 != 0));
+    assert_eq!(
+        hop.messages,
+        number(&|seq| used(seq) && !seq.is_multiple_of(11))
+    );
     let others = &hop.incomplete;
-    assert_eq!(others.lost, number(&|seq| seq % 7 == 0));
-    assert_eq!(others.stale, number(&|seq| seq % 7 != 0 && seq % 5 == 2));
+    assert_eq!(others.lost, number(&|seq| seq.is_multiple_of(7)));
+    assert_eq!(
+        others.stale,
+        number(&|seq| !seq.is_multiple_of(7) && seq % 5 == 2)
+    );
     assert_eq!(
         others.superseded,
         number(&|seq| seq % 7 != 0 && seq % 5 == 3)
@@ -122,7 +128,7 @@ fn a_million_sums_are_exact_and_no_message_is_missing() {
     );
     assert_eq!(
         others.overwritten,
-        number(&|seq| used(seq) && seq % 11 == 0)
+        number(&|seq| used(seq) && seq.is_multiple_of(11))
     );
     assert_eq!((others.untold, others.receiver_died), (0, 0));
 }
