@@ -5,7 +5,7 @@ use slipstream_bus::ModelError;
 use slipstream_bus::experiment::{Experiment, Protocol};
 use slipstream_bus::link::{Channel, DelayLine, LinkCounts};
 use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
-use slipstream_bus::record::{EventKind, Fate, Record, Recorder};
+use slipstream_bus::record::{EventKind, Fate, InnerTick, OuterTick, Record, Recorder};
 use slipstream_bus::time::{Due, ns_from_s};
 use slipstream_bus::transport::{BusError, Mail};
 
@@ -126,8 +126,12 @@ impl Node {
         });
         if due.outer {
             self.collect(mail, recorder)?;
+            let began_ns = mail.now_ns();
             self.take(now_ns, recorder);
-            recorder.record(&Record::Outer(self.agent.outer(now_ns, encoders)));
+            recorder.record(&Record::Outer(OuterTick {
+                began_ns,
+                ..self.agent.outer(now_ns, encoders)
+            }));
             let fired = self.agent.watchdog_fired();
             let kinds = [EventKind::WatchdogFired, EventKind::WatchdogCleared];
             tell_change(
@@ -141,7 +145,11 @@ impl Node {
             self.send(now_ns, mail, recorder)?;
         }
         if due.inner {
-            let tick = self.agent.inner(now_ns, encoders);
+            let began_ns = mail.now_ns();
+            let tick = InnerTick {
+                began_ns,
+                ..self.agent.inner(now_ns, encoders)
+            };
             recorder.record(&Record::Inner(tick));
             let lost = self.agent.plant_lost();
             let kinds = [EventKind::PlantLost, EventKind::PlantBack];

@@ -25,6 +25,9 @@ pub enum Record {
     Applied {
         /// The plant step's begin.
         t_ns: i64,
+        /// When the plant took the torque up. On the wall clock that is when the step's end is due,
+        /// in virtual time its begin.
+        taken_ns: i64,
         /// The robot.
         robot: RobotIndex,
         /// The inner tick that asked for it.
@@ -166,6 +169,8 @@ pub struct State {
 pub struct OuterTick {
     /// When it was due.
     pub t_ns: i64,
+    /// When it ran: encoders and arrived messages were in hand.
+    pub began_ns: i64,
     /// When the encoders behind it were read.
     pub sampled_ns: i64,
     /// The robot.
@@ -193,6 +198,8 @@ pub struct OuterTick {
 pub struct InnerTick {
     /// When it was due.
     pub t_ns: i64,
+    /// When it ran.
+    pub began_ns: i64,
     /// When the encoders behind it were read.
     pub sampled_ns: i64,
     /// The robot.

@@ -397,6 +397,10 @@ impl Mail for Links {
         }
         Ok(self.time.now_ns())
     }
+
+    fn now_ns(&self) -> i64 {
+        self.time.now_ns()
+    }
 }
 
 impl SendTime {

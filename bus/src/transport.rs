@@ -18,6 +18,9 @@ pub trait Mail {
     /// # Errors
     /// When the transport failed, or the receiver's queue is full.
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError>;
+
+    /// The run's time (ns), as sendings are stamped with it.
+    fn now_ns(&self) -> i64;
 }
 
 /// The plant's end of the lockstep: one round of all agents.

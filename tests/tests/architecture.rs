@@ -15,8 +15,11 @@ const FLOORS: [&[&str]; 6] = [
     &["slipstream-bus"],
     &["slipstream-agents", "slipstream-sim"],
     &["slipstream-recording"],
-    &["slipstream-launch"],
-    &["slipstream-diagnose"],
+    &[
+        "slipstream-diagnose",
+        "slipstream-launch",
+        "slipstream-trace",
+    ],
     &["slipstream"],
 ];
 

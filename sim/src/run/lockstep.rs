@@ -48,7 +48,7 @@ pub fn lockstep(
             for (torque, answer) in commands.iter_mut().zip(&answers) {
                 *torque = command(answer);
                 if answer.tick_ns == now_ns {
-                    recorder.record(&applied(now_ns, answer));
+                    recorder.record(&applied(now_ns, now_ns, answer));
                 }
             }
             progress.at(now_ns, world, observer);
@@ -78,9 +78,10 @@ pub(super) fn command(answer: &TorqueCommand) -> Command {
     Command::Torque { right_nm, left_nm }
 }
 
-pub(super) fn applied(t_ns: i64, answer: &TorqueCommand) -> Record {
+pub(super) fn applied(t_ns: i64, taken_ns: i64, answer: &TorqueCommand) -> Record {
     Record::Applied {
         t_ns,
+        taken_ns,
         robot: answer.robot,
         tick_ns: answer.tick_ns,
         torque_nm: answer.torque_nm,

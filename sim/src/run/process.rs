@@ -150,7 +150,7 @@ impl Wall<'_> {
             clock.sleep_until(next_ns);
             let began_ns = clock.now_ns();
             self.end.check()?;
-            actuators.listen(self.end, now_ns, self.records)?;
+            actuators.listen(self.end, now_ns, clock, self.records)?;
             world.step(next_ns - now_ns, &actuators.commands);
             read_encoders(world, next_ns, &mut encoders);
             self.end.publish(next_ns, &encoders)?;
@@ -188,13 +188,14 @@ impl Actuators {
         &mut self,
         end: &PlantEnd,
         now_ns: i64,
+        clock: WallClock,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
         end.take_commands(|torque| {
             let robot = torque.robot as usize;
             self.heard_ns[robot] = now_ns;
             if torque.tick_ns != self.newest[robot].tick_ns || now_ns == 0 {
-                recorder.record(&applied(now_ns, torque));
+                recorder.record(&applied(now_ns, clock.now_ns(), torque));
             }
             self.newest[robot] = *torque;
             self.commands[robot] = command(torque);

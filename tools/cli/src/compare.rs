@@ -82,7 +82,8 @@ fn page(title: &str, channels: &[Channel]) -> Result<String, String> {
     Ok(page)
 }
 
-fn escaped(text: &str) -> String {
+/// Text for a page.
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 

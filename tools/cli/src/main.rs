@@ -10,6 +10,7 @@ mod export;
 mod import;
 mod run;
 mod summary;
+mod trace;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ enum Command {
     Export(export::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
+    Trace(trace::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Effects(arguments)) => effects::run(&arguments),
+        Some(Command::Trace(arguments)) => trace::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {

@@ -172,6 +172,10 @@ impl Mail for LocalMail<'_> {
         self.boxes[to].push_back(*position);
         Ok(self.now_ns)
     }
+
+    fn now_ns(&self) -> i64 {
+        self.now_ns
+    }
 }
 
 /// One recorder heard from several places of one thread.

@@ -160,6 +160,7 @@ impl Sink {
                 | Record::Arrived { .. }
                 | Record::Taken { .. }
                 | Record::Applied { .. }
+                | Record::Event { .. }
         );
         if let Ok(bytes) = postcard::to_slice(record, &mut self.trace)
             && traced

@@ -24,6 +24,7 @@ mod time;
 mod toml_file;
 mod topic_map;
 mod topics;
+mod trace_in;
 
 pub use bag::reader::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check};
@@ -37,3 +38,4 @@ pub use open::{read, read_mapped};
 pub use recording::Recording;
 pub use table::StreamKind;
 pub use topic_map::TopicMap;
+pub use trace_in::{TraceFile, read_trace};

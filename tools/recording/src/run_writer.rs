@@ -371,7 +371,7 @@ impl<W: Write> RunWriter<W> {
             stamp: Time::from_ns(t_ns),
             postcard,
         };
-        let open = (MessageType::TraceEvent, "/trace");
+        let open = (MessageType::TraceEvent, topics::TRACE);
         write_shared(&mut self.bag, &mut self.trace, open, None, t_ns, &message)
     }
 

@@ -14,6 +14,8 @@ pub(crate) const MODEL: &str = "robot.toml";
 pub(crate) const LINKS: &str = "/links";
 /// Topic of measured round trips.
 pub(crate) const RTT: &str = "/rtt";
+/// Topic of the steps of positions' ways.
+pub(crate) const TRACE: &str = "/trace";
 /// Topic of true poses, for viewers.
 pub(crate) const TF: &str = "/tf";
 /// The frame that poses are in.

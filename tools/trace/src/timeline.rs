@@ -1,0 +1,104 @@
+//! The run as a Chrome trace, which Perfetto shows: one track per process, arrows along messages.
+//!
+//! Times are microseconds; exact nanoseconds stand in each event's arguments. A tick is drawn from
+//! its begin with a width of 1 µs: how long it worked is not recorded.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Value, json};
+use slipstream_bus::message::RobotIndex;
+
+use crate::answer::Names;
+use crate::log::Log;
+use crate::way::{Fate, Message, STAGES, Way, follow};
+
+/// The plant's process number in the trace; robot i has i + 2.
+const PLANT: u32 = 1;
+const OUTER: u32 = 1;
+const INNER: u32 = 2;
+
+/// The trace as JSON; `names` by the robots' index.
+pub fn timeline(log: &Log, names: &[String]) -> Value {
+    let names = Names(names);
+    let mut events = titles(log, &names);
+    for (&(robot, due_ns), tick) in &log.outer {
+        events.push(slice("outer", track(robot, OUTER), tick.began_ns, due_ns));
+    }
+    for (&(robot, due_ns), tick) in &log.inner {
+        events.push(slice("inner", track(robot, INNER), tick.began_ns, due_ns));
+    }
+    for (&(robot, due_ns), &taken_ns) in &log.applied {
+        events.push(slice("torque", at_plant(robot), taken_ns, due_ns));
+    }
+    for message in follow(log) {
+        if let Fate::Used(way) = message.fate {
+            let from = names.of(message.from);
+            let id = format!("{from}:{}", message.seq);
+            stages(&mut events, &id, message.to, &way);
+            arrows(&mut events, &id, &message, &way);
+        }
+    }
+    json!({"traceEvents": events, "displayTimeUnit": "ns"})
+}
+
+fn track(robot: RobotIndex, thread: u32) -> [u32; 2] {
+    [robot.saturating_add(2), thread]
+}
+
+fn at_plant(robot: RobotIndex) -> [u32; 2] {
+    [PLANT, robot.saturating_add(1)]
+}
+
+fn micros(ns: i64) -> f64 {
+    ns as f64 / 1e3
+}
+
+fn titles(log: &Log, names: &Names<'_>) -> Vec<Value> {
+    let title = |what: &str, [pid, tid]: [u32; 2], name: &str| json!({"ph": "M", "name": what, "pid": pid, "tid": tid, "args": {"name": name}});
+    let robots: BTreeSet<RobotIndex> = log.inner.keys().map(|tick| tick.0).collect();
+    let mut titles = vec![title("process_name", [PLANT, 0], "plant")];
+    for robot in robots {
+        let name = names.of(robot);
+        titles.push(title("thread_name", at_plant(robot), &name));
+        titles.push(title("process_name", track(robot, 0), &name));
+        titles.push(title("thread_name", track(robot, OUTER), "outer loop"));
+        titles.push(title("thread_name", track(robot, INNER), "inner loop"));
+    }
+    titles
+}
+
+fn slice(name: &str, [pid, tid]: [u32; 2], t_ns: i64, due_ns: i64) -> Value {
+    json!({"ph": "X", "name": name, "pid": pid, "tid": tid, "ts": micros(t_ns), "dur": 1.0,
+           "args": {"t_ns": t_ns, "due_ns": due_ns}})
+}
+
+/// The stages one after the other, as a row of their own at the receiver.
+fn stages(events: &mut Vec<Value>, id: &str, to: RobotIndex, way: &Way) {
+    let [pid, tid] = track(to, OUTER);
+    for (stage, pair) in STAGES.iter().zip(way.instants_ns.windows(2)) {
+        let length_ns = pair[1].saturating_sub(pair[0]);
+        for (ph, t_ns) in [("b", pair[0]), ("e", pair[1])] {
+            events.push(
+                json!({"ph": ph, "cat": "way", "id": id, "name": stage, "pid": pid, "tid": tid,
+                       "ts": micros(t_ns), "args": {"length_ns": length_ns}}),
+            );
+        }
+    }
+}
+
+/// Sender's tick → receiver's outer tick → its inner tick → the plant.
+fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, way: &Way) {
+    let [_, sender, _, _, _, outer, inner, plant] = way.instants_ns;
+    let steps = [
+        ("s", track(message.from, OUTER), sender),
+        ("t", track(message.to, OUTER), outer),
+        ("t", track(message.to, INNER), inner),
+        ("f", at_plant(message.to), plant),
+    ];
+    for (ph, [pid, tid], t_ns) in steps {
+        events.push(
+            json!({"ph": ph, "cat": "position", "id": id, "name": "position", "bp": "e",
+                   "pid": pid, "tid": tid, "ts": micros(t_ns)}),
+        );
+    }
+}
