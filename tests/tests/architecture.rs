@@ -11,11 +11,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Packages from the lowest floor up. Those of one floor do not know each other.
-const FLOORS: [&[&str]; 5] = [
+const FLOORS: [&[&str]; 6] = [
     &["slipstream-bus"],
     &["slipstream-agents", "slipstream-sim"],
     &["slipstream-recording"],
     &["slipstream-launch"],
+    &["slipstream-study"],
     &["slipstream"],
 ];
 

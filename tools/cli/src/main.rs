@@ -9,6 +9,7 @@ mod exit;
 mod export;
 mod import;
 mod run;
+mod study;
 mod summary;
 
 use std::ffi::OsString;
@@ -38,6 +39,7 @@ enum Command {
     Export(export::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
+    Study(study::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Effects(arguments)) => effects::run(&arguments),
+        Some(Command::Study(arguments)) => study::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {
