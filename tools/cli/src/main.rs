@@ -8,6 +8,7 @@ mod effects;
 mod exit;
 mod export;
 mod import;
+mod reproduce;
 mod run;
 mod study;
 mod summary;
@@ -39,6 +40,7 @@ enum Command {
     Export(export::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
+    Reproduce(reproduce::Arguments),
     Study(study::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
@@ -63,6 +65,7 @@ fn main() -> ExitCode {
         Some(Command::Export(arguments)) => export::run(&arguments),
         Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Effects(arguments)) => effects::run(&arguments),
+        Some(Command::Reproduce(arguments)) => reproduce::run(&arguments),
         Some(Command::Study(arguments)) => study::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };

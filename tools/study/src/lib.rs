@@ -1,8 +1,10 @@
-//! Questions answered by running: what communication delay does to a platoon (Eq. 13 and 14).
+//! Questions answered by running: the paper's own experiments against its printed numbers, and
+//! what communication delay does to a platoon (Eq. 13 and 14).
 
 pub mod delay;
 mod page;
 mod picture;
+pub mod reproduce;
 
 use slipstream_launch::{RunError, Unusable};
 

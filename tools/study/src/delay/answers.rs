@@ -86,12 +86,24 @@ fn which_form(points: &[Point]) -> Answer {
         .map(|(form, rms)| format!("{}: {rms:.3} m/s", form.name()))
         .collect();
     let best = ranked.first().map_or("none", |(form, _)| form.name());
+    let under = |protocol: &str| {
+        let own = steady
+            .iter()
+            .filter(|point| point.cell.protocol == protocol);
+        let own: Vec<&Point> = own.copied().collect();
+        let rest = rms(&own, Form::Transport);
+        (!own.is_empty()).then(|| format!(" {rest:.4} m/s under {protocol}"))
+    };
+    let rest: Vec<String> = ["ring", "periodic"].into_iter().filter_map(under).collect();
     answer(
         "Which form describes the desired speed that is measured?",
         format!(
             "Closest is {best}. Root mean square distance from v_d over all followers' ticks of the \
-             points with the least chance in them, τ being the mean age of the position in use: {}.",
-            list.join("; ")
+             points with the least chance in them, τ being the mean age of the position in use: {}. The \
+             transport delay misses by{}: in a ring the age rises and falls within each turn, and a \
+             constant τ cannot follow that.",
+            list.join("; "),
+            rest.join(" and")
         ),
         &ranked
             .iter()
@@ -100,15 +112,25 @@ fn which_form(points: &[Point]) -> Answer {
     )
 }
 
+/// Where the delay is least, so that it hides nothing.
 fn sign(points: &[Point]) -> Answer {
-    let all: Vec<&Point> = points.iter().collect();
-    let [printed, twelve] = [Form::PrintedSign, Form::Undelayed].map(|form| rms(&all, form));
+    let steady = steady(points);
+    let least = steady
+        .iter()
+        .map(|point| point.cell.delay_s)
+        .fold(f64::INFINITY, f64::min);
+    let early: Vec<&Point> = steady
+        .into_iter()
+        .filter(|point| point.cell.delay_s == least)
+        .collect();
+    let [printed, twelve] = [Form::PrintedSign, Form::Undelayed].map(|form| rms(&early, form));
     answer(
         "Which sign does the straight-line form have?",
         format!(
             "Eq. 12 with e_x = x_r − x gives v_r + k_x (x_r − x); the paper prints v_r + k_x (x − x_r), \
-             which would drive a robot away from its place. Without any delay in the forms they are \
-             {twelve:.3} m/s (sign of Eq. 12) and {printed:.3} m/s (printed) away from v_d."
+             which would drive a robot away from its place. At the least delay of the grid, {least} \
+             s, they are {twelve:.3} m/s (sign of Eq. 12) and {printed:.3} m/s (printed) away from \
+             v_d; what is left of the first is how old the positions are even then."
         ),
         &[
             ("eq12_sign_rms_m_s", twelve),
@@ -132,7 +154,7 @@ fn origin(grid: &Grid) -> Result<Option<Answer>, StudyError> {
     let there = Point::new(cell, &experiment, &[super::runs::one(&experiment)?]);
     let delay = cell.delay_s;
     let text = format!(
-        "Yes, and nothing else does. The same run (delay {delay} s) with all robots 10 m further along \
+        "Yes, and so does Eq. 14's bound; what is measured does not. The same run (delay {delay} s) with all robots 10 m further along \
          x: the literal form's largest speed goes from {:.3} to {:.3} m/s and Eq. 14's bound from \
          {:.3} to {:.3} m/s; what is measured goes from {:.3} to {:.3} m/s and the transport delay \
          from {:.3} to {:.3} m/s.",
@@ -157,7 +179,10 @@ fn origin(grid: &Grid) -> Result<Option<Answer>, StudyError> {
     let text = if moved > 10.0 * still {
         text
     } else {
-        text.replace("Yes, and nothing else does.", "Not visibly at this delay.")
+        text.replace(
+            "Yes, and so does Eq. 14's bound; what is measured does not.",
+            "Not visibly at this delay.",
+        )
     };
     Ok(Some(answer(question, text, &numbers)))
 }
@@ -259,8 +284,9 @@ fn chance(points: &[Point], what: &str, unit: &str, pick: fn(&Cell) -> f64) -> O
     Some(answer(
         &format!("What does {what} do beside constant delay?"),
         format!(
-            "Against {least} {unit} at the same delay, gain, limit and protocol, largest values, on \
-             average over the points: {}.",
+            "Against {least} {unit} at the same delay, gain, limit and protocol, largest values of \
+             all runs, on average over the points: {}. (The largest of several runs that differ is \
+             above that of runs that do not.)",
             lines.join("; ")
         ),
         &numbers,

@@ -54,17 +54,17 @@ pub struct Shard {
 }
 
 impl Default for Grid {
-    /// 252 points and 25 runs at each. Delays up to half a second are what small radios in a ring
+    /// 504 points and 13 runs at each, 6,552 runs. Delays up to half a second are what small radios in a ring
     /// come to; a fifth of all messages lost is a bad day.
     fn default() -> Self {
         Self {
             robots: 3,
-            runs: 25,
+            runs: 13,
             delay_s: vec![0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5],
             jitter_s: vec![0.0, 0.05],
             loss: vec![0.0, 0.1, 0.2],
             k_x: vec![0.5, 1.0, 2.0],
-            torque_limit: vec!["none".to_owned()],
+            torque_limit: vec!["none".to_owned(), "outer".to_owned()],
             protocol: vec!["ring".to_owned(), "periodic".to_owned()],
         }
     }
