@@ -20,6 +20,7 @@ const FLOORS: [&[&str]; 6] = [
         "slipstream-launch",
         "slipstream-trace",
     ],
+    &["slipstream-study"],
     &["slipstream"],
 ];
 

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use slipstream_launch::{LaunchError, RunError, Unusable};
 use slipstream_recording::Error as RecordingError;
+use slipstream_study::StudyError;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,6 +63,16 @@ impl From<RunError> for Error {
                 Self::Unusable(Unusable::new(model.key, model.problem, model.remedy))
             }
             other => Self::Failed(other.to_string()),
+        }
+    }
+}
+
+impl From<StudyError> for Error {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Unusable(unusable) => Self::Unusable(unusable),
+            StudyError::Run(run) => run.into(),
+            StudyError::Picture(_) => Self::Failed(error.to_string()),
         }
     }
 }

@@ -8,7 +8,9 @@ mod effects;
 mod exit;
 mod export;
 mod import;
+mod reproduce;
 mod run;
+mod study;
 mod summary;
 mod trace;
 
@@ -40,6 +42,8 @@ enum Command {
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
     Trace(trace::Arguments),
+    Reproduce(reproduce::Arguments),
+    Study(study::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -64,6 +68,8 @@ fn main() -> ExitCode {
         Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
         Some(Command::Effects(arguments)) => effects::run(&arguments),
         Some(Command::Trace(arguments)) => trace::run(&arguments),
+        Some(Command::Reproduce(arguments)) => reproduce::run(&arguments),
+        Some(Command::Study(arguments)) => study::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {

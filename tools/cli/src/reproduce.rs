@@ -1,0 +1,53 @@
+//! `slipstream reproduce`: the paper's experiments against its printed numbers.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use slipstream_study::reproduce::{self, Row};
+
+use crate::exit::{Error, Exit};
+use crate::study::{command_line, write, write_json};
+
+/// Run the paper's experiments and set every number that it prints beside what comes out
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// Write the table as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the report, with the paper's figures
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let reproduction = reproduce::reproduce()?;
+    if let Some(path) = &arguments.json {
+        write_json(path, &reproduction)?;
+    }
+    if let Some(path) = &arguments.report {
+        write(path, &reproduce::page(&reproduction, &command_line())?)?;
+    }
+    println!(
+        "{:<62} {:>9} {:>9}  agrees",
+        "quantity", "paper", "computed"
+    );
+    for row in &reproduction.rows {
+        println!("{}", line(row));
+    }
+    let printed = reproduction.rows.iter().filter_map(|row| row.agrees);
+    let (yes, all) = printed.fold((0, 0), |(yes, all), agrees| {
+        (yes + u32::from(agrees), all + 1)
+    });
+    println!("{yes} of {all} agree; --json and --report say why the others do not");
+    Ok(Exit::Done)
+}
+
+fn line(row: &Row) -> String {
+    let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
+    let agrees = row
+        .agrees
+        .map_or("", |agrees| if agrees { "yes" } else { "no" });
+    let (paper, computed) = (number(row.paper), number(row.computed));
+    format!("{:<62} {paper:>9} {computed:>9}  {agrees}", row.quantity)
+}

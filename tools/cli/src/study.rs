@@ -1,0 +1,160 @@
+//! `slipstream study`: questions answered by many runs.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use slipstream_launch::Unusable;
+use slipstream_study::delay::{self, Grid, Shard, Study};
+
+use crate::exit::{Error, Exit};
+
+/// Answer a question by many runs
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    question: Question,
+}
+
+#[derive(Debug, Subcommand)]
+enum Question {
+    /// What communication delay does to a platoon: the paper's Eq. 13 and 14 beside what is measured
+    Delay(Box<Delay>),
+    /// Put the shards of one study together
+    Merge(Merge),
+}
+
+/// Every list is of values with commas between them; every combination is a point.
+#[derive(Debug, Args)]
+struct Delay {
+    /// How many robots
+    #[arg(long, value_name = "N", default_value_t = Grid::default().robots)]
+    robots: u32,
+    /// Runs at each point, with the seeds 1 to R
+    #[arg(long, value_name = "R", default_value_t = Grid::default().runs)]
+    runs: u32,
+    /// links.delay_s (s)
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().delay_s)]
+    delay: Vec<f64>,
+    /// links.jitter_s (s)
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().jitter_s)]
+    jitter: Vec<f64>,
+    /// links.loss, share of messages
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().loss)]
+    loss: Vec<f64>,
+    /// control.k_x (1/s)
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().k_x)]
+    k_x: Vec<f64>,
+    /// control.torque_limit: none, inner, outer, adaptive
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().torque_limit)]
+    torque_limit: Vec<String>,
+    /// links.protocol: ring, periodic
+    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().protocol)]
+    protocol: Vec<String>,
+    /// Only part I of N of the points, for a cluster's array of jobs
+    #[arg(long, value_name = "I/N")]
+    shard: Option<String>,
+    #[command(flatten)]
+    output: Output,
+}
+
+#[derive(Debug, Args)]
+struct Merge {
+    /// What `study delay --shard I/N --json FILE` wrote, all N of them
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    output: Output,
+}
+
+#[derive(Debug, Args)]
+struct Output {
+    /// Write points and answers as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write the report
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// How many threads; as many as there are cores where not given. Changes nothing but the time
+    #[arg(long, value_name = "T")]
+    threads: Option<usize>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    match &arguments.question {
+        Question::Delay(delay) => {
+            let shard = delay
+                .shard
+                .as_deref()
+                .map_or(Ok(Shard::WHOLE), str::parse)?;
+            let study = delay::study(&delay.grid(), shard, delay.output.threads())?;
+            delay.output.write(&study)
+        }
+        Question::Merge(merge) => {
+            let read =
+                |path: &PathBuf| delay::read(path).map(|study| (path.display().to_string(), study));
+            let shards: Vec<(String, Study)> =
+                merge.files.iter().map(read).collect::<Result<_, _>>()?;
+            let study = delay::merge(&shards, merge.output.threads())?;
+            merge.output.write(&study)
+        }
+    }
+}
+
+impl Delay {
+    fn grid(&self) -> Grid {
+        Grid {
+            robots: self.robots,
+            runs: self.runs,
+            delay_s: self.delay.clone(),
+            jitter_s: self.jitter.clone(),
+            loss: self.loss.clone(),
+            k_x: self.k_x.clone(),
+            torque_limit: self.torque_limit.clone(),
+            protocol: self.protocol.clone(),
+        }
+    }
+}
+
+impl Output {
+    fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.unwrap_or_else(cores)
+    }
+
+    fn write(&self, study: &Study) -> Result<Exit, Error> {
+        if let Some(path) = &self.json {
+            write_json(path, study)?;
+        }
+        if let Some(path) = &self.report {
+            write(path, &delay::page(study, &command_line())?)?;
+        }
+        let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
+        println!("{} points, {runs} runs", study.points.len());
+        for answer in &study.answers {
+            println!("\n{}\n{}", answer.question, answer.answer);
+        }
+        Ok(Exit::Done)
+    }
+}
+
+/// The command as it was given, for the report.
+pub(crate) fn command_line() -> String {
+    let words = std::env::args().skip(1);
+    words.fold("slipstream".to_owned(), |line, word| line + " " + &word)
+}
+
+/// Writes an answer as JSON.
+pub(crate) fn write_json(path: &Path, answer: &impl serde::Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(answer)
+        .map_err(|error| Error::Failed(format!("{}: {error}", path.display())))?;
+    write(path, &(text + "\n"))
+}
+
+/// Writes a file that somebody named.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
+    std::fs::write(path, text).map_err(|error| {
+        let problem = format!("cannot be written: {error}");
+        Unusable::new(path.display().to_string(), problem, "give another file").into()
+    })
+}

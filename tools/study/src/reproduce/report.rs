@@ -1,0 +1,122 @@
+//! The reproduction as a page: assumptions, table, the paper's figures.
+
+use super::trial::Trial;
+use super::{Reproduction, Row};
+use crate::StudyError;
+use crate::page::Page;
+use crate::picture::{Line, picture};
+
+const TIME: &str = "t (s)";
+
+/// The report, made by `command`.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyError> {
+    let mut page = Page::new("The paper's experiments run again", command);
+    page.paragraph(
+        "Effect of Wheel Slip in the Coordination of Wheeled Mobile Robots. Two numbers agree when \
+         they are within 5 % of the printed one.",
+    );
+    page.heading("What the paper leaves open");
+    let assumptions = reproduction.assumptions.iter();
+    let open: Vec<Vec<String>> = assumptions
+        .map(|assumption| vec![assumption.name.to_owned(), assumption.text.to_owned()])
+        .collect();
+    page.table(&["assumption", "what is taken, and why"], &open);
+    page.heading("Paper and computed");
+    let head = [
+        "quantity",
+        "source",
+        "paper",
+        "computed",
+        "agrees",
+        "why",
+        "depends on",
+    ];
+    let rows: Vec<Vec<String>> = reproduction.rows.iter().map(cells).collect();
+    page.table(&head, &rows);
+    let trials = &reproduction.trials;
+    page.heading("Single robot");
+    single(&mut page, &trials.single[0], "Fig. 5: without the limit.")?;
+    single(&mut page, &trials.single[1], "Fig. 6: with the limit.")?;
+    page.heading("Platoon");
+    profile(&mut page, &trials.platoon[0])?;
+    for (axis, name, figures) in [
+        (0, "x (m)", "Fig. 9 and 10"),
+        (1, "y (m)", "Fig. 11 and 12"),
+    ] {
+        for (trial, which) in trials.platoon.iter().zip(["without", "with"]) {
+            let caption = format!("{figures}: {which} the torque limit.");
+            platoon(&mut page, trial, axis, name, &caption)?;
+        }
+    }
+    Ok(page.end())
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
+    let agrees = row
+        .agrees
+        .map_or("—", |agrees| if agrees { "yes" } else { "no" });
+    vec![
+        row.quantity.clone(),
+        row.source.to_owned(),
+        number(row.paper),
+        number(row.computed),
+        agrees.to_owned(),
+        row.note.clone(),
+        row.depends_on.join(", "),
+    ]
+}
+
+fn line(name: String, points: Vec<(f64, f64)>, dashed: bool) -> Line {
+    Line {
+        name,
+        points,
+        dashed,
+    }
+}
+
+fn single(page: &mut Page, trial: &Trial, caption: &str) -> Result<(), StudyError> {
+    let lines = [
+        line("encoder".to_owned(), trial.odometry_line(0, 0), true),
+        line("camera (true)".to_owned(), trial.true_line(0, 0), false),
+    ];
+    page.figure(&picture(TIME, "x (m)", &lines)?, caption);
+    Ok(())
+}
+
+fn profile(page: &mut Page, trial: &Trial) -> Result<(), StudyError> {
+    let settings = &trial.experiment.settings;
+    let end =
+        (settings.profile.times_s.iter().copied()).zip(settings.profile.speeds_m_s.iter().copied());
+    let last = settings.profile.speeds_m_s.last().copied();
+    let points = end.chain(last.map(|speed| (settings.duration_s, speed)));
+    let lines = [line("v_r".to_owned(), points.collect(), false)];
+    let picture = picture(TIME, "v_r (m/s)", &lines)?;
+    page.figure(&picture, "Fig. 8: the velocity profile that is assumed.");
+    Ok(())
+}
+
+fn platoon(
+    page: &mut Page,
+    trial: &Trial,
+    axis: usize,
+    name: &str,
+    caption: &str,
+) -> Result<(), StudyError> {
+    let mut lines = Vec::new();
+    for robot in 0..trial.robots() {
+        let label = format!("r{}", robot + 1);
+        let encoder = trial.odometry_line(robot, axis);
+        lines.push(line(format!("{label} encoder"), encoder, true));
+        lines.push(line(
+            format!("{label} true"),
+            trial.true_line(robot, axis),
+            false,
+        ));
+    }
+    page.figure(&picture(TIME, name, &lines)?, caption);
+    Ok(())
+}

@@ -1,0 +1,100 @@
+//! Section 3: one robot, a torque step, encoder against camera (Fig. 5 and 6). The camera is taken
+//! as exact: the truth itself.
+
+use slipstream_bus::time::s_from_ns;
+
+use super::row::Row;
+use super::trial::Trial;
+
+const WITHOUT: &str = "Fig. 5, section 3";
+const WITH: &str = "Fig. 6, section 3";
+
+/// Encoder and camera apart, and where the text contradicts itself.
+pub(super) fn rows(trials: &[Trial; 2]) -> Vec<Row> {
+    let [without, with] = trials;
+    let gaps = [without, with].map(|trial| trial.final_gap_m(0, 0));
+    let way_m = with.reports.plant.robots[0].final_true[0];
+    let (_, off_s) = step(without);
+    let slip_after_s = slip_after_s(without, off_s);
+    let [speed_off, speed_end] = [speed_m_s(without, off_s), speed_m_s(without, f64::INFINITY)];
+    let fastest = without
+        .states(0)
+        .flat_map(|state| state.wheel_speed_rad_s)
+        .fold(0.0, f64::max);
+    let model = &without.experiment.robots[0].model;
+    let no_load = model
+        .motor
+        .as_ref()
+        .map_or(f64::NAN, |motor| motor.no_load_speed_rad_s);
+    let assumptions = ["motor", "friction"];
+    vec![
+        Row::claim(
+            "single_gap_without_limit_m",
+            WITHOUT,
+            gaps[0],
+            gaps[0] > 0.0,
+        )
+        .note("encoder minus camera at the end: the encoder is ahead, as Fig. 5 says")
+        .on(&assumptions),
+        Row::claim(
+            "single_gap_with_limit_m",
+            WITH,
+            gaps[1],
+            gaps[1].abs() <= super::TOLERANCE * way_m,
+        )
+        .note(format!(
+            "encoder minus camera after {way_m:.3} m: they match, as Fig. 6 says"
+        ))
+        .on(&assumptions),
+        Row::printed(
+            "single_speed_at_end_over_speed_when_torque_ends",
+            "\"the torque is set to zero (i.e., constant velocity)\", section 3",
+            1.0,
+            speed_end / speed_off,
+        )
+        .note(
+            "a contradiction in the text: without the limit the wheels still slide when the torque \
+             ends, and their spin drives the robot on until they roll",
+        )
+        .on(&assumptions),
+        Row::found("single_slip_after_torque_ends_s", WITHOUT, slip_after_s)
+            .note("how long the right wheel goes on sliding after the torque has ended")
+            .on(&assumptions),
+        Row::claim(
+            "single_fastest_wheel_rad_s",
+            "350 1/min without load, section 3",
+            fastest,
+            fastest <= no_load,
+        )
+        .note(format!(
+            "a sliding wheel under 0.13 N m for 0.5 s would pass the printed no-load speed of \
+             {no_load} rad/s, where the motor gives no torque: 0.13 N m cannot have been constant"
+        ))
+        .on(&assumptions),
+    ]
+}
+
+/// The torque step: how much (N m) and until when (s).
+fn step(trial: &Trial) -> (f64, f64) {
+    let open_loop = &trial.experiment.settings.open_loop;
+    (open_loop.torque_nm, open_loop.torque_for_s)
+}
+
+/// The true speed at the last state not after a time (m/s).
+fn speed_m_s(trial: &Trial, t_s: f64) -> f64 {
+    let before = trial
+        .states(0)
+        .take_while(|state| s_from_ns(state.t_ns) <= t_s);
+    before.last().map_or(f64::NAN, |state| state.velocity[0])
+}
+
+/// How long the right contact goes on sliding after a time (s), in whole state periods.
+fn slip_after_s(trial: &Trial, t_s: f64) -> f64 {
+    let sliding = trial
+        .states(0)
+        .filter(|state| s_from_ns(state.t_ns) > t_s)
+        .take_while(|state| state.slides[0]);
+    sliding
+        .last()
+        .map_or(0.0, |state| s_from_ns(state.t_ns) - t_s)
+}

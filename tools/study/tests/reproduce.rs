@@ -1,0 +1,59 @@
+//! The paper's experiments: what has to come out, and what the table has to say.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
+
+use slipstream_study::reproduce::{ASSUMPTIONS, Row, page, reproduce};
+
+#[test]
+fn every_row_is_there_and_says_why() {
+    let reproduction = reproduce().unwrap();
+    let row = |name: &str| -> &Row {
+        let found = reproduction.rows.iter().find(|row| row.quantity == name);
+        found.unwrap_or_else(|| panic!("no row {name}"))
+    };
+    let computed = |name: &str| row(name).computed.unwrap();
+    assert!((computed("torque_limit_nm") - 0.0920).abs() < 5e-5);
+    assert_eq!(row("torque_limit_nm").agrees, Some(true));
+    assert!((computed("wheel_acceleration_rad_s2") - 40.9).abs() < 0.05);
+    assert_eq!(row("wheel_acceleration_rad_s2").agrees, Some(false));
+    // Section 3: with the limit encoder and camera match, without it they do not.
+    assert!(computed("single_gap_without_limit_m") > 0.1);
+    assert!(computed("single_gap_with_limit_m").abs() < 0.01);
+    assert!(computed("single_slip_after_torque_ends_s") > 0.1);
+    // What the limit is said to do.
+    for name in [
+        "encoder_gap_with_over_without_limit",
+        "final_spacing_error_with_over_without_limit",
+        "roughness_of_x_with_over_without_limit",
+        "slip_time_with_over_without_limit",
+    ] {
+        assert!(computed(name) < 1.0, "{name}");
+        assert_eq!(row(name).agrees, Some(true), "{name}");
+    }
+    // All 24 final coordinates that the paper prints.
+    let finals = reproduction
+        .rows
+        .iter()
+        .filter(|row| row.quantity.starts_with("final_x_r"));
+    assert_eq!(finals.count(), 12);
+    for row in &reproduction.rows {
+        assert!(!row.note.is_empty(), "{}", row.quantity);
+        for name in &row.depends_on {
+            assert!(
+                ASSUMPTIONS
+                    .iter()
+                    .any(|assumption| assumption.name == *name)
+            );
+        }
+    }
+    assert_eq!(
+        serde_json::to_string(&reproduction).unwrap(),
+        serde_json::to_string(&reproduce().unwrap()).unwrap(),
+    );
+    let page = page(&reproduction, "slipstream reproduce").unwrap();
+    assert_eq!(page.matches("<figure>").count(), 7);
+    assert!(!page.contains("http-equiv") && !page.contains("src="));
+}
