@@ -269,6 +269,10 @@ pub struct RecordingRates {
     pub state_period_s: f64,
 }
 
+/// Half a second to begin and to end turn by 0.25 rad at 0.5 rad/s; the rest of 2π takes this long
+/// (s) at this yaw rate (rad/s).
+const FULL_TURN: [f64; 2] = [(std::f64::consts::TAU - 0.25) / 0.5, 0.5];
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -354,6 +358,56 @@ impl Settings {
         settings
     }
 
+    /// Beyond the paper: the platoon along a full circle of radius 1 m.
+    pub fn circle() -> Self {
+        Self::turning("circle", &[FULL_TURN])
+    }
+
+    /// Beyond the paper: a circle to the left, then one to the right, of radius 1 m.
+    pub fn figure_eight() -> Self {
+        let right = [FULL_TURN[0], -FULL_TURN[1]];
+        Self::turning("figure_eight", &[FULL_TURN, right])
+    }
+
+    /// Beyond the paper: about half a robot spacing to the left and straight on.
+    pub fn lane_change() -> Self {
+        Self::turning("lane_change", &[[1.0, 0.5], [1.0, -0.5]])
+    }
+
+    /// A platoon that accelerates as steeply as the paper's, turns, and stops softly. Each turn
+    /// holds its yaw rate (rad/s) for a time (s), and takes half a second to begin and to end.
+    fn turning(name: &str, turns: &[[f64; 2]]) -> Self {
+        const RAMP_S: f64 = 0.5;
+        const SPEED_M_S: f64 = 0.5;
+        let mut points = vec![
+            [0.0, 0.0, 0.0],
+            [0.5, 0.2, 0.0],
+            [5.0, 0.2, 0.0],
+            [5.125, SPEED_M_S, 0.0],
+        ];
+        let mut t_s = 6.0;
+        for &[held_s, yaw_rate] in turns {
+            points.push([t_s, SPEED_M_S, 0.0]);
+            points.push([t_s + RAMP_S, SPEED_M_S, yaw_rate]);
+            points.push([t_s + RAMP_S + held_s, SPEED_M_S, yaw_rate]);
+            points.push([t_s + 2.0 * RAMP_S + held_s, SPEED_M_S, 0.0]);
+            t_s += 3.0 * RAMP_S + held_s;
+        }
+        points.push([t_s + 2.0, SPEED_M_S, 0.0]);
+        points.push([t_s + 5.0, 0.0, 0.0]);
+        let column = |i: usize| points.iter().map(|point| point[i]).collect();
+        Self {
+            name: name.to_owned(),
+            duration_s: (t_s + 8.0).ceil(),
+            profile: Profile {
+                times_s: column(0),
+                speeds_m_s: column(1),
+                yaw_rates_rad_s: column(2),
+            },
+            ..Self::default()
+        }
+    }
+
     /// When the loops are due.
     pub fn schedule(&self) -> Schedule {
         Schedule {
@@ -432,6 +486,27 @@ mod tests {
         // 0.05 + 0.9 + 0.088 + 1.904 + 1.36
         assert!((metres - 4.302).abs() < 1e-9, "{metres}");
         assert_eq!(profile.at(20.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn turns_end_where_they_should() {
+        let heading = |settings: &Settings| {
+            let dt = 1e-3;
+            let steps = (settings.duration_s / dt) as i32;
+            let rate = |k: i32| settings.profile.at((f64::from(k) + 0.5) * dt).1;
+            (0..steps).map(|k| rate(k) * dt).sum::<f64>()
+        };
+        assert!((heading(&Settings::circle()) - std::f64::consts::TAU).abs() < 1e-3);
+        assert!(heading(&Settings::figure_eight()).abs() < 1e-3);
+        assert!(heading(&Settings::lane_change()).abs() < 1e-3);
+        for settings in [
+            Settings::circle(),
+            Settings::figure_eight(),
+            Settings::lane_change(),
+        ] {
+            assert_eq!(settings.validate(), Ok(()), "{}", settings.name);
+            assert_eq!(settings.profile.at(settings.duration_s), (0.0, 0.0));
+        }
     }
 
     #[test]

@@ -7,6 +7,10 @@ const GRAIN_M: f64 = 0.02;
 /// Points that are kept: the newest so many.
 const ROOM: usize = 4096;
 
+/// Between two looks a follower moves by less than this along the path (m). Where the path crosses
+/// itself, this says on which of its branches the follower is.
+const REACH_M: f64 = 0.5;
+
 /// A point of the path of c.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
@@ -23,6 +27,8 @@ pub(super) struct Spacing {
     /// The direction of the straight line behind the first point.
     start_yaw_rad: f64,
     forgotten: bool,
+    /// Where on the path the follower was when last looked at (m).
+    foot_m: Option<f64>,
 }
 
 impl Spacing {
@@ -36,6 +42,7 @@ impl Spacing {
             newest,
             start_yaw_rad: yaw_rad,
             forgotten: false,
+            foot_m: None,
         }
     }
 
@@ -62,10 +69,12 @@ impl Spacing {
     }
 
     /// Distance along the path from the point nearest to a follower's c up to the robot ahead (m).
-    pub(super) fn behind(&self, [x_m, y_m, _]: [f64; 3]) -> f64 {
-        let mut best = (f64::INFINITY, 0.0);
+    pub(super) fn behind(&mut self, [x_m, y_m, _]: [f64; 3]) -> f64 {
+        let foot_m = self.foot_m;
+        let near = |s_m: f64| foot_m.is_none_or(|foot_m| (s_m - foot_m).abs() <= REACH_M);
+        let mut best = (f64::INFINITY, foot_m.unwrap_or(0.0));
         let mut offer = |distance: f64, s_m: f64| {
-            if distance < best.0 {
+            if distance < best.0 && near(s_m) {
                 best = (distance, s_m);
             }
         };
@@ -95,6 +104,7 @@ impl Spacing {
             let distance = (dx - share * ux).hypot(dy - share * uy);
             offer(distance, a.s_m + share * (b.s_m - a.s_m));
         }
+        self.foot_m = Some(best.1);
         self.newest.s_m - best.1
     }
 }
@@ -112,6 +122,21 @@ mod tests {
             spacing.extend([x, 0.0, 0.0]);
             let behind = spacing.behind([x - 0.5, 0.1, 0.3]);
             assert!((behind - 0.5).abs() < 1e-12, "{k} {behind}");
+        }
+    }
+
+    /// Two rounds of a circle: the follower is on the branch on which it was.
+    #[test]
+    fn where_the_path_crosses_itself_it_is_still_the_way() {
+        let on_circle = |angle: f64| [angle.sin(), 1.0 - angle.cos(), angle];
+        let mut spacing = Spacing::new(on_circle(0.0));
+        for k in 1..=1200 {
+            let angle = f64::from(k) * 0.01;
+            spacing.extend(on_circle(angle));
+            if angle > 0.7 {
+                let behind = spacing.behind(on_circle(angle - 0.6));
+                assert!((behind - 0.6).abs() < 1e-3, "{k} {behind}");
+            }
         }
     }
 

@@ -13,7 +13,7 @@ use crate::summary;
 /// What `run` is told.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Arguments {
-    /// platoon (the default), single, or a TOML file
+    /// platoon (the default), single, circle, figure_eight, lane_change, or a TOML file
     experiment: Option<String>,
     /// How many robots
     #[arg(long, value_name = "N")]

@@ -91,7 +91,7 @@ impl std::fmt::Display for Origin {
 }
 
 /// The names of the built-in experiments.
-pub const BUILT_IN: [&str; 2] = ["platoon", "single"];
+pub const BUILT_IN: [&str; 5] = ["platoon", "single", "circle", "figure_eight", "lane_change"];
 
 /// The keys while they are gathered.
 struct Tree {
@@ -223,6 +223,9 @@ impl Tree {
         let settings = match name {
             "platoon" => Settings::default(),
             "single" => Settings::single(),
+            "circle" => Settings::circle(),
+            "figure_eight" => Settings::figure_eight(),
+            "lane_change" => Settings::lane_change(),
             _ => return None,
         };
         let table = Table::try_from(settings).ok()?;

@@ -1,6 +1,7 @@
 //! The paper's experiments run again, and every number that it prints beside what comes out.
 
 mod asymmetry;
+mod beyond;
 mod limits;
 mod platoon;
 mod printed;
@@ -9,6 +10,7 @@ mod row;
 mod single;
 mod trial;
 
+pub use beyond::Beyond;
 pub use report::page;
 pub use row::{Row, TOLERANCE};
 pub use trial::Trial;
@@ -73,6 +75,8 @@ pub struct Reproduction {
     pub assumptions: Vec<Assumption>,
     /// Paper against computed.
     pub rows: Vec<Row>,
+    /// Beyond the paper: turning, and a floor that changes, under every torque limit.
+    pub beyond: Vec<Beyond>,
     /// The runs behind them: single and platoon, each without and with the limit.
     #[serde(skip)]
     pub trials: Trials,
@@ -110,6 +114,7 @@ pub fn reproduce() -> Result<Reproduction, StudyError> {
         format: 1,
         assumptions: ASSUMPTIONS.to_vec(),
         rows,
+        beyond: beyond::table()?,
         trials,
     })
 }
