@@ -210,11 +210,6 @@ impl<S: Scalar> Robot<S> {
             ))
         })
     }
-
-    /// Whether masses and inertias are known.
-    pub fn is_dynamic(&self) -> bool {
-        self.missing.is_none()
-    }
 }
 
 /// The effects that `model` lists, judged against the vocabulary.

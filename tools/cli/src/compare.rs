@@ -1,14 +1,14 @@
 //! `slipstream compare`: the simulation of the recorded commands over the recording, in pictures.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use plotters::prelude::*;
-use slipstream_bus::RobotModel;
-use slipstream_recording::{Channel, robot_toml};
+use slipstream_recording::Channel;
 
 use crate::exit::{Error, Exit};
+use crate::models::Models;
 
 /// Show the simulation of the recorded commands over the recording: one picture per channel, no
 /// diagnosis.
@@ -30,20 +30,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for warning in &import.warnings {
         eprintln!("{warning}");
     }
-    let mut models: Vec<(Option<&str>, RobotModel)> = Vec::new();
-    for argument in &arguments.robot {
-        let (name, file) = match argument.split_once('=') {
-            Some((name, file)) => (Some(name), file),
-            None => (None, argument.as_str()),
-        };
-        models.push((name, robot_toml::read(Path::new(file))?));
-    }
-    let model_of = |robot: &str| {
-        let named = models.iter().find(|(name, _)| *name == Some(robot));
-        let chosen = named.or_else(|| models.iter().find(|(name, _)| name.is_none()));
-        chosen.map(|(_, model)| model.clone())
-    };
-    let channels = slipstream_recording::compare(&import.recording, model_of)
+    let models = Models::read(&arguments.robot)?;
+    let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
         .map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
     let failed = |e: String| Error::Failed(format!("{}: {e}", arguments.report.display()));
     let page = page(&import.recording.name, &channels).map_err(failed)?;

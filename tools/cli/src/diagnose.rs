@@ -4,11 +4,11 @@ use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Verdict, diagnose};
 use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
+use crate::models::Models;
 
 /// Find what a robot's model leaves out, from a recording
 ///
@@ -48,14 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for warning in &import.warnings {
         eprintln!("{warning}");
     }
-    let models = read_models(&arguments.robot)?;
-    let model_of = |robot: &str| {
-        let named = models
-            .iter()
-            .find(|(name, _)| name.as_deref() == Some(robot));
-        let chosen = named.or_else(|| models.iter().find(|(name, _)| name.is_none()));
-        chosen.map(|(_, model)| model.clone())
-    };
+    let models = Models::read(&arguments.robot)?;
     let live = std::io::stderr().is_terminal();
     let mut progress = |what: &str| {
         if live {
@@ -65,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     };
     let done = diagnose(
         &import.recording,
-        model_of,
+        |robot| models.of(robot),
         &arguments.without,
         &mut progress,
     );
@@ -91,18 +84,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     say(&answer);
     Ok(Exit::Done)
-}
-
-fn read_models(arguments: &[String]) -> Result<Vec<(Option<String>, RobotModel)>, Error> {
-    let mut models = Vec::new();
-    for argument in arguments {
-        let (name, file) = match argument.split_once('=') {
-            Some((name, file)) => (Some(name.to_owned()), file),
-            None => (None, argument.as_str()),
-        };
-        models.push((name, robot_toml::read(Path::new(file))?));
-    }
-    Ok(models)
 }
 
 fn write(file: &Path, text: &str) -> Result<(), Error> {

@@ -8,6 +8,7 @@ mod effects;
 mod exit;
 mod export;
 mod import;
+mod models;
 mod reproduce;
 mod run;
 mod study;

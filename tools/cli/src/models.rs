@@ -1,0 +1,37 @@
+//! The robot models that a command line names: `--robot FILE` for all, `--robot NAME=FILE` for one.
+
+use std::path::Path;
+
+use slipstream_bus::RobotModel;
+use slipstream_recording::robot_toml;
+
+use crate::exit::Error;
+
+/// Models by robot; one without a name is for all that have none of their own.
+#[derive(Debug)]
+pub(crate) struct Models(Vec<(Option<String>, RobotModel)>);
+
+impl Models {
+    /// Reads the models of `[NAME=]FILE` arguments.
+    pub(crate) fn read(arguments: &[String]) -> Result<Self, Error> {
+        let mut models = Vec::new();
+        for argument in arguments {
+            let (name, file) = match argument.split_once('=') {
+                Some((name, file)) => (Some(name.to_owned()), file),
+                None => (None, argument.as_str()),
+            };
+            models.push((name, robot_toml::read(Path::new(file))?));
+        }
+        Ok(Self(models))
+    }
+
+    /// The model for `robot`, if one was given.
+    pub(crate) fn of(&self, robot: &str) -> Option<RobotModel> {
+        let named = self
+            .0
+            .iter()
+            .find(|(name, _)| name.as_deref() == Some(robot));
+        let chosen = named.or_else(|| self.0.iter().find(|(name, _)| name.is_none()));
+        chosen.map(|(_, model)| model.clone())
+    }
+}
