@@ -10,14 +10,32 @@ use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::short::Short;
 use crate::state::{Gear, OperatorKey, State};
 
-/// Halvings of a step until an event in it is found: to 1/8192 of its length.
-const DEPTH: u32 = 13;
 
-/// Halvings of a step for the sake of slow slip: to 1/64 of its length.
-const STIFF_DEPTH: u32 = 6;
+/// How exactly events are found. More of them in one step are a rattle, and taken as they come.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Care {
+    /// Halvings of a step until an event in it is found.
+    depth: u32,
+    /// Events in one step that are found so.
+    events: u32,
+    /// Halvings of a step for the sake of slow slip, before it is taken implicitly.
+    stiff_depth: u32,
+}
 
-/// Events in one step that are found so exactly. More of them are a rattle, and taken as they come.
-const EVENTS: u32 = 32;
+impl Care {
+    /// To 1/8192 of a step.
+    pub(crate) const FINE: Self = Self {
+        depth: 13,
+        events: 32,
+        stiff_depth: 6,
+    };
+    /// To 1/1024 of a step.
+    pub(crate) const COARSE: Self = Self {
+        depth: 10,
+        events: 2,
+        stiff_depth: 1,
+    };
+}
 
 /// Velocities above this slide where a motion is given (m/s or rad/s).
 const MOVING: f64 = 1e-9;
@@ -63,7 +81,7 @@ impl<S: Scalar> Robot<S> {
         }
         self.remember(state, t_s, command);
         let mut from = t_s;
-        let mut events = EVENTS;
+        let mut events = self.care.events;
         loop {
             let rest = t_s + dt_s - from;
             let change = self.drive.next_change(&state.history, [from, rest]);
@@ -234,9 +252,9 @@ impl<S: Scalar> Robot<S> {
         loop {
             let supply = self.supply(state, &piece);
             self.prepare(state, piece.span, &supply);
-            let finest = piece.depth >= STIFF_DEPTH || *events == 0;
+            let finest = piece.depth >= self.care.stiff_depth || *events == 0;
             let attempt = self.attempt(state, piece.span, &supply, finest);
-            let exact = piece.depth < DEPTH && *events > 0;
+            let exact = piece.depth < self.care.depth && *events > 0;
             match attempt.verdict {
                 Verdict::Steady => state.body = attempt.body,
                 Verdict::Broken(broken) if !regrouped => {

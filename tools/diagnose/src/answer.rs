@@ -8,7 +8,7 @@ use crate::bench::{Bench, with};
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
 use crate::score;
-use crate::search::{Found, is_noise};
+use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::window::{WINDOW_S, cut};
 
@@ -162,10 +162,10 @@ impl Answer {
     /// What the fitted model leaves beyond the noise.
     fn leftover(&mut self, bench: &Bench, found: &Found) {
         let robot = bench.tracks[0].robot.clone();
-        if is_noise(&found.node) {
+        if bench.is_noise(&found.node) {
             return;
         }
-        let (worst, level) = found.node.fit.misfit.worst();
+        let (worst, level) = bench.worst(&found.node);
         let channel = [
             "wheel_right", "wheel_left", "longitudinal", "lateral", "yaw", "longitudinal", "yaw",
             "longitudinal", "lateral", "yaw",

@@ -9,13 +9,17 @@ use crate::hypothesis::{Hypothesis, all_sizes};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
-use crate::track::Track;
+use crate::track::{CHANNELS, Track};
 use crate::window::{LOCALS, Window};
 
 /// Longest step of a simulation (s).
 const STEP_S: f64 = 2e-3;
 /// The same where wheels turn exactly as told.
 const LONG_STEP_S: f64 = 0.02;
+
+/// Level (deviations) that counts as noise, where the noise is declared and where it is not.
+const NOISE: f64 = 1.12;
+const NOISE_UNDECLARED: f64 = 1.5;
 
 /// Rounds of a fit to the end.
 pub(crate) const FULL: usize = 30;
@@ -120,6 +124,34 @@ impl Bench {
         solve(&problem, &setting.values)
     }
 
+    /// Whether what `node` leaves is noise in every channel.
+    pub(crate) fn is_noise(&self, node: &Node) -> bool {
+        (0..CHANNELS).all(|channel| self.excess(node, channel) < 1.0)
+    }
+
+    /// The channel that `node` leaves furthest above its noise, and its level (deviations).
+    pub(crate) fn worst(&self, node: &Node) -> (usize, f64) {
+        let excess = |c: &usize| self.excess(node, *c);
+        let worst = (0..CHANNELS).max_by(|a, b| excess(a).total_cmp(&excess(b)));
+        let channel = worst.unwrap_or(0);
+        (channel, node.fit.misfit.mean_square(channel).sqrt())
+    }
+
+    /// Level of a channel over what still counts as noise: more where the noise is not declared.
+    fn excess(&self, node: &Node, channel: usize) -> f64 {
+        let misfit = &node.fit.misfit;
+        let level = misfit.mean_square(channel).sqrt();
+        let declared = self.tracks.iter().flat_map(|track| &track.series).all(|series| {
+            let first = series.sensor.channel();
+            !(first..first + series.sensor.width()).contains(&channel) || series.declared
+        });
+        if declared {
+            level / NOISE
+        } else {
+            level / NOISE_UNDECLARED
+        }
+    }
+
     /// Guesses of all windows' starts from the measurements.
     pub(crate) fn guesses(&self) -> Vec<[f64; LOCALS]> {
         let [r, b] = [self.model.robot.wheel_radius_m, self.model.robot.half_track_m];
@@ -144,7 +176,7 @@ impl Bench {
 
     /// What each candidate promises beside the effects of `node`, best first.
     pub(crate) fn promises(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Promise> {
-        let promises = candidates.par_iter().filter_map(|c| self.promise(node, c));
+        let promises = candidates.par_iter().filter_map(|c| { let t = std::time::Instant::now(); let p = self.promise(node, c); if std::env::var_os("DEBUG_D").is_some() && t.elapsed().as_secs_f64() > 0.25 { eprintln!("   slow {:.2} {} {:?}", t.elapsed().as_secs_f64(), c.info.id, c.values); } p });
         let mut promises: Vec<Promise> = promises.collect();
         promises.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
         promises
@@ -157,6 +189,9 @@ impl Bench {
         self.posed(&hypotheses, &self.windows, |problem, values| {
             let (known, starts) = (node.fit.values.len(), &node.fit.starts);
             let base = problem.residuals(values, starts)?;
+            if candidate.is_abrupt() && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() {
+                return None;
+            }
             let mut steps = problem.first_steps(values);
             let columns = problem.columns(values, starts, &base, &mut steps, known)?;
             let more = |w: usize| columns.iter().map(|c| c[w].as_slice()).collect::<Vec<_>>();

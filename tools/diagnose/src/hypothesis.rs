@@ -63,6 +63,12 @@ impl Hypothesis {
         })
     }
 
+    /// Whether it changes little by little nowhere: a friction that is far off says nothing of which
+    /// way the true one lies.
+    pub(crate) fn is_abrupt(&self) -> bool {
+        self.replaces.is_none() && matches!(self.info.id, "wheel_slip" | "friction_patch")
+    }
+
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {

@@ -10,6 +10,10 @@ use rayon::prelude::*;
 const FOLLOWED: [usize; 2] = [9, 5];
 /// Rounds of the first look.
 const GLANCE: usize = 2;
+/// Share of the gain of an effect that explains all that another has to promise, and to show at a
+/// first look, to be fitted beside it.
+const NEAR: f64 = 0.7;
+const CLOSE: f64 = 0.95;
 /// Models that are kept side by side while none reaches the noise.
 const SIDE_BY_SIDE: usize = 3;
 /// Effects at most.
@@ -23,8 +27,6 @@ const PAY_LOCAL: f64 = 40.0;
 const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
 const SIGMAS: f64 = 4.2;
-/// Level of the worst channel (deviations) that counts as noise.
-pub(crate) const NOISE: f64 = 1.12;
 
 /// A model that explains the tracks as far as the catalogue can.
 pub(crate) struct Found {
@@ -61,9 +63,6 @@ fn due(hypothesis: &Hypothesis) -> f64 {
     first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
 
-pub(crate) fn is_noise(node: &Node) -> bool {
-    node.fit.misfit.worst().1 < NOISE
-}
 
 impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
@@ -73,9 +72,14 @@ impl Search<'_> {
         let mut best = nominal.clone();
         let mut nodes = vec![nominal.clone()];
         let mut looked_at = 0;
+        let mut seen: Vec<Node> = Vec::new();
         for _ in 0..MOST {
             let mut next: Vec<Node> = Vec::new();
             for node in &nodes {
+                if seen.iter().any(|known| same(known, node)) {
+                    continue;
+                }
+                seen.push(node.clone());
                 let candidates = self.candidates(node);
                 looked_at += candidates.len();
                 next.extend(self.extended(node, &candidates));
@@ -88,7 +92,7 @@ impl Search<'_> {
                 }
             }
             let Some(first) = kept.first() else { break };
-            kept.truncate(if is_noise(first) { 1 } else { SIDE_BY_SIDE });
+            kept.truncate(if self.bench.is_noise(first) { 1 } else { SIDE_BY_SIDE });
             nodes = kept.into_iter().map(|node| self.pruned(node)).collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if score(&nodes[0]) < score(&best) {
@@ -130,9 +134,22 @@ impl Search<'_> {
             }
         }
         chosen.truncate(FOLLOWED[0]);
-        let glances = chosen.par_iter().filter_map(|p| self.bench.follow(node, p, GLANCE));
+        let Some(best) = chosen.first().and_then(|p| self.bench.follow(node, p, GLANCE)) else {
+            return Vec::new();
+        };
+        // where one explains all, only what promises nearly as much is worth a fit
+        let near = before - NEAR * (before - deviance(&best));
+        let worth = |p: &&&Promise| !self.bench.is_noise(&best) || p.deviance < near;
+        let rest: Vec<&Promise> = chosen[1..].iter().filter(worth).copied().collect();
+        let glances = rest.par_iter().filter_map(|p| self.bench.follow(node, p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
+        glances.push(best);
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let first = deviance(&glances[0]);
+        if self.bench.is_noise(&glances[0]) {
+            let least = (before - CLOSE * (before - first)).max(first + 60.0);
+            glances.retain(|glance| deviance(glance) < least);
+        }
         glances.truncate(FOLLOWED[1]);
         let full = glances.par_iter().filter_map(|glance| {
             self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)

@@ -79,6 +79,8 @@ pub(crate) struct Series {
     /// Stamp (s) and values.
     pub(crate) rows: Vec<(f64, [f64; 3])>,
     pub(crate) deviation: [f64; 3],
+    /// The deviation was declared, or is that of a rounding; otherwise the rows themselves gave it.
+    pub(crate) declared: bool,
 }
 
 /// What the simulation is driven by.
@@ -251,6 +253,7 @@ fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
         sensor,
         rows,
         deviation: [deviation[0], deviation[1], 1.0],
+        declared: one.is_some(),
     })
 }
 
@@ -310,6 +313,7 @@ fn poses(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Pose,
         rows,
         deviation: [pose_m, pose_m, pose_rad],
+        declared: noise.pose_m.is_some(),
     })
 }
 
@@ -330,6 +334,7 @@ fn odometry(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Odometry,
         rows,
         deviation: [v, w, 1.0],
+        declared: noise.odometry_m_s.is_some(),
     })
 }
 
@@ -352,6 +357,7 @@ fn imu(robot: &Recorded) -> Option<Series> {
     Some(Series {
         sensor: Sensor::Imu,
         deviation: [along(0), along(1), turn],
+        declared: noise.imu_rad_s.is_some(),
         rows,
     })
 }
