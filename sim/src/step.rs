@@ -20,6 +20,10 @@ pub(crate) struct Care {
     events: u32,
     /// Halvings of a step for the sake of slow slip, before it is taken implicitly.
     stiff_depth: u32,
+    /// Sweeps over all that stands when it is decided anew what sticks.
+    pub(crate) sweeps: usize,
+    /// Rounds of normal against lateral forces then.
+    pub(crate) rounds: usize,
 }
 
 impl Care {
@@ -28,12 +32,16 @@ impl Care {
         depth: 13,
         events: 32,
         stiff_depth: 6,
+        sweeps: 4000,
+        rounds: 60,
     };
     /// To 1/1024 of a step.
     pub(crate) const COARSE: Self = Self {
         depth: 10,
         events: 2,
         stiff_depth: 1,
+        sweeps: 60,
+        rounds: 6,
     };
 }
 

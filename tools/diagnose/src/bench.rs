@@ -189,6 +189,7 @@ impl Bench {
         self.posed(&hypotheses, &self.windows, |problem, values| {
             let (known, starts) = (node.fit.values.len(), &node.fit.starts);
             let base = problem.residuals(values, starts)?;
+            if std::env::var_os("DEBUG_D").is_some() && candidate.is_abrupt() { eprintln!("  base {:?} {:.0}", candidate.values, Misfit::new(&self.windows, &base).deviance()); }
             if candidate.is_abrupt() && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() {
                 return None;
             }

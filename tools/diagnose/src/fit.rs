@@ -23,6 +23,10 @@ const START_STEP: [f64; 2] = [1e-4, 1e-3];
 /// for events, far below where the plant bends.
 const AIM: f64 = 0.3;
 
+/// Friction's two coefficients, of which the first is not below the second.
+const STATIC: &str = "friction_static";
+const KINETIC: &str = "friction_kinetic";
+
 /// A fit has arrived where a step brings less than this (−2 ln L).
 const ARRIVED: f64 = 0.02;
 
@@ -72,9 +76,18 @@ impl<'a> Problem<'a> {
 
     /// The robot of each track.
     pub(crate) fn robots(&self, values: &[f64]) -> Result<Vec<Robot>, ModelError> {
-        let list = lift(self.list, |place, name, value| {
+        let number = |place: usize, name: &str, value: f64| {
             let at = self.free.iter().position(|free| *free == (place, name));
             at.map_or(value, |at| values[at])
+        };
+        let list = lift(self.list, |place, name, value| {
+            let own = number(place, name, value);
+            if name != STATIC {
+                return own;
+            }
+            // what sticks holds at least what slides
+            let kinetic = self.list[place].1.get(KINETIC).unwrap_or(0.0);
+            own.max(number(place, KINETIC, kinetic))
         });
         (0..self.tracks.len())
             .map(|run| {

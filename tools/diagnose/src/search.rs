@@ -84,6 +84,9 @@ impl Search<'_> {
                 looked_at += candidates.len();
                 next.extend(self.extended(node, &candidates));
             }
+            if seen.len() == 1 && !next.iter().any(|node| self.bench.is_noise(node)) {
+                next.extend(self.beside_slip(&nominal));
+            }
             next.sort_by(|a, b| score(a).total_cmp(&score(b)));
             let mut kept: Vec<Node> = Vec::new();
             for node in next {
@@ -118,6 +121,43 @@ impl Search<'_> {
         (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
         let followed = self.followed(node, candidates, 0.5 * PAY[0]);
         followed.into_iter().filter(|next| self.pays(node, next)).collect()
+    }
+
+    /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
+    /// begins where the other effect lets it.
+    fn beside_slip(&self, nominal: &Node) -> Vec<Node> {
+        if self.bench.is_noise(nominal) {
+            return Vec::new();
+        }
+        (self.progress)("effects beside slip");
+        let slips = self.all.par_iter().filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
+        let slips = slips.filter_map(|h| {
+            self.bench.fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
+        });
+        let mut slips: Vec<Node> = slips.collect();
+        slips.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        slips.truncate(SIDE_BY_SIDE);
+        let mut pairs: Vec<(usize, Promise)> = Vec::new();
+        for (i, slip) in slips.iter().enumerate() {
+            let mut one_each: Vec<Hypothesis> = Vec::new();
+            for candidate in self.candidates(slip) {
+                if !one_each.iter().any(|known| known.is_like(&candidate)) {
+                    one_each.push(candidate);
+                }
+            }
+            let promises = self.bench.promises(slip, &one_each);
+            pairs.extend(promises.into_iter().take(FOLLOWED[1]).map(|p| (i, p)));
+        }
+        pairs.sort_by(|a, b| a.1.deviance.total_cmp(&b.1.deviance));
+        pairs.truncate(FOLLOWED[0]);
+        let glances = pairs.par_iter().filter_map(|(i, p)| self.bench.follow(&slips[*i], p, GLANCE));
+        let mut glances: Vec<Node> = glances.collect();
+        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        glances.truncate(SIDE_BY_SIDE);
+        let full = glances.par_iter().filter_map(|glance| {
+            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
+        });
+        full.filter(|node| deviance(node) < deviance(nominal)).collect()
     }
 
     /// The most promising extensions, fitted to the end.
