@@ -120,7 +120,6 @@ impl Agent {
         self.max_desired_m_s = self.max_desired_m_s.max(wish.v.abs());
         self.outer = OuterTick {
             t_ns: now_ns,
-            began_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
             pose: self.odometry.centre_of_mass(&self.geometry).to_array(),
@@ -163,7 +162,6 @@ impl Agent {
         self.torques_nm = [torque_nm, self.torques_nm[0]];
         InnerTick {
             t_ns: now_ns,
-            began_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
             outer_ns: self.outer.t_ns,

@@ -267,6 +267,8 @@ pub struct SensorSettings {
 pub struct RecordingRates {
     /// True states, one in this time (s).
     pub state_period_s: f64,
+    /// Whether the recording holds the trace, which `slipstream trace` reads.
+    pub trace: bool,
 }
 
 /// Half a second to begin and to end turn by 0.25 rad at 0.5 rad/s; the rest of 2π takes this long
@@ -319,6 +321,7 @@ impl Default for Settings {
             sensors: SensorSettings::default(),
             recording: RecordingRates {
                 state_period_s: 0.02,
+                trace: true,
             },
         }
     }
