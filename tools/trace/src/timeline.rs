@@ -19,6 +19,8 @@ const PLANT: u32 = 1;
 const OTHERS: [(&str, u32); 3] = [("launcher", 2), ("recorder", 3), ("run", 4)];
 const ROBOTS: u32 = 10;
 const OUTER: u32 = 1;
+/// Of slices and of the arrows between them: readers bind the ones to the others by it.
+const CATEGORY: &str = "position";
 const INNER: u32 = 2;
 
 /// The trace as JSON; `names` by the robots' index.
@@ -49,6 +51,9 @@ pub fn timeline(log: &Log, names: &[String]) -> Value {
             arrows(&mut events, &id, &message, &way);
         }
     }
+    // Readers follow an arrow in the order of the file.
+    let t = |event: &Value| event["ts"].as_f64().unwrap_or(f64::NEG_INFINITY);
+    events.sort_by(|a, b| t(a).total_cmp(&t(b)));
     json!({"traceEvents": events, "displayTimeUnit": "ns"})
 }
 
@@ -85,7 +90,7 @@ fn titles(log: &Log, names: &Names<'_>) -> Vec<Value> {
 
 fn slice(name: &str, [pid, tid]: [u32; 2], [t_ns, done_ns]: [i64; 2], due_ns: i64) -> Value {
     let dur = micros(done_ns.saturating_sub(t_ns)).max(1.0);
-    json!({"ph": "X", "name": name, "pid": pid, "tid": tid, "ts": micros(t_ns), "dur": dur,
+    json!({"ph": "X", "cat": CATEGORY, "name": name, "pid": pid, "tid": tid, "ts": micros(t_ns), "dur": dur,
            "args": {"t_ns": t_ns, "done_ns": done_ns, "due_ns": due_ns}})
 }
 
@@ -135,7 +140,7 @@ fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, way: &Way) {
     ];
     for (ph, [pid, tid], t_ns) in steps {
         events.push(
-            json!({"ph": ph, "cat": "position", "id": id, "name": "position", "bp": "e",
+            json!({"ph": ph, "cat": CATEGORY, "id": id, "name": "position", "bp": "e",
                    "pid": pid, "tid": tid, "ts": micros(t_ns)}),
         );
     }
