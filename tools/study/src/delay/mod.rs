@@ -34,4 +34,7 @@ pub struct Study {
     pub points: Vec<Point>,
     /// What they say; only of a whole study.
     pub answers: Vec<Answer>,
+    /// Whether it was interrupted: the points are those that were finished.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub interrupted: bool,
 }
