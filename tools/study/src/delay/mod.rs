@@ -11,7 +11,7 @@ mod runs;
 mod watch;
 
 pub use answers::{Answer, answers};
-pub use forms::{Form, string_gain};
+pub use forms::{Form, string_gain, string_gain_at};
 pub use grid::{Cell, Grid, Shard};
 pub use merge::{merge, read};
 pub use point::{Fit, Point};
