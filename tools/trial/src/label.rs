@@ -20,6 +20,9 @@ pub struct Label {
     /// What drew the case: `single`, `pair`, `null`, `outside`, …; empty where nobody said.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kind: String,
+    /// How the case was made, for people.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub notes: BTreeMap<String, String>,
     /// Effects that the diagnosis gets its catalogue without.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<String>,

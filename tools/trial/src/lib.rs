@@ -2,10 +2,14 @@
 
 pub mod answer;
 pub mod examine;
+pub mod folder;
 pub mod hold;
 mod intervals;
 pub mod label;
+pub mod maker;
 pub mod mark;
+pub mod plant;
+pub mod seal;
 pub mod tally;
 
 /// Why a trial could not be held.
