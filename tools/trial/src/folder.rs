@@ -15,7 +15,8 @@ use slipstream_recording::{robot_toml, write_folder};
 use crate::TrialError;
 use crate::hold::Question;
 use crate::label::{self, Label, Labels};
-use crate::maker::{Made, Plan};
+use crate::maker::{Made, Plan, Planned};
+use crate::parallel::each;
 use crate::seal::Sealed;
 
 /// A trial whose recordings are made and whose labels are sealed.
@@ -54,10 +55,11 @@ impl Trial {
         let robots = making.path().join("robots");
         std::fs::create_dir(&robots).map_err(TrialError::system(robots.display()))?;
         let mut cases = Vec::new();
-        for planned in plan.cases() {
+        let planned: Vec<Planned> = plan.cases().collect();
+        each(&planned, Planned::make, |planned, made| {
             let fault =
                 |why| TrialError::unusable(&planned.name, why, "the maker is at fault: report it");
-            let made = planned.make().map_err(fault)?;
+            let made = made.map_err(fault)?;
             write(&made, making.path(), &planned.name)?;
             let sealed = Sealed {
                 nonce: planned.nonce.clone(),
@@ -69,8 +71,8 @@ impl Trial {
                 sealed,
                 without: made.label.without,
             });
-            done()?;
-        }
+            done()
+        })?;
         let lines = cases
             .iter()
             .map(|case| format!("{}  {}\n", case.commitment, case.name));

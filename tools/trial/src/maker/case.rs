@@ -155,7 +155,7 @@ fn value((name, value): &(String, Parameter)) -> (String, Value) {
 fn finite(deviations: Vec<(String, f64)>) -> BTreeMap<String, f64> {
     deviations
         .into_iter()
-        .filter(|(_, deviation)| deviation.is_finite())
+        .filter(|(_, deviation)| deviation.is_finite() && *deviation > 1e-12)
         .collect()
 }
 

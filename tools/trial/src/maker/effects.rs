@@ -220,6 +220,36 @@ fn drift(size: f64, setting: &Setting<'_>, chance: &mut Chance) -> Vec<(String, 
     ]
 }
 
+/// The same effect, `factor` times as large, where its size is a number that has a zero; else itself.
+pub(crate) fn scaled(effect: &EffectSpec, factor: f64) -> EffectSpec {
+    let value = |name: &str, number: f64| match (effect.effect.as_str(), name) {
+        ("wheel_slip" | "friction_patch" | "command_saturation" | "load_transfer", _) => number,
+        ("push", "t_s" | "direction_rad") | ("floor_slope", "downhill_rad") => number,
+        // a place is no size: the mass is
+        ("payload", "x_m" | "y_m") => number,
+        ("motor_gain" | "wheel_radius" | "track_width" | "encoder_scale", _) => {
+            1.0 + (number - 1.0) * factor
+        }
+        _ => number * factor,
+    };
+    let parameters = effect.parameters.iter().map(|(name, parameter)| {
+        let parameter = match parameter {
+            Parameter::Number(number) => Parameter::Number(fine(value(name, *number))),
+            Parameter::Text(text) => Parameter::Text(text.clone()),
+        };
+        (name.clone(), parameter)
+    });
+    EffectSpec {
+        effect: effect.effect.clone(),
+        parameters: parameters.collect(),
+    }
+}
+
+/// To nine digits behind the point.
+fn fine(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
 /// How many kinds of physics outside the vocabulary there are.
 pub(crate) const STRANGE: usize = 8;
 

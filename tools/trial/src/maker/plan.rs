@@ -5,7 +5,7 @@ use slipstream_bus::RobotModel;
 use super::case::{Made, make};
 use super::chance::Chance;
 use super::drive::play;
-use super::effects::{OF_SPEEDS, STRANGE, Setting, VOCABULARY, effect, strange};
+use super::effects::{OF_SPEEDS, STRANGE, Setting, VOCABULARY, effect, scaled, strange};
 use super::manoeuvre::{Style, Told};
 use super::scene::{Actual, Control, Eye, Scene};
 use crate::label::Label;
@@ -42,6 +42,8 @@ struct Wish {
     effects: Vec<&'static str>,
     /// Size between 0 and 1; drawn where it is not asked for.
     size: Option<f64>,
+    /// Made so small that this many deviations of it are there.
+    deviations: Option<f64>,
     strange: Option<usize>,
     /// The effect is taken out of the catalogue.
     withheld: bool,
@@ -58,6 +60,7 @@ impl Wish {
             kind: kind.to_owned(),
             effects: effects.to_vec(),
             size: None,
+            deviations: None,
             strange: None,
             withheld: false,
             style: None,
@@ -116,7 +119,7 @@ impl Plan {
         }
     }
 
-    /// Every effect at three sizes, nulls, pairs, what the vocabulary does not hold, another step and
+    /// Every effect at four sizes, nulls, pairs, what the vocabulary does not hold, another step and
     /// wandering forces.
     pub fn battery(seed: u64) -> Self {
         let wishes = [sized(), pairs(), outside(), nulls(), other_makers()].concat();
@@ -138,14 +141,23 @@ impl Plan {
     }
 }
 
-/// Every effect at three sizes.
+/// Every effect at two sizes that robots show, and twice near the least that can be seen.
 fn sized() -> Vec<Wish> {
     let sizes = |id: &&'static str| {
         let id: &'static str = id;
-        [0.15, 0.5, 0.85].map(|size| Wish {
+        let large = [0.2, 0.8].map(|size| Wish {
             size: Some(size),
             ..Wish::new("single", &[id])
-        })
+        });
+        let small = [6.0, 30.0].map(|deviations| {
+            let deviations = Some(deviations);
+            Wish {
+                deviations,
+                size: Some(0.5),
+                ..Wish::new("small", &[id])
+            }
+        });
+        [large, small].concat()
     };
     VOCABULARY.iter().flat_map(sizes).collect()
 }
@@ -242,7 +254,14 @@ fn sealed(chance: &mut Chance) -> Wish {
             null.wanders = chance.happens(0.25);
             null
         }
-        ..0.68 => Wish::new("single", &[one(chance)]),
+        ..0.5 => Wish::new("single", &[one(chance)]),
+        ..0.68 => {
+            let deviations = Some(chance.in_proportion(9.0, 200.0));
+            Wish {
+                deviations,
+                ..Wish::new("small", &[one(chance)])
+            }
+        }
         ..0.82 => {
             let first = *chance.one(&PAIRED);
             let others: Vec<&str> = PAIRED.into_iter().filter(|id| *id != first).collect();
@@ -275,14 +294,33 @@ impl Planned {
     pub fn make(&self) -> Result<Made, String> {
         let asked = self.wish.size.is_some();
         let worth = if asked { WORTH_ASKED } else { WORTH_SEALED };
-        let mut made = make(&self.scene(0)?, &self.name)?;
+        let mut scene = self.scene(0)?;
+        let mut made = make(&scene, &self.name)?;
         for draw in 1..DRAWS {
             if can_be_seen(&made.label, worth) {
                 break;
             }
-            made = make(&self.scene(draw)?, &self.name)?;
+            scene = self.scene(draw)?;
+            made = make(&scene, &self.name)?;
         }
-        Ok(made)
+        match self.small(&scene, &made.label) {
+            None => Ok(made),
+            Some(small) => make(&small, &self.name),
+        }
+    }
+
+    /// The same scene with a concealed effect so small that it is worth little.
+    fn small(&self, scene: &Scene, label: &Label) -> Option<Scene> {
+        let deviations = self.wish.deviations?;
+        let ([hidden], None) = (label.effects.as_slice(), &label.unknown) else {
+            return None;
+        };
+        let factor = deviations / (2.0 * hidden.expected_gain?).sqrt();
+        let mut scene = scene.clone();
+        for effect in scene.robots.iter_mut().flat_map(|robot| &mut robot.hidden) {
+            *effect = scaled(effect, factor.min(1.0));
+        }
+        Some(scene)
     }
 
     fn scene(&self, draw: u64) -> Result<Scene, String> {

@@ -34,8 +34,9 @@ pub struct State {
     pub(crate) patch: [Option<usize>; 2],
     /// Which side of its play each gear leans on: +1 or −1; 0 is neither.
     pub(crate) gear: [i8; 2],
-    /// How long the robot has stood (s).
-    pub rest_s: f64,
+    /// How far the robot has settled into the floor, between 0 and 1: grows while it stands, fades
+    /// while it moves. Only for what the vocabulary does not hold.
+    pub(crate) settled: f64,
     /// Disturbing forces along and across the body and moment (N, N m): held until changed.
     pub disturbance: [f64; 3],
 }
@@ -61,7 +62,7 @@ impl State {
             stuck: [true; CONTACTS],
             patch: [None; 2],
             gear: [0; 2],
-            rest_s: 0.0,
+            settled: 0.0,
             disturbance: [0.0; 3],
         }
     }

@@ -302,7 +302,9 @@ impl Plant {
             }
         }
         let moves = end[..5].iter().any(|value| value.abs() > 1e-9);
-        next.rest_s = if moves { 0.0 } else { state.rest_s + h };
+        for strange in &self.physics.strange {
+            next.settled = strange.settled(state.settled, moves, h);
+        }
         next
     }
 }

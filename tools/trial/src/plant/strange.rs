@@ -42,11 +42,11 @@ pub enum Strange {
         /// Speed at which it has faded to a third (m/s).
         speed_m_s: f64,
     },
-    /// A hold that grows while the robot stands, and is gone once it moves.
+    /// A floor that the robot settles into while it stands, and works itself out of when it moves.
     Sticking {
         /// Its final size (N).
         force_n: f64,
-        /// Time in which it grows (s).
+        /// Time in which it settles (s).
         time_s: f64,
     },
     /// A moment against turning with the square of the yaw rate.
@@ -62,6 +62,9 @@ pub enum Strange {
         length_m: f64,
     },
 }
+
+/// Time in which a moving robot works itself out of the floor (s).
+const WORKS_OUT_S: f64 = 0.15;
 
 impl Strange {
     /// Its name in labels, the variables that it depends on and the channels in which it shows.
@@ -185,6 +188,15 @@ impl Strange {
         }
     }
 
+    /// How far the robot has settled after `h` seconds more of standing or moving.
+    pub(crate) fn settled(&self, before: f64, moves: bool, h: f64) -> f64 {
+        match *self {
+            Self::Sticking { .. } if moves => before * (-h / WORKS_OUT_S).exp(),
+            Self::Sticking { time_s, .. } => 1.0 - (1.0 - before) * (-h / time_s).exp(),
+            _ => before,
+        }
+    }
+
     /// Limit of the dry force along the body (N); `None` where it has none.
     pub(crate) fn dry_limit(&self, state: &State) -> Option<f64> {
         match *self {
@@ -196,9 +208,7 @@ impl Strange {
             Self::Stribeck { force_n, speed_m_s } => {
                 Some(force_n * (-(state.velocity[0] / speed_m_s).powi(2)).exp())
             }
-            Self::Sticking { force_n, time_s } => {
-                Some(force_n * (1.0 - (-state.rest_s / time_s).exp()))
-            }
+            Self::Sticking { force_n, .. } => Some(force_n * state.settled),
             _ => None,
         }
     }
