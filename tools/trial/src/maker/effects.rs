@@ -223,7 +223,11 @@ fn drift(size: f64, setting: &Setting<'_>, chance: &mut Chance) -> Vec<(String, 
 /// The same effect, `factor` times as large, where its size is a number that has a zero; else itself.
 pub(crate) fn scaled(effect: &EffectSpec, factor: f64) -> EffectSpec {
     let value = |name: &str, number: f64| match (effect.effect.as_str(), name) {
-        ("wheel_slip" | "friction_patch" | "command_saturation" | "load_transfer", _) => number,
+        (
+            "wheel_slip" | "friction_patch" | "command_saturation" | "command_dead_band"
+            | "load_transfer",
+            _,
+        ) => number,
         ("push", "t_s" | "direction_rad") | ("floor_slope", "downhill_rad") => number,
         // a place is no size: the mass is
         ("payload", "x_m" | "y_m") => number,

@@ -101,6 +101,15 @@ const PAIRED: [&str; 22] = [
     "encoder_scale",
     "push",
 ];
+/// Effects whose size is no number that ends at zero.
+const THRESHOLDS: [&str; 6] = [
+    "wheel_slip",
+    "friction_patch",
+    "command_saturation",
+    "command_dead_band",
+    "load_transfer",
+    "link_delay",
+];
 /// Effects that nothing else in the vocabulary looks like.
 const WITHHELD: [&str; 4] = [
     "floor_slope",
@@ -157,7 +166,12 @@ fn sized() -> Vec<Wish> {
                 ..Wish::new("small", &[id])
             }
         });
-        [large, small].concat()
+        // a threshold is not made smaller by making it less
+        if THRESHOLDS.contains(&id) {
+            large.to_vec()
+        } else {
+            [large, small].concat()
+        }
     };
     VOCABULARY.iter().flat_map(sizes).collect()
 }

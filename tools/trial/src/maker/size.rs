@@ -236,7 +236,9 @@ impl Look<'_> {
     ) -> DVector<f64> {
         let commands = &self.actor.commands;
         let mut state = guess.plant.adopt(start, commands);
-        if let Some(nudge) = nudge {
+        let stands = state.velocity.iter().all(|value| value.abs() < 1e-9);
+        // what stands is known not to move
+        if let Some(nudge) = nudge.filter(|nudge| *nudge < PLACES || !stands) {
             guess.plant.nudge(&mut state, nudge, NUDGE);
         }
         // by this guess's clocks, latest first
@@ -314,6 +316,7 @@ fn orthonormal(columns: impl Iterator<Item = DVector<f64>>, rows: usize) -> DMat
 const CLOCKS_S: f64 = 0.2;
 /// Parts of a start: x, y, yaw, surge, yaw rate; and by how much each is moved (m, rad, 1/s).
 const NUDGES: usize = 5;
+const PLACES: usize = 3;
 const NUDGE: f64 = 1e-5;
 
 #[cfg(test)]
