@@ -212,7 +212,8 @@ impl<S: Scalar> Robot<S> {
         let loss = damped.map(|damping| damping.component_mul(&from.nu));
         let applied = |nu: &Vector<S>, yaw: S| {
             let applied = self.applied(nu, yaw, span, at_wheel);
-            loss.map_or(applied, |loss| applied - loss)
+            let applied = loss.map_or(applied, |loss| applied - loss);
+            state.load.map_or(applied, |load| applied + load)
         };
         let first = self.balance(
             mode,

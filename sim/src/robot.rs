@@ -7,6 +7,7 @@ use crate::effects::{self, Domain, Effects, Info, ParameterInfo, Values};
 use crate::parts::{Drive, Grip, Parts, Sensing};
 use crate::rows::{Element, Elements};
 use crate::scalar::{Pair, Scalar, Vector};
+use crate::step::Care;
 
 /// g (m/s²), as the paper has it.
 pub const GRAVITY_M_S2: f64 = 9.81;
@@ -51,6 +52,7 @@ pub struct Robot<S = f64> {
     pub(crate) drive: Drive<S>,
     pub(crate) sensing: Sensing<S>,
     pub(crate) effects: Effects<S>,
+    pub(crate) care: Care,
     /// The first dynamic key that the model does not give.
     missing: Option<&'static str>,
 }
@@ -138,6 +140,16 @@ impl<S: Scalar> Robot<S> {
         Self::build(parts, effects)
     }
 
+    /// The same robot, for simulations by the thousand of which most are of no consequence: events
+    /// are found less exactly, and few of them in one step.
+    #[must_use]
+    pub fn coarse(self) -> Self {
+        Self {
+            care: Care::COARSE,
+            ..self
+        }
+    }
+
     fn build(parts: Parts<S>, effects: Effects<S>) -> Result<Self, ModelError> {
         let (b, d, e) = (parts.half_track, parts.com_to_axle, parts.com_to_caster);
         let bodies = parts.body_mass + parts.wheel_mass * 2.0;
@@ -188,6 +200,7 @@ impl<S: Scalar> Robot<S> {
             drive: parts.drive,
             sensing: parts.sensing,
             effects,
+            care: Care::FINE,
             missing: parts.missing,
         })
     }

@@ -81,6 +81,16 @@ impl<S: Scalar> Robot<S> {
         [right * scale[0], left * scale[1]]
     }
 
+    /// Forward speed (m/s) and yaw rate (rad/s) that the robot itself makes of the encoders' speeds
+    /// (rad/s), by its nominal radius and track.
+    pub fn odometry(&self, speed: Pair<S>) -> Pair<S> {
+        let [r, b] = self.nominal;
+        [
+            (speed[0] + speed[1]) * (r / 2.0),
+            (speed[0] - speed[1]) * (r / (2.0 * b)),
+        ]
+    }
+
     /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c. On a slope, weight
     /// shows in it as it does in a real sensor.
     pub fn seen_inertial(&self, state: &State<S>) -> [S; 3] {

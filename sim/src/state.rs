@@ -27,6 +27,8 @@ pub struct State<S = f64> {
     pub(crate) held_under: Option<Vector<f64>>,
     /// Past commands, oldest first: from when (s) and what. Empty without a delay.
     pub(crate) history: VecDeque<(f64, Pair<S>)>,
+    /// Forces from outside, beside those of the effects.
+    pub(crate) load: Option<Vector<S>>,
 }
 
 /// The continuous part of the state.
@@ -201,6 +203,7 @@ impl<S: Scalar> Robot<S> {
             short,
             held_under: None,
             history,
+            load: None,
         }
     }
 }
@@ -241,6 +244,13 @@ impl<S: Scalar> State<S> {
     /// Forces between floor and driven wheels at the end of the last step.
     pub fn contact(&self) -> Contact<S> {
         self.body.contact
+    }
+
+    /// Lets an outside force act in all steps to come: along and across the body (N) and about the
+    /// vertical (N m), all at c, and torques at the right and the left wheel (N m). For asking what
+    /// force is missing; `None` ends it.
+    pub fn set_load(&mut self, load: Option<[S; 5]>) {
+        self.load = load.map(Vector::from);
     }
 
     /// Which of the driven wheels slide, right and left.

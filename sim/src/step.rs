@@ -8,16 +8,34 @@ use crate::robot::Robot;
 use crate::rows::{ACROSS, Element, Elements};
 use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::short::Short;
-use crate::state::{OperatorKey, State};
+use crate::state::{Gear, OperatorKey, State};
 
-/// Halvings of a step until an event in it is found: to 1/8192 of its length.
-const DEPTH: u32 = 13;
 
-/// Halvings of a step for the sake of slow slip: to 1/64 of its length.
-const STIFF_DEPTH: u32 = 6;
+/// How exactly events are found. More of them in one step are a rattle, and taken as they come.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Care {
+    /// Halvings of a step until an event in it is found.
+    depth: u32,
+    /// Events in one step that are found so.
+    events: u32,
+    /// Halvings of a step for the sake of slow slip, before it is taken implicitly.
+    stiff_depth: u32,
+}
 
-/// Events in one step that are found so exactly. More of them are a rattle, and taken as they come.
-const EVENTS: u32 = 32;
+impl Care {
+    /// To 1/8192 of a step.
+    pub(crate) const FINE: Self = Self {
+        depth: 13,
+        events: 32,
+        stiff_depth: 6,
+    };
+    /// To 1/1024 of a step.
+    pub(crate) const COARSE: Self = Self {
+        depth: 10,
+        events: 2,
+        stiff_depth: 1,
+    };
+}
 
 /// Velocities above this slide where a motion is given (m/s or rad/s).
 const MOVING: f64 = 1e-9;
@@ -51,6 +69,7 @@ impl<S: Scalar> Robot<S> {
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
         if kind == CommandKind::Torque
+            && state.load.is_none()
             && let Some(short) = &state.short
             && short.step(self, &mut state.body, dt_s, command)
         {
@@ -62,7 +81,7 @@ impl<S: Scalar> Robot<S> {
         }
         self.remember(state, t_s, command);
         let mut from = t_s;
-        let mut events = EVENTS;
+        let mut events = self.care.events;
         loop {
             let rest = t_s + dt_s - from;
             let change = self.drive.next_change(&state.history, [from, rest]);
@@ -122,6 +141,54 @@ impl<S: Scalar> Robot<S> {
             .drive
             .supply(kind, command, &state.history, command, [0.0, 1.0]);
         state.body.lagged = supply.lagged;
+    }
+
+    /// Lets commands have acted until `t_s`, each (command, from when (s)), oldest first: delay, lag
+    /// and play are as they leave them. The first of them counts as having acted since long ago.
+    pub fn recall(&self, state: &mut State<S>, past: &[(f64, Command<S>)], t_s: f64) {
+        let Some((_, oldest)) = past.first() else {
+            return;
+        };
+        self.settle_drive(state, oldest);
+        let ends = past.iter().skip(1).map(|(t_s, _)| *t_s).chain([t_s]);
+        let mut reached = [S::constant(0.0); 2];
+        for ((since_s, command), end_s) in past.iter().zip(ends) {
+            let (kind, command) = command.at_wheels(self.nominal);
+            self.remember(state, *since_s, command);
+            let mut from = *since_s;
+            while from < end_s {
+                let change = self
+                    .drive
+                    .next_change(&state.history, [from, end_s - from]);
+                let span = [from, change.unwrap_or(end_s) - from];
+                let lagged = state.body.lagged;
+                let supply = self
+                    .drive
+                    .supply(kind, command, &state.history, lagged, span);
+                state.body.lagged = supply.lagged;
+                reached = supply.end;
+                from += span[1];
+            }
+        }
+        self.take_up_play(state, reached);
+    }
+
+    /// Motors that push their wheels the way that `supply` says lie against them.
+    fn take_up_play(&self, state: &mut State<S>, supply: Pair<S>) {
+        let Some(gap_rad) = self.drive.gap_rad else {
+            return;
+        };
+        for (i, supply) in supply.into_iter().enumerate() {
+            let side = match supply.value() {
+                v if v > 0.0 => Gear::Forward,
+                v if v < 0.0 => Gear::Backward,
+                _ => continue,
+            };
+            let sign = if side == Gear::Forward { 0.5 } else { -0.5 };
+            state.mode.gear[i] = side;
+            state.body.motor_angle[i] = state.body.angle[i] + gap_rad * sign;
+            state.body.motor_speed[i] = state.body.nu[3 + i];
+        }
     }
 
     /// Keeps a command for as long as the delay needs it.
@@ -185,9 +252,9 @@ impl<S: Scalar> Robot<S> {
         loop {
             let supply = self.supply(state, &piece);
             self.prepare(state, piece.span, &supply);
-            let finest = piece.depth >= STIFF_DEPTH || *events == 0;
+            let finest = piece.depth >= self.care.stiff_depth || *events == 0;
             let attempt = self.attempt(state, piece.span, &supply, finest);
-            let exact = piece.depth < DEPTH && *events > 0;
+            let exact = piece.depth < self.care.depth && *events > 0;
             match attempt.verdict {
                 Verdict::Steady => state.body = attempt.body,
                 Verdict::Broken(broken) if !regrouped => {
@@ -350,7 +417,7 @@ impl<S: Scalar> Robot<S> {
         for i in 0..2 {
             applied[i] -= self.damping[i] * body.nu[i];
         }
-        applied
+        state.load.map_or(applied, |load| applied + load)
     }
 
     /// Decides anew what sticks among all elements that stand, and takes from those that do what rounding has left of their motion.

@@ -4,12 +4,13 @@ use serde::Serialize;
 use slipstream_bus::RobotModel;
 use slipstream_sim::effects::Info;
 
+use crate::bench::{Bench, with};
 use crate::hypothesis::Hypothesis;
+use crate::misfit::Misfit;
 use crate::score;
-use crate::search::{Found, Search};
-
-/// Level of the residuals, in deviations, above which something is left unexplained.
-const LEFT_OVER: f64 = 1.12;
+use crate::search::Found;
+use crate::track::{CHANNEL_NAMES, CHANNELS};
+use crate::window::{WINDOW_S, cut};
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -138,62 +139,44 @@ pub struct Unexplained {
     pub shape: String,
 }
 
-const CHANNEL_NAMES: [&str; 5] = ["wheel_right", "wheel_left", "pose_x", "pose_y", "pose_yaw"];
 
 impl Answer {
-    /// Adds what was found on one robot.
-    pub(crate) fn add(&mut self, search: &Search<'_>, found: &Found) {
+    /// Adds what was found on one machine.
+    pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
-        let robot = &search.track.robot;
+        let robot = &bench.tracks[0].robot;
         let mut first = 0;
-        for (at, hypothesis) in found.hypotheses.iter().enumerate() {
+        for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
-                .push(finding(search, found, hypothesis, at, first));
-            first += hypothesis.values.len();
+                .push(finding(bench, found, hypothesis, at, first));
+            first += if hypothesis.is_threshold() { 0 } else { hypothesis.values.len() };
         }
-        let (before, total_before) = score::prediction(search, search.model);
-        let (after, total_after) = score::prediction(search, &improved(search.model, found));
-        for (channel, name) in CHANNEL_NAMES.iter().enumerate() {
-            if let (Some(nrmse_before), Some(nrmse_after)) = (before[channel], after[channel]) {
-                self.held_out.channels.push(HeldOutChannel {
-                    robot: robot.clone(),
-                    channel: (*name).to_owned(),
-                    nrmse_before,
-                    nrmse_after,
-                });
-            }
-        }
-        // several robots: the one that is worst off
-        self.held_out.nrmse_before = self.held_out.nrmse_before.max(total_before);
-        self.held_out.nrmse_after = self.held_out.nrmse_after.max(total_after);
-        self.leftover(search, found);
+        let runs = bench.tracks.iter().enumerate();
+        let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
+        let before = score::prediction(bench, &windows, &[]);
+        let after = score::prediction(bench, &windows, &found.node.hypotheses);
+        self.held_out.add(robot, &before, &after);
+        self.leftover(bench, found);
     }
 
     /// What the fitted model leaves beyond the noise.
-    fn leftover(&mut self, search: &Search<'_>, found: &Found) {
-        let misfit = &found.fit.misfit;
-        let level =
-            |channel: usize| (misfit.squares[channel] / misfit.counts[channel].max(1.0)).sqrt();
-        let worst = (0..CHANNEL_NAMES.len()).max_by(|&a, &b| level(a).total_cmp(&level(b)));
-        let Some(worst) = worst.filter(|&worst| level(worst) > LEFT_OVER) else {
+    fn leftover(&mut self, bench: &Bench, found: &Found) {
+        let robot = bench.tracks[0].robot.clone();
+        if bench.is_noise(&found.node) {
             return;
-        };
-        let robot = search.track.robot.clone();
+        }
+        let (worst, level) = bench.worst(&found.node);
         let channel = [
-            "wheel_right",
-            "wheel_left",
-            "longitudinal",
-            "lateral",
-            "yaw",
+            "wheel_right", "wheel_left", "longitudinal", "lateral", "yaw", "longitudinal", "yaw",
+            "longitudinal", "lateral", "yaw",
         ][worst];
         let shape = format!(
             "residuals of {:.2} standard deviations in {} that no effect of the catalogue explains",
-            level(worst),
-            CHANNEL_NAMES[worst]
+            level, CHANNEL_NAMES[worst]
         );
-        let [from, to] = search.track.span_s();
+        let [from, to] = bench.tracks[0].span_s();
         self.unexplained.push(Unexplained {
-            robot: robot.clone(),
+            robot,
             channel: channel.to_owned(),
             driver: "t".to_owned(),
             intervals_s: vec![[from, to]],
@@ -211,8 +194,28 @@ impl Answer {
     }
 }
 
+impl HeldOut {
+    fn add(&mut self, robot: &str, before: &Misfit, after: &Misfit) {
+        for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
+            let levels = score::level(before, channel).zip(score::level(after, channel));
+            if let Some((nrmse_before, nrmse_after)) = levels {
+                self.channels.push(HeldOutChannel {
+                    robot: robot.to_owned(),
+                    channel: (*name).to_owned(),
+                    nrmse_before,
+                    nrmse_after,
+                });
+            }
+        }
+        // several robots: the one that is worst off
+        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
+        self.nrmse_before = self.nrmse_before.max(total(before));
+        self.nrmse_after = self.nrmse_after.max(total(after));
+    }
+}
+
 fn finding(
-    search: &Search<'_>,
+    bench: &Bench,
     found: &Found,
     hypothesis: &Hypothesis,
     at: usize,
@@ -223,18 +226,18 @@ fn finding(
         let own = info.parameters.iter().find(|p| p.name == name);
         own.map_or("1", |p| p.unit).to_owned()
     };
+    let fit = &found.node.fit;
     let mut parameters: Vec<ParameterEstimate> = hypothesis
         .values
         .iter()
         .enumerate()
-        .map(|(i, (name, _))| {
-            let (estimate, deviation) =
-                (found.fit.values[first + i], found.fit.deviations[first + i]);
+        .map(|(i, (name, estimate))| {
+            let deviation = if hypothesis.is_threshold() { 0.0 } else { fit.deviations[first + i] };
             ParameterEstimate {
                 name: (*name).to_owned(),
                 unit: unit(name),
-                nominal: None,
-                estimate: Some(estimate),
+                nominal: hypothesis.nominal(&bench.model, name),
+                estimate: Some(*estimate),
                 ci95: Some([estimate - 1.96 * deviation, estimate + 1.96 * deviation]),
                 text: None,
             }
@@ -262,8 +265,8 @@ fn finding(
         .iter()
         .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
         .collect();
-    let robot = search.track.robot.clone();
-    let [from, to] = search.track.span_s();
+    let robot = bench.tracks[0].robot.clone();
+    let [from, to] = bench.tracks[0].span_s();
     Finding {
         statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
         robot,
@@ -278,23 +281,12 @@ fn finding(
         // over all hypotheses that were tried, by Bonferroni
         evidence: Evidence {
             log_likelihood_gain: gain,
-            p_value: (100.0 * (-gain).exp()).min(1.0),
+            p_value: (found.looked_at as f64 * (-gain).exp()).min(1.0),
         },
     }
 }
 
 /// The nominal model with what was found.
-pub(crate) fn improved(model: &RobotModel, found: &Found) -> RobotModel {
-    let mut model = model.clone();
-    let mut values = found.fit.values.iter();
-    for hypothesis in &found.hypotheses {
-        let mut own = hypothesis.clone();
-        for (_, value) in &mut own.values {
-            if let Some(fitted) = values.next() {
-                *value = *fitted;
-            }
-        }
-        model.effects.push(own.spec());
-    }
-    model
+pub(crate) fn improved(bench: &Bench, found: &Found) -> RobotModel {
+    with(&bench.model, &found.node.hypotheses)
 }

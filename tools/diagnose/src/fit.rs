@@ -1,287 +1,348 @@
-//! Least squares over all windows: global parameters and each window's own start.
-//!
-//! The starts are eliminated window by window (Schur complement), so that the price grows with the
-//! length of the recording alone. Derivatives are the plant's own, by dual numbers.
+//! A model fitted to windows: shared parameters and each window's own start, by Levenberg and
+//! Marquardt with differences in place of derivatives. The plant in `f64` is ten to forty times as
+//! fast as with four derivatives carried along, so that differences are the cheaper way to them.
 
-use nalgebra::{DMatrix, DVector, SMatrix, SVector};
-use num_dual::DualSVec64;
+use rayon::prelude::*;
 use slipstream_bus::{ModelError, RobotModel};
+use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
-use crate::track::Track;
+use crate::linear::{self, Linear, Normal};
+use crate::misfit::Misfit;
+use crate::simulate::Simulation;
+use crate::track::{Sensor, Track};
 use crate::window::{LOCALS, Window};
 
-/// Channels: right wheel, left wheel, x, y, yaw.
-pub(crate) const CHANNELS: usize = 5;
-
-/// Parameters that one pass through a window differentiates.
-const PASS: usize = 12;
-
-/// Global parameters at most.
-pub(crate) const GLOBALS: usize = PASS - LOCALS;
-
-type Dual = DualSVec64<PASS>;
-
-/// Which numbers of a list of effects are to be fitted: place in the list and parameter.
+/// Which numbers of a list of effects are fitted: place in the list and parameter.
 pub(crate) type Free = (usize, &'static str);
 
-/// Sums of squares and counts of each channel.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Misfit {
-    pub(crate) squares: [f64; CHANNELS],
-    pub(crate) counts: [f64; CHANNELS],
-}
+/// Steps of the differences for surge (m/s) and yaw rate (rad/s) at a window's start.
+const START_STEP: [f64; 2] = [1e-4, 1e-3];
 
-impl Misfit {
-    fn add(&mut self, other: &Self) {
-        for channel in 0..CHANNELS {
-            self.squares[channel] += other.squares[channel];
-            self.counts[channel] += other.counts[channel];
-        }
-    }
+/// Change of a residual (deviations) that a difference aims at: far above rounding and the search
+/// for events, far below where the plant bends.
+const AIM: f64 = 0.3;
 
-    /// χ²: sum of squares in standard deviations.
-    pub(crate) fn chi_square(&self) -> f64 {
-        self.squares.iter().sum()
-    }
+/// A fit has arrived where a step brings less than this (−2 ln L).
+const ARRIVED: f64 = 0.02;
 
-    /// −2 ln L of the channels' residuals at their own level, none below `floor` deviations.
-    pub(crate) fn deviance(&self, floor: f64) -> f64 {
-        let own = self
-            .squares
-            .iter()
-            .zip(self.counts)
-            .filter(|(_, count)| *count > 0.0);
-        own.map(|(square, count)| count * (square / count).max(floor * floor).ln())
-            .sum()
-    }
-
-    /// Root mean square of all channels, in standard deviations.
-    pub(crate) fn level(&self) -> f64 {
-        (self.chi_square() / self.counts.iter().sum::<f64>().max(1.0)).sqrt()
-    }
-}
-
-/// A model fitted to a track.
+/// A model fitted to tracks.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     pub(crate) values: Vec<f64>,
     pub(crate) starts: Vec<[f64; LOCALS]>,
     pub(crate) misfit: Misfit,
-    /// Standard deviation of each value, at the level of noise that is left.
+    /// Standard deviation of each value.
     pub(crate) deviations: Vec<f64>,
-}
-
-/// Normal equations of one window.
-struct Normal {
-    own: SMatrix<f64, LOCALS, LOCALS>,
-    cross: SMatrix<f64, LOCALS, GLOBALS>,
-    global: SMatrix<f64, GLOBALS, GLOBALS>,
-    own_slope: SVector<f64, LOCALS>,
-    global_slope: SVector<f64, GLOBALS>,
-    misfit: Misfit,
+    /// Every window to first order around the fit.
+    pub(crate) linear: Vec<Linear>,
 }
 
 /// What is fitted to what.
+#[derive(Clone, Copy)]
 pub(crate) struct Problem<'a> {
-    pub(crate) track: &'a Track,
+    pub(crate) tracks: &'a [Track],
     pub(crate) windows: &'a [Window],
     pub(crate) model: &'a RobotModel,
     pub(crate) list: &'a [Listed<f64>],
+    /// To which track an effect belongs alone.
+    pub(crate) only: &'a [Option<usize>],
     pub(crate) free: &'a [Free],
+    pub(crate) step_s: f64,
 }
 
-impl Problem<'_> {
-    fn robot(&self, values: &[f64]) -> Result<Robot<Dual>, ModelError> {
-        let lifted = lift(self.list, |place, name, value| {
+/// Where a fit stands.
+struct Place {
+    values: Vec<f64>,
+    starts: Vec<[f64; LOCALS]>,
+    residuals: Vec<Vec<f64>>,
+    misfit: Misfit,
+}
+
+impl<'a> Problem<'a> {
+    /// The same with other parameters free. Those that are not keep the values of the list.
+    pub(crate) fn with_free(&self, free: &'a [Free]) -> Self {
+        Self { free, ..*self }
+    }
+
+    /// The same on other windows.
+    pub(crate) fn over<'b>(&'b self, windows: &'b [Window]) -> Problem<'b> {
+        Problem { windows, ..*self }
+    }
+
+    /// The robot of each track.
+    pub(crate) fn robots(&self, values: &[f64]) -> Result<Vec<Robot>, ModelError> {
+        let list = lift(self.list, |place, name, value| {
             let at = self.free.iter().position(|free| *free == (place, name));
-            at.map_or(Dual::from_re(value), |at| {
-                Dual::from_re(values[at]).derivative(LOCALS + at)
-            })
+            at.map_or(value, |at| values[at])
         });
-        Robot::assemble(self.model, &lifted)
-    }
-
-    fn normal(&self, window: &Window, robot: &Robot<Dual>, start: &[f64; LOCALS]) -> Normal {
-        let mut at = 0;
-        let start = start.map(|value| {
-            at += 1;
-            Dual::from_re(value).derivative(at - 1)
-        });
-        let mut normal = Normal {
-            own: SMatrix::zeros(),
-            cross: SMatrix::zeros(),
-            global: SMatrix::zeros(),
-            own_slope: SVector::zeros(),
-            global_slope: SVector::zeros(),
-            misfit: Misfit::default(),
-        };
-        window.simulate(self.track, robot, &start, |_, channel, residual| {
-            // what is further off than this says no more than that it is off
-            let value = residual.re.clamp(-1e6, 1e6);
-            let slope = residual.eps.0.unwrap_or_else(SVector::zeros);
-            let own = slope.fixed_rows::<LOCALS>(0);
-            let global = slope.fixed_rows::<GLOBALS>(LOCALS);
-            normal.own += own * own.transpose();
-            normal.cross += own * global.transpose();
-            normal.global += global * global.transpose();
-            normal.own_slope += own * value;
-            normal.global_slope += global * value;
-            normal.misfit.squares[channel] += value * value;
-            normal.misfit.counts[channel] += 1.0;
-        });
-        normal
-    }
-
-    fn normals(&self, values: &[f64], starts: &[[f64; LOCALS]]) -> Option<Vec<Normal>> {
-        let robot = self.robot(values).ok()?;
-        let normals = self.windows.iter().zip(starts);
-        let normals: Vec<Normal> = normals
-            .map(|(w, start)| self.normal(w, &robot, start))
-            .collect();
-        let finite = normals.iter().all(|n| n.misfit.chi_square().is_finite());
-        finite.then_some(normals)
-    }
-
-    /// Levenberg–Marquardt from `values` and `starts`, `rounds` steps at most.
-    pub(crate) fn fit(
-        &self,
-        values: &[f64],
-        starts: &[[f64; LOCALS]],
-        rounds: usize,
-    ) -> Option<Fit> {
-        let mut values = values.to_vec();
-        let mut starts = starts.to_vec();
-        let mut normals = self.normals(&values, &starts)?;
-        let mut damping = 1e-4;
-        let mut still = 0;
-        for _ in 0..rounds {
-            let before: f64 = normals.iter().map(|n| n.misfit.chi_square()).sum();
-            let (next_values, next_starts) = self.stepped(&normals, &values, &starts, damping);
-            let next = self.normals(&next_values, &next_starts);
-            let after = next
-                .as_ref()
-                .map(|n| n.iter().map(|n| n.misfit.chi_square()).sum::<f64>());
-            match (next, after) {
-                (Some(next), Some(after)) if after < before => {
-                    (values, starts, normals) = (next_values, next_starts, next);
-                    damping = (damping * 0.1).max(1e-12);
-                    still = if before - after < 1e-7 * before + 1e-3 {
-                        still + 1
-                    } else {
-                        0
-                    };
-                }
-                _ => {
-                    damping *= 20.0;
-                    still += usize::from(damping > 1e8);
-                }
-            }
-            if still > 1 || damping > 1e10 {
-                break;
-            }
-        }
-        let mut misfit = Misfit::default();
-        normals.iter().for_each(|normal| misfit.add(&normal.misfit));
-        let deviations = self.deviations(&normals, misfit.level().max(1.0));
-        Some(Fit {
-            values,
-            starts,
-            misfit,
-            deviations,
-        })
-    }
-
-    /// The normal equations of the globals, with the starts eliminated.
-    fn reduced(&self, normals: &[Normal], damping: f64) -> (DMatrix<f64>, DVector<f64>) {
-        let count = self.free.len();
-        let mut matrix = DMatrix::zeros(count, count);
-        let mut slope = DVector::zeros(count);
-        for normal in normals {
-            let inverse = damped(&normal.own, damping);
-            let lever = normal.cross.transpose() * inverse;
-            let own = normal.global - lever * normal.cross;
-            let rest = normal.global_slope - lever * normal.own_slope;
-            matrix += own.view((0, 0), (count, count));
-            slope += rest.rows(0, count);
-        }
-        (matrix, slope)
-    }
-
-    fn stepped(
-        &self,
-        normals: &[Normal],
-        values: &[f64],
-        starts: &[[f64; LOCALS]],
-        damping: f64,
-    ) -> (Vec<f64>, Vec<[f64; LOCALS]>) {
-        let (mut matrix, slope) = self.reduced(normals, damping);
-        for i in 0..self.free.len() {
-            matrix[(i, i)] = matrix[(i, i)] * (1.0 + damping) + 1e-30;
-        }
-        let nothing = DVector::zeros(self.free.len());
-        let solved = (!self.free.is_empty())
-            .then(|| matrix.lu().solve(&-slope))
-            .flatten();
-        let step = solved.unwrap_or(nothing);
-        let values = values.iter().zip(step.iter()).zip(self.free);
-        let mut wide: SVector<f64, GLOBALS> = SVector::zeros();
-        let moved: Vec<f64> = values
-            .enumerate()
-            .map(|(i, ((value, step), (place, name)))| {
-                let next = bounded(&self.list[*place], name, value + step);
-                wide[i] = next - value;
-                next
-            })
-            .collect();
-        let starts = normals.iter().zip(starts).map(|(normal, start)| {
-            let slope = normal.own_slope + normal.cross * wide;
-            let step = damped(&normal.own, damping) * -slope;
-            let mut at = 0;
-            start.map(|value| {
-                at += 1;
-                value + step[at - 1]
-            })
-        });
-        (moved, starts.collect())
-    }
-
-    fn deviations(&self, normals: &[Normal], level: f64) -> Vec<f64> {
-        let (matrix, _) = self.reduced(normals, 0.0);
-        let inverse = if self.free.is_empty() {
-            None
-        } else {
-            matrix.try_inverse()
-        };
-        (0..self.free.len())
-            .map(|i| {
-                inverse
-                    .as_ref()
-                    .map_or(f64::INFINITY, |m| m[(i, i)].max(0.0).sqrt() * level)
+        (0..self.tracks.len())
+            .map(|run| {
+                let own = list.iter().zip(self.only);
+                let own = own.filter(|(_, only)| only.is_none_or(|only| only == run));
+                let own: Vec<Listed<f64>> = own.map(|(listed, _)| listed.clone()).collect();
+                Robot::assemble(self.model, &own).map(Robot::coarse)
             })
             .collect()
     }
-}
 
-/// A value kept inside its parameter's bounds.
-fn bounded((info, _): &Listed<f64>, name: &str, value: f64) -> f64 {
-    use slipstream_sim::effects::Domain;
-    let domain = info
-        .parameters
-        .iter()
-        .find(|p| p.name == name)
-        .map(|p| p.domain);
-    match domain {
-        Some(Domain::Number { lower, upper, .. }) => value.clamp(lower, upper),
-        _ => value,
+    pub(crate) fn simulation<'b>(&'b self, window: &'b Window, robots: &'b [Robot]) -> Simulation<'b> {
+        Simulation {
+            track: &self.tracks[window.run],
+            window,
+            robot: &robots[window.run],
+            step_s: self.step_s,
+        }
+    }
+
+    /// Residuals of every window, `None` for a robot that cannot be.
+    pub(crate) fn residuals(&self, values: &[f64], starts: &[[f64; LOCALS]]) -> Option<Vec<Vec<f64>>> {
+        let robots = self.robots(values).ok()?;
+        let windows = self.windows.par_iter().zip(starts);
+        Some(windows.map(|(w, start)| self.simulation(w, &robots).residuals(start)).collect())
+    }
+
+    fn place(&self, values: Vec<f64>, starts: Vec<[f64; LOCALS]>) -> Option<Place> {
+        let residuals = self.residuals(&values, &starts)?;
+        let misfit = Misfit::new(self.windows, &residuals);
+        misfit.deviance().is_finite().then_some(Place {
+            values,
+            starts,
+            residuals,
+            misfit,
+        })
+    }
+
+    /// Bounds of a free parameter.
+    fn bounds(&self, (place, name): Free) -> [f64; 2] {
+        let info = self.list[place].0;
+        let own = info.parameters.iter().find(|p| p.name == name);
+        match own.map(|p| p.domain) {
+            Some(Domain::Number { lower, upper, .. }) => [lower, upper],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
+    }
+
+    /// First steps of the differences for each free parameter.
+    pub(crate) fn first_steps(&self, values: &[f64]) -> Vec<f64> {
+        let of = |(i, (place, name)): (usize, &Free)| {
+            let info = self.list[*place].0;
+            let own = info.parameters.iter().find(|p| p.name == *name);
+            let probe = match own.map(|p| p.domain) {
+                Some(Domain::Number { probes, .. }) => {
+                    let sizes = probes.iter().map(|p| p.abs()).filter(|p| *p > 0.0);
+                    sizes.fold(f64::INFINITY, f64::min)
+                }
+                _ => f64::INFINITY,
+            };
+            let size = if probe.is_finite() { probe } else { values[i].abs().max(0.1) };
+            0.01 * size
+        };
+        self.free.iter().enumerate().map(of).collect()
+    }
+
+    /// How residuals move with each parameter from `first` on; `steps` are adapted to what is seen.
+    pub(crate) fn columns(
+        &self,
+        values: &[f64],
+        starts: &[[f64; LOCALS]],
+        residuals: &[Vec<f64>],
+        steps: &mut [f64],
+        first: usize,
+    ) -> Option<Vec<Vec<Vec<f64>>>> {
+        let columns: Option<Vec<(Vec<Vec<f64>>, f64)>> = (first..self.free.len())
+            .into_par_iter()
+            .map(|i| self.column(values, starts, residuals, steps[i], i))
+            .collect();
+        let mut all = Vec::new();
+        for (i, (column, step)) in columns?.into_iter().enumerate() {
+            steps[first + i] = step;
+            all.push(column);
+        }
+        Some(all)
+    }
+
+    fn column(
+        &self,
+        values: &[f64],
+        starts: &[[f64; LOCALS]],
+        residuals: &[Vec<f64>],
+        step: f64,
+        i: usize,
+    ) -> Option<(Vec<Vec<f64>>, f64)> {
+        let mut step = step;
+        let [lower, upper] = self.bounds(self.free[i]);
+        let mut columns = Vec::new();
+        for _ in 0..3 {
+            let mut moved = values.to_vec();
+            let inside = values[i] + step <= upper;
+            moved[i] = if inside { values[i] + step } else { (values[i] - step).max(lower) };
+            let change = moved[i] - values[i];
+            let after = self.residuals(&moved, starts)?;
+            columns = difference(residuals, &after, change);
+            // a first-order change, root mean square over what moves most
+            let moves = size(self.windows, &columns) * change.abs();
+            let wanted = step * (AIM / moves.max(1e-9)).clamp(1e-3, 30.0);
+            let far = !(0.02..=20.0).contains(&(moves / AIM));
+            step = wanted.min(0.2 * values[i].abs().max(5.0 * step));
+            if !far {
+                break;
+            }
+        }
+        Some((columns, step))
+    }
+
+    /// How residuals of each window move with its start.
+    fn locals(&self, values: &[f64], place: &Place) -> Option<Vec<Vec<Vec<f64>>>> {
+        let robots = self.robots(values).ok()?;
+        let bound_to_place = self
+            .list
+            .iter()
+            .any(|(info, _)| info.id == "floor_slope" || info.id == "friction_patch");
+        let windows = self.windows.par_iter().zip(&place.starts).zip(&place.residuals);
+        let columns = windows.map(|((window, start), residuals)| {
+            let simulation = self.simulation(window, &robots);
+            let mut columns = rigid(&self.tracks[window.run], window, start, residuals);
+            let stepped = |i: usize, step: f64| {
+                let mut moved = *start;
+                moved[i] += step;
+                let after = simulation.residuals(&moved);
+                let pairs = after.iter().zip(residuals);
+                pairs.map(|(after, before)| (after - before) / step).collect::<Vec<f64>>()
+            };
+            if bound_to_place && window.free[2] {
+                columns[2] = stepped(2, 1e-4);
+            }
+            if window.free[3] {
+                columns[3] = stepped(3, START_STEP[0]);
+                columns[4] = stepped(4, START_STEP[1]);
+            }
+            columns
+        });
+        Some(columns.collect())
+    }
+
+    fn linear(&self, place: &Place, steps: &mut [f64]) -> Option<Vec<Linear>> {
+        let locals = self.locals(&place.values, place)?;
+        let globals = self.columns(&place.values, &place.starts, &place.residuals, steps, 0)?;
+        let windows = locals.into_iter().enumerate();
+        let linear = windows.map(|(w, locals)| Linear {
+            residuals: place.residuals[w].clone(),
+            locals,
+            globals: globals.iter().map(|column| column[w].clone()).collect(),
+        });
+        Some(linear.collect())
+    }
+
+    pub(crate) fn normals(&self, linear: &[Linear], misfit: &Misfit) -> Vec<Normal> {
+        let weights = misfit.weights();
+        let windows = self.windows.iter().zip(linear);
+        windows
+            .map(|(window, linear)| linear.normal(window, &weights, &linear.residuals, &[]))
+            .collect()
+    }
+
+    /// Levenberg and Marquardt from `values` and `starts`, `rounds` steps at most.
+    pub(crate) fn fit(&self, values: &[f64], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Fit> {
+        let mut place = self.place(values.to_vec(), starts.to_vec())?;
+        let mut steps = self.first_steps(values);
+        let mut linear = self.linear(&place, &mut steps)?;
+        let mut damping = 1e-4;
+        for round in 0..rounds {
+            let normals = self.normals(&linear, &place.misfit);
+            let before = place.misfit.deviance();
+            let mut next = None;
+            for _ in 0..8 {
+                let (values, starts) = self.stepped(&normals, &place, damping);
+                next = self.place(values, starts).filter(|next| next.misfit.deviance() < before);
+                if next.is_some() {
+                    damping = (damping * 0.1).max(1e-9);
+                    break;
+                }
+                damping = (damping * 10.0).max(1e-4);
+            }
+            let Some(next) = next else { break };
+            let gained = before - next.misfit.deviance();
+            place = next;
+            let done = gained < ARRIVED || round + 1 == rounds;
+            linear = self.linear(&place, &mut steps)?;
+            if done {
+                break;
+            }
+        }
+        let covariance = linear::covariance(&self.normals(&linear, &place.misfit));
+        let deviations = (0..self.free.len()).map(|i| covariance[(i, i)].max(0.0).sqrt());
+        let residuals: Vec<&[f64]> = place.residuals.iter().map(Vec::as_slice).collect();
+        place.misfit.remember(self.windows, &residuals);
+        Some(Fit {
+            deviations: deviations.collect(),
+            values: place.values,
+            starts: place.starts,
+            misfit: place.misfit,
+            linear,
+        })
+    }
+
+    /// The step of a parameter, cut where its bounds are.
+    pub(crate) fn bounded(&self, i: usize, value: f64, step: f64) -> f64 {
+        let [lower, upper] = self.bounds(self.free[i]);
+        (value + step).clamp(lower, upper) - value
+    }
+
+    fn stepped(&self, normals: &[Normal], place: &Place, damping: f64) -> (Vec<f64>, Vec<[f64; LOCALS]>) {
+        let step = linear::step(normals, damping, |i, step| {
+            self.bounded(i, place.values[i], step)
+        });
+        let values = place.values.iter().zip(&step.globals).map(|(v, s)| v + s);
+        let starts = place.starts.iter().zip(&step.locals).map(|(start, step)| {
+            let mut moved = *start;
+            moved.iter_mut().zip(step).for_each(|(m, s)| *m += s);
+            moved
+        });
+        (values.collect(), starts.collect())
     }
 }
 
-/// Inverse of a window's own equations. What the window does not show keeps its value.
-fn damped(own: &SMatrix<f64, LOCALS, LOCALS>, damping: f64) -> SMatrix<f64, LOCALS, LOCALS> {
-    let mut matrix = *own;
-    for i in 0..LOCALS {
-        matrix[(i, i)] = matrix[(i, i)] * (1.0 + damping) + 1e-9;
+fn difference(before: &[Vec<f64>], after: &[Vec<f64>], step: f64) -> Vec<Vec<f64>> {
+    let windows = before.iter().zip(after);
+    windows
+        .map(|(before, after)| {
+            let pairs = before.iter().zip(after);
+            pairs.map(|(b, a)| (a - b) / step).collect()
+        })
+        .collect()
+}
+
+/// Root mean square of a column over the channel in which it is largest.
+fn size(windows: &[Window], columns: &[Vec<f64>]) -> f64 {
+    Misfit::new(windows, columns).worst().1
+}
+
+/// How residuals move with the pose and the angles at the start, as of a rigid body: exact where
+/// nothing depends on the place.
+fn rigid(track: &Track, window: &Window, start: &[f64; LOCALS], residuals: &[f64]) -> Vec<Vec<f64>> {
+    let mut columns = vec![vec![0.0; residuals.len()]; LOCALS];
+    for (at, series) in track.series.iter().enumerate() {
+        let [first, end] = window.rows[at];
+        for (k, (_, values)) in series.rows[first..end].iter().enumerate() {
+            let base = window.base[at] + k * series.sensor.width();
+            let deviation = series.deviation;
+            match series.sensor {
+                Sensor::WheelAngle => {
+                    columns[5][base] = 1.0 / deviation[0];
+                    columns[6][base + 1] = 1.0 / deviation[1];
+                }
+                Sensor::Pose => {
+                    let seen = [0, 1].map(|i| values[i] + residuals[base + i] * deviation[i]);
+                    columns[0][base] = 1.0 / deviation[0];
+                    columns[1][base + 1] = 1.0 / deviation[1];
+                    columns[2][base] = -(seen[1] - start[1]) / deviation[0];
+                    columns[2][base + 1] = (seen[0] - start[0]) / deviation[1];
+                    columns[2][base + 2] = 1.0 / deviation[2];
+                }
+                _ => {}
+            }
+        }
     }
-    matrix.try_inverse().unwrap_or_else(SMatrix::zeros)
+    columns
 }

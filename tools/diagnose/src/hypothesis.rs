@@ -1,18 +1,38 @@
-//! What may be left out: one effect of the catalogue at one set of first values.
+//! Hypotheses: effects that the model may lack, or have with other numbers, each with values to
+//! start from.
 
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo};
-use slipstream_sim::{Command, CommandKind};
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
+use slipstream_sim::CommandKind;
 
-/// An effect and the values from which its fit starts.
+use crate::simulate::asked;
+use crate::track::{Sensor, Track};
+
+/// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Hypothesis {
     pub(crate) info: &'static Info,
+    /// The parameters that are fitted.
     pub(crate) values: Vec<(&'static str, f64)>,
+    /// A parameter that is a word, and the word.
     pub(crate) text: Option<(&'static str, &'static str)>,
+    /// The model's own effect that this one stands for with other numbers.
+    pub(crate) replaces: Option<usize>,
+    /// The track to which it belongs alone.
+    pub(crate) only: Option<usize>,
 }
 
 impl Hypothesis {
+    pub(crate) fn new(info: &'static Info, values: Vec<(&'static str, f64)>) -> Self {
+        Self {
+            info,
+            values,
+            text: None,
+            replaces: None,
+            only: None,
+        }
+    }
+
     /// As a model lists it.
     pub(crate) fn spec(&self) -> EffectSpec {
         let mut spec = EffectSpec::new(self.info.id, &self.values);
@@ -23,38 +43,120 @@ impl Hypothesis {
         spec
     }
 
-    /// Whether an effect of the model is this one: a second cannot be found.
-    fn is_listed(&self, model: &RobotModel) -> bool {
-        model
-            .effects
-            .iter()
-            .any(|listed| listed.effect == self.info.id)
+    /// Whether both say the same of the robot, in whatever numbers.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.info.id == other.info.id && self.text == other.text
+    }
+
+    /// The value at which a parameter does nothing: 1 for a factor, the model's for what it has.
+    pub(crate) fn nothing(&self, model: &RobotModel, name: &str) -> f64 {
+        self.nominal(model, name)
+            .unwrap_or(if is_factor(name) { 1.0 } else { 0.0 })
+    }
+
+    /// The model's value of a parameter, where the model has the effect.
+    pub(crate) fn nominal(&self, model: &RobotModel, name: &str) -> Option<f64> {
+        let listed = &model.effects[self.replaces?];
+        listed.parameters.iter().find_map(|(known, value)| match value {
+            Parameter::Number(number) if known == name => Some(*number),
+            _ => None,
+        })
+    }
+
+    /// Whether it changes little by little nowhere: a friction that is far off says nothing of which
+    /// way the true one lies.
+    pub(crate) fn is_abrupt(&self) -> bool {
+        self.replaces.is_none() && matches!(self.info.id, "wheel_slip" | "friction_patch")
+    }
+
+    /// Whether its size is found by trying values one by one: a threshold on commands of which
+    /// there are only so many has no derivative.
+    pub(crate) fn is_threshold(&self) -> bool {
+        self.info.id == "command_dead_band"
     }
 }
 
-/// Effects that need a search over place or time of their own, which this search does not make.
-const LOCAL: [&str; 2] = ["friction_patch", "push"];
+fn is_factor(name: &str) -> bool {
+    name.ends_with("scale") || name == "right" || name == "left"
+}
 
-/// Effects that show only where there is an inertial sensor or a link.
-const ELSEWHERE: [&str; 2] = ["imu_latency", "link_delay"];
+/// Effects whose start is looked for by place or time.
+pub(crate) const LOCAL: [&str; 2] = ["friction_patch", "push"];
 
-/// All hypotheses that `model` can express and commands of this kind can show, without `excluded`.
-pub(crate) fn all(model: &RobotModel, command: &Command, excluded: &[String]) -> Vec<Hypothesis> {
-    let kind = match command {
-        Command::Torque { .. } => CommandKind::Torque,
-        Command::Voltage { .. } => CommandKind::Voltage,
-        Command::Speed { .. } | Command::Twist { .. } => CommandKind::Speed,
+/// Effects that several robots show together.
+const ELSEWHERE: [&str; 1] = ["link_delay"];
+
+/// All hypotheses that `model` can express and `tracks` can show, without `excluded`.
+pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> Vec<Hypothesis> {
+    let Some(track) = tracks.first() else {
+        return Vec::new();
     };
     let able = |info: &&Info| {
         let search = !LOCAL.contains(&info.id) && !ELSEWHERE.contains(&info.id);
-        search && !excluded.iter().any(|id| id == info.id)
+        search && !excluded.iter().any(|id| id == info.id) && shows(info, track)
     };
-    let hypotheses = CATALOGUE
+    let fresh = CATALOGUE
         .iter()
         .filter(able)
-        .flat_map(|info| of(info, kind));
-    hypotheses
-        .filter(|h| !h.is_listed(model) && expressible(model, h, kind).is_ok())
+        .flat_map(|info| of(info, track, model))
+        .filter(|h| is_new(h, model) && expressible(model, h, track.kind()).is_ok());
+    fresh.chain(listed(model, excluded)).collect()
+}
+
+/// Whether a track has the sensors and the drive in which an effect shows.
+fn shows(info: &Info, track: &Track) -> bool {
+    let has = |sensor| track.of(sensor).is_some();
+    let wheels = has(Sensor::WheelAngle) || has(Sensor::WheelSpeed) || has(Sensor::Odometry);
+    match info.id {
+        "imu_latency" => has(Sensor::Imu),
+        "pose_offset" | "pose_latency" => has(Sensor::Pose),
+        "wheels_latency" => wheels && (has(Sensor::Pose) || has(Sensor::Imu)),
+        // scaled counts and a scaled radius are one where the wheels themselves drive
+        "encoder_scale" => wheels,
+        _ => true,
+    }
+}
+
+/// Whether an effect can be had beside those of the model.
+fn is_new(hypothesis: &Hypothesis, model: &RobotModel) -> bool {
+    let mut listed = model.effects.iter();
+    hypothesis.info.repeats && hypothesis.text.is_none()
+        || !listed.any(|listed| listed.effect == hypothesis.info.id)
+}
+
+/// The model's own effects with other numbers.
+fn listed(model: &RobotModel, excluded: &[String]) -> Vec<Hypothesis> {
+    let listed = model.effects.iter().enumerate();
+    let known = listed.filter_map(|(i, spec)| Some((i, spec, find(&spec.effect)?)));
+    known
+        .filter(|(_, _, info)| !excluded.iter().any(|id| id == info.id))
+        .map(|(i, spec, info)| {
+            let numbers = info.parameters.iter().filter_map(|p| {
+                let own = spec.parameters.iter().find(|(name, _)| name == p.name)?;
+                match own.1 {
+                    Parameter::Number(number) => Some((p.name, number)),
+                    Parameter::Text(_) => None,
+                }
+            });
+            let text = info.parameters.iter().find_map(|p| {
+                let own = spec.parameters.iter().find(|(name, _)| name == p.name)?;
+                match (&own.1, p.domain) {
+                    (Parameter::Text(word), Domain::Text(words)) => {
+                        let word = words.iter().find(|known| *known == word)?;
+                        Some((p.name, *word))
+                    }
+                    _ => None,
+                }
+            });
+            Hypothesis {
+                info,
+                values: numbers.collect(),
+                text,
+                replaces: Some(i),
+                only: None,
+            }
+        })
+        .filter(|h| !h.values.is_empty())
         .collect()
 }
 
@@ -69,12 +171,13 @@ fn expressible(
     slipstream_sim::Robot::new(&model)?.accepts(kind)
 }
 
-fn of(info: &'static Info, kind: CommandKind) -> Vec<Hypothesis> {
+fn of(info: &'static Info, track: &Track, model: &RobotModel) -> Vec<Hypothesis> {
+    let kind = track.kind();
     let fits = |parameter: &&ParameterInfo| {
         let speed = parameter.name == "speed_rad_s";
         !parameter.alternative || speed == (kind == CommandKind::Speed)
     };
-    let numbers: Vec<&ParameterInfo> = info.parameters.iter().filter(fits).collect();
+    let numbers: Vec<&'static ParameterInfo> = info.parameters.iter().filter(fits).collect();
     let words: Vec<Option<(&str, &str)>> = info
         .parameters
         .iter()
@@ -83,32 +186,40 @@ fn of(info: &'static Info, kind: CommandKind) -> Vec<Hypothesis> {
             Domain::Number { .. } => None,
         })
         .unwrap_or_else(|| vec![None]);
-    starts(info, &numbers)
+    starts(info, &numbers, track, model)
         .into_iter()
         .flat_map(|values| {
             words.iter().map(move |&text| Hypothesis {
-                info,
-                values: values.clone(),
                 text,
+                ..Hypothesis::new(info, values.clone())
             })
         })
         .collect()
 }
 
-/// Values to start from: factors from 1, places and offsets from 0, everything else from each of
-/// its probes; two parameters of one scale together.
-fn starts(info: &Info, numbers: &[&'static ParameterInfo]) -> Vec<Vec<(&'static str, f64)>> {
-    let probes = |p: &ParameterInfo| match p.domain {
+fn probes(p: &ParameterInfo) -> &'static [f64] {
+    match p.domain {
         Domain::Number { probes, .. } => probes,
         Domain::Text(_) => &[],
-    };
+    }
+}
+
+/// Values to start from: factors from 1, places and offsets from 0, limits of the command from what
+/// is commanded, everything else from each of its probes.
+fn starts(
+    info: &Info,
+    numbers: &[&'static ParameterInfo],
+    track: &Track,
+    model: &RobotModel,
+) -> Vec<Vec<(&'static str, f64)>> {
     let numbers: Vec<&&ParameterInfo> = numbers.iter().filter(|p| !probes(p).is_empty()).collect();
-    let is_factor = |p: &ParameterInfo| {
-        p.unit == "1" && p.name.ends_with("scale") || p.name == "right" || p.name == "left"
-    };
-    if numbers.iter().all(|p| is_factor(p)) {
+    if numbers.is_empty() {
+        return Vec::new();
+    }
+    if numbers.iter().all(|p| is_factor(p.name)) {
         return vec![numbers.iter().map(|p| (p.name, 1.0)).collect()];
     }
+    let alone = |values: &[f64]| values.iter().map(|v| vec![(numbers[0].name, *v)]).collect();
     match info.id {
         "wheel_slip" => probes(numbers[0])
             .iter()
@@ -131,9 +242,33 @@ fn starts(info: &Info, numbers: &[&'static ParameterInfo]) -> Vec<Vec<(&'static 
                 .collect(),
         ],
         "pose_offset" => vec![numbers.iter().map(|p| (p.name, 0.0)).collect()],
-        _ => probes(numbers[0])
-            .iter()
-            .map(|&probe| vec![(numbers[0].name, probe)])
-            .collect(),
+        "command_dead_band" => alone(&sizes(track, model, &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7])),
+        "command_saturation" => alone(&sizes(track, model, &[0.6, 0.8, 0.9, 0.97])),
+        _ => alone(probes(numbers[0])),
     }
+}
+
+/// Sizes of what is commanded at the wheels, at these shares of all that are not zero.
+fn sizes(track: &Track, model: &RobotModel, shares: &[f64]) -> Vec<f64> {
+    let sizes = all_sizes(track, model);
+    let at = |share: &f64| {
+        let last = sizes.len().checked_sub(1)?;
+        Some(sizes[(share * last as f64) as usize] * (1.0 - 1e-6))
+    };
+    let mut list: Vec<f64> = shares.iter().filter_map(at).collect();
+    list.dedup();
+    list
+}
+
+/// All sizes that are commanded at a wheel, small to large, in the unit of the limits of effects:
+/// N m or rad/s.
+pub(crate) fn all_sizes(track: &Track, model: &RobotModel) -> Vec<f64> {
+    let per_volt = model.motor.as_ref().map_or(1.0, |m| m.stall_torque_nm / m.nominal_voltage_v);
+    let unit = if track.kind() == CommandKind::Voltage { per_volt } else { 1.0 };
+    let [r, b] = [model.robot.wheel_radius_m, model.robot.half_track_m];
+    let asked = track.commands.iter().flat_map(|(_, command)| asked(command, r, b));
+    let mut sizes: Vec<f64> = asked.map(|v| v.abs() * unit).filter(|v| *v > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.dedup();
+    sizes
 }

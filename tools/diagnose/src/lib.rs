@@ -7,10 +7,16 @@
 //! sensors, links and recordings without commands are not searched yet, and the answer says so.
 
 mod answer;
+mod bench;
 mod fit;
 mod hypothesis;
+mod linear;
+mod local;
+mod misfit;
+mod noise;
 mod score;
 mod search;
+mod simulate;
 mod track;
 mod window;
 
@@ -21,6 +27,7 @@ pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
 
+use crate::bench::Bench;
 use crate::search::Search;
 use crate::track::Track;
 
@@ -59,7 +66,7 @@ pub fn diagnose(
     recording: &Recording,
     model_of: impl Fn(&str) -> Option<RobotModel>,
     excluded: &[String],
-    progress: &mut dyn FnMut(&str),
+    progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
     let mut answer = Answer::default();
     let mut improved = Vec::new();
@@ -76,22 +83,26 @@ pub fn diagnose(
         let track = Track::new(recording, robot, &model)?;
         slipstream_sim::Robot::new(&model)
             .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
-        let windows = window::cut(&track);
-        let hypotheses = hypothesis::all(&model, &track.commands[0].1, excluded);
-        let search = Search {
-            track: &track,
-            windows: &windows,
-            model: &model,
+        let windows = window::cut(&track, 0, window::WINDOW_S);
+        let tracks = vec![track];
+        let all = hypothesis::all(&model, &tracks, excluded);
+        let bench = Bench {
+            tracks,
+            windows,
+            model,
         };
-        let found = search.run(&hypotheses, &mut |what| {
-            progress(&format!("{}: {what}", robot.name))
-        });
-        let found = found.ok_or_else(|| {
+        let search = Search {
+            bench: &bench,
+            all,
+            excluded,
+            progress: &|what| progress(&format!("{}: {what}", robot.name)),
+        };
+        let found = search.run().ok_or_else(|| {
             let remedy = "check masses, lengths and units, and that commands are of the named kind";
             Unusable::new(&robot.name, "cannot be simulated by its model", remedy)
         })?;
-        answer.add(&search, &found);
-        improved.push((robot.name.clone(), answer::improved(&model, &found)));
+        answer.add(&bench, &found);
+        improved.push((robot.name.clone(), answer::improved(&bench, &found)));
     }
     answer.conclude();
     Ok((answer, improved))

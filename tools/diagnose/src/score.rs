@@ -1,64 +1,70 @@
 //! Prediction error in the form of the contract: the state at a window's start fitted to its first
 //! half second, then simulated open loop.
 
-use slipstream_bus::RobotModel;
-use slipstream_sim::Robot;
+use rayon::prelude::*;
 
-use crate::fit::{CHANNELS, Misfit, Problem};
-use crate::search::Search;
+use crate::bench::Bench;
+use crate::hypothesis::Hypothesis;
+use crate::misfit::Misfit;
+use crate::track::CHANNELS;
 use crate::window::Window;
 
 /// Time over which a window's start is fitted (s).
 const FITTED_S: f64 = 0.5;
 
-/// Root mean square of each channel's residual over its deviation (right and left wheel, x, y,
-/// yaw), and of the pose channels together. `None` where nothing was measured.
-pub(crate) fn prediction(
-    search: &Search<'_>,
-    model: &RobotModel,
-) -> ([Option<f64>; CHANNELS], f64) {
+/// Misfit of the prediction of `windows` by the model with `hypotheses`, without their first half
+/// second.
+pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
+    let parts: Vec<Misfit> = windows
+        .par_iter()
+        .filter_map(|window| one(bench, window, hypotheses))
+        .collect();
     let mut misfit = Misfit::default();
-    let (Ok(list), Ok(robot)) = (slipstream_sim::read_effects(model), Robot::new(model)) else {
-        return ([None; CHANNELS], f64::NAN);
-    };
-    let body = &model.robot;
-    for window in search.windows {
-        let head: [Window; 1] = [window.head(search.track, FITTED_S)];
-        let guess = window.guess(search.track, body.wheel_radius_m, body.half_track_m);
-        let problem = Problem {
-            track: search.track,
-            windows: &head,
-            model,
-            list: &list,
-            free: &[],
-        };
-        let Some(fit) = problem.fit(&[], &[guess], 30) else {
-            continue;
-        };
-        let after_s = window.from_s + FITTED_S;
-        window.simulate(
-            search.track,
-            &robot,
-            &fit.starts[0],
-            |stamp_s, channel, residual: f64| {
-                if stamp_s > after_s {
-                    misfit.squares[channel] += residual * residual;
-                    misfit.counts[channel] += 1.0;
-                }
-            },
-        );
+    for part in parts {
+        for channel in 0..CHANNELS {
+            misfit.squares[channel] += part.squares[channel];
+            misfit.counts[channel] += part.counts[channel];
+        }
     }
-    let rms = |squares: f64, count: f64| (count > 0.0).then(|| (squares / count).sqrt());
-    let mut channels = [None; CHANNELS];
-    for (channel, own) in channels.iter_mut().enumerate() {
-        *own = rms(misfit.squares[channel], misfit.counts[channel]);
-    }
-    let pose = if misfit.counts[2] > 0.0 {
-        2..CHANNELS
-    } else {
-        0..2
-    };
-    let squares: f64 = misfit.squares[pose.clone()].iter().sum();
-    let count: f64 = misfit.counts[pose].iter().sum();
-    (channels, rms(squares, count).unwrap_or(f64::NAN))
+    misfit
+}
+
+fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {
+    let track = &bench.tracks[window.run];
+    let mut head = window.head(track, FITTED_S);
+    head.free = window.free;
+    let body = &bench.model.robot;
+    let guess = window.guess(track, body.wheel_radius_m, body.half_track_m);
+    let fixed: Vec<Hypothesis> = hypotheses.to_vec();
+    let heads = [head];
+    bench.posed(&fixed, &heads, |problem, values| {
+        let still = problem.with_free(&[]);
+        let start = still.fit(&[], &[guess], 20)?.starts;
+        let own = [window.clone()];
+        let whole = problem.over(&own);
+        let mut residuals = whole.residuals(values, &start)?;
+        for (residual, stamp_s) in residuals[0].iter_mut().zip(&window.stamps_s) {
+            if *stamp_s < window.from_s + FITTED_S {
+                *residual = f64::NAN;
+            }
+        }
+        Some(Misfit::new(&own, &residuals))
+    })
+}
+
+/// Root mean square of a channel, `None` where nothing was measured.
+pub(crate) fn level(misfit: &Misfit, channel: usize) -> Option<f64> {
+    (misfit.counts[channel] > 0.0).then(|| misfit.mean_square(channel).sqrt())
+}
+
+/// Root mean square over all samples of the pose, or of gyro and wheels where there is no pose.
+pub(crate) fn total(misfit: &Misfit) -> Option<f64> {
+    let pose = 2..5;
+    let others = [0, 1, 9];
+    let has = |channels: &[usize]| channels.iter().any(|c| misfit.counts[*c] > 0.0);
+    let pose: Vec<usize> = pose.collect();
+    let channels: &[usize] = if has(&pose) { &pose } else { &others };
+    let squares: f64 = channels.iter().map(|c| misfit.squares[*c]).sum();
+    let counts: f64 = channels.iter().map(|c| misfit.counts[*c]).sum();
+    (counts > 0.0).then(|| (squares / counts).sqrt())
 }

@@ -1,289 +1,257 @@
-//! The search for what is left out: the effect that pays most, fitted together with those found
-//! before, until none pays.
+//! The search for what is left out: the effects that together bring the residuals to noise.
 
-use slipstream_bus::RobotModel;
-use slipstream_sim::{Listed, read_effects};
-
-use crate::fit::{Fit, Free, GLOBALS, Problem};
+use crate::bench::{Bench, FULL, Node, Promise};
 use crate::hypothesis::Hypothesis;
-use crate::track::Track;
-use crate::window::{LOCALS, Window};
+use crate::local;
 
-/// Level below which a residual counts as noise whatever it is: the differences of two integrators.
-pub(crate) const FLOOR: f64 = 0.8;
+use rayon::prelude::*;
 
-/// Rounds of the fit in which a hypothesis shows whether it is worth fitting to the end.
+/// Effects whose promise is followed a few rounds, and to the end.
+const FOLLOWED: [usize; 2] = [9, 5];
+/// Rounds of the first look.
 const GLANCE: usize = 2;
-/// Rounds of a full fit.
-const FULL: usize = 40;
-/// Hypotheses that are fitted to the end.
-const BEST: usize = 7;
+/// Share of the gain of an effect that explains all that another has to promise, and to show at a
+/// first look, to be fitted beside it.
+const NEAR: f64 = 0.7;
+const CLOSE: f64 = 0.95;
+/// Models that are kept side by side while none reaches the noise.
+const SIDE_BY_SIDE: usize = 3;
+/// Effects at most.
+const MOST: usize = 5;
 
 /// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
 const PAY: [f64; 2] = [24.0, 6.0];
-/// Share of what was gained so far that one more effect has to bring.
-const PAY_SHARE: f64 = 0.02;
+/// The same for an effect whose place or time was searched.
+const PAY_LOCAL: f64 = 40.0;
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
 const SIGMAS: f64 = 4.2;
 
-/// A model that explains a track, with what was found beyond the nominal one.
-#[derive(Debug, Clone)]
+/// A model that explains the tracks as far as the catalogue can.
 pub(crate) struct Found {
-    pub(crate) hypotheses: Vec<Hypothesis>,
-    pub(crate) fit: Fit,
-    /// Gain of each effect: Δ ln L of all against all without it.
+    pub(crate) nominal: Node,
+    pub(crate) node: Node,
+    /// Of each effect: ln L of all over all without it.
     pub(crate) gains: Vec<f64>,
-    /// Effects that fit as well in place of each one.
+    /// Of each effect: those that fit as well in its place.
     pub(crate) twins: Vec<Vec<&'static str>>,
+    /// How many hypotheses were looked at.
+    pub(crate) looked_at: usize,
 }
 
-/// Effects as the plant takes them, and which of their numbers are fitted from which values.
-struct Setting {
-    list: Vec<Listed<f64>>,
-    free: Vec<Free>,
-    values: Vec<f64>,
-}
-
-/// One track with its nominal model.
+/// The search over one bench.
 pub(crate) struct Search<'a> {
-    pub(crate) track: &'a Track,
-    pub(crate) windows: &'a [Window],
-    pub(crate) model: &'a RobotModel,
+    pub(crate) bench: &'a Bench,
+    pub(crate) all: Vec<Hypothesis>,
+    pub(crate) excluded: &'a [String],
+    pub(crate) progress: &'a (dyn Fn(&str) + Sync),
 }
+
+fn deviance(node: &Node) -> f64 {
+    node.fit.misfit.deviance()
+}
+
+/// −2 ln L with a charge for each parameter: what the search makes small.
+fn score(node: &Node) -> f64 {
+    deviance(node) + 6.0 * node.fit.values.len() as f64
+}
+
+/// What an effect has to bring.
+fn due(hypothesis: &Hypothesis) -> f64 {
+    let first = if local::is_local(hypothesis) { PAY_LOCAL } else { PAY[0] };
+    first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
+}
+
 
 impl Search<'_> {
-    /// Fits the nominal model and these effects.
-    pub(crate) fn fit(
-        &self,
-        hypotheses: &[Hypothesis],
-        starts: &[[f64; LOCALS]],
-        rounds: usize,
-    ) -> Option<Fit> {
-        let Setting { list, free, values } = self.listed(hypotheses)?;
-        let problem = Problem {
-            track: self.track,
-            windows: self.windows,
-            model: self.model,
-            list: &list,
-            free: &free,
-        };
-        problem.fit(&values, starts, rounds)
-    }
-
-    fn listed(&self, hypotheses: &[Hypothesis]) -> Option<Setting> {
-        let mut model = self.model.clone();
-        let known = model.effects.len();
-        model
-            .effects
-            .extend(hypotheses.iter().map(Hypothesis::spec));
-        let list = read_effects(&model).ok()?;
-        let mut free = Vec::new();
-        let mut values = Vec::new();
-        for (i, hypothesis) in hypotheses.iter().enumerate() {
-            for &(name, value) in &hypothesis.values {
-                free.push((known + i, name));
-                values.push(value);
+    /// Searches from the nominal model on. `None` if that cannot be simulated.
+    pub(crate) fn run(&self) -> Option<Found> {
+        (self.progress)("nominal model");
+        let nominal = self.bench.fit(&[], &self.bench.guesses(), FULL)?;
+        let mut best = nominal.clone();
+        let mut nodes = vec![nominal.clone()];
+        let mut looked_at = 0;
+        let mut seen: Vec<Node> = Vec::new();
+        for _ in 0..MOST {
+            let mut next: Vec<Node> = Vec::new();
+            for node in &nodes {
+                if seen.iter().any(|known| same(known, node)) {
+                    continue;
+                }
+                seen.push(node.clone());
+                let candidates = self.candidates(node);
+                looked_at += candidates.len();
+                next.extend(self.extended(node, &candidates));
+            }
+            next.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            let mut kept: Vec<Node> = Vec::new();
+            for node in next {
+                if !kept.iter().any(|known| same(known, &node)) {
+                    kept.push(node);
+                }
+            }
+            let Some(first) = kept.first() else { break };
+            kept.truncate(if self.bench.is_noise(first) { 1 } else { SIDE_BY_SIDE });
+            nodes = kept.into_iter().map(|node| self.pruned(node)).collect();
+            nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            if score(&nodes[0]) < score(&best) {
+                best = nodes[0].clone();
             }
         }
-        (free.len() <= GLOBALS).then_some(Setting { list, free, values })
+        Some(self.weighed(nominal, best, looked_at))
     }
 
-    /// Searches from the nominal model on. `progress` is told what is being done.
-    pub(crate) fn run(&self, all: &[Hypothesis], progress: &mut dyn FnMut(&str)) -> Option<Found> {
-        let [radius, half_track] = [
-            self.model.robot.wheel_radius_m,
-            self.model.robot.half_track_m,
-        ];
-        let starts: Vec<_> = self
-            .windows
-            .iter()
-            .map(|w| w.guess(self.track, radius, half_track))
-            .collect();
-        progress("nominal model");
-        let nominal = self.fit(&[], &starts, FULL)?;
-        let begin = nominal.misfit.deviance(FLOOR);
-        let mut found = Found {
-            hypotheses: Vec::new(),
-            fit: nominal,
-            gains: Vec::new(),
-            twins: Vec::new(),
+    fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
+        let taken = |h: &Hypothesis| {
+            let known = |k: &Hypothesis| k.is_like(h) && !local::is_local(h);
+            node.hypotheses.iter().any(known)
         };
-        while let Some(next) = self.next(all, &found, begin, progress) {
-            found = self.prune(next, progress);
-        }
-        Some(self.weigh(found, progress))
+        let mut candidates: Vec<Hypothesis> = self.all.iter().filter(|h| !taken(h)).cloned().collect();
+        candidates.extend(local::candidates(self.bench, node, self.excluded));
+        candidates
     }
 
-    fn taken(found: &Found, hypothesis: &Hypothesis) -> bool {
-        let same = |known: &Hypothesis| {
-            known.info.id == hypothesis.info.id && known.text == hypothesis.text
-        };
-        found.hypotheses.iter().any(same)
+    /// The extensions by one effect that pay, best first.
+    fn extended(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Node> {
+        let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
+        (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
+        let followed = self.followed(node, candidates, 0.5 * PAY[0]);
+        followed.into_iter().filter(|next| self.pays(node, next)).collect()
     }
 
-    /// The best extension by one effect, if it pays.
-    fn next(
-        &self,
-        all: &[Hypothesis],
-        found: &Found,
-        begin: f64,
-        progress: &mut dyn FnMut(&str),
-    ) -> Option<Found> {
-        let so_far = found.fit.misfit.deviance(FLOOR);
-        let candidates: Vec<&Hypothesis> = all.iter().filter(|h| !Self::taken(found, h)).collect();
-        let mut glances = self.try_each(&candidates, found, GLANCE, progress);
-        glances.sort_by(|a, b| {
-            a.1.misfit
-                .deviance(FLOOR)
-                .total_cmp(&b.1.misfit.deviance(FLOOR))
-        });
-        let mut best: Vec<&Hypothesis> = Vec::new();
-        for (hypotheses, _) in &glances {
-            let own = hypotheses.last()?;
-            if !best
-                .iter()
-                .any(|known| known.info.id == own.info.id && known.text == own.text)
-            {
-                best.push(own);
+    /// The most promising extensions, fitted to the end.
+    fn followed(&self, node: &Node, candidates: &[Hypothesis], least: f64) -> Vec<Node> {
+        let promises = self.bench.promises(node, candidates);
+        let before = deviance(node);
+        if std::env::var_os("DEBUG_D").is_some() { for p in promises.iter().take(14) { eprintln!("   {} {:?} {:.0} of {before:.0}", p.hypothesis.info.id, p.hypothesis.values, p.deviance); } }
+        let mut chosen: Vec<&Promise> = Vec::new();
+        for promise in promises.iter().filter(|p| before - p.deviance > least) {
+            let known = |c: &&Promise| c.hypothesis.is_like(&promise.hypothesis);
+            // of what has several places or sizes, the best two
+            if chosen.iter().filter(|c| known(c)).count() < 2 {
+                chosen.push(promise);
             }
         }
-        best.truncate(BEST);
-        let mut full = self.try_each(&best, found, FULL, progress);
-        full.sort_by(|a, b| {
-            a.1.misfit
-                .deviance(FLOOR)
-                .total_cmp(&b.1.misfit.deviance(FLOOR))
+        chosen.truncate(FOLLOWED[0]);
+        let Some(best) = chosen.first().and_then(|p| self.bench.follow(node, p, GLANCE)) else {
+            return Vec::new();
+        };
+        // where one explains all, only what promises nearly as much is worth a fit
+        let near = before - NEAR * (before - deviance(&best));
+        let worth = |p: &&&Promise| !self.bench.is_noise(&best) || p.deviance < near;
+        let rest: Vec<&Promise> = chosen[1..].iter().filter(worth).copied().collect();
+        let glances = rest.par_iter().filter_map(|p| self.bench.follow(node, p, GLANCE));
+        let mut glances: Vec<Node> = glances.collect();
+        glances.push(best);
+        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let first = deviance(&glances[0]);
+        if self.bench.is_noise(&glances[0]) {
+            let least = (before - CLOSE * (before - first)).max(first + 60.0);
+            glances.retain(|glance| deviance(glance) < least);
+        }
+        glances.truncate(FOLLOWED[1]);
+        let full = glances.par_iter().filter_map(|glance| {
+            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
         });
-        let twins: Vec<(&'static str, f64)> = full
-            .iter()
-            .filter_map(|(h, fit)| Some((h.last()?.info.id, fit.misfit.deviance(FLOOR))))
-            .collect();
-        full.into_iter().find_map(|(hypotheses, fit)| {
-            let own = hypotheses.last()?;
-            let own_id = own.info.id;
-            let level = fit.misfit.deviance(FLOOR);
-            let near =
-                |(id, other): &&(&'static str, f64)| *id != own_id && (other - level).abs() < TWINS;
-            let gain = so_far - fit.misfit.deviance(FLOOR);
-            let parameters = own.values.len();
-            let due = PAY[0] + PAY[1] * (parameters as f64 - 1.0);
-            let pays = gain > due.max(PAY_SHARE * (begin - so_far));
-            let clear = self.is_clear(&hypotheses, &fit, hypotheses.len() - 1);
-            let mut all_twins = found.twins.clone();
-            all_twins.push(twins.iter().filter(near).map(|(id, _)| *id).collect());
-            (pays && clear).then(|| Found {
-                hypotheses,
-                fit,
-                gains: Vec::new(),
-                twins: all_twins,
-            })
-        })
+        let mut full: Vec<Node> = full.collect();
+        full.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        if std::env::var_os("DEBUG_D").is_some() { for p in &full { eprintln!("   -> {} {:?} {:.0} worst {:?} dev {:?}", p.hypotheses.last().map_or("", |h| h.info.id), p.fit.values, deviance(p), p.fit.misfit.worst(), p.fit.deviations); } }
+        full
+    }
+
+    fn pays(&self, before: &Node, after: &Node) -> bool {
+        let Some(own) = after.hypotheses.last() else {
+            return false;
+        };
+        let gain = after.fit.misfit.gain_over(&before.fit.misfit);
+        gain > due(own) && self.is_clear(after, after.hypotheses.len() - 1)
     }
 
     /// Whether an effect differs from nothing by its own uncertainty.
-    fn is_clear(&self, hypotheses: &[Hypothesis], fit: &Fit, which: usize) -> bool {
-        let first: usize = hypotheses[..which].iter().map(|h| h.values.len()).sum();
-        let own = &hypotheses[which];
-        own.values.iter().enumerate().any(|(i, (name, _))| {
-            let nothing = if name.ends_with("scale") || *name == "right" || *name == "left" {
-                1.0
-            } else {
-                0.0
-            };
-            (fit.values[first + i] - nothing).abs() > SIGMAS * fit.deviations[first + i]
+    fn is_clear(&self, node: &Node, which: usize) -> bool {
+        let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
+        let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
+        let own = &node.hypotheses[which];
+        own.is_threshold() || own.values.iter().enumerate().any(|(i, (name, value))| {
+            let nothing = own.nothing(&self.bench.model, name);
+            (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
         })
     }
 
-    /// Fits `found` and each candidate, on all cores.
-    fn try_each(
-        &self,
-        candidates: &[&Hypothesis],
-        found: &Found,
-        rounds: usize,
-        progress: &mut dyn FnMut(&str),
-    ) -> Vec<(Vec<Hypothesis>, Fit)> {
-        let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-        let mut tried = Vec::new();
-        for group in candidates.chunks(cores) {
-            let names: Vec<&str> = group.iter().map(|h| h.info.id).collect();
-            progress(&names.join(", "));
-            let results: Vec<_> = std::thread::scope(|scope| {
-                let threads: Vec<_> = group
-                    .iter()
-                    .map(|candidate| {
-                        scope.spawn(|| {
-                            let mut hypotheses = self.settled(found);
-                            hypotheses.push((*candidate).clone());
-                            let fit = self.fit(&hypotheses, &found.fit.starts, rounds)?;
-                            Some((hypotheses, fit))
-                        })
-                    })
-                    .collect();
-                threads
-                    .into_iter()
-                    .map(|thread| thread.join().ok().flatten())
-                    .collect()
-            });
-            tried.extend(results.into_iter().flatten());
-        }
-        tried
-    }
-
-    /// The effects found so far at the values that their fit gave.
-    fn settled(&self, found: &Found) -> Vec<Hypothesis> {
-        let mut values = found.fit.values.iter();
-        let mut hypotheses = found.hypotheses.clone();
-        for hypothesis in &mut hypotheses {
-            for (_, value) in &mut hypothesis.values {
-                if let Some(fitted) = values.next() {
-                    *value = *fitted;
-                }
-            }
-        }
-        hypotheses
-    }
-
     /// Takes out what no longer pays beside what came later.
-    fn prune(&self, mut found: Found, progress: &mut dyn FnMut(&str)) -> Found {
+    fn pruned(&self, mut node: Node) -> Node {
         let mut at = 0;
-        while found.hypotheses.len() > 1 && at < found.hypotheses.len() {
-            let mut without = self.settled(&found);
+        while node.hypotheses.len() > 1 && at < node.hypotheses.len() {
+            let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
-            progress(&format!("without {}", removed.info.id));
-            let due = PAY[0] + PAY[1] * (removed.values.len() as f64 - 1.0);
-            match self.fit(&without, &found.fit.starts, FULL) {
-                Some(fit)
-                    if fit.misfit.deviance(FLOOR) - found.fit.misfit.deviance(FLOOR) < due =>
-                {
-                    let mut twins = found.twins;
-                    twins.remove(at);
-                    found = Found {
-                        hypotheses: without,
-                        fit,
-                        gains: Vec::new(),
-                        twins,
-                    };
+            (self.progress)(&format!("without {}", removed.info.id));
+            match self.bench.fit(&without, &node.fit.starts, FULL) {
+                Some(less) if node.fit.misfit.gain_over(&less.fit.misfit) < due(&removed) => {
+                    node = less;
                     at = 0;
                 }
                 _ => at += 1,
             }
         }
-        found
+        node
     }
 
-    /// What each effect brings: the fit without it against the fit with all.
-    fn weigh(&self, mut found: Found, progress: &mut dyn FnMut(&str)) -> Found {
-        let whole = found.fit.misfit.deviance(FLOOR);
-        for at in 0..found.hypotheses.len() {
-            let mut without = self.settled(&found);
+    /// What each effect brings, and what could stand in its place. What fits better in its place
+    /// takes it.
+    fn weighed(&self, nominal: Node, mut node: Node, looked_at: usize) -> Found {
+        let (mut gains, mut twins) = (Vec::new(), Vec::new());
+        let mut swaps = 0;
+        let mut at = 0;
+        while at < node.hypotheses.len() {
+            let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
-            progress(&format!("what {} brings", removed.info.id));
-            let gone = self.fit(&without, &found.fit.starts, FULL);
-            let gone = gone.map_or(whole, |fit| fit.misfit.deviance(FLOOR));
-            found.gains.push((gone - whole) / 2.0);
+            (self.progress)(&format!("what {} brings", removed.info.id));
+            let Some(less) = self.bench.fit(&without, &node.fit.starts, FULL) else {
+                gains.push(0.0);
+                twins.push(Vec::new());
+                at += 1;
+                continue;
+            };
+            let candidates: Vec<Hypothesis> = self
+                .candidates(&less)
+                .into_iter()
+                .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
+                .collect();
+            let rivals = self.followed(&less, &candidates, 0.5 * (deviance(&less) - deviance(&node)));
+            if let Some(rival) = rivals.first()
+                && score(rival) < score(&node) - 3.0
+                && swaps < 3
+            {
+                node = rival.clone();
+                (gains, twins, at) = (Vec::new(), Vec::new(), 0);
+                swaps += 1;
+                continue;
+            }
+            gains.push((deviance(&less) - deviance(&node)) / 2.0);
+            let near = rivals.iter().filter(|r| deviance(r) < deviance(&node) + TWINS);
+            let mut ids: Vec<&'static str> = near.filter_map(|r| Some(r.hypotheses.last()?.info.id)).collect();
+            ids.sort_unstable();
+            ids.dedup();
+            ids.retain(|id| *id != removed.info.id);
+            twins.push(ids);
+            at += 1;
         }
-        found
+        Found {
+            nominal,
+            node,
+            gains,
+            twins,
+            looked_at,
+        }
     }
+}
+
+fn same(a: &Node, b: &Node) -> bool {
+    let key = |node: &Node| {
+        let mut ids: Vec<_> = node.hypotheses.iter().map(|h| (h.info.id, h.text, h.only)).collect();
+        ids.sort_unstable();
+        ids
+    };
+    key(a) == key(b)
 }

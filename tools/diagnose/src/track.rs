@@ -1,103 +1,189 @@
-//! What a recording says about one robot, in the form that the fit reads: commands, and
+//! What a recording says about one robot, in the form that the fit reads: what drove it, and
 //! measurements with their standard deviations.
 
 use std::f64::consts::TAU;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{
-    Command as Told, PosePoint, Recording, Robot as Recorded, Wheels as WheelStream,
+    Command as Told, ImuKind, PosePoint, Recording, Robot as Recorded, Wheels as WheelStream,
 };
-use slipstream_sim::Command;
+use slipstream_sim::{Command, CommandKind, Stream};
 
 use crate::Unusable;
+use crate::noise;
 
 /// Standard deviation of a rounding to whole counts (counts).
 const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
-/// Standard deviations where the recording declares none: an overhead camera's.
-const POSE_M: f64 = 0.002;
-const POSE_RAD: f64 = 0.009;
+/// Channels of measurement: right and left wheel, x, y and yaw of the pose, v and w of the
+/// odometry, ax, ay and gz of the inertial sensor.
+pub(crate) const CHANNELS: usize = 10;
+
+/// Names of the channels in `held_out`.
+pub(crate) const CHANNEL_NAMES: [&str; CHANNELS] = [
+    "wheel_right",
+    "wheel_left",
+    "pose_x",
+    "pose_y",
+    "pose_yaw",
+    "odometry_v",
+    "odometry_w",
+    "imu_ax",
+    "imu_ay",
+    "imu_gz",
+];
+
+/// What a series of measurements is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sensor {
+    WheelAngle,
+    WheelSpeed,
+    Pose,
+    Odometry,
+    Imu,
+}
+
+impl Sensor {
+    /// The first of its channels.
+    pub(crate) fn channel(self) -> usize {
+        match self {
+            Self::WheelAngle | Self::WheelSpeed => 0,
+            Self::Pose => 2,
+            Self::Odometry => 5,
+            Self::Imu => 7,
+        }
+    }
+
+    /// How many numbers a row has.
+    pub(crate) fn width(self) -> usize {
+        match self {
+            Self::WheelAngle | Self::WheelSpeed | Self::Odometry => 2,
+            Self::Pose | Self::Imu => 3,
+        }
+    }
+
+    /// Whose clock stamps it. The odometry is made of the wheels.
+    pub(crate) fn clock(self) -> Stream {
+        match self {
+            Self::WheelAngle | Self::WheelSpeed | Self::Odometry => Stream::Wheels,
+            Self::Pose => Stream::Pose,
+            Self::Imu => Stream::Imu,
+        }
+    }
+}
+
+/// Rows of one sensor. What it did not see is NaN.
+#[derive(Debug, Clone)]
+pub(crate) struct Series {
+    pub(crate) sensor: Sensor,
+    /// Stamp (s) and values.
+    pub(crate) rows: Vec<(f64, [f64; 3])>,
+    pub(crate) deviation: [f64; 3],
+    /// The deviation was declared, or is that of a rounding; otherwise the rows themselves gave it.
+    pub(crate) declared: bool,
+}
+
+/// What the simulation is driven by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Driver {
+    /// What the actuators were told.
+    Command,
+    /// How the wheels turned, where nothing is known of commands.
+    Wheels,
+}
 
 /// One robot's recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
     pub(crate) robot: String,
+    pub(crate) driver: Driver,
     /// From when (s) each command holds.
     pub(crate) commands: Vec<(f64, Command)>,
-    /// Stamp (s) and angles of the right and the left wheel (rad).
-    pub(crate) wheels: Vec<(f64, [f64; 2])>,
-    pub(crate) wheel_rad: f64,
-    /// Stamp (s), x and y (m) and yaw (rad) of the tracked point.
-    pub(crate) poses: Vec<(f64, [f64; 3])>,
-    pub(crate) pose_deviation: [f64; 3],
+    pub(crate) series: Vec<Series>,
     /// From c forward to the tracked point (m).
     pub(crate) tracked_ahead_m: f64,
+    /// The accelerometer leaves weight out.
+    pub(crate) imu_without_weight: bool,
 }
 
 impl Track {
-    /// The track of `robot`.
+    /// The track of `robot`, driven by its commands, or by its wheels where there are none.
     ///
     /// # Errors
-    /// A robot without commands, or without anything that was measured.
+    /// A robot without commands and wheels, or without anything that was measured.
     pub(crate) fn new(
         recording: &Recording,
         robot: &Recorded,
         model: &RobotModel,
     ) -> Result<Self, Unusable> {
         let place = format!("{}: {}", recording.name, robot.name);
-        let commands = commands(robot).ok_or_else(|| {
-            Unusable::new(
-                &place,
-                "has no command.csv",
-                "record what the actuators were told",
-            )
+        let wheels = wheels(robot, model);
+        let told = commands(robot);
+        let driver = if told.is_some() { Driver::Command } else { Driver::Wheels };
+        let driven = told.or_else(|| wheels.as_ref().and_then(driven_by));
+        let commands = driven.ok_or_else(|| {
+            let remedy = "record command.csv, or wheels.csv with counts per turn";
+            Unusable::new(&place, "has neither commands nor wheels", remedy)
         })?;
-        let counts = robot
-            .encoder_counts_per_rev
-            .or_else(|| model.encoder.as_ref().map(|e| e.counts_per_rev));
-        let (wheels, wheel_rad) = wheels(robot, counts);
-        let poses = poses(robot);
-        if wheels.is_empty() && poses.is_empty() {
-            let remedy = "record wheels.csv or pose.csv";
-            return Err(Unusable::new(
-                place,
-                "has nothing that was measured",
-                remedy,
-            ));
+        let mut series: Vec<Series> = Vec::new();
+        series.extend(wheels.filter(|_| driver == Driver::Command));
+        series.extend([poses(robot), odometry(robot), imu(robot)].into_iter().flatten());
+        if !matches!(commands.first(), Some((_, Command::Torque { .. } | Command::Voltage { .. }))) {
+            // speeds that jump with their command have no acceleration to compare
+            for series in series.iter_mut().filter(|s| s.sensor == Sensor::Imu) {
+                series.rows.iter_mut().for_each(|(_, [along, across, _])| {
+                    [*along, *across] = [f64::NAN; 2];
+                });
+            }
         }
-        let noise = &robot.noise;
-        let pose_m = noise.pose_m.unwrap_or(POSE_M);
+        series.retain(|series| !series.rows.is_empty());
+        if series.is_empty() {
+            let remedy = "record pose.csv, wheels.csv beside a command, or imu.csv";
+            return Err(Unusable::new(place, "has nothing to compare with", remedy));
+        }
         let axle = robot.pose_point == Some(PosePoint::Axle);
-        let back = if axle {
-            model.robot.com_to_axle_m.unwrap_or(0.0)
-        } else {
-            0.0
-        };
+        let back = model.robot.com_to_axle_m.filter(|_| axle).unwrap_or(0.0);
         Ok(Self {
             robot: robot.name.clone(),
+            driver,
             commands,
-            wheels,
-            wheel_rad: noise.wheel_rad.unwrap_or(wheel_rad),
-            poses,
-            pose_deviation: [pose_m, pose_m, noise.pose_rad.unwrap_or(POSE_RAD)],
+            series,
             tracked_ahead_m: -back,
+            imu_without_weight: robot.imu_kind == Some(ImuKind::Acceleration),
         })
+    }
+
+    /// The series of `sensor`.
+    pub(crate) fn of(&self, sensor: Sensor) -> Option<&Series> {
+        self.series.iter().find(|series| series.sensor == sensor)
+    }
+
+    /// The quantity that commands set.
+    pub(crate) fn kind(&self) -> CommandKind {
+        match self.commands.first() {
+            Some((_, Command::Voltage { .. })) => CommandKind::Voltage,
+            Some((_, Command::Speed { .. } | Command::Twist { .. })) => CommandKind::Speed,
+            _ => CommandKind::Torque,
+        }
     }
 
     /// From the first command to the last thing measured (s).
     pub(crate) fn span_s(&self) -> [f64; 2] {
         let from = self.commands.first().map_or(0.0, |(t_s, _)| *t_s);
-        let wheels = self.wheels.last().map_or(from, |(t_s, _)| *t_s);
-        let poses = self.poses.last().map_or(from, |(t_s, _)| *t_s);
-        [from, wheels.max(poses)]
+        let ends = self.series.iter().filter_map(|s| s.rows.last());
+        let to = ends.map(|(t_s, _)| *t_s).fold(from, f64::max);
+        let last = self.commands.last().map_or(from, |(t_s, _)| *t_s);
+        let held = if self.driver == Driver::Wheels { last } else { to };
+        [from, to.min(held)]
     }
 }
 
 fn commands(robot: &Recorded) -> Option<Vec<(f64, Command)>> {
     let stream = robot.command.as_ref()?;
     let pair = |a: &[f64], b: &[f64], make: fn(f64, f64) -> Command| {
-        let values = a.iter().zip(b).map(|(&a, &b)| make(a, b));
-        stream.t_s.iter().copied().zip(values).collect::<Vec<_>>()
+        let rows = stream.t_s.iter().zip(a.iter().zip(b));
+        let known = rows.filter(|(_, (a, b))| a.is_finite() && b.is_finite());
+        known.map(|(&t_s, (&a, &b))| (t_s, make(a, b))).collect::<Vec<_>>()
     };
     let list = match &stream.values {
         Told::Torque { right_nm, left_nm } => pair(right_nm, left_nm, |right_nm, left_nm| {
@@ -123,50 +209,155 @@ fn commands(robot: &Recorded) -> Option<Vec<(f64, Command)>> {
     (!list.is_empty()).then_some(list)
 }
 
-fn wheels(robot: &Recorded, counts: Option<u32>) -> (Vec<(f64, [f64; 2])>, f64) {
-    let Some(stream) = &robot.wheels else {
-        return (Vec::new(), 1.0);
-    };
-    let times = stream.t_s.iter().copied();
-    match &stream.values {
+/// Angles in rad where they are known, else speeds. The deviation is the declared one, that of the
+/// rounding, or what the rows themselves show.
+fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
+    let stream = robot.wheels.as_ref()?;
+    let counts = robot
+        .encoder_counts_per_rev
+        .or_else(|| model.encoder.as_ref().map(|e| e.counts_per_rev));
+    let (sensor, rounding, pairs): (_, _, Vec<[f64; 2]>) = match &stream.values {
         WheelStream::Ticks { right, left } => {
-            let Some(counts) = counts else {
-                return (Vec::new(), 1.0);
-            };
-            let tick = TAU / f64::from(counts);
+            let tick = TAU / f64::from(counts?);
             // the counter rounds down: the angle lies half a count higher on average
-            let angle = |count: i64| (count as f64 + 0.5) * tick;
-            let rows = times
-                .zip(right.iter().zip(left))
-                .filter_map(|(t_s, (right, left))| {
-                    Some((t_s, [angle((*right)?), angle((*left)?)]))
-                });
-            (rows.collect(), ROUNDING * tick)
+            let angle = |n: &Option<i64>| n.map_or(f64::NAN, |n| (n as f64 + 0.5) * tick);
+            let pairs = right.iter().zip(left).map(|(r, l)| [angle(r), angle(l)]);
+            (Sensor::WheelAngle, Some(ROUNDING * tick), pairs.collect())
         }
         WheelStream::Angle {
             right_rad,
             left_rad,
         } => {
-            let rows = times.zip(right_rad.iter().zip(left_rad).map(|(&r, &l)| [r, l]));
-            (
-                rows.filter(|(_, [r, l])| r.is_finite() && l.is_finite())
-                    .collect(),
-                1e-3,
-            )
+            let pairs = right_rad.iter().zip(left_rad).map(|(&r, &l)| [r, l]);
+            (Sensor::WheelAngle, None, pairs.collect())
         }
-        WheelStream::Speed { .. } => (Vec::new(), 1.0),
-    }
+        WheelStream::Speed {
+            right_rad_s,
+            left_rad_s,
+        } => {
+            let pairs = right_rad_s.iter().zip(left_rad_s).map(|(&r, &l)| [r, l]);
+            (Sensor::WheelSpeed, None, pairs.collect())
+        }
+    };
+    let rows: Vec<(f64, [f64; 3])> = stream
+        .t_s
+        .iter()
+        .zip(pairs)
+        .filter(|(_, [r, l])| r.is_finite() && l.is_finite())
+        .map(|(&t_s, [r, l])| (t_s, [r, l, f64::NAN]))
+        .collect();
+    let known = robot.noise.wheel_rad.filter(|_| sensor == Sensor::WheelAngle);
+    let one = known.or(rounding);
+    let deviation = [0, 1].map(|i| one.unwrap_or_else(|| own_deviation(&rows, i, 1e-4)));
+    Some(Series {
+        sensor,
+        rows,
+        deviation: [deviation[0], deviation[1], 1.0],
+        declared: one.is_some(),
+    })
 }
 
-fn poses(robot: &Recorded) -> Vec<(f64, [f64; 3])> {
-    let Some(stream) = &robot.pose else {
-        return Vec::new();
+fn own_deviation(rows: &[(f64, [f64; 3])], part: usize, least: f64) -> f64 {
+    let rows: Vec<(f64, f64)> = rows
+        .iter()
+        .map(|(t_s, values)| (*t_s, values[part]))
+        .filter(|(_, value)| value.is_finite())
+        .collect();
+    noise::deviation(&rows).unwrap_or(least).max(least)
+}
+
+/// Wheel speeds that lead from each row of the wheels to the next.
+fn driven_by(wheels: &Series) -> Option<Vec<(f64, Command)>> {
+    let rows = &wheels.rows;
+    let speed = |[right_rad_s, left_rad_s]: [f64; 2]| Command::Speed {
+        right_rad_s,
+        left_rad_s,
     };
+    let pairs = rows.windows(2).filter(|pair| pair[1].0 > pair[0].0);
+    let list: Vec<(f64, Command)> = pairs
+        .map(|pair| {
+            let [(from_s, a), (to_s, b)] = [pair[0], pair[1]];
+            let mean = |i: usize| match wheels.sensor {
+                Sensor::WheelAngle => (b[i] - a[i]) / (to_s - from_s),
+                _ => (a[i] + b[i]) / 2.0,
+            };
+            (from_s, speed([mean(0), mean(1)]))
+        })
+        .collect();
+    (!list.is_empty()).then_some(list)
+}
+
+fn poses(robot: &Recorded) -> Option<Series> {
+    let stream = robot.pose.as_ref()?;
     let yaw = stream.values.yaw_rad.as_deref();
+    let mut turns = 0.0;
+    let mut last = f64::NAN;
     let rows = stream.t_s.iter().enumerate().map(|(i, &t_s)| {
         let yaw = yaw.map_or(f64::NAN, |yaw| yaw[i]);
-        (t_s, [stream.values.x_m[i], stream.values.y_m[i], yaw])
+        if yaw.is_finite() {
+            if last.is_finite() {
+                turns += ((last - yaw) / TAU).round();
+            }
+            last = yaw;
+        }
+        (t_s, [stream.values.x_m[i], stream.values.y_m[i], yaw + turns * TAU])
     });
-    rows.filter(|(_, [x, y, _])| x.is_finite() && y.is_finite())
-        .collect()
+    let rows: Vec<_> = rows
+        .filter(|(_, [x, y, _])| x.is_finite() && y.is_finite())
+        .collect();
+    let noise = &robot.noise;
+    let own = |i: usize, least: f64| own_deviation(&rows, i, least);
+    let pose_m = noise.pose_m.unwrap_or_else(|| own(0, 1e-4).max(own(1, 1e-4)));
+    let pose_rad = noise.pose_rad.unwrap_or_else(|| own(2, 1e-4));
+    Some(Series {
+        sensor: Sensor::Pose,
+        rows,
+        deviation: [pose_m, pose_m, pose_rad],
+        declared: noise.pose_m.is_some(),
+    })
+}
+
+fn odometry(robot: &Recorded) -> Option<Series> {
+    let stream = robot.odometry.as_ref()?;
+    let w = stream.values.w_rad_s.as_deref();
+    let rows: Vec<_> = stream
+        .t_s
+        .iter()
+        .zip(&stream.values.v_m_s)
+        .enumerate()
+        .map(|(i, (&t_s, &v))| (t_s, [v, w.map_or(f64::NAN, |w| w[i]), f64::NAN]))
+        .collect();
+    let noise = &robot.noise;
+    let v = noise.odometry_m_s.unwrap_or_else(|| own_deviation(&rows, 0, 1e-4));
+    let w = noise.odometry_rad_s.unwrap_or_else(|| own_deviation(&rows, 1, 1e-4));
+    Some(Series {
+        sensor: Sensor::Odometry,
+        rows,
+        deviation: [v, w, 1.0],
+        declared: noise.odometry_m_s.is_some(),
+    })
+}
+
+fn imu(robot: &Recorded) -> Option<Series> {
+    let stream = robot.imu.as_ref()?;
+    let axis = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map_or(f64::NAN, |v| v[i]);
+    let values = &stream.values;
+    let rows: Vec<_> = stream
+        .t_s
+        .iter()
+        .enumerate()
+        .map(|(i, &t_s)| {
+            let row = [&values.ax_m_s2, &values.ay_m_s2, &values.gz_rad_s];
+            (t_s, row.map(|one| axis(one, i)))
+        })
+        .collect();
+    let noise = &robot.noise;
+    let along = |i: usize| noise.imu_m_s2.unwrap_or_else(|| own_deviation(&rows, i, 1e-3));
+    let turn = noise.imu_rad_s.unwrap_or_else(|| own_deviation(&rows, 2, 1e-4));
+    Some(Series {
+        sensor: Sensor::Imu,
+        deviation: [along(0), along(1), turn],
+        declared: noise.imu_rad_s.is_some(),
+        rows,
+    })
 }

@@ -1,18 +1,18 @@
 //! A recording cut into windows, each with an initial state of its own: what is unknown before a
 //! window cannot spoil it.
 
-use slipstream_sim::{Command, Robot, Scalar, State};
+use slipstream_sim::{Command, CommandKind};
 
-use crate::track::Track;
+use crate::track::{Driver, Sensor, Series, Track};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
 
-/// How far a window's start may be moved to where the robot rolls gently (s).
-const SEARCH_S: f64 = 0.8;
+/// How far a window's end may be moved to where the robot rolls gently (s).
+const SEARCH_S: f64 = 1.2;
 
-/// Longest step of a simulation in the fit (s).
-const STEP_S: f64 = 2e-3;
+/// A slide that a torque began is over this long after it (s).
+const SLIDE_S: f64 = 0.35;
 
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
@@ -20,264 +20,186 @@ pub(crate) const LOCALS: usize = 7;
 /// One window: what was told and measured in it.
 #[derive(Debug, Clone)]
 pub(crate) struct Window {
+    /// Which track it is of.
+    pub(crate) run: usize,
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
     /// Of the track's commands, the one that holds at the start, and the end of the range.
-    commands: [usize; 2],
-    wheels: [usize; 2],
-    poses: [usize; 2],
+    pub(crate) commands: [usize; 2],
+    /// Of each series, the rows in the window.
+    pub(crate) rows: Vec<[usize; 2]>,
+    /// Where the residuals of each series begin.
+    pub(crate) base: Vec<usize>,
+    /// The channel of each residual.
+    pub(crate) channels: Vec<u8>,
+    /// The stamp of each residual (s).
+    pub(crate) stamps_s: Vec<f64>,
+    /// Which unknowns of the start there are.
+    pub(crate) free: [bool; LOCALS],
 }
 
-/// Cuts `track` into windows that start where the torque is small.
-pub(crate) fn cut(track: &Track) -> Vec<Window> {
+/// Cuts `track`, the `run`th, into windows of about `length_s` that start where little drives the
+/// robot.
+pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
     let [begin, end] = track.span_s();
     let mut windows = Vec::new();
     let mut from_s = begin;
     while from_s + 1.0 < end {
-        let wanted = from_s + WINDOW_S;
-        let to_s = if wanted + 1.0 > end {
+        let wanted = from_s + length_s;
+        let to_s = if wanted + 0.3 * length_s > end {
             end
         } else {
             gentle(track, wanted)
         };
-        windows.push(Window::new(track, from_s, to_s));
+        windows.push(Window::new(track, run, from_s, to_s));
         from_s = to_s;
     }
+    windows.retain(|window| !window.channels.is_empty());
     windows
 }
 
-/// The instant near `wanted_s` at which a command begins that asks for the least.
+/// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
+/// asked of them for a while.
 fn gentle(track: &Track, wanted_s: f64) -> f64 {
     let near = track
         .commands
         .iter()
         .filter(|(t_s, _)| (t_s - wanted_s).abs() <= SEARCH_S);
-    let size = |command: &Command| match *command {
-        Command::Torque { right_nm, left_nm } => right_nm.abs() + left_nm.abs(),
-        Command::Voltage { right_v, left_v } => right_v.abs() + left_v.abs(),
-        Command::Speed { .. } | Command::Twist { .. } => 0.0,
+    let wheels = track.of(Sensor::WheelAngle);
+    let cost = |t_s: f64| {
+        let [first, end] = range(&track.commands, t_s - SLIDE_S, t_s + 0.05);
+        let asked = track.commands[first.saturating_sub(1)..end].iter();
+        let asked = asked.map(|(_, command)| size(command)).fold(0.0, f64::max);
+        let speeds = wheels.map_or([1.0; 2], |wheels| speeds(wheels, t_s));
+        let stands = speeds.iter().any(|speed| speed.abs() < 0.4);
+        (stands, asked + (t_s - wanted_s).abs() * 1e-4)
     };
-    let best = near.min_by(|(a_s, a), (b_s, b)| {
-        let apart = |t_s: f64| (t_s - wanted_s).abs() * 1e-6;
-        (size(a) + apart(*a_s)).total_cmp(&(size(b) + apart(*b_s)))
+    let best = near.min_by(|(a_s, _), (b_s, _)| {
+        let (a, b) = (cost(*a_s), cost(*b_s));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     best.map_or(wanted_s, |(t_s, _)| *t_s)
 }
 
-fn range<T>(rows: &[(f64, T)], from_s: f64, to_s: f64) -> [usize; 2] {
+/// How much a command asks of the contacts, as far as it says.
+fn size(command: &Command) -> f64 {
+    match *command {
+        Command::Torque { right_nm, left_nm } => right_nm.abs().max(left_nm.abs()),
+        Command::Voltage { right_v, left_v } => right_v.abs().max(left_v.abs()),
+        Command::Speed { .. } | Command::Twist { .. } => 0.0,
+    }
+}
+
+/// Mean speeds of both wheels around `t_s` (rad/s).
+fn speeds(wheels: &Series, t_s: f64) -> [f64; 2] {
+    let [first, end] = range(&wheels.rows, t_s - 0.06, t_s + 0.06);
+    match wheels.rows[first..end] {
+        [(from_s, a), .., (to_s, b)] if to_s > from_s => {
+            [0, 1].map(|i| (b[i] - a[i]) / (to_s - from_s))
+        }
+        _ => [0.0; 2],
+    }
+}
+
+pub(crate) fn range<T>(rows: &[(f64, T)], from_s: f64, to_s: f64) -> [usize; 2] {
     let first = rows.partition_point(|(t_s, _)| *t_s < from_s);
     let end = rows.partition_point(|(t_s, _)| *t_s < to_s);
     [first, end]
 }
 
 impl Window {
-    fn new(track: &Track, from_s: f64, to_s: f64) -> Self {
+    pub(crate) fn new(track: &Track, run: usize, from_s: f64, to_s: f64) -> Self {
         let [first, end] = range(&track.commands, from_s + 1e-9, to_s - 1e-9);
-        Self {
+        let (mut rows, mut base) = (Vec::new(), Vec::new());
+        let (mut channels, mut stamps_s) = (Vec::new(), Vec::new());
+        for series in &track.series {
+            let [first, end] = range(&series.rows, from_s, to_s);
+            base.push(channels.len());
+            rows.push([first, end]);
+            for (stamp_s, _) in &series.rows[first..end] {
+                for part in 0..series.sensor.width() {
+                    channels.push((series.sensor.channel() + part) as u8);
+                    stamps_s.push(*stamp_s);
+                }
+            }
+        }
+        let mut window = Self {
+            run,
             from_s,
             to_s,
             commands: [first.saturating_sub(1), end],
-            wheels: range(&track.wheels, from_s, to_s),
-            poses: range(&track.poses, from_s, to_s),
-        }
+            rows,
+            base,
+            channels,
+            stamps_s,
+            free: [true; LOCALS],
+        };
+        window.free = window.unknowns(track);
+        window
+    }
+
+    /// What of the start is unknown: no pose without a camera, no angles without encoders, no speed
+    /// where it is commanded or where the wheels stand.
+    fn unknowns(&self, track: &Track) -> [bool; LOCALS] {
+        let has = |sensor: Sensor| {
+            let at = track.series.iter().position(|s| s.sensor == sensor);
+            at.is_some_and(|at| self.rows[at][1] > self.rows[at][0])
+        };
+        let pose = has(Sensor::Pose);
+        let angle = has(Sensor::WheelAngle);
+        let rolls = track.kind() != CommandKind::Speed && !self.stands(track);
+        [pose, pose, pose, rolls, rolls, angle, angle]
+    }
+
+    /// Whether the encoders show no motion as the window begins.
+    fn stands(&self, track: &Track) -> bool {
+        let Some(at) = track.series.iter().position(|s| s.sensor == Sensor::WheelAngle) else {
+            return false;
+        };
+        let [first, end] = self.rows[at];
+        let rows = &track.series[at].rows[first..end];
+        let begin = rows.iter().take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
+        let same = |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
+        begin.clone().count() > 2 && begin.into_iter().all(same)
     }
 
     /// The first `over_s` of this window.
     pub(crate) fn head(&self, track: &Track, over_s: f64) -> Self {
-        Self::new(track, self.from_s, (self.from_s + over_s).min(self.to_s))
+        let to_s = (self.from_s + over_s).min(self.to_s);
+        Self::new(track, self.run, self.from_s, to_s)
     }
 
     /// A first guess of the unknowns at the start, from the measurements near it.
     pub(crate) fn guess(&self, track: &Track, radius_m: f64, half_track_m: f64) -> [f64; LOCALS] {
-        let poses = &track.poses[self.poses[0]..self.poses[1]];
-        let wheels = &track.wheels[self.wheels[0]..self.wheels[1]];
-        let pose = poses.first().map_or([0.0; 3], |(_, pose)| *pose);
-        let angle = wheels.first().map_or([0.0; 2], |(_, angle)| *angle);
-        let later = wheels.iter().find(|(t_s, _)| *t_s > self.from_s + 0.1);
-        let speed = match (wheels.first(), later) {
-            (Some((a_s, a)), Some((b_s, b))) if b_s > a_s => {
-                [0, 1].map(|i| (b[i] - a[i]) / (b_s - a_s) * radius_m)
-            }
-            _ => [0.0; 2],
+        let rows = |sensor: Sensor| {
+            let at = track.series.iter().position(|s| s.sensor == sensor)?;
+            let [first, end] = self.rows[at];
+            (end > first).then(|| &track.series[at].rows[first..end])
         };
-        let rate = (speed[0] - speed[1]) / (2.0 * half_track_m);
+        let poses = rows(Sensor::Pose);
+        let pose = poses.map_or([0.0; 3], |rows| rows[0].1);
+        let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
         let yaw = if pose[2].is_finite() { pose[2] } else { 0.0 };
-        [
-            pose[0],
-            pose[1],
-            yaw,
-            (speed[0] + speed[1]) / 2.0,
-            rate,
-            angle[0],
-            angle[1],
-        ]
-    }
-
-    /// Simulates the window and hands every residual, in standard deviations, to `take`, with its
-    /// channel: 0 right wheel, 1 left wheel, 2 to 4 pose.
-    pub(crate) fn simulate<S: Scalar>(
-        &self,
-        track: &Track,
-        robot: &Robot<S>,
-        start: &[S; LOCALS],
-        mut take: impl FnMut(f64, usize, S),
-    ) {
-        let mut state = robot.start([start[0], start[1], start[2]]);
-        let mut seen = Seen {
-            track,
-            robot,
-            offset: [start[5], start[6]],
-            wheels: self.wheels,
-            poses: self.poses,
-        };
-        let commands = &track.commands[self.commands[0]..self.commands[1]];
-        let mut first = true;
-        for (i, (since_s, command)) in commands.iter().enumerate() {
-            let command = lift(command);
-            let from_s = since_s.max(self.from_s);
-            let to_s = commands
-                .get(i + 1)
-                .map_or(self.to_s, |(t_s, _)| t_s.min(self.to_s));
-            if to_s <= from_s {
-                continue;
-            }
-            if first {
-                robot.set_rolling(&mut state, start[3], start[4]);
-                robot.settle_drive(&mut state, &command);
-                first = false;
-            }
-            let steps = ((to_s - from_s) / STEP_S - 1e-6).ceil().max(1.0);
-            let step_s = (to_s - from_s) / steps;
-            for k in 0..steps as u32 {
-                let t_s = from_s + f64::from(k) * step_s;
-                let before = Knot::new(robot, &state);
-                robot.step(&mut state, t_s, step_s, &command);
-                let after = Knot::new(robot, &state);
-                seen.between(t_s, step_s, &before, &after, &mut take);
+        let [mut u, mut rate] = [0.0; 2];
+        if let Some(wheels) = track.of(Sensor::WheelAngle).filter(|_| self.free[3]) {
+            let [right, left] = speeds(wheels, self.from_s).map(|speed| speed * radius_m);
+            [u, rate] = [(right + left) / 2.0, (right - left) / (2.0 * half_track_m)];
+        } else if let Some(rows) = poses.filter(|_| self.free[3]) {
+            let near = rows.iter().take_while(|(t_s, _)| *t_s < self.from_s + 0.3);
+            if let Some((t_s, end)) = near.last().filter(|(t_s, _)| *t_s > rows[0].0) {
+                let over = t_s - rows[0].0;
+                let (dx, dy) = (end[0] - pose[0], end[1] - pose[1]);
+                [u, rate] = [(dx * yaw.cos() + dy * yaw.sin()) / over, (end[2] - yaw) / over];
             }
         }
+        let rate = if rate.is_finite() { rate } else { 0.0 };
+        let ahead = track.tracked_ahead_m;
+        let [x, y] = [pose[0] - ahead * yaw.cos(), pose[1] - ahead * yaw.sin()];
+        [x, y, yaw, u, rate, angle[0], angle[1]]
     }
-}
 
-fn lift<S: Scalar>(command: &Command) -> Command<S> {
-    let c = S::constant;
-    match *command {
-        Command::Torque { right_nm, left_nm } => Command::Torque {
-            right_nm: c(right_nm),
-            left_nm: c(left_nm),
-        },
-        Command::Voltage { right_v, left_v } => Command::Voltage {
-            right_v: c(right_v),
-            left_v: c(left_v),
-        },
-        Command::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => Command::Speed {
-            right_rad_s: c(right_rad_s),
-            left_rad_s: c(left_rad_s),
-        },
-        Command::Twist { v_m_s, w_rad_s } => Command::Twist {
-            v_m_s: c(v_m_s),
-            w_rad_s: c(w_rad_s),
-        },
-    }
-}
-
-/// A simulated instant: what a cubic between two of them needs.
-struct Knot<S> {
-    /// Pose of c, then encoder angles.
-    at: [S; 5],
-    /// Their rates.
-    rate: [S; 5],
-}
-
-impl<S: Scalar> Knot<S> {
-    fn new(robot: &Robot<S>, state: &State<S>) -> Self {
-        let [x, y, yaw] = state.pose();
-        let [u, w, turn] = state.velocity();
-        let (sin, cos) = yaw.sin_cos();
-        let [right, left] = robot.seen_angle(state);
-        let speed = robot.seen_speed(state);
-        Self {
-            at: [x, y, yaw, right, left],
-            rate: [
-                u * cos - w * sin,
-                u * sin + w * cos,
-                turn,
-                speed[0],
-                speed[1],
-            ],
-        }
-    }
-}
-
-/// The measurements that are still to come.
-struct Seen<'a, S> {
-    track: &'a Track,
-    robot: &'a Robot<S>,
-    offset: [S; 2],
-    wheels: [usize; 2],
-    poses: [usize; 2],
-}
-
-impl<S: Scalar> Seen<'_, S> {
-    /// Compares what was measured between two instants.
-    fn between(
-        &mut self,
-        t_s: f64,
-        step_s: f64,
-        before: &Knot<S>,
-        after: &Knot<S>,
-        take: &mut impl FnMut(f64, usize, S),
-    ) {
-        use slipstream_sim::Stream;
-        let at = |part: usize, share: S| {
-            let (s, h) = (share, step_s);
-            let (s2, s3) = (s * s, s * s * s);
-            let up = s2 * 3.0 - s3 * 2.0;
-            before.at[part]
-                + (after.at[part] - before.at[part]) * up
-                + before.rate[part] * (s3 - s2 * 2.0 + s) * h
-                + after.rate[part] * (s3 - s2) * h
-        };
-        while self.wheels[0] < self.wheels[1] {
-            let (stamp_s, angle) = self.track.wheels[self.wheels[0]];
-            let true_s = self.robot.true_s(Stream::Wheels, S::constant(stamp_s));
-            if true_s.value() > t_s + step_s {
-                break;
-            }
-            let share = (true_s - t_s) / step_s;
-            for (i, angle) in angle.into_iter().enumerate() {
-                let own = at(3 + i, share) + self.offset[i] - angle;
-                take(stamp_s, i, own / self.track.wheel_rad);
-            }
-            self.wheels[0] += 1;
-        }
-        while self.poses[0] < self.poses[1] {
-            let (stamp_s, measured) = self.track.poses[self.poses[0]];
-            let true_s = self.robot.true_s(Stream::Pose, S::constant(stamp_s));
-            if true_s.value() > t_s + step_s {
-                break;
-            }
-            let share = (true_s - t_s) / step_s;
-            let pose = self
-                .robot
-                .seen_pose([at(0, share), at(1, share), at(2, share)]);
-            let (sin, cos) = pose[2].sin_cos();
-            let ahead = self.track.tracked_ahead_m;
-            let seen = [pose[0] + cos * ahead, pose[1] + sin * ahead, pose[2]];
-            for i in 0..3 {
-                if measured[i].is_finite() {
-                    let mut apart = seen[i] - measured[i];
-                    if i == 2 {
-                        let turns = (apart.value() / std::f64::consts::TAU).round();
-                        apart -= S::constant(turns * std::f64::consts::TAU);
-                    }
-                    take(stamp_s, 2 + i, apart / self.track.pose_deviation[i]);
-                }
-            }
-            self.poses[0] += 1;
-        }
+    /// Whether the window's simulation is the wheels' own motion, known before.
+    pub(crate) fn is_driven_by_wheels(track: &Track) -> bool {
+        track.driver == Driver::Wheels
     }
 }

@@ -107,7 +107,7 @@ fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, Robot
         &recording,
         |_| Some(nominal.clone()),
         &excluded,
-        &mut |_| (),
+        &|_| (),
     )
     .unwrap();
     (answer, improved.remove(0).1)

@@ -1,0 +1,287 @@
+//! What is looked at: tracks, windows and the nominal model, and models fitted to them.
+
+use rayon::prelude::*;
+use slipstream_bus::RobotModel;
+use slipstream_sim::{CommandKind, Listed, read_effects};
+
+use crate::fit::{Fit, Free, Problem};
+use crate::hypothesis::{Hypothesis, all_sizes};
+use crate::linear;
+use crate::misfit::Misfit;
+use crate::simulate::is_exact_at_any_step;
+use crate::track::{CHANNELS, Track};
+use crate::window::{LOCALS, Window};
+
+/// Longest step of a simulation (s).
+const STEP_S: f64 = 2e-3;
+/// The same where wheels turn exactly as told.
+const LONG_STEP_S: f64 = 0.02;
+
+/// Level (deviations) that counts as noise, where the noise is declared and where it is not.
+const NOISE: f64 = 1.12;
+const NOISE_UNDECLARED: f64 = 1.5;
+
+/// Rounds of a fit to the end.
+pub(crate) const FULL: usize = 30;
+
+/// The runs of one machine, cut into windows, and its nominal model.
+pub(crate) struct Bench {
+    pub(crate) tracks: Vec<Track>,
+    pub(crate) windows: Vec<Window>,
+    pub(crate) model: RobotModel,
+}
+
+/// The nominal model with these effects, fitted.
+#[derive(Debug, Clone)]
+pub(crate) struct Node {
+    pub(crate) hypotheses: Vec<Hypothesis>,
+    pub(crate) fit: Fit,
+}
+
+/// What one more effect promises, to first order.
+#[derive(Debug, Clone)]
+pub(crate) struct Promise {
+    pub(crate) hypothesis: Hypothesis,
+    pub(crate) starts: Vec<[f64; LOCALS]>,
+    pub(crate) deviance: f64,
+}
+
+/// Effects as the plant takes them, and which of their numbers are fitted from which values.
+struct Setting {
+    list: Vec<Listed<f64>>,
+    only: Vec<Option<usize>>,
+    free: Vec<Free>,
+    values: Vec<f64>,
+}
+
+/// The nominal model with `hypotheses`, in place of its own effects where they say so.
+pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel {
+    let mut better = model.clone();
+    for hypothesis in hypotheses {
+        match hypothesis.replaces {
+            Some(at) => better.effects[at] = hypothesis.spec(),
+            None => better.effects.push(hypothesis.spec()),
+        }
+    }
+    better
+}
+
+impl Bench {
+    fn setting(&self, hypotheses: &[Hypothesis]) -> Option<Setting> {
+        let model = with(&self.model, hypotheses);
+        let list = read_effects(&model).ok()?;
+        let mut only = vec![None; list.len()];
+        let (mut free, mut values) = (Vec::new(), Vec::new());
+        let mut next = self.model.effects.len();
+        for hypothesis in hypotheses {
+            let place = hypothesis.replaces.unwrap_or(next);
+            next += usize::from(hypothesis.replaces.is_none());
+            only[place] = hypothesis.only;
+            for &(name, value) in &hypothesis.values {
+                if !hypothesis.is_threshold() {
+                    free.push((place, name));
+                    values.push(value);
+                }
+            }
+        }
+        Some(Setting {
+            list,
+            only,
+            free,
+            values,
+        })
+    }
+
+    fn step_s(&self, list: &[Listed<f64>]) -> f64 {
+        let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
+        let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
+        let lags = has(&["actuator_lag"]);
+        let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
+        if is_exact_at_any_step(kind, slips, lags) {
+            LONG_STEP_S
+        } else {
+            STEP_S
+        }
+    }
+
+    /// Hands the problem of these hypotheses to `solve`, with the values to start from.
+    pub(crate) fn posed<T>(
+        &self,
+        hypotheses: &[Hypothesis],
+        windows: &[Window],
+        solve: impl FnOnce(&Problem<'_>, &[f64]) -> Option<T>,
+    ) -> Option<T> {
+        let setting = self.setting(hypotheses)?;
+        let problem = Problem {
+            tracks: &self.tracks,
+            windows,
+            model: &self.model,
+            list: &setting.list,
+            only: &setting.only,
+            free: &setting.free,
+            step_s: self.step_s(&setting.list),
+        };
+        solve(&problem, &setting.values)
+    }
+
+    /// Whether what `node` leaves is noise in every channel.
+    pub(crate) fn is_noise(&self, node: &Node) -> bool {
+        (0..CHANNELS).all(|channel| self.excess(node, channel) < 1.0)
+    }
+
+    /// The channel that `node` leaves furthest above its noise, and its level (deviations).
+    pub(crate) fn worst(&self, node: &Node) -> (usize, f64) {
+        let excess = |c: &usize| self.excess(node, *c);
+        let worst = (0..CHANNELS).max_by(|a, b| excess(a).total_cmp(&excess(b)));
+        let channel = worst.unwrap_or(0);
+        (channel, node.fit.misfit.mean_square(channel).sqrt())
+    }
+
+    /// Level of a channel over what still counts as noise: more where the noise is not declared.
+    fn excess(&self, node: &Node, channel: usize) -> f64 {
+        let misfit = &node.fit.misfit;
+        let level = misfit.mean_square(channel).sqrt();
+        let declared = self.tracks.iter().flat_map(|track| &track.series).all(|series| {
+            let first = series.sensor.channel();
+            !(first..first + series.sensor.width()).contains(&channel) || series.declared
+        });
+        if declared {
+            level / NOISE
+        } else {
+            level / NOISE_UNDECLARED
+        }
+    }
+
+    /// Guesses of all windows' starts from the measurements.
+    pub(crate) fn guesses(&self) -> Vec<[f64; LOCALS]> {
+        let [r, b] = [self.model.robot.wheel_radius_m, self.model.robot.half_track_m];
+        let windows = self.windows.iter();
+        windows.map(|w| w.guess(&self.tracks[w.run], r, b)).collect()
+    }
+
+    /// Fits the nominal model with `hypotheses`.
+    pub(crate) fn fit(&self, hypotheses: &[Hypothesis], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Node> {
+        let fit = self.posed(hypotheses, &self.windows, |problem, values| {
+            problem.fit(values, starts, rounds)
+        })?;
+        let mut hypotheses = hypotheses.to_vec();
+        let mut fitted = fit.values.iter();
+        for hypothesis in hypotheses.iter_mut().filter(|h| !h.is_threshold()) {
+            for ((_, value), fitted) in hypothesis.values.iter_mut().zip(&mut fitted) {
+                *value = *fitted;
+            }
+        }
+        Some(Node { hypotheses, fit })
+    }
+
+    /// What each candidate promises beside the effects of `node`, best first.
+    pub(crate) fn promises(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Promise> {
+        let promises = candidates.par_iter().filter_map(|c| { let t = std::time::Instant::now(); let p = self.promise(node, c); if std::env::var_os("DEBUG_D").is_some() && t.elapsed().as_secs_f64() > 0.25 { eprintln!("   slow {:.2} {} {:?}", t.elapsed().as_secs_f64(), c.info.id, c.values); } p });
+        let mut promises: Vec<Promise> = promises.collect();
+        promises.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
+        promises
+    }
+
+    /// One step of the fit from the candidate's own values.
+    fn promise(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses.push(candidate.clone());
+        self.posed(&hypotheses, &self.windows, |problem, values| {
+            let (known, starts) = (node.fit.values.len(), &node.fit.starts);
+            let base = problem.residuals(values, starts)?;
+            if candidate.is_abrupt() && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() {
+                return None;
+            }
+            let mut steps = problem.first_steps(values);
+            let columns = problem.columns(values, starts, &base, &mut steps, known)?;
+            let more = |w: usize| columns.iter().map(|c| c[w].as_slice()).collect::<Vec<_>>();
+            let mut weights = node.fit.misfit.weights();
+            let mut best: Option<Promise> = None;
+            for _ in 0..2 {
+                let windows = self.windows.iter().zip(&node.fit.linear).zip(&base);
+                let normals: Vec<_> = windows
+                    .enumerate()
+                    .map(|(w, ((window, linear), base))| linear.normal(window, &weights, base, &more(w)))
+                    .collect();
+                let step = linear::step(&normals, 1e-9, |i, step| problem.bounded(i, values[i], step));
+                let predicted: Vec<Vec<f64>> = node
+                    .fit
+                    .linear
+                    .iter()
+                    .zip(&base)
+                    .zip(&step.locals)
+                    .enumerate()
+                    .map(|(w, ((linear, base), locals))| {
+                        linear.predicted(base, &more(w), locals, &step.globals)
+                    })
+                    .collect();
+                let misfit = Misfit::new(&self.windows, &predicted);
+                weights = misfit.weights();
+                let deviance = misfit.deviance();
+                if !best.as_ref().is_some_and(|best| best.deviance <= deviance) {
+                    let mut hypothesis = candidate.clone();
+                    let own = hypothesis.values.iter_mut().zip(&step.globals[known..]);
+                    own.for_each(|((_, value), step)| *value += step);
+                    let mut starts = starts.clone();
+                    for (start, step) in starts.iter_mut().zip(&step.locals) {
+                        start.iter_mut().zip(step).for_each(|(s, d)| *s += d);
+                    }
+                    best = Some(Promise {
+                        hypothesis,
+                        starts,
+                        deviance,
+                    });
+                }
+            }
+            best.filter(|best| best.deviance.is_finite())
+        })
+    }
+
+    /// The node with one more effect, fitted from what it promises.
+    pub(crate) fn follow(&self, node: &Node, promise: &Promise, rounds: usize) -> Option<Node> {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses.push(promise.hypothesis.clone());
+        let next = self
+            .fit(&hypotheses, &promise.starts, rounds)
+            .or_else(|| self.fit(&hypotheses, &node.fit.starts, rounds))?;
+        if promise.hypothesis.is_threshold() {
+            return Some(self.settle_threshold(next));
+        }
+        Some(next)
+    }
+
+    /// Tries the sizes of commands around a threshold until none fits better.
+    fn settle_threshold(&self, node: Node) -> Node {
+        let (Some(track), Some(own)) = (self.tracks.first(), node.hypotheses.last()) else {
+            return node;
+        };
+        let sizes = all_sizes(track, &self.model);
+        let mut at = sizes.partition_point(|size| *size < own.values[0].1);
+        let mut best = node;
+        let mut stride = (sizes.len() / 8).max(1);
+        loop {
+            let near = [at.checked_sub(stride), Some(at + stride)];
+            let near: Vec<usize> = near.into_iter().flatten().filter(|i| *i < sizes.len()).collect();
+            let tried: Vec<(usize, Node)> = near
+                .into_par_iter()
+                .filter_map(|i| {
+                    let mut hypotheses = best.hypotheses.clone();
+                    // between one size and the next: all from here on act
+                    let below = if i == 0 { 0.0 } else { sizes[i - 1] };
+                    hypotheses.last_mut()?.values[0].1 = 0.5 * (below + sizes[i]);
+                    Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
+                })
+                .collect();
+            let better = tried.into_iter().min_by(|a, b| {
+                a.1.fit.misfit.deviance().total_cmp(&b.1.fit.misfit.deviance())
+            });
+            match better {
+                Some((i, node)) if node.fit.misfit.deviance() < best.fit.misfit.deviance() => {
+                    (at, best) = (i, node);
+                }
+                _ if stride > 1 => stride = stride.div_ceil(2).min(stride - 1),
+                _ => return best,
+            }
+        }
+    }
+}
