@@ -19,6 +19,7 @@ const FLOORS: [&[&str]; 6] = [
         "slipstream-diagnose",
         "slipstream-launch",
         "slipstream-trace",
+        "slipstream-trial",
     ],
     &["slipstream-study"],
     &["slipstream"],

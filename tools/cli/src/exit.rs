@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use slipstream_launch::{LaunchError, RunError, Unusable};
 use slipstream_recording::Error as RecordingError;
 use slipstream_study::StudyError;
+use slipstream_trial::TrialError;
 
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +46,9 @@ pub(crate) enum Error {
     /// The work failed.
     #[error("{0}")]
     Failed(String),
+    /// Somebody interrupted the work.
+    #[error("{0}")]
+    Interrupted(String),
 }
 
 impl From<LaunchError> for Error {
@@ -78,6 +82,16 @@ impl From<StudyError> for Error {
     }
 }
 
+impl From<TrialError> for Error {
+    fn from(error: TrialError) -> Self {
+        match error {
+            TrialError::Unusable { .. } => Self::Input(error.to_string()),
+            TrialError::System { .. } => Self::Failed(error.to_string()),
+            TrialError::Interrupted => Self::Interrupted(error.to_string()),
+        }
+    }
+}
+
 impl From<RecordingError> for Error {
     fn from(error: RecordingError) -> Self {
         match error {
@@ -95,6 +109,7 @@ impl Error {
         match self {
             Self::Unusable(_) | Self::Input(_) => Exit::Unusable,
             Self::Launch(_) | Self::Failed(_) => Exit::Failed,
+            Self::Interrupted(_) => Exit::Interrupted,
         }
     }
 }

@@ -14,6 +14,7 @@ mod run;
 mod study;
 mod summary;
 mod trace;
+mod trial;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -45,6 +46,7 @@ enum Command {
     Trace(trace::Arguments),
     Reproduce(reproduce::Arguments),
     Study(study::Arguments),
+    Trial(trial::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         Some(Command::Trace(arguments)) => trace::run(&arguments),
         Some(Command::Reproduce(arguments)) => reproduce::run(&arguments),
         Some(Command::Study(arguments)) => study::run(&arguments),
+        Some(Command::Trial(arguments)) => trial::run(&arguments),
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {

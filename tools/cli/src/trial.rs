@@ -1,0 +1,211 @@
+//! `slipstream trial`: is the diagnosis right where the truth is known?
+
+mod words;
+
+use std::io::IsTerminal as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use slipstream_trial::TrialError;
+use slipstream_trial::examine::Examiner;
+use slipstream_trial::folder::Trial;
+use slipstream_trial::hold::{Question, ask, questions, score};
+use slipstream_trial::label::{self, Labels};
+use slipstream_trial::maker::Plan;
+use slipstream_trial::tally::{Report, tally};
+
+use crate::exit::{Error, Exit};
+use crate::study::write_json;
+
+/// Try the diagnosis on recordings whose truth is concealed from it
+///
+/// Cases are drawn from the seed and played by a simulator that shares nothing with the diagnosis.
+/// Before anything is diagnosed, recordings and a commitment to every label (SHA-256) are written.
+/// Each case is diagnosed in a process of its own that gets the recording and the nominal model
+/// alone. Then the labels are opened, checked against the commitments, and the answers are scored.
+///
+/// Example: slipstream trial --cases 200 --seed 1 --json trial.json --out trial
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// How many cases.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 20,
+        conflicts_with = "labels"
+    )]
+    cases: usize,
+    /// Seed of everything that chance decides.
+    #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "labels")]
+    seed: u64,
+    /// Which cases: drawn, or every effect at several sizes.
+    #[arg(long, value_enum, default_value_t = Which::Sealed, conflicts_with = "labels")]
+    plan: Which,
+    /// Write recordings, models and labels, and diagnose nothing.
+    #[arg(long, requires = "out", conflicts_with_all = ["labels", "json"])]
+    make_only: bool,
+    /// Keep recordings, commitments and, in the end, labels in this new folder.
+    #[arg(long, value_name = "FOLDER", conflicts_with = "labels")]
+    out: Option<PathBuf>,
+    /// Recordings made elsewhere: their labels, beside the folders that they are for.
+    #[arg(long, value_name = "FILE.toml")]
+    labels: Option<PathBuf>,
+    /// Only these cases of the labels.
+    #[arg(long, value_name = "CASE", value_delimiter = ',', requires = "labels")]
+    only: Vec<String>,
+    /// Take an effect out of the catalogue of every diagnosis.
+    #[arg(long, value_name = "EFFECT")]
+    without: Vec<String>,
+    /// Longest time for one diagnosis (s).
+    #[arg(long, value_name = "S", default_value_t = 300)]
+    limit_s: u64,
+    /// Write the scores to a file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Which {
+    /// `--cases` cases drawn from the seed.
+    Sealed,
+    /// Every effect at three sizes, nulls, pairs, what the vocabulary does not hold.
+    Battery,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    for id in &arguments.without {
+        if slipstream_sim::effects::find(id).is_none() {
+            let remedy = "`slipstream effects` lists those that are";
+            return Err(Error::Input(format!(
+                "--without {id}: is no effect; {remedy}"
+            )));
+        }
+    }
+    let stop = listen()?;
+    let report = match &arguments.labels {
+        Some(file) => labelled(arguments, file, &stop)?,
+        None => match drawn(arguments, &stop)? {
+            Some(report) => report,
+            None => return Ok(Exit::Done),
+        },
+    };
+    if let Some(file) = &arguments.json {
+        write_json(file, &report)?;
+    }
+    words::say(&report);
+    Ok(Exit::Done)
+}
+
+/// A trial of recordings made elsewhere.
+fn labelled(arguments: &Arguments, file: &Path, stop: &AtomicBool) -> Result<Report, Error> {
+    let labels = chosen(label::read(file)?, &arguments.only, file)?;
+    let folder = file.parent().unwrap_or(Path::new("."));
+    let questions = questions(&labels, &arguments.without);
+    let answers = answers(arguments, folder, &questions, stop)?;
+    Ok(tally(score(&labels, &questions, answers), Vec::new()))
+}
+
+/// A trial of cases drawn here; nothing where they are only made.
+fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<Report>, Error> {
+    let plan = match arguments.plan {
+        Which::Sealed => Plan::sealed(arguments.cases, arguments.seed),
+        Which::Battery => Plan::battery(arguments.seed),
+    };
+    let passing = tempfile::tempdir()
+        .map_err(|error| Error::Failed(format!("a temporary folder: {error}")))?;
+    let folder = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| passing.path().join("trial"));
+    let bar = bar(plan.cases().count(), "made");
+    let trial = Trial::make(&plan, &folder, || {
+        bar.inc(1);
+        if stop.load(Ordering::Relaxed) {
+            Err(TrialError::Interrupted)
+        } else {
+            Ok(())
+        }
+    });
+    bar.finish_and_clear();
+    let trial = trial?;
+    if arguments.make_only {
+        let labels = trial.open()?;
+        println!(
+            "{} cases with their labels: {}",
+            labels.len(),
+            folder.display()
+        );
+        return Ok(None);
+    }
+    let questions = trial.questions(&arguments.without);
+    let answers = answers(arguments, &folder, &questions, stop)?;
+    let labels = trial.open()?;
+    Ok(Some(tally(
+        score(&labels, &questions, answers),
+        trial.commitments(),
+    )))
+}
+
+fn answers(
+    arguments: &Arguments,
+    folder: &Path,
+    questions: &[Question],
+    stop: &AtomicBool,
+) -> Result<Vec<slipstream_trial::examine::Examined>, Error> {
+    let program = std::env::current_exe()
+        .map_err(|error| Error::Failed(format!("this program's own file: {error}")))?;
+    let examiner = Examiner {
+        program: &program,
+        limit: Duration::from_secs(arguments.limit_s),
+        stop,
+    };
+    let bar = bar(questions.len(), "diagnosed");
+    let answers = ask(&examiner, folder, questions, |question, examined| {
+        bar.suspend(|| words::say_answer(question, examined));
+        bar.inc(1);
+    });
+    bar.finish_and_clear();
+    Ok(answers?)
+}
+
+fn chosen(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, TrialError> {
+    if let Some(name) = only.iter().find(|name| !labels.contains_key(*name)) {
+        return Err(TrialError::Unusable {
+            place: format!("--only {name}"),
+            problem: format!("is no case of {}", file.display()),
+            remedy: "name cases as the labels do".to_owned(),
+        });
+    }
+    labels.retain(|name, _| only.is_empty() || only.contains(name));
+    Ok(labels)
+}
+
+/// A flag that Ctrl-C sets.
+fn listen() -> Result<Arc<AtomicBool>, Error> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&stop))
+            .map_err(|error| Error::Failed(format!("cannot listen to signals: {error}")))?;
+    }
+    Ok(stop)
+}
+
+fn bar(cases: usize, done: &str) -> ProgressBar {
+    let target = if std::io::stderr().is_terminal() {
+        ProgressDrawTarget::stderr()
+    } else {
+        ProgressDrawTarget::hidden()
+    };
+    let bar = ProgressBar::with_draw_target(Some(cases as u64), target);
+    let form = format!("{{wide_bar}} {{pos}}/{{len}} {done}, {{eta}} left");
+    if let Ok(style) = ProgressStyle::with_template(&form) {
+        bar.set_style(style);
+    }
+    bar
+}

@@ -1,0 +1,90 @@
+//! What a trial says on the terminal.
+
+use slipstream_trial::examine::Examined;
+use slipstream_trial::hold::Question;
+use slipstream_trial::mark::Outcome;
+use slipstream_trial::tally::{Entry, Report};
+
+/// One answer, before its label is opened.
+pub(super) fn say_answer(question: &Question, examined: &Examined) {
+    let said = match &examined.answer {
+        Ok(answer) if answer.findings.is_empty() => format!("{:?}", answer.verdict).to_lowercase(),
+        Ok(answer) => {
+            let names = answer.findings.iter();
+            let names: Vec<String> = names
+                .map(|finding| format!("{} of {}", finding.effect, finding.robot))
+                .collect();
+            names.join(", ")
+        }
+        Err(why) => why.clone(),
+    };
+    println!("{}  {:6.1} s  {said}", question.name, examined.seconds);
+}
+
+/// The scores.
+pub(super) fn say(report: &Report) {
+    println!();
+    for entry in &report.each {
+        say_case(entry);
+    }
+    println!(
+        "\n{} cases, {} of them with nothing concealed",
+        report.cases, report.nulls
+    );
+    for outcome in Outcome::ALL {
+        let count = report
+            .each
+            .iter()
+            .filter(|entry| entry.mark.outcome == outcome)
+            .count();
+        println!("  {:<12} {count}", outcome.name().replace('_', " "));
+    }
+    let figure = |what: &str, value: Option<f64>| {
+        if let Some(value) = value {
+            println!("{what} {value:.4}");
+        }
+    };
+    figure(
+        "share of 95 % intervals that hold the truth:",
+        report.coverage95,
+    );
+    figure(
+        "parameter error over the stated deviation (rms):",
+        report.error_over_stated,
+    );
+    figure(
+        "parameter error over the least possible deviation (rms):",
+        report.error_over_least,
+    );
+    figure(
+        "parameter error in proportion (median):",
+        report.median_relative_error,
+    );
+    figure(
+        "prediction error after over before (median):",
+        report.held_out_ratio,
+    );
+    let [median, most] = report.seconds;
+    println!("time for one diagnosis: {median:.1} s (median), {most:.1} s (most)");
+    if !report.detection.is_empty() {
+        println!("\nsize, in nats    effects   named   look-alike   missed");
+        for step in &report.detection {
+            println!(
+                "from {:<12.0}{:6}{:9}{:11}{:10}",
+                step.from_gain, step.effects, step.named, step.look_alike, step.missed
+            );
+        }
+    }
+}
+
+fn say_case(entry: &Entry) {
+    let (name, outcome) = (&entry.case, entry.mark.outcome.name().replace('_', " "));
+    let pairs = entry.mark.pairs.iter();
+    let pairs: Vec<String> = pairs
+        .map(|[truth, said]| format!("{truth} → {said}"))
+        .collect();
+    println!("{name}  {outcome:<12} {}", pairs.join(", "));
+    for remark in &entry.mark.remarks {
+        println!("    {remark}");
+    }
+}
