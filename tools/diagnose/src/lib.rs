@@ -8,7 +8,9 @@
 
 mod answer;
 mod bench;
+mod drivers;
 mod fit;
+mod force;
 mod hypothesis;
 mod linear;
 mod local;
@@ -18,6 +20,7 @@ mod score;
 mod search;
 mod simulate;
 mod track;
+mod unknown;
 mod window;
 
 use slipstream_bus::RobotModel;

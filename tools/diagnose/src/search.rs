@@ -3,6 +3,7 @@
 use crate::bench::{Bench, FULL, Node, Promise};
 use crate::hypothesis::Hypothesis;
 use crate::local;
+use crate::unknown::{self, Unknown};
 
 use rayon::prelude::*;
 
@@ -38,6 +39,8 @@ pub(crate) struct Found {
     pub(crate) twins: Vec<Vec<&'static str>>,
     /// How many hypotheses were looked at.
     pub(crate) looked_at: usize,
+    /// What the catalogue does not hold.
+    pub(crate) unknown: Option<Unknown>,
 }
 
 /// The search over one bench.
@@ -102,7 +105,26 @@ impl Search<'_> {
                 best = nodes[0].clone();
             }
         }
-        Some(self.weighed(nominal, best, looked_at))
+        if self.bench.is_noise(&best) {
+            return Some(self.weighed(nominal, best, looked_at));
+        }
+        (self.progress)("forces outside of the catalogue");
+        // a force that explains more by itself than all that was found needs none of it
+        let alone = unknown::beside(self.bench, &nominal);
+        if let Some(unknown) = alone.filter(|unknown| unknown.missing.score() < score(&best)) {
+            return Some(Found {
+                nominal: nominal.clone(),
+                node: nominal,
+                gains: Vec::new(),
+                twins: Vec::new(),
+                looked_at,
+                unknown: Some(unknown),
+            });
+        }
+        let unknown = unknown::beside(self.bench, &best);
+        let mut found = self.weighed(nominal, best, looked_at);
+        found.unknown = unknown.filter(|_| !self.bench.is_noise(&found.node));
+        Some(found)
     }
 
     fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
@@ -283,6 +305,7 @@ impl Search<'_> {
             gains,
             twins,
             looked_at,
+            unknown: None,
         }
     }
 }
