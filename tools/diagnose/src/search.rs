@@ -132,17 +132,20 @@ impl Search<'_> {
             let known = |k: &Hypothesis| k.is_like(h) && !local::is_local(h);
             node.hypotheses.iter().any(known)
         };
-        let mut candidates: Vec<Hypothesis> = self.all.iter().filter(|h| !taken(h)).cloned().collect();
-        candidates.extend(local::candidates(self.bench, node, self.excluded));
-        candidates
+        self.all.iter().filter(|h| !taken(h)).cloned().collect()
     }
 
     /// The extensions by one effect that pay, best first.
     fn extended(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Node> {
         let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
-        let followed = self.followed(node, candidates, 0.5 * PAY[0]);
-        followed.into_iter().filter(|next| self.pays(node, next)).collect()
+        let mut followed = self.followed(node, candidates, 0.5 * PAY[0]);
+        if !followed.iter().any(|next| self.bench.is_noise(next)) {
+            let local = local::candidates(self.bench, node, self.excluded);
+            followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
+        }
+        followed.retain(|next| self.pays(node, next));
+        followed
     }
 
     /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
