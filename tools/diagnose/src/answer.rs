@@ -6,6 +6,7 @@ use slipstream_sim::effects::Info;
 
 use crate::bench::{Bench, with};
 use crate::hypothesis::Hypothesis;
+use crate::{interval, located};
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
@@ -156,11 +157,9 @@ impl Answer {
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
         let robot = &bench.tracks[0].robot;
-        let mut first = 0;
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
-                .push(finding(bench, found, hypothesis, at, first));
-            first += if hypothesis.is_threshold() { 0 } else { hypothesis.values.len() };
+                .push(finding(bench, found, hypothesis, at));
         }
         let runs = bench.tracks.iter().enumerate();
         let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
@@ -241,26 +240,24 @@ fn finding(
     found: &Found,
     hypothesis: &Hypothesis,
     at: usize,
-    first: usize,
 ) -> Finding {
     let info: &Info = hypothesis.info;
     let unit = |name: &str| {
         let own = info.parameters.iter().find(|p| p.name == name);
         own.map_or("1", |p| p.unit).to_owned()
     };
-    let fit = &found.node.fit;
+    let intervals = interval::of(bench, &found.node, at);
     let mut parameters: Vec<ParameterEstimate> = hypothesis
         .values
         .iter()
         .enumerate()
         .map(|(i, (name, estimate))| {
-            let deviation = if hypothesis.is_threshold() { 0.0 } else { fit.deviations[first + i] };
             ParameterEstimate {
                 name: (*name).to_owned(),
                 unit: unit(name),
                 nominal: hypothesis.nominal(&bench.model, name),
                 estimate: Some(*estimate),
-                ci95: Some([estimate - 1.96 * deviation, estimate + 1.96 * deviation]),
+                ci95: Some(intervals[i]),
                 text: None,
             }
         })
@@ -288,7 +285,7 @@ fn finding(
         .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
         .collect();
     let robot = bench.tracks[0].robot.clone();
-    let [from, to] = bench.tracks[0].span_s();
+    let condition = located::condition(bench, hypothesis);
     Finding {
         statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
         robot,
@@ -296,8 +293,8 @@ fn finding(
         parameters,
         place: Place {
             channel: info.channels[0].name().to_owned(),
-            intervals_s: vec![[from, to]],
-            condition: String::new(),
+            intervals_s: located::intervals(bench, &found.node, at),
+            condition,
         },
         confused_with: confused,
         // over all hypotheses that were tried, by Bonferroni

@@ -153,6 +153,18 @@ impl Track {
         })
     }
 
+    /// Keeps every so manyth row of series that have more than `most`.
+    pub(crate) fn thin(&mut self, most: usize) {
+        for series in &mut self.series {
+            let stride = series.rows.len().div_ceil(most).max(1);
+            let mut at = 0;
+            series.rows.retain(|_| {
+                at += 1;
+                (at - 1) % stride == 0
+            });
+        }
+    }
+
     /// The series of `sensor`.
     pub(crate) fn of(&self, sensor: Sensor) -> Option<&Series> {
         self.series.iter().find(|series| series.sensor == sensor)
