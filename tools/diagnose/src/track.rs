@@ -153,6 +153,13 @@ impl Track {
         })
     }
 
+    /// Believes nothing measured in these times (s).
+    pub(crate) fn leave_out(&mut self, times_s: &[[f64; 2]]) {
+        for series in &mut self.series {
+            series.rows.retain(|(t_s, _)| !times_s.iter().any(|[from, to]| (from..=to).contains(&t_s)));
+        }
+    }
+
     /// Keeps every so manyth row of series that have more than `most`.
     pub(crate) fn thin(&mut self, most: usize) {
         for series in &mut self.series {
