@@ -21,6 +21,9 @@ const LONG_STEP_S: f64 = 0.02;
 const NOISE: f64 = 1.12;
 const NOISE_UNDECLARED: f64 = 1.5;
 
+/// Rounds of a fit to a part of the windows, from the fit to all.
+const HELD_OUT: usize = 6;
+
 /// Rounds of a fit to the end.
 pub(crate) const FULL: usize = 30;
 
@@ -161,7 +164,17 @@ impl Bench {
 
     /// Fits the nominal model with `hypotheses`.
     pub(crate) fn fit(&self, hypotheses: &[Hypothesis], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Node> {
-        let fit = self.posed(hypotheses, &self.windows, |problem, values| {
+        self.fit_on(&self.windows, hypotheses, starts, rounds)
+    }
+
+    fn fit_on(
+        &self,
+        windows: &[Window],
+        hypotheses: &[Hypothesis],
+        starts: &[[f64; LOCALS]],
+        rounds: usize,
+    ) -> Option<Node> {
+        let fit = self.posed(hypotheses, windows, |problem, values| {
             problem.fit(values, starts, rounds)
         })?;
         let mut hypotheses = hypotheses.to_vec();
@@ -173,6 +186,30 @@ impl Bench {
             hypothesis.keep_in_order();
         }
         Some(Node { hypotheses, fit })
+    }
+
+    /// How much better (−2 ln L) `after` predicts windows that its parameters were not fitted to
+    /// than `before` does: every other window is fitted, and the rest predicted, in turn.
+    pub(crate) fn held_out_gain(&self, before: &Node, after: &Node) -> f64 {
+        let misfits = [before, after].map(|node| {
+            let folds = (0..2).into_par_iter().filter_map(|fold| self.held_out(node, fold));
+            let folds: Vec<Misfit> = folds.collect();
+            folds.into_iter().reduce(|a, b| a.and(&b)).unwrap_or_default()
+        });
+        misfits[1].gain_over(&misfits[0])
+    }
+
+    fn held_out(&self, node: &Node, fold: usize) -> Option<Misfit> {
+        let split = |own: usize| -> (Vec<Window>, Vec<[f64; LOCALS]>) {
+            let all = self.windows.iter().zip(&node.fit.starts).enumerate();
+            all.filter(|(i, _)| i % 2 == own).map(|(_, (w, s))| (w.clone(), *s)).unzip()
+        };
+        let (fitted, starts) = split(fold);
+        let learnt = self.fit_on(&fitted, &node.hypotheses, &starts, HELD_OUT)?;
+        let (judged, starts) = split(1 - fold);
+        self.posed(&learnt.hypotheses, &judged, |problem, _| {
+            Some(problem.with_free(&[]).fit(&[], &starts, HELD_OUT)?.misfit)
+        })
     }
 
     /// What each candidate promises beside the effects of `node`, best first.

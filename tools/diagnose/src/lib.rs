@@ -81,6 +81,19 @@ pub struct Request<'a> {
 /// Rows of a series above which it is thinned: more say no more.
 const ROWS: usize = 9000;
 
+/// Windows that are fitted at most.
+const WINDOWS: usize = 24;
+
+/// `WINDOWS` of all windows, from begin to end.
+fn spread(windows: Vec<window::Window>) -> Vec<window::Window> {
+    let count = windows.len();
+    if count <= WINDOWS {
+        return windows;
+    }
+    let chosen = (0..WINDOWS).map(|k| windows[k * (count - 1) / (WINDOWS - 1)].clone());
+    chosen.collect()
+}
+
 /// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
 ///
 /// # Errors
@@ -152,11 +165,9 @@ fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<B
         track.thin(ROWS);
         tracks.push(track);
     }
-    let windows: Vec<_> = tracks
-        .iter()
-        .enumerate()
-        .flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S))
-        .collect();
+    let runs = tracks.iter().enumerate();
+    let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S));
+    let windows = spread(windows.collect());
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
         return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));
