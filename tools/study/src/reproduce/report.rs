@@ -3,7 +3,7 @@
 use slipstream_report::{Chart, Line, Page};
 
 use super::trial::Trial;
-use super::{Beyond, Reproduction, Row};
+use super::{Assumption, Beyond, Reproduction, Row};
 use crate::StudyError;
 
 const TIME: &str = "t (s)";
@@ -19,11 +19,20 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
          they are within 5 % of the printed one.",
     );
     page.section("What the paper leaves open");
-    let assumptions = reproduction.assumptions.iter();
-    let open: Vec<Vec<String>> = assumptions
-        .map(|assumption| vec![assumption.name.to_owned(), assumption.text.to_owned()])
-        .collect();
-    page.table(&["assumption", "what is taken, and why"], &open);
+    let cells = |assumption: &Assumption| {
+        let Assumption {
+            experiment,
+            assumed,
+        } = assumption;
+        let keys = assumed.keys.iter();
+        let keys: Vec<String> = keys
+            .map(|(key, value)| format!("{key} = {value}"))
+            .collect();
+        let (name, reason) = (assumed.name.clone(), assumed.reason.clone());
+        vec![(*experiment).to_owned(), name, keys.join(", "), reason]
+    };
+    let open: Vec<Vec<String>> = reproduction.assumptions.iter().map(cells).collect();
+    page.table(&["experiment", "assumption", "what is taken", "why"], &open);
     page.section("Paper and computed");
     let head = [
         "quantity",
@@ -34,7 +43,7 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
         "why",
         "depends on",
     ];
-    let rows: Vec<Vec<String>> = reproduction.rows.iter().map(cells).collect();
+    let rows: Vec<Vec<String>> = reproduction.rows.iter().map(row_cells).collect();
     page.table(&head, &rows);
     let trials = &reproduction.trials;
     page.section("Single robot");
@@ -88,7 +97,7 @@ fn beyond_cells(beyond: &Beyond) -> Vec<String> {
     ]
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn row_cells(row: &Row) -> Vec<String> {
     let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
     let agrees = row
         .agrees
