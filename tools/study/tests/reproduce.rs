@@ -52,7 +52,7 @@ fn every_row_is_there_and_says_why() {
         serde_json::to_string(&reproduce().unwrap()).unwrap(),
     );
     let page = page(&reproduction, "slipstream reproduce").unwrap();
-    assert_eq!(page.matches("<figure>").count(), 7);
+    assert_eq!(page.matches("<figure>").count(), 9);
     assert!(!page.contains("http-equiv") && !page.contains("src="));
 }
 

@@ -52,6 +52,9 @@ pub struct Trials {
     pub single: [Trial; 2],
     /// Section 4.
     pub platoon: [Trial; 2],
+    /// Beyond the paper: the figure eight under the fixed limit, by the paper's law and by computed
+    /// torque.
+    pub figure_eight: [Trial; 2],
 }
 
 impl Trials {
@@ -61,9 +64,14 @@ impl Trials {
     /// When a run fails.
     pub fn run(other: &[(&str, &str)]) -> Result<Self, StudyError> {
         let trial = |name, limit| Trial::with(name, limit, other);
+        let turning = |law| {
+            let set = [other, &[("control.law", law)]].concat();
+            Trial::with("figure_eight", "inner", &set)
+        };
         Ok(Self {
             single: [trial("single", "none")?, trial("single", "inner")?],
             platoon: [trial("platoon", "none")?, trial("platoon", "outer")?],
+            figure_eight: [turning("paper")?, turning("computed_torque")?],
         })
     }
 

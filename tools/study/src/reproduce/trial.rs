@@ -98,6 +98,18 @@ impl Trial {
             .collect()
     }
 
+    /// The true path of a robot: (m, m).
+    pub fn true_path(&self, robot: u32) -> Vec<(f64, f64)> {
+        let poses = self.states(robot).map(|state| state.pose);
+        poses.map(|[x_m, y_m, _]| (x_m, y_m)).collect()
+    }
+
+    /// The path of a robot by odometry: (m, m).
+    pub fn odometry_path(&self, robot: u32) -> Vec<(f64, f64)> {
+        let poses = self.ticks(robot).map(|tick| tick.pose);
+        poses.map(|[x_m, y_m, _]| (x_m, y_m)).collect()
+    }
+
     /// Odometry minus truth at the end, along an axis (m).
     pub fn final_gap_m(&self, robot: u32, axis: usize) -> f64 {
         let i = robot as usize;
