@@ -19,19 +19,8 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
          they are within 5 % of the printed one.",
     );
     page.section("What the paper leaves open");
-    let cells = |assumption: &Assumption| {
-        let Assumption {
-            experiment,
-            assumed,
-        } = assumption;
-        let keys = assumed.keys.iter();
-        let keys: Vec<String> = keys
-            .map(|(key, value)| format!("{key} = {value}"))
-            .collect();
-        let (name, reason) = (assumed.name.clone(), assumed.reason.clone());
-        vec![(*experiment).to_owned(), name, keys.join(", "), reason]
-    };
-    let open: Vec<Vec<String>> = reproduction.assumptions.iter().map(cells).collect();
+    let assumptions = reproduction.assumptions.iter();
+    let open: Vec<Vec<String>> = assumptions.map(assumption_cells).collect();
     page.table(&["experiment", "assumption", "what is taken", "why"], &open);
     page.section("Paper and computed");
     let head = [
@@ -60,6 +49,20 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
             platoon(&mut page, trial, axis, name, &caption)?;
         }
     }
+    beyond(&mut page, reproduction)?;
+    Ok(page.end())
+}
+
+fn assumption_cells(assumption: &Assumption) -> Vec<String> {
+    let assumed = &assumption.assumed;
+    let key = |(key, value): (&String, &String)| format!("{key} = {value}");
+    let keys: Vec<String> = assumed.keys.iter().map(key).collect();
+    let experiment = assumption.experiment.to_owned();
+    let (name, reason) = (assumed.name.clone(), assumed.reason.clone());
+    vec![experiment, name, keys.join(", "), reason]
+}
+
+fn beyond(page: &mut Page, reproduction: &Reproduction) -> Result<(), StudyError> {
     page.section("Beyond the paper");
     page.paragraph(
         "Turning, and the platoon over a disc of friction 0.1 (centre 2.5 m, radius 1.5 m), under \
@@ -67,8 +70,8 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
          estimates. The turns (radius 0.5 m) hold an acceleration from 0.4 to 0.7 m/s in 0.2 s. The \
          law computed_torque turns the robot's dynamics around and cuts the traction forces to what \
          the floor carries beside the turn; Eq. 11, which the paper's law is cut to, knows of no \
-         turn. Where the estimate is too low, computed \
-         torque takes turns slowly and falls back. Brisk: when the front robot first passes 0.6 m/s.",
+         turn. Where the estimate is too low, computed torque takes turns slowly and falls back. \
+         Brisk: when the front robot first passes 0.6 m/s.",
     );
     let head = [
         "experiment",
@@ -81,24 +84,21 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
     ];
     let rows: Vec<Vec<String>> = reproduction.beyond.iter().map(beyond_cells).collect();
     page.table(&head, &rows);
-    for (trial, law) in trials.figure_eight.iter().zip(["paper", "computed_torque"]) {
-        let track = Track::new()
-            .line(Line::new("r1 true", trial.true_path(0)).colour(0))
-            .line(
-                Line::new("r1 encoder", trial.odometry_path(0))
-                    .colour(0)
-                    .dashed(),
-            )
-            .line(Line::new("r3 true", trial.true_path(2)).colour(1))
-            .line(
-                Line::new("r3 encoder", trial.odometry_path(2))
-                    .colour(1)
-                    .dashed(),
-            );
+    for (trial, law) in reproduction
+        .figure_eight
+        .iter()
+        .zip(["paper", "computed_torque"])
+    {
+        let lines = [0, 2].into_iter().enumerate().flat_map(|(number, robot)| {
+            let name = format!("r{}", robot + 1);
+            let seen = Line::new(format!("{name} true"), trial.true_path(robot));
+            let counted = Line::new(format!("{name} encoder"), trial.odometry_path(robot));
+            [seen.colour(number), counted.colour(number).dashed()]
+        });
         let caption = format!("The figure eight under the limit inner, law {law}.");
-        page.figure(&track.svg()?, &caption);
+        page.figure(&Track::new().lines(lines).svg()?, &caption);
     }
-    Ok(page.end())
+    Ok(())
 }
 
 fn beyond_cells(beyond: &Beyond) -> Vec<String> {
