@@ -439,7 +439,6 @@ fn the_trace_changes_no_state() {
         ]);
         arguments.extend(place);
         let mut command = common::command(folder.path(), &arguments);
-        command.env_remove("RUST_LOG");
         if let Some(filter) = filter {
             command.env("RUST_LOG", filter);
         }
