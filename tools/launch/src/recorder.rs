@@ -58,7 +58,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
         .err()
         .map(|error| error.to_string());
     for tape in read_tapes(&joined.place) {
-        trace::replay(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
+        trace::pieces(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
     }
     Ok(match order.finish() {
         Ok(records) => RecorderOutcome { records, failure },
