@@ -524,7 +524,7 @@ mod tests {
 
     #[test]
     fn what_is_of_another_format_is_told_from_damage() {
-        let told = |bytes: &[u8]| read(&bytes.to_vec(), |_| {});
+        let told = |bytes: &[u8]| read(bytes, |_| {});
         assert_eq!(told(&[5, 1, 2]), Err(TracedError::OtherFormat));
         assert_eq!(told(&[FORMAT, 200]), Err(TracedError::Damaged));
         assert_eq!(told(&[]), Err(TracedError::Damaged));
