@@ -5,7 +5,7 @@ use plotters::prelude::*;
 
 use crate::legend::{height_px, legend};
 use crate::line::{Line, Mark};
-use crate::range::range;
+use crate::range::{label, range};
 use crate::{DrawError, FONT_PX, PictureError, RIGHT_PX, WIDTH};
 
 /// Left of the plot: the axis' numbers and what they mean (pixels).
@@ -98,6 +98,7 @@ impl Drawing<'_> {
             area.fill(&WHITE)?;
             let below = legend(&area, self.lines, LEFT_PX)?;
             let [x, y] = self.ranges.clone();
+            let (x_label, y_label) = (label(&x), label(&y));
             let mut chart = ChartBuilder::on(&below)
                 .margin(12)
                 .margin_right(RIGHT_PX)
@@ -109,6 +110,8 @@ impl Drawing<'_> {
                 .configure_mesh()
                 .light_line_style(TRANSPARENT)
                 .label_style(("sans-serif", FONT_PX))
+                .x_label_formatter(&x_label)
+                .y_label_formatter(&y_label)
                 .x_desc(x)
                 .y_desc(y)
                 .draw()?;
