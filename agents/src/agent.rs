@@ -2,12 +2,13 @@
 //!
 //! No I/O, no clock, no thread: the same inputs give the same bits.
 
-use slipstream_bus::experiment::{Clock, Experiment, Feedforward, Settings, TorqueLimit};
+use slipstream_bus::experiment::{Clock, Experiment, Feedforward, Law, Settings, TorqueLimit};
 use slipstream_bus::message::{Encoders, Position, RobotIndex};
 use slipstream_bus::record::{InnerTick, OuterTick};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::{ModelError, RobotSetup};
 
+use crate::computed_torque::{Wish, computed_torque, on_this_floor};
 use crate::friction::FrictionEstimate;
 use crate::geometry::Geometry;
 use crate::kanayama::{Desired, desired};
@@ -39,6 +40,8 @@ pub struct Agent {
     watchdog: bool,
     plant_lost: bool,
     outer: OuterTick,
+    /// How v_r and w_r changed between the last two outer ticks (m/s², rad/s²).
+    reference_rate: [f64; 2],
     inner_encoders: Option<Encoders>,
     wheel_speed: [f64; 2],
     /// Commanded at the last inner tick and at the one before.
@@ -55,15 +58,21 @@ impl Agent {
         let settings = experiment.settings.clone();
         let setup = find(experiment, index)?;
         let geometry = Geometry::new(&setup.model)?;
+        let lacks = |key: &str, remedy: &str| {
+            let name = &setup.name;
+            let problem = format!("needs masses and lengths that the model of {name} lacks");
+            ModelError::new(
+                key,
+                problem,
+                format!("give them in its robot.toml, or set {remedy}"),
+            )
+        };
         if geometry.dynamics.is_none() && settings.control.torque_limit != TorqueLimit::None {
-            return Err(ModelError::new(
-                "control.torque_limit",
-                format!(
-                    "needs masses and lengths that the model of {} lacks",
-                    setup.name
-                ),
-                "give them in its robot.toml, or set control.torque_limit = \"none\"",
-            ));
+            let remedy = "control.torque_limit = \"none\"";
+            return Err(lacks("control.torque_limit", remedy));
+        }
+        if geometry.dynamics.is_none() && settings.control.law == Law::ComputedTorque {
+            return Err(lacks("control.law", "control.law = \"paper\""));
         }
         let control = &settings.control;
         let start = Pose::new(setup.pose);
@@ -89,6 +98,7 @@ impl Agent {
             watchdog: false,
             plant_lost: false,
             outer: OuterTick::default(),
+            reference_rate: [0.0; 2],
             inner_encoders: None,
             wheel_speed: [0.0; 2],
             torques_nm: [[0.0; 2]; 2],
@@ -118,9 +128,11 @@ impl Agent {
         let mut wish = desired(axle, behind, velocity, &self.settings.control);
         self.watch(now_ns, &mut wish);
         self.max_desired_m_s = self.max_desired_m_s.max(wish.v.abs());
+        let before = self.outer.reference_velocity;
+        let period_s = self.settings.control.outer_period_s;
+        self.reference_rate = [0, 1].map(|i| (velocity[i] - before[i]) / period_s);
         self.outer = OuterTick {
             t_ns: now_ns,
-            began_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
             pose: self.odometry.centre_of_mass(&self.geometry).to_array(),
@@ -143,10 +155,7 @@ impl Agent {
         let control = &self.settings.control;
         self.plant_lost = self.settings.clock == Clock::Wall
             && now_ns - encoders.sampled_ns > ns_from_s(control.plant_timeout_s);
-        let WheelTorque {
-            wanted_nm,
-            torque_nm,
-        } = if self.plant_lost {
+        let torque = if self.plant_lost {
             self.loops.reset();
             WheelTorque {
                 wanted_nm: [0.0; 2],
@@ -154,23 +163,25 @@ impl Agent {
             }
         } else if self.settings.open_loop.enabled {
             self.open_loop(now_ns, limit_nm)
+        } else if let (Law::ComputedTorque, Some(dynamics)) = (control.law, &self.geometry.dynamics)
+        {
+            computed_torque(&self.wish(), dynamics, &self.geometry)
         } else {
             let set_point = self.outer.set_point_rad_s;
             self.loops
                 .step(self.wheel_speed, set_point, limit_nm, control)
         };
-        self.friction.applied(torque_nm);
-        self.torques_nm = [torque_nm, self.torques_nm[0]];
+        self.friction.applied(&torque);
+        self.torques_nm = [torque.torque_nm, self.torques_nm[0]];
         InnerTick {
             t_ns: now_ns,
-            began_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
             outer_ns: self.outer.t_ns,
             wheel_speed_rad_s: self.wheel_speed,
-            wanted_nm,
+            wanted_nm: torque.wanted_nm,
             limit_nm,
-            torque_nm,
+            torque_nm: torque.torque_nm,
             friction: self.believed_friction(),
         }
     }
@@ -359,6 +370,30 @@ impl Agent {
         WheelTorque {
             wanted_nm: [wanted; 2],
             torque_nm: limit_nm.map(|limit| wanted.clamp(-limit, limit)),
+        }
+    }
+
+    /// What the dynamics are asked for: the reference's own acceleration, and what brings the speeds
+    /// to the desired ones.
+    fn wish(&self) -> Wish {
+        let control = &self.settings.control;
+        let twist = self.geometry.twist(self.wheel_speed);
+        let friction =
+            Some(self.believed_friction()[0]).filter(|_| control.torque_limit != TorqueLimit::None);
+        let mut desired = self.outer.desired;
+        if let (Some(friction), Some(dynamics)) = (friction, &self.geometry.dynamics) {
+            desired = on_this_floor(desired, friction, dynamics, &self.geometry);
+        }
+        let rate = if self.watchdog {
+            [0.0; 2]
+        } else {
+            self.reference_rate
+        };
+        Wish {
+            acceleration: [0, 1].map(|i| rate[i] + control.k_v * (desired[i] - twist[i])),
+            twist,
+            friction,
+            torque_max_nm: control.torque_max_nm,
         }
     }
 

@@ -1,12 +1,14 @@
 //! Friction between wheel and floor, estimated while driving (the paper's future work).
 //!
 //! The traction at a wheel follows from its own acceleration: F = (τ − I_wy α) / r, whatever the
-//! robot does. A wheel that accelerates faster than the rolling robot could is slipping, and then
-//! F / N is the friction; of a rolling wheel F / N is a lower bound. While the limit is in force
+//! robot does; in a turn the wheels also carry m_t v w across the axle, each by its normal force. A
+//! wheel that accelerates faster than the rolling robot could is slipping, and then both forces
+//! together over N are the friction; of a rolling wheel they are a lower bound. While the limit is in force
 //! and nothing slips the estimate rises slowly, so that a better floor is found again.
 
 use crate::geometry::{Dynamics, Geometry};
 use crate::traction::rolling_acceleration;
+use crate::wheels::WheelTorque;
 
 /// Inner ticks over which an acceleration is measured.
 const WINDOW: usize = 4;
@@ -31,6 +33,8 @@ pub struct FrictionEstimate {
     grain_rad_s2: f64,
     speeds: [[f64; 2]; WINDOW + 1],
     torques: [[f64; 2]; WINDOW + 1],
+    /// Whether the limit was in force at the last two ticks.
+    limited: [bool; 2],
     ticks: usize,
 }
 
@@ -45,6 +49,7 @@ impl FrictionEstimate {
             grain_rad_s2: 2.0 * geometry.count_rad / period_s / window_s,
             speeds: [[0.0; 2]; WINDOW + 1],
             torques: [[0.0; 2]; WINDOW + 1],
+            limited: [false; 2],
             ticks: 0,
         }
     }
@@ -79,13 +84,17 @@ impl FrictionEstimate {
         let window_s = self.period_s * WINDOW as f64;
         let acceleration = [0, 1].map(|i| (speed[i] - self.speeds[0][i]) / window_s);
         let rolling = rolling_acceleration(torque, dynamics, geometry);
+        // Before the wheels began to slip they told the robot's own speeds.
+        let [v, w] = geometry.twist(self.speeds[0]);
+        let across = dynamics.m_t * v * w / normal_n.iter().sum::<f64>();
         let mut slips = false;
         for i in 0..2 {
             if normal_n[i] <= 0.0 || torque[i] == 0.0 {
                 continue;
             }
             let traction = (torque[i] - dynamics.i_wy * acceleration[i]) / geometry.r;
-            let sample = (traction / normal_n[i] * torque[i].signum()).max(0.0);
+            let along = (traction / normal_n[i] * torque[i].signum()).max(0.0);
+            let sample = along.hypot(across);
             // Two triangular errors of half the grain each: grain / √12.
             let acceleration_sd = self.grain_rad_s2 / 12f64.sqrt();
             let sample_sd = dynamics.i_wy * acceleration_sd / geometry.r / normal_n[i];
@@ -99,10 +108,11 @@ impl FrictionEstimate {
         self.probe(slips);
     }
 
-    /// Remembers the torques (N m) applied from this tick on.
-    pub fn applied(&mut self, torque_nm: [f64; 2]) {
+    /// Remembers the torques applied from this tick on, and whether more was wanted.
+    pub fn applied(&mut self, torque: &WheelTorque) {
         self.torques.rotate_left(1);
-        self.torques[WINDOW] = torque_nm;
+        self.torques[WINDOW] = torque.torque_nm;
+        self.limited = [self.limited[1], torque.torque_nm != torque.wanted_nm];
     }
 
     /// Mean torque over the window. A measured speed is the mean over its tick, so that the window
@@ -123,9 +133,7 @@ impl FrictionEstimate {
     }
 
     fn probe(&mut self, slips: bool) {
-        let last = self.torques[WINDOW];
-        let at_limit = last == self.torques[WINDOW - 1] && last != [0.0; 2];
-        if at_limit && !slips {
+        if self.limited == [true; 2] && !slips {
             self.friction += PROBE_PER_S * self.period_s;
         }
     }
@@ -149,7 +157,10 @@ mod tests {
         let acceleration = (torque_nm - force * geometry.r) / dynamics.i_wy;
         let mut before = 0;
         for k in 1..=ticks {
-            estimate.applied([torque_nm; 2]);
+            estimate.applied(&WheelTorque {
+                wanted_nm: [torque_nm; 2],
+                torque_nm: [torque_nm; 2],
+            });
             let t = k as f64 * period_s;
             let count = (0.5 * acceleration * t * t / geometry.count_rad).floor() as i64;
             let speed = (count - before) as f64 * geometry.count_rad / period_s;

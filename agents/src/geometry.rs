@@ -24,6 +24,8 @@ pub struct Geometry {
 pub struct Dynamics {
     /// m_t = m_r + 2 m_w: total mass (kg).
     pub m_t: f64,
+    /// m_r: mass of the body without the wheels (kg).
+    pub m_r: f64,
     /// I_wy: spin inertia of a wheel (kg m²).
     pub i_wy: f64,
     /// Inertia of the whole robot about the vertical through the axle's middle (kg m²).
@@ -79,6 +81,7 @@ impl Dynamics {
         let yaw = body.body_yaw_inertia_kg_m2? + 2.0 * body.wheel_yaw_inertia_kg_m2?;
         Some(Self {
             m_t: m_r + 2.0 * m_w,
+            m_r,
             i_wy: body.wheel_spin_inertia_kg_m2?,
             i_axle: yaw + m_r * d * d + 2.0 * m_w * b * b,
             e: body.com_to_caster_m?,

@@ -2,6 +2,7 @@
 //! that ties it to its links and its schedule. A core without I/O, clock or threads.
 
 pub mod agent;
+mod computed_torque;
 mod friction;
 mod geometry;
 mod kanayama;
@@ -14,6 +15,7 @@ mod traction;
 mod wheels;
 
 pub use agent::Agent;
+pub use computed_torque::{Wish, computed_torque};
 pub use friction::FrictionEstimate;
 pub use geometry::{Dynamics, Geometry};
 pub use kanayama::{Desired, desired};

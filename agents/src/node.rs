@@ -1,5 +1,5 @@
 //! An agent with its links: takes positions from the delay line, runs the loops that are due, sends
-//! when the protocol says so, and tells the recorder. Still a core: time and transport come in.
+//! when the protocol says so, and tells recorder and trace. Still a core: time and transport come in.
 
 use slipstream_bus::ModelError;
 use slipstream_bus::experiment::{Experiment, Protocol};
@@ -8,6 +8,7 @@ use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Fate, InnerTick, OuterTick, Record, Recorder};
 use slipstream_bus::time::{Due, ns_from_s};
 use slipstream_bus::transport::{BusError, Mail};
+use tracing::field::Empty;
 
 use crate::agent::Agent;
 
@@ -126,12 +127,15 @@ impl Node {
         });
         if due.outer {
             self.collect(mail, recorder)?;
-            let began_ns = mail.now_ns();
+            let (sampled_ns, robot) = (encoders.sampled_ns, self.robot);
+            let span =
+                tracing::debug_span!("outer", robot, due_ns = now_ns, sampled_ns, message = Empty)
+                    .entered();
             self.take(now_ns, recorder);
-            recorder.record(&Record::Outer(OuterTick {
-                began_ns,
-                ..self.agent.outer(now_ns, encoders)
-            }));
+            let tick = self.agent.outer(now_ns, encoders);
+            span.record("message", tick.message);
+            recorder.record(&Record::Outer(tick));
+            trace_outer(&tick);
             let fired = self.agent.watchdog_fired();
             let kinds = [EventKind::WatchdogFired, EventKind::WatchdogCleared];
             tell_change(
@@ -145,12 +149,19 @@ impl Node {
             self.send(now_ns, mail, recorder)?;
         }
         if due.inner {
-            let began_ns = mail.now_ns();
-            let tick = InnerTick {
-                began_ns,
-                ..self.agent.inner(now_ns, encoders)
-            };
+            let (sampled_ns, robot) = (encoders.sampled_ns, self.robot);
+            let span = tracing::debug_span!(
+                "inner",
+                robot,
+                due_ns = now_ns,
+                sampled_ns,
+                outer_ns = Empty
+            )
+            .entered();
+            let tick = self.agent.inner(now_ns, encoders);
+            span.record("outer_ns", tick.outer_ns);
             recorder.record(&Record::Inner(tick));
+            trace_inner(&tick);
             let lost = self.agent.plant_lost();
             let kinds = [EventKind::PlantLost, EventKind::PlantBack];
             tell_change(
@@ -235,12 +246,16 @@ impl Node {
             return Ok(());
         };
         while let Some(position) = mail.receive()? {
+            let (from, to) = (incoming.from, self.robot);
+            let (seq, sent_ns) = (position.seq, position.sent_ns);
+            let available_ns = incoming.line.put(position);
+            tracing::debug!(name: "arrived", from, to, seq, available_ns);
             recorder.record(&Record::Arrived {
-                from: incoming.from,
-                to: self.robot,
-                seq: position.seq,
-                sent_ns: position.sent_ns,
-                available_ns: incoming.line.put(position),
+                from,
+                to,
+                seq,
+                sent_ns,
+                available_ns,
             });
         }
         Ok(())
@@ -252,15 +267,8 @@ impl Node {
             return;
         };
         let mut newest: Option<Position> = None;
-        let mut tell = |seq: u32, fate: Fate| {
-            recorder.record(&Record::Taken {
-                from: incoming.from,
-                to: self.robot,
-                seq,
-                tick_ns: now_ns,
-                fate,
-            });
-        };
+        let (from, to) = (incoming.from, self.robot);
+        let mut tell = |seq, fate| tell_taken([from, to], seq, now_ns, fate, recorder);
         while let Some(arrival) = incoming.line.take(now_ns) {
             let position = arrival.message.position;
             if arrival.stale {
@@ -283,13 +291,9 @@ impl Node {
             return;
         };
         while let Some(arrival) = incoming.line.take(now_ns) {
-            recorder.record(&Record::Taken {
-                from: incoming.from,
-                to: self.robot,
-                seq: arrival.message.position.seq,
-                tick_ns: now_ns,
-                fate: Fate::Unused,
-            });
+            let seq = arrival.message.position.seq;
+            let link = [incoming.from, self.robot];
+            tell_taken(link, seq, now_ns, Fate::Unused, recorder);
         }
     }
 
@@ -310,6 +314,7 @@ impl Node {
             let returned = incoming.fresh && incoming.turn == outgoing.turn;
             if self.robot == 0 && outgoing.last_ns.is_some() && !returned {
                 let kind = EventKind::RingRestarted;
+                tracing::warn!(name: "change", robot = 0_u32, what = kind.words());
                 recorder.record(&Record::Event {
                     t_ns: now_ns,
                     robot: Some(0),
@@ -325,13 +330,63 @@ impl Node {
         outgoing.seq += 1;
         outgoing.turn = turn;
         outgoing.last_ns = Some(now_ns);
-        recorder.record(&Record::Sent {
-            to: outgoing.to,
-            position,
+        let to = outgoing.to;
+        tracing::debug!(
+            name: "sent",
+            from = position.from,
+            to,
+            seq = position.seq,
+            sampled_ns = position.sampled_ns,
+            tick_ns = position.tick_ns,
+            sent_ns = position.sent_ns,
             queued_ns,
-        });
+        );
+        recorder.record(&Record::Sent { to, position });
         Ok(())
     }
+}
+
+/// Tells what became of a message that left the delay line.
+fn tell_taken(
+    [from, to]: [RobotIndex; 2],
+    seq: u32,
+    tick_ns: i64,
+    fate: Fate,
+    recorder: &mut impl Recorder,
+) {
+    tracing::debug!(name: "taken", from, to, seq, tick_ns, fate = fate.name());
+    recorder.record(&Record::Taken {
+        from,
+        to,
+        seq,
+        tick_ns,
+        fate,
+    });
+}
+
+/// What an outer tick thought, at the finest level.
+fn trace_outer(tick: &OuterTick) {
+    let [e_x_m, e_y_m, e_theta_rad] = tick.error;
+    let [x_r_m, y_r_m, theta_r_rad] = tick.reference;
+    let [v_d_m_s, w_d_rad_s] = tick.desired;
+    let [right_rad_s, left_rad_s] = tick.set_point_rad_s;
+    tracing::trace!(
+        name: "reference", robot = tick.robot, x_r_m, y_r_m, theta_r_rad, e_x_m, e_y_m, e_theta_rad,
+        v_d_m_s, w_d_rad_s, right_rad_s, left_rad_s
+    );
+}
+
+/// What an inner tick thought, at the finest level.
+fn trace_inner(tick: &InnerTick) {
+    let [right_rad_s, left_rad_s] = tick.wheel_speed_rad_s;
+    let [wanted_right_nm, wanted_left_nm] = tick.wanted_nm;
+    let [limit_right_nm, limit_left_nm] = tick.limit_nm;
+    let [right_nm, left_nm] = tick.torque_nm;
+    let [friction, friction_sd] = tick.friction;
+    tracing::trace!(
+        name: "torque", robot = tick.robot, right_rad_s, left_rad_s, wanted_right_nm, wanted_left_nm,
+        limit_right_nm, limit_left_nm, right_nm, left_nm, friction, friction_sd
+    );
 }
 
 /// Records that something began (`kinds[0]`) or ended.
@@ -346,6 +401,7 @@ fn tell_change(
     if *before != now {
         let [began, ended] = kinds;
         let kind = if now { began } else { ended };
+        tracing::warn!(name: "change", t_ns, robot, what = kind.words());
         recorder.record(&Record::Event {
             t_ns,
             robot: Some(robot),

@@ -12,6 +12,7 @@ use slipstream_bus::role::{Ended, Joined};
 use slipstream_bus::services::AGENT_CHUNK;
 use slipstream_bus::shared::{AgentEnd, await_stage};
 use slipstream_bus::time::{Due, Schedule};
+use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
 
 use crate::node::{Node, NodeReport};
@@ -96,6 +97,7 @@ impl Process {
 
     fn answer_rounds(&mut self, schedule: Schedule) -> Result<(), BusError> {
         while let Some(round) = self.end.next_round()? {
+            trace::at(round.now_ns);
             let due = schedule.due(round.now_ns);
             let (links, records) = (self.end.links(), &mut self.records);
             let command = self
@@ -113,6 +115,7 @@ impl Process {
         await_stage(&self.joined.bell, Stage::Running, self.joined.parent)?;
         let clock = WallClock::new(Monotonic::from_shared(self.joined.bell.start_ns()));
         self.end.use_clock(clock);
+        trace::use_clock(clock);
         if rejoins {
             let (t_ns, robot) = (clock.now_ns(), Some(self.robot));
             self.records.record(&Record::Event {
@@ -121,7 +124,7 @@ impl Process {
                 kind: EventKind::Rejoined,
             });
         }
-        let mut deadlines = [Deadlines::default(); 2];
+        let mut deadlines = ["outer", "inner"].map(Deadlines::of);
         let ended = self.keep_deadlines(clock, &mut deadlines);
         self.finish(ended, Some(deadlines), real_time)
     }

@@ -1,6 +1,6 @@
 //! Judges the keys of an experiment: the first value that no run can have, with its remedy.
 
-use crate::experiment::{Clock, Distribution, OnDeath, Settings};
+use crate::experiment::{Clock, Distribution, Law, OnDeath, Settings, TorqueLimit};
 use crate::model::ModelError;
 use crate::time::ns_from_s;
 
@@ -65,6 +65,7 @@ impl Settings {
         }
         for (key, value) in [
             ("control.k_p", control.k_p),
+            ("control.k_v", control.k_v),
             ("control.torque_max_nm", control.torque_max_nm),
             ("control.friction", control.friction),
             ("control.friction_start", control.friction_start),
@@ -76,6 +77,11 @@ impl Settings {
             ("plant.command_timeout_s", plant.command_timeout_s),
         ] {
             positive(key, value)?;
+        }
+        if control.law == Law::ComputedTorque && control.torque_limit == TorqueLimit::Outer {
+            let problem = "is outer, which limits the set-points of the paper's wheel loops";
+            let remedy = "give none, inner or adaptive, or leave control.law = \"paper\"";
+            return wrong("control.torque_limit", problem, remedy);
         }
         self.sensors.present().validate()?;
         self.validate_links()
@@ -178,13 +184,17 @@ mod tests {
     #[test]
     fn what_no_run_can_have_names_its_key() {
         type Spoil = fn(&mut Settings);
-        let cases: [(&str, Spoil); 10] = [
+        let cases: [(&str, Spoil); 11] = [
             ("robots.count", |s| s.robots.count = 0),
             ("duration_s", |s| s.duration_s = f64::NAN),
             ("links.delay_s", |s| s.links.delay_s = -0.1),
             ("links.loss", |s| s.links.loss = 1.0),
             ("links.burst", |s| s.links.burst = 0.5),
             ("plant.step_s", |s| s.plant.step_s = 1e-9),
+            ("control.torque_limit", |s| {
+                s.control.law = Law::ComputedTorque;
+                s.control.torque_limit = TorqueLimit::Outer;
+            }),
             ("on_death", |s| s.on_death = OnDeath::Continue),
             ("profile", |s| s.profile.speeds_m_s.clear()),
             ("profile.times_s", |s| s.profile.times_s[1] = 0.0),

@@ -76,8 +76,11 @@ impl WallClock {
 }
 
 /// The deadlines of one loop: due at whole multiples of its period.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Deadlines {
+    /// The loop's name in the trace.
+    #[serde(skip)]
+    name: &'static str,
     /// Ticks that were due.
     pub ticks: u64,
     /// Ticks whose work was not done before the next one was due, or that were left out because of
@@ -87,20 +90,41 @@ pub struct Deadlines {
     pub latest_ns: i64,
 }
 
+impl Default for Deadlines {
+    /// Of the loop of a process that has but one, the plant.
+    fn default() -> Self {
+        Self::of("step")
+    }
+}
+
 impl Deadlines {
+    /// Of the loop `name`, before its first tick.
+    pub fn of(name: &'static str) -> Self {
+        Self {
+            name,
+            ticks: 0,
+            missed: 0,
+            latest_ns: 0,
+        }
+    }
+
     /// A tick that was due at `due_ns` began at `began_ns` and was done at `done_ns`.
     pub fn count(&mut self, due_ns: i64, began_ns: i64, done_ns: i64, period_ns: i64) {
         self.ticks += 1;
         self.latest_ns = self.latest_ns.max(began_ns - due_ns);
-        if done_ns > due_ns + period_ns {
-            self.missed += 1;
-        }
+        let missed = done_ns > due_ns + period_ns;
+        self.missed += u64::from(missed);
+        let of = self.name;
+        tracing::debug!(name: "deadline", t_ns = due_ns, of, began_ns, done_ns, missed);
     }
 
     /// Ticks that were left out.
     pub fn skip(&mut self, ticks: u64) {
         self.ticks += ticks;
         self.missed += ticks;
+        if ticks > 0 {
+            tracing::debug!(name: "left_out", of = self.name, ticks);
+        }
     }
 }
 
@@ -153,7 +177,8 @@ mod tests {
             Deadlines {
                 ticks: 4,
                 missed: 3,
-                latest_ns: 5
+                latest_ns: 5,
+                ..Deadlines::default()
             }
         );
     }

@@ -150,6 +150,8 @@ pub struct OpenLoop {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Control {
+    /// How desired speeds become torques.
+    pub law: Law,
     /// Period of the outer loop (s); the paper's 20 Hz.
     pub outer_period_s: f64,
     /// Period of the inner loop (s); the paper's 50 Hz.
@@ -164,6 +166,8 @@ pub struct Control {
     pub k_p: f64,
     /// Integral gain of each wheel's speed loop (N m/rad).
     pub k_i: f64,
+    /// `computed_torque`: acceleration for an error of the speed (1/s).
+    pub k_v: f64,
     /// The most that the motors give (N m); section 3 of the paper.
     pub torque_max_nm: f64,
     /// What keeps the wheels from slipping.
@@ -178,6 +182,16 @@ pub struct Control {
     pub watchdog_deceleration_m_s2: f64,
     /// Encoders older than this mean that the plant is gone: no torque (s).
     pub plant_timeout_s: f64,
+}
+
+/// How desired speeds become torques.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// A PI controller for each wheel (section 3 of the paper).
+    Paper,
+    /// The robot's dynamics turned around, traction forces cut to what the floor carries.
+    ComputedTorque,
 }
 
 /// What keeps the wheels from slipping.
@@ -267,11 +281,22 @@ pub struct SensorSettings {
 pub struct RecordingRates {
     /// True states, one in this time (s).
     pub state_period_s: f64,
+    /// Whether the recording holds the trace, which `slipstream trace` reads.
+    pub trace: bool,
 }
 
-/// Half a second to begin and to end turn by 0.25 rad at 0.5 rad/s; the rest of 2π takes this long
-/// (s) at this yaw rate (rad/s).
-const FULL_TURN: [f64; 2] = [(std::f64::consts::TAU - 0.25) / 0.5, 0.5];
+/// A turn of the built-in experiments takes 0.3 s to begin and to end. Inside it the robots go from
+/// the slower speed to the faster one in 0.2 s: more than the floor carries beside the turn.
+const TURN_RAMP_S: f64 = 0.3;
+const TURN_STEP_S: f64 = 0.2;
+const SLOWER_M_S: f64 = 0.4;
+const FASTER_M_S: f64 = 0.7;
+/// Curvature of the turns (1/m).
+const CURVATURE_PER_M: f64 = 2.0;
+/// A turn that ends as soon as it can turns by this (rad).
+const LEAST_TURN_RAD: f64 = CURVATURE_PER_M
+    * (TURN_RAMP_S * (SLOWER_M_S + FASTER_M_S) + TURN_STEP_S * (SLOWER_M_S + FASTER_M_S))
+    / 2.0;
 
 impl Default for Settings {
     fn default() -> Self {
@@ -319,6 +344,7 @@ impl Default for Settings {
             sensors: SensorSettings::default(),
             recording: RecordingRates {
                 state_period_s: 0.02,
+                trace: true,
             },
         }
     }
@@ -327,6 +353,7 @@ impl Default for Settings {
 impl Default for Control {
     fn default() -> Self {
         Self {
+            law: Law::Paper,
             outer_period_s: 0.05,
             inner_period_s: 0.02,
             k_x: 1.0,
@@ -334,6 +361,7 @@ impl Default for Control {
             k_theta: 6.0,
             k_p: 0.04,
             k_i: 0.16,
+            k_v: 10.0,
             torque_max_nm: 0.13,
             torque_limit: TorqueLimit::None,
             friction: 0.24,
@@ -358,47 +386,54 @@ impl Settings {
         settings
     }
 
-    /// Beyond the paper: the platoon along a full circle of radius 1 m.
+    /// Beyond the paper: the platoon along a full circle of radius 0.5 m.
     pub fn circle() -> Self {
-        Self::turning("circle", &[FULL_TURN])
+        Self::turning("circle", &[std::f64::consts::TAU])
     }
 
-    /// Beyond the paper: a circle to the left, then one to the right, of radius 1 m.
+    /// Beyond the paper: a circle to the left, then one to the right, of radius 0.5 m.
     pub fn figure_eight() -> Self {
-        let right = [FULL_TURN[0], -FULL_TURN[1]];
-        Self::turning("figure_eight", &[FULL_TURN, right])
+        let full = std::f64::consts::TAU;
+        Self::turning("figure_eight", &[full, -full])
     }
 
     /// Beyond the paper: about half a robot spacing to the left and straight on.
     pub fn lane_change() -> Self {
-        Self::turning("lane_change", &[[1.0, 0.5], [1.0, -0.5]])
+        Self::turning("lane_change", &[LEAST_TURN_RAD, -LEAST_TURN_RAD])
     }
 
-    /// A platoon that accelerates as steeply as the paper's, turns, and stops softly. Each turn
-    /// holds its yaw rate (rad/s) for a time (s), and takes half a second to begin and to end.
-    fn turning(name: &str, turns: &[[f64; 2]]) -> Self {
-        const RAMP_S: f64 = 0.5;
-        const SPEED_M_S: f64 = 0.5;
-        let mut points = vec![
-            [0.0, 0.0, 0.0],
-            [0.5, 0.2, 0.0],
-            [5.0, 0.2, 0.0],
-            [5.125, SPEED_M_S, 0.0],
-        ];
+    /// A platoon that turns by these angles (rad) one after the other and stops softly. It enters each
+    /// turn slowly, accelerates inside it harder than the floor carries, and is slow again before
+    /// the next.
+    fn turning(name: &str, turns: &[f64]) -> Self {
+        let mut points = vec![[0.0, 0.0, 0.0], [1.0, SLOWER_M_S, 0.0]];
         let mut t_s = 6.0;
-        for &[held_s, yaw_rate] in turns {
-            points.push([t_s, SPEED_M_S, 0.0]);
-            points.push([t_s + RAMP_S, SPEED_M_S, yaw_rate]);
-            points.push([t_s + RAMP_S + held_s, SPEED_M_S, yaw_rate]);
-            points.push([t_s + 2.0 * RAMP_S + held_s, SPEED_M_S, 0.0]);
-            t_s += 3.0 * RAMP_S + held_s;
+        for &angle in turns {
+            let curvature = CURVATURE_PER_M.copysign(angle);
+            let held_s = (angle.abs() - LEAST_TURN_RAD) / (CURVATURE_PER_M * FASTER_M_S);
+            for (length_s, v, turning) in [
+                (0.0, SLOWER_M_S, false),
+                (TURN_RAMP_S, SLOWER_M_S, true),
+                (TURN_STEP_S, FASTER_M_S, true),
+                (held_s, FASTER_M_S, true),
+                (TURN_RAMP_S, FASTER_M_S, false),
+                (0.6, SLOWER_M_S, false),
+            ] {
+                t_s += length_s;
+                let w = if turning { curvature * v } else { 0.0 };
+                let before = points.last().map_or(0.0, |point| point[0]);
+                if t_s > before {
+                    points.push([t_s, v, w]);
+                }
+            }
+            t_s += 0.2;
         }
-        points.push([t_s + 2.0, SPEED_M_S, 0.0]);
-        points.push([t_s + 5.0, 0.0, 0.0]);
+        points.push([t_s + 1.0, SLOWER_M_S, 0.0]);
+        points.push([t_s + 3.0, 0.0, 0.0]);
         let column = |i: usize| points.iter().map(|point| point[i]).collect();
         Self {
             name: name.to_owned(),
-            duration_s: (t_s + 8.0).ceil(),
+            duration_s: (t_s + 6.0).ceil(),
             profile: Profile {
                 times_s: column(0),
                 speeds_m_s: column(1),

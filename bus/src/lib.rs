@@ -15,6 +15,7 @@ pub mod sensors;
 pub mod services;
 pub mod shared;
 pub mod time;
+pub mod trace;
 pub mod transport;
 
 pub use check::SettingError;

@@ -1,7 +1,7 @@
 //! What the processes of a run tell the recorder: plain values, times in ns since the run began.
 //!
-//! Each record names its robot by index. The three times of a message's way that only one process
-//! knows (sent, arrived, used) are records of their own, joined by link and sequence number.
+//! Each record names its robot by index. How long everything took is told by the trace beside them
+//! (`trace.rs`).
 
 use serde::{Deserialize, Serialize};
 
@@ -65,8 +65,6 @@ pub enum Record {
         to: RobotIndex,
         /// The message.
         position: Position,
-        /// When the bus had it ready for the receiver.
-        queued_ns: i64,
     },
     /// A position came to the receiver's delay line.
     Arrived {
@@ -118,6 +116,28 @@ pub enum Fate {
     Unused,
 }
 
+impl Fate {
+    /// All with their names in the trace.
+    const NAMES: [(Self, &'static str); 4] = [
+        (Self::Used, "used"),
+        (Self::Superseded, "superseded"),
+        (Self::Stale, "stale"),
+        (Self::Unused, "unused"),
+    ];
+
+    /// Its name in the trace.
+    pub fn name(self) -> &'static str {
+        let found = Self::NAMES.iter().find(|(fate, _)| *fate == self);
+        found.map_or("", |(_, name)| name)
+    }
+
+    /// The fate of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        let found = Self::NAMES.iter().find(|(_, other)| *other == name);
+        found.map(|(fate, _)| *fate)
+    }
+}
+
 /// Something worth knowing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventKind {
@@ -137,6 +157,22 @@ pub enum EventKind {
     Died,
     /// A dead agent came back.
     Rejoined,
+}
+
+impl EventKind {
+    /// What happened, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::WatchdogFired => "no fresh position: slows down",
+            Self::WatchdogCleared => "has a fresh position again",
+            Self::RingRestarted => "the ring was silent: started anew",
+            Self::PlantLost => "the encoders went silent: no torque",
+            Self::PlantBack => "the encoders are back",
+            Self::DeadlineMissed => "a deadline was missed",
+            Self::Died => "died",
+            Self::Rejoined => "came back",
+        }
+    }
 }
 
 /// The truth about one robot after a plant step.
@@ -169,8 +205,6 @@ pub struct State {
 pub struct OuterTick {
     /// When it was due.
     pub t_ns: i64,
-    /// When it ran: encoders and arrived messages were in hand.
-    pub began_ns: i64,
     /// When the encoders behind it were read.
     pub sampled_ns: i64,
     /// The robot.
@@ -198,8 +232,6 @@ pub struct OuterTick {
 pub struct InnerTick {
     /// When it was due.
     pub t_ns: i64,
-    /// When it ran.
-    pub began_ns: i64,
     /// When the encoders behind it were read.
     pub sampled_ns: i64,
     /// The robot.
@@ -223,6 +255,9 @@ pub trait Recorder {
     /// Takes one record. What cannot be kept is for the recorder to report at its end: a loop does
     /// not stop for it.
     fn record(&mut self, record: &Record);
+
+    /// Takes an encoded record of the trace, of the instant `t_ns`.
+    fn trace(&mut self, _t_ns: i64, _bytes: &[u8]) {}
 }
 
 /// Keeps nothing.

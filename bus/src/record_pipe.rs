@@ -1,14 +1,18 @@
 //! Records on their way to the recorder: chunks of bytes over shared memory.
 //!
-//! A chunk is the source's number and its records, postcard-encoded one after the other. A source
-//! sends its chunk when it is full, and at the latest after [`PERIOD`] of wall time.
+//! A chunk is the source's number and its entries, postcard-encoded one after the other: records, and
+//! what the thread's trace has told meanwhile. A source sends its chunk when it is full, and at the
+//! latest after [`PERIOD`] of wall time.
 
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use crate::bell::Bell;
+use serde::{Deserialize, Serialize};
+
 use crate::record::{Record, Recorder};
 use crate::services::{RecordPublisher, RecordSubscriber, Services};
+use crate::trace;
 use crate::transport::BusError;
 
 /// Wall time after which a chunk goes out even when it is not full.
@@ -19,6 +23,20 @@ const PATIENCE: Duration = Duration::from_secs(2);
 const HEADER: usize = 4;
 /// No record takes more bytes: sixteen varint-encoded times and numbers of ten bytes at most.
 const LARGEST: usize = 256;
+
+/// What a chunk holds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub enum Entry<'a> {
+    /// A record.
+    Record(Record),
+    /// A record of the trace.
+    Trace {
+        /// When.
+        t_ns: i64,
+        /// Encoded (`trace.rs`).
+        bytes: &'a [u8],
+    },
+}
 
 /// A source's end.
 #[derive(Debug)]
@@ -65,6 +83,7 @@ impl RecordSender {
 
     /// Sends what has waited long enough. To be called once a round.
     pub fn breathe(&mut self) {
+        self.take_tape();
         if self.in_chunk > 0 && self.sent.elapsed() >= PERIOD {
             self.flush();
         }
@@ -72,6 +91,11 @@ impl RecordSender {
 
     /// Sends what there is.
     pub fn flush(&mut self) {
+        self.take_tape();
+        self.send();
+    }
+
+    fn send(&mut self) {
         self.sent = Instant::now();
         if self.in_chunk > 0 && !self.deliver() {
             self.lost += self.in_chunk;
@@ -82,7 +106,25 @@ impl RecordSender {
 
     /// Records that did not reach the recorder, because it was gone or did not keep up.
     pub fn lost(&self) -> u64 {
-        self.lost
+        self.lost + trace::lost()
+    }
+
+    fn take_tape(&mut self) {
+        trace::drain(|t_ns, bytes| self.trace(t_ns, bytes));
+    }
+
+    /// Puts an entry of at most so many bytes into the chunk.
+    fn put(&mut self, entry: &Entry<'_>, largest: usize) {
+        if self.chunk.len() - self.used < largest {
+            self.send();
+        }
+        match postcard::to_slice(entry, &mut self.chunk[self.used..]) {
+            Ok(written) => {
+                self.used += written.len();
+                self.in_chunk += 1;
+            }
+            Err(_) => self.lost += 1,
+        }
     }
 
     /// Hands the chunk to the recorder. In lockstep waits while its queue is full.
@@ -115,15 +157,17 @@ impl Recorder for RecordSender {
         if self.publisher.is_none() {
             return;
         }
-        if self.chunk.len() - self.used < LARGEST {
-            self.flush();
+        trace::tell(record);
+        // Of an inner tick the recording keeps the trace alone.
+        if !matches!(record, Record::Inner(_)) {
+            self.put(&Entry::Record(*record), LARGEST);
         }
-        match postcard::to_slice(record, &mut self.chunk[self.used..]) {
-            Ok(written) => {
-                self.used += written.len();
-                self.in_chunk += 1;
-            }
-            Err(_) => self.lost += 1,
+        self.take_tape();
+    }
+
+    fn trace(&mut self, t_ns: i64, bytes: &[u8]) {
+        if self.publisher.is_some() {
+            self.put(&Entry::Trace { t_ns, bytes }, bytes.len() + LARGEST);
         }
     }
 }
@@ -145,11 +189,11 @@ impl RecordReceiver {
         })
     }
 
-    /// Takes in one chunk, if there is one: `each` hears the source and each record.
+    /// Takes in one chunk, if there is one: `each` hears the source and each entry.
     ///
     /// # Errors
     /// When the transport failed or a chunk is not what a source sends.
-    pub fn take(&self, mut each: impl FnMut(u32, &Record)) -> Result<bool, BusError> {
+    pub fn take(&self, mut each: impl FnMut(u32, Entry<'_>)) -> Result<bool, BusError> {
         let failed = |e| BusError::failed("records", e);
         let Some(sample) = self
             .subscriber
@@ -164,8 +208,8 @@ impl RecordReceiver {
         };
         let source = u32::from_le_bytes(*header);
         while !rest.is_empty() {
-            let (record, after) = postcard::take_from_bytes::<Record>(rest).map_err(failed)?;
-            each(source, &record);
+            let (entry, after) = postcard::take_from_bytes::<Entry<'_>>(rest).map_err(failed)?;
+            each(source, entry);
             rest = after;
         }
         Ok(true)

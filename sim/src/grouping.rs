@@ -11,17 +11,11 @@ use crate::rows::{ELEMENTS, Element, Elements};
 use crate::scalar::{Matrix, Pair, Scalar, Vector};
 use crate::state::Mode;
 
-/// Sweeps over all elements at most.
-const SWEEPS: usize = 4000;
-
 /// Steps of Newton's method on one disc; it doubles the digits from the first.
 const NEWTON: usize = 30;
 
 /// Share of the accelerations in play below which one counts as none.
 const AT_REST: f64 = 1e-8;
-
-/// Rounds of static and kinetic friction, and of normal against lateral forces.
-const ROUNDS: usize = 60;
 
 /// The elements that stand, the forces on the robot, and what answers.
 pub(crate) struct Standing<'a, S> {
@@ -95,7 +89,7 @@ impl<S: Scalar> Standing<'_, S> {
         let load = &self.robot.load;
         let driven = load.driven.value();
         let mut normal = [driven / 2.0; 2];
-        for _ in 0..ROUNDS {
+        for _ in 0..self.robot.care.rounds {
             let limits = self.limits(sliding, normal);
             let acceleration = self.sweep(&limits, force);
             let total = self.total(&limits, force);
@@ -163,7 +157,7 @@ impl<S: Scalar> Standing<'_, S> {
         let total = self.total(limits, force);
         let mut acceleration = self.mobility * total;
         let scale = self.mobility_scale();
-        for _ in 0..SWEEPS {
+        for _ in 0..self.robot.care.sweeps {
             let mut change: f64 = 0.0;
             for element in self.candidates.iter() {
                 let i = element as usize;

@@ -10,6 +10,7 @@ use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::short::Short;
 use crate::state::{Gear, OperatorKey, State};
 
+
 /// How exactly events are found. More of them in one step are a rattle, and taken as they come.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Care {
@@ -19,6 +20,10 @@ pub(crate) struct Care {
     events: u32,
     /// Halvings of a step for the sake of slow slip, before it is taken implicitly.
     stiff_depth: u32,
+    /// Sweeps over all that stands when it is decided anew what sticks.
+    pub(crate) sweeps: usize,
+    /// Rounds of normal against lateral forces then.
+    pub(crate) rounds: usize,
 }
 
 impl Care {
@@ -27,12 +32,16 @@ impl Care {
         depth: 13,
         events: 32,
         stiff_depth: 6,
+        sweeps: 4000,
+        rounds: 60,
     };
     /// To 1/1024 of a step.
     pub(crate) const COARSE: Self = Self {
         depth: 10,
         events: 2,
         stiff_depth: 1,
+        sweeps: 60,
+        rounds: 6,
     };
 }
 
@@ -156,7 +165,9 @@ impl<S: Scalar> Robot<S> {
             self.remember(state, *since_s, command);
             let mut from = *since_s;
             while from < end_s {
-                let change = self.drive.next_change(&state.history, [from, end_s - from]);
+                let change = self
+                    .drive
+                    .next_change(&state.history, [from, end_s - from]);
                 let span = [from, change.unwrap_or(end_s) - from];
                 let lagged = state.body.lagged;
                 let supply = self

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[&str]; 6] = [
     &["slipstream-bus"],
     &["slipstream-agents", "slipstream-sim"],
-    &["slipstream-recording"],
+    &["slipstream-recording", "slipstream-report"],
     &[
         "slipstream-diagnose",
         "slipstream-launch",

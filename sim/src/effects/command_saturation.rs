@@ -34,8 +34,8 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
 
     fn new(values: &Values<S>) -> Self {
         Self {
-            torque_nm: values.option("torque_nm"),
-            speed_rad_s: values.option("speed_rad_s"),
+            torque_nm: values.get("torque_nm"),
+            speed_rad_s: values.get("speed_rad_s"),
         }
     }
 

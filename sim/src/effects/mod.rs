@@ -177,7 +177,8 @@ impl<S: Scalar> Values<S> {
         }
     }
 
-    fn option(&self, name: &str) -> Option<S> {
+    /// The value of a parameter, if it is there and a number.
+    pub fn get(&self, name: &str) -> Option<S> {
         self.numbers
             .iter()
             .find(|(known, _)| *known == name)
@@ -186,7 +187,7 @@ impl<S: Scalar> Values<S> {
 
     /// The value of a parameter that every instance has: [`crate::robot`] refuses one without.
     fn number(&self, name: &str) -> S {
-        self.option(name).unwrap_or_else(|| S::constant(f64::NAN))
+        self.get(name).unwrap_or_else(|| S::constant(f64::NAN))
     }
 }
 

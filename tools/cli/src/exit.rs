@@ -66,6 +66,7 @@ impl From<RunError> for Error {
             RunError::Model(model) => {
                 Self::Unusable(Unusable::new(model.key, model.problem, model.remedy))
             }
+            RunError::Unusable(unusable) => Self::Unusable(unusable),
             other => Self::Failed(other.to_string()),
         }
     }

@@ -40,11 +40,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         (yes + u32::from(agrees), all + 1)
     });
     println!("{yes} of {all} agree; --json and --report say why the others do not");
-    println!("\nbeyond the paper      limit      slip (s)  spacing error (m)  odometry off (m)");
+    println!(
+        "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry off (m)"
+    );
     for beyond in &reproduction.beyond {
         println!(
-            "{:<21} {:<10} {:>8.3} {:>18.3} {:>17.3}",
+            "{:<21} {:<15} {:<10} {:>8.3} {:>18.3} {:>17.3}",
             beyond.experiment,
+            beyond.law,
             beyond.torque_limit,
             beyond.slip_time_s,
             beyond.max_spacing_error_m,

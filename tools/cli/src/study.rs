@@ -1,8 +1,12 @@
 //! `slipstream study`: questions answered by many runs.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::{Args, Subcommand};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 use slipstream_launch::Unusable;
 use slipstream_study::delay::{self, Grid, Shard, Study};
 
@@ -87,7 +91,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
                 .shard
                 .as_deref()
                 .map_or(Ok(Shard::WHOLE), str::parse)?;
-            let study = delay::study(&delay.grid(), shard, delay.output.threads())?;
+            let stop = stopped_by_ctrl_c()?;
+            let study = delay::study(&delay.grid(), shard, delay.output.threads(), &stop)?;
             delay.output.write(&study)
         }
         Question::Merge(merge) => {
@@ -99,6 +104,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             merge.output.write(&study)
         }
     }
+}
+
+/// Set by Ctrl-C and its like; the second time they end the program as they always do.
+fn stopped_by_ctrl_c() -> Result<Arc<AtomicBool>, Error> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        let code = 128 + signal;
+        let twice = flag::register_conditional_shutdown(signal, code, Arc::clone(&stop));
+        let once = twice.and_then(|_| flag::register(signal, Arc::clone(&stop)));
+        once.map_err(|error| Error::Failed(format!("failed to listen to signals: {error}")))?;
+    }
+    Ok(stop)
 }
 
 impl Delay {
@@ -131,6 +148,10 @@ impl Output {
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
         println!("{} points, {runs} runs", study.points.len());
+        if study.interrupted {
+            println!("interrupted: the other points are missing");
+            return Ok(Exit::Interrupted);
+        }
         for answer in &study.answers {
             println!("\n{}\n{}", answer.question, answer.answer);
         }

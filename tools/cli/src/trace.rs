@@ -122,12 +122,19 @@ fn table(answer: &Answer) -> String {
     );
     for figures in &answer.loops {
         let (process, name, ticks) = (&figures.process, figures.name, figures.ticks);
-        let left_out = match figures.left_out {
-            0 => String::new(),
-            left_out => format!(", {left_out} left out"),
-        };
-        let what = format!("  {process} {name}: {ticks}{left_out}");
-        row(&mut text, &what, &figures.late);
+        let counts = [(figures.missed, "missed"), (figures.left_out, "left out")];
+        let told = counts.into_iter().filter(|(count, _)| *count > 0);
+        let told: String = told
+            .map(|(count, what)| format!(", {count} {what}"))
+            .collect();
+        row(
+            &mut text,
+            &format!("  {process} {name}: {ticks}{told}"),
+            &figures.late,
+        );
+        if let Some(jitter) = figures.jitter.filter(|jitter| jitter.max_s > 0.0) {
+            row(&mut text, "    jitter", &jitter);
+        }
     }
     for hop in answer.against.iter().flatten() {
         change_table(&mut text, hop);

@@ -107,6 +107,99 @@ fn shards_merge_to_the_whole() {
     assert!(read("merged.json") == read("whole.json"));
 }
 
+/// Ctrl-C keeps what is finished: a file that is read as any other, and exit code 130.
+#[test]
+fn an_interrupted_study_keeps_its_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let grid = "study delay --delay 0,0.1,0.2,0.3 --jitter 0,0.05 --loss 0.1 --k-x 1,2 \
+                --torque-limit none --protocol ring,periodic --runs 3";
+    let arguments = |more: &str| format!("{grid} {more}");
+    // How long one point takes on this machine.
+    let begin = std::time::Instant::now();
+    let line = arguments("--threads 1 --json one.json --shard 32/32");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &words).status.success());
+    let one = begin.elapsed();
+    let line = arguments("--threads 1 --json part.json --report part.html --shard 1/2");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let child = common::command(folder.path(), &words).spawn().unwrap();
+    // Of sixteen points some are there then, and some are not.
+    std::thread::sleep(4 * one);
+    let pid = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("interrupted"));
+    let part = read_json(&folder.path().join("part.json"));
+    let points = part["points"].as_array().unwrap();
+    assert!((1..16).contains(&points.len()), "{}", points.len());
+    assert!(folder.path().join("part.html").exists());
+    // What is there is what the whole study says.
+    let line = arguments("--json whole.json --shard 1/2");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &words).status.success());
+    let whole = read_json(&folder.path().join("whole.json"));
+    let whole = whole["points"].as_array().unwrap();
+    assert_eq!(whole.len(), 16);
+    assert!(points.iter().all(|point| whole.contains(point)));
+    let line = arguments("--json other.json --shard 2/2");
+    let words: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &words).status.success());
+    let merge = |file: &str| slipstream(folder.path(), &["study", "merge", file, "other.json"]);
+    let refused = merge("part.json");
+    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{words}");
+    assert!(
+        words.contains("shard 1/2: was interrupted") && words.lines().count() == 1,
+        "{words}"
+    );
+    assert!(merge("whole.json").status.success());
+}
+
+/// The example for Slurm without Slurm: what the scheduler sets is set by hand, and the array is as
+/// long as the study has points, so that each job has one.
+#[test]
+fn the_example_of_an_array_job_works() {
+    let folder = tempfile::tempdir().unwrap();
+    let script =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/study-delay.sbatch");
+    let text = std::fs::read_to_string(&script).unwrap();
+    let directives = text
+        .lines()
+        .take_while(|line| line.is_empty() || line.starts_with('#'));
+    assert_eq!(
+        directives
+            .filter(|line| line.starts_with("#SBATCH --"))
+            .count(),
+        5
+    );
+    let program = std::path::Path::new(env!("CARGO_BIN_EXE_slipstream"));
+    let path = std::env::var("PATH").unwrap();
+    let path = format!("{}:{path}", program.parent().unwrap().display());
+    let job = |task: &str| {
+        let output = std::process::Command::new("bash")
+            .arg(&script)
+            .current_dir(folder.path())
+            .env("PATH", &path)
+            .env("SLURM_ARRAY_TASK_ID", task)
+            .env("SLURM_ARRAY_TASK_COUNT", "5632")
+            .env("SLURM_CPUS_PER_TASK", "2")
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), words)
+    };
+    assert_eq!(job("2").0, Some(0));
+    let shard = read_json(&folder.path().join("shard-2.json"));
+    assert_eq!(shard["points"].as_array().unwrap().len(), 1);
+    assert_eq!(shard["points"][0]["runs"], 100);
+    let merged = slipstream(folder.path(), &["study", "merge", "shard-2.json"]);
+    let words = String::from_utf8_lossy(&merged.stderr).into_owned();
+    assert!(words.contains("shard 1/5632 is missing"), "{words}");
+    let (code, words) = job("5633");
+    assert_eq!(code, Some(2), "{words}");
+}
+
 #[test]
 fn what_cannot_be_used_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();

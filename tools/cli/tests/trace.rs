@@ -11,7 +11,7 @@ use std::path::Path;
 
 use common::{read_json, run_json, slipstream};
 use serde_json::Value;
-use slipstream_bus::record::Record;
+use slipstream_bus::trace::Traced;
 use slipstream_trace::{Fate, Message, follow};
 
 /// Runs a platoon and traces it.
@@ -118,48 +118,39 @@ fn the_sums_are_those_of_the_records() {
     ];
     traced(folder.path(), &arguments);
     let path = folder.path().join("run.mcap");
-    let mut records = Vec::new();
+    let mut records: Vec<Traced<'static>> = Vec::new();
     slipstream_recording::read_trace(&path, &mut |bytes| {
-        postcard::from_bytes(bytes)
-            .map(|record: Record| records.push(record))
+        let bytes = Vec::leak(bytes.to_vec());
+        Traced::decode(bytes)
+            .map(|record| records.push(record))
             .is_ok()
     })
     .unwrap();
+    let find = |name: &str, fits: &dyn Fn(&Traced<'_>) -> bool, field: &str| {
+        let mut records = records.iter();
+        let found = records.find(|record| record.name == name && fits(record));
+        found.and_then(|record| record.int(field)).unwrap()
+    };
     let mut used = 0;
     for message in follow(&slipstream_trace::read(&path).unwrap().log) {
         let Fate::Used(way) = message.fate else {
             continue;
         };
         used += 1;
-        let sampled_ns = records.iter().find_map(|record| match record {
-            Record::Sent { position, .. }
-                if (position.from, position.seq) == (message.from, message.seq) =>
-            {
-                Some(position.sampled_ns)
-            }
-            _ => None,
-        });
-        let tick_ns = records.iter().find_map(|record| match *record {
-            Record::Taken {
-                from, seq, tick_ns, ..
-            } if (from, seq) == (message.from, message.seq) => Some(tick_ns),
-            _ => None,
-        });
-        let first_torque_ns = records.iter().find_map(|record| match *record {
-            Record::Applied {
-                robot,
-                tick_ns: inner_ns,
-                taken_ns,
-                ..
-            } if robot == message.to && inner_ns >= tick_ns.unwrap() => Some(taken_ns),
-            _ => None,
-        });
+        let ours = |record: &Traced<'_>| {
+            [record.int("from"), record.int("seq")]
+                == [message.from, message.seq].map(|number| Some(i64::from(number)))
+        };
+        let sampled_ns = find("sent", &ours, "sampled_ns");
+        let tick_ns = find("taken", &ours, "tick_ns");
+        let answers = |record: &Traced<'_>| {
+            record.int("robot") == Some(i64::from(message.to))
+                && record.int("tick_ns") >= Some(tick_ns)
+        };
+        let first_torque_ns = find("applied", &answers, "t_ns");
         let stages = way.stages_ns();
         assert!(stages.iter().all(|&stage| stage >= 0), "{message:?}");
-        assert_eq!(
-            stages.iter().sum::<i64>(),
-            first_torque_ns.unwrap() - sampled_ns.unwrap()
-        );
+        assert_eq!(stages.iter().sum::<i64>(), first_torque_ns - sampled_ns);
     }
     assert!(used > 50, "{used}");
 }
@@ -384,7 +375,7 @@ fn the_stage_that_changed_is_named() {
     let page = std::fs::read_to_string(folder.path().join("r.html")).unwrap();
     // A waterfall and a histogram for each link: constant stages have no histogram.
     assert_eq!(page.matches("<svg").count(), 6);
-    assert!(page.contains("injected_delay 180.0000 ms"));
+    assert!(page.contains("180.0000 ms"));
 }
 
 /// Each arrow starts, passes and ends where a tick is drawn; each stage that begins ends.
@@ -430,6 +421,181 @@ fn arrows_of_the_timeline_hang_on_ticks() {
         .map(|event| event["args"]["name"].as_str().unwrap())
         .collect();
     assert_eq!(names, ["plant", "r1", "r2", "r3"]);
+}
+
+/// The trace sees and does not touch: with it, without it and at its finest the states are the same.
+#[test]
+fn the_trace_changes_no_state() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |set: &str, filter: Option<&str>, place: &[&str]| {
+        let mut arguments = vec!["run", "--json", "result.json", "--out", "run.mcap"];
+        arguments.extend([
+            "--set",
+            "duration_s=6",
+            "--set",
+            "links.jitter_s=0.05",
+            "--set",
+            set,
+        ]);
+        arguments.extend(place);
+        let mut command = common::command(folder.path(), &arguments);
+        command.env_remove("RUST_LOG");
+        if let Some(filter) = filter {
+            command.env("RUST_LOG", filter);
+        }
+        assert!(command.status().unwrap().success());
+        let mut names = std::collections::BTreeSet::new();
+        let path = folder.path().join("run.mcap");
+        let read = slipstream_recording::read_trace(&path, &mut |bytes| {
+            names.insert(Traced::decode(bytes).unwrap().name.to_string());
+            true
+        });
+        assert_eq!(read.is_err(), names.is_empty());
+        let hash = read_json(&folder.path().join("result.json"))["state_hash"].clone();
+        (hash, names)
+    };
+    let [on, off] = ["recording.trace=true", "recording.trace=false"];
+    let (hash, usual) = run(on, None, &[]);
+    for name in [
+        "outer", "inner", "sent", "arrived", "taken", "applied", "process", "started",
+    ] {
+        assert!(usual.contains(name), "{name} is missing in {usual:?}");
+    }
+    assert!(!usual.contains("reference"));
+    for place in [&[][..], &["--in-process"]] {
+        let (other, none) = run(off, None, place);
+        assert_eq!(other, hash);
+        assert!(none.is_empty(), "{none:?}");
+        let (other, finest) = run(on, Some("slipstream=trace"), place);
+        assert_eq!(other, hash);
+        assert!(
+            finest.contains("reference") && finest.contains("torque"),
+            "{finest:?}"
+        );
+        let (other, coarse) = run(on, Some("slipstream=info"), place);
+        assert_eq!(other, hash);
+        assert!(!coarse.contains("outer"), "{coarse:?}");
+    }
+    let output = slipstream(folder.path(), &["trace", "run.mcap"]);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{words}");
+}
+
+#[test]
+fn a_filter_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for place in [&["run"][..], &["run", "--in-process"]] {
+        let mut command = common::command(folder.path(), place);
+        let output = command.env("RUST_LOG", "slipstream=loud").output().unwrap();
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(
+            words.contains("RUST_LOG") && words.lines().count() == 1,
+            "{words}"
+        );
+    }
+}
+
+/// An agent that is killed leaves messages that nobody takes up: they are counted as such.
+#[test]
+fn what_a_dead_agent_did_not_take_up_is_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "run",
+        "--clock",
+        "wall",
+        "--set",
+        "duration_s=60",
+        "--set",
+        "links.protocol=periodic",
+        "--set",
+        "links.delay_s=0.4",
+        "--out",
+        "run.mcap",
+    ];
+    let child = common::command(folder.path(), &arguments).spawn().unwrap();
+    let mut victim = None;
+    common::wait_for("the agents", std::time::Duration::from_secs(20), || {
+        let roles = common::roles(child.id());
+        let agent = |role: &&common::Role| role.arguments.windows(2).any(|w| w == ["--robot", "1"]);
+        victim = roles.iter().find(agent).map(|role| role.pid);
+        let recorded = std::fs::metadata(folder.path().join("run.mcap"));
+        victim.is_some() && recorded.is_ok_and(|file| file.len() > 20_000)
+    });
+    let pid = rustix::process::Pid::from_raw(i32::try_from(victim.unwrap()).unwrap()).unwrap();
+    rustix::process::kill_process(pid, rustix::process::Signal::KILL).unwrap();
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(1));
+    let output = slipstream(
+        folder.path(),
+        &["trace", "run.mcap", "--json", "trace.json"],
+    );
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    let answer = read_json(&folder.path().join("trace.json"));
+    let hops = answer["hops"].as_array().unwrap();
+    let died = |from: &str| {
+        let hop = hops.iter().find(|hop| hop["from"] == from).unwrap();
+        hop["incomplete"]["receiver_died"].as_u64().unwrap()
+    };
+    // 20 messages a second, 0.4 s each under way.
+    assert!((4..=20).contains(&died("r1")), "{}", died("r1"));
+    assert_eq!(died("r2"), 0);
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(table.contains("whose receiver died"), "{table}");
+    // Every loop is in the answer, the plant's step first.
+    let loops = answer["loops"].as_array().unwrap();
+    assert_eq!([&loops[0]["process"], &loops[0]["loop"]], ["plant", "step"]);
+    assert_eq!(loops.len(), 7);
+    for one in loops {
+        assert!(one["jitter"]["max_s"].as_f64().unwrap() > 0.0, "{one}");
+        assert!(one["missed"].is_u64(), "{one}");
+    }
+}
+
+/// The missed deadlines of the trace are those that the run counted itself.
+#[test]
+fn missed_deadlines_are_those_of_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, answer) = {
+        let _load = common::Load::new();
+        traced(folder.path(), &["--clock", "wall", "--set", "duration_s=3"])
+    };
+    for told in run["deadlines"].as_array().unwrap() {
+        let mut loops = answer["loops"].as_array().unwrap().iter();
+        let same = |one: &&Value| one["process"] == told["process"] && one["loop"] == told["loop"];
+        let one = loops.find(same).unwrap();
+        let count = |key: &str| one[key].as_u64().unwrap();
+        assert_eq!(
+            count("ticks") + count("left_out"),
+            told["ticks"],
+            "{one} {told}"
+        );
+        assert_eq!(
+            count("missed") + count("left_out"),
+            told["missed"],
+            "{one} {told}"
+        );
+    }
+}
+
+/// Recordings from before the trace had a mark say so in one line.
+#[test]
+fn an_old_trace_is_refused_with_a_remedy() {
+    use slipstream_recording::run_writer::{About, RunWriter};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("old.mcap");
+    let mut writer = RunWriter::create(&path, &About::default()).unwrap();
+    // An inner tick as it used to be: the number of its kind first.
+    writer.write_trace(0, &[6, 0, 0, 0, 0]).unwrap();
+    writer.finish().unwrap();
+    let output = slipstream(folder.path(), &["trace", "old.mcap"]);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(
+        words.contains("old.mcap") && words.contains("record it again"),
+        "{words}"
+    );
+    assert_eq!(words.lines().count(), 1, "{words}");
 }
 
 #[test]

@@ -139,6 +139,7 @@ pub struct Unexplained {
     pub shape: String,
 }
 
+
 impl Answer {
     /// Adds what was found on one machine.
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
@@ -148,16 +149,10 @@ impl Answer {
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
                 .push(finding(bench, found, hypothesis, at, first));
-            first += if hypothesis.is_threshold() {
-                0
-            } else {
-                hypothesis.values.len()
-            };
+            first += if hypothesis.is_threshold() { 0 } else { hypothesis.values.len() };
         }
         let runs = bench.tracks.iter().enumerate();
-        let windows: Vec<_> = runs
-            .flat_map(|(run, track)| cut(track, run, WINDOW_S))
-            .collect();
+        let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
         let before = score::prediction(bench, &windows, &[]);
         let after = score::prediction(bench, &windows, &found.node.hypotheses);
         self.held_out.add(robot, &before, &after);
@@ -172,16 +167,8 @@ impl Answer {
         }
         let (worst, level) = bench.worst(&found.node);
         let channel = [
-            "wheel_right",
-            "wheel_left",
-            "longitudinal",
-            "lateral",
-            "yaw",
-            "longitudinal",
-            "yaw",
-            "longitudinal",
-            "lateral",
-            "yaw",
+            "wheel_right", "wheel_left", "longitudinal", "lateral", "yaw", "longitudinal", "yaw",
+            "longitudinal", "lateral", "yaw",
         ][worst];
         let shape = format!(
             "residuals of {:.2} standard deviations in {} that no effect of the catalogue explains",
@@ -245,11 +232,7 @@ fn finding(
         .iter()
         .enumerate()
         .map(|(i, (name, estimate))| {
-            let deviation = if hypothesis.is_threshold() {
-                0.0
-            } else {
-                fit.deviations[first + i]
-            };
+            let deviation = if hypothesis.is_threshold() { 0.0 } else { fit.deviations[first + i] };
             ParameterEstimate {
                 name: (*name).to_owned(),
                 unit: unit(name),

@@ -141,14 +141,10 @@ impl Bench {
     fn excess(&self, node: &Node, channel: usize) -> f64 {
         let misfit = &node.fit.misfit;
         let level = misfit.mean_square(channel).sqrt();
-        let declared = self
-            .tracks
-            .iter()
-            .flat_map(|track| &track.series)
-            .all(|series| {
-                let first = series.sensor.channel();
-                !(first..first + series.sensor.width()).contains(&channel) || series.declared
-            });
+        let declared = self.tracks.iter().flat_map(|track| &track.series).all(|series| {
+            let first = series.sensor.channel();
+            !(first..first + series.sensor.width()).contains(&channel) || series.declared
+        });
         if declared {
             level / NOISE
         } else {
@@ -158,23 +154,13 @@ impl Bench {
 
     /// Guesses of all windows' starts from the measurements.
     pub(crate) fn guesses(&self) -> Vec<[f64; LOCALS]> {
-        let [r, b] = [
-            self.model.robot.wheel_radius_m,
-            self.model.robot.half_track_m,
-        ];
+        let [r, b] = [self.model.robot.wheel_radius_m, self.model.robot.half_track_m];
         let windows = self.windows.iter();
-        windows
-            .map(|w| w.guess(&self.tracks[w.run], r, b))
-            .collect()
+        windows.map(|w| w.guess(&self.tracks[w.run], r, b)).collect()
     }
 
     /// Fits the nominal model with `hypotheses`.
-    pub(crate) fn fit(
-        &self,
-        hypotheses: &[Hypothesis],
-        starts: &[[f64; LOCALS]],
-        rounds: usize,
-    ) -> Option<Node> {
+    pub(crate) fn fit(&self, hypotheses: &[Hypothesis], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Node> {
         let fit = self.posed(hypotheses, &self.windows, |problem, values| {
             problem.fit(values, starts, rounds)
         })?;
@@ -190,19 +176,7 @@ impl Bench {
 
     /// What each candidate promises beside the effects of `node`, best first.
     pub(crate) fn promises(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Promise> {
-        let promises = candidates.par_iter().filter_map(|c| {
-            let t = std::time::Instant::now();
-            let p = self.promise(node, c);
-            if std::env::var_os("DEBUG_D").is_some() && t.elapsed().as_secs_f64() > 0.25 {
-                eprintln!(
-                    "   slow {:.2} {} {:?}",
-                    t.elapsed().as_secs_f64(),
-                    c.info.id,
-                    c.values
-                );
-            }
-            p
-        });
+        let promises = candidates.par_iter().filter_map(|c| { let t = std::time::Instant::now(); let p = self.promise(node, c); if std::env::var_os("DEBUG_D").is_some() && t.elapsed().as_secs_f64() > 0.25 { eprintln!("   slow {:.2} {} {:?}", t.elapsed().as_secs_f64(), c.info.id, c.values); } p });
         let mut promises: Vec<Promise> = promises.collect();
         promises.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
         promises
@@ -215,9 +189,8 @@ impl Bench {
         self.posed(&hypotheses, &self.windows, |problem, values| {
             let (known, starts) = (node.fit.values.len(), &node.fit.starts);
             let base = problem.residuals(values, starts)?;
-            if candidate.is_abrupt()
-                && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance()
-            {
+            if std::env::var_os("DEBUG_D").is_some() && candidate.is_abrupt() { eprintln!("  base {:?} {:.0}", candidate.values, Misfit::new(&self.windows, &base).deviance()); }
+            if candidate.is_abrupt() && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() {
                 return None;
             }
             let mut steps = problem.first_steps(values);
@@ -229,13 +202,9 @@ impl Bench {
                 let windows = self.windows.iter().zip(&node.fit.linear).zip(&base);
                 let normals: Vec<_> = windows
                     .enumerate()
-                    .map(|(w, ((window, linear), base))| {
-                        linear.normal(window, &weights, base, &more(w))
-                    })
+                    .map(|(w, ((window, linear), base))| linear.normal(window, &weights, base, &more(w)))
                     .collect();
-                let step = linear::step(&normals, 1e-9, |i, step| {
-                    problem.bounded(i, values[i], step)
-                });
+                let step = linear::step(&normals, 1e-9, |i, step| problem.bounded(i, values[i], step));
                 let predicted: Vec<Vec<f64>> = node
                     .fit
                     .linear
@@ -293,11 +262,7 @@ impl Bench {
         let mut stride = (sizes.len() / 8).max(1);
         loop {
             let near = [at.checked_sub(stride), Some(at + stride)];
-            let near: Vec<usize> = near
-                .into_iter()
-                .flatten()
-                .filter(|i| *i < sizes.len())
-                .collect();
+            let near: Vec<usize> = near.into_iter().flatten().filter(|i| *i < sizes.len()).collect();
             let tried: Vec<(usize, Node)> = near
                 .into_par_iter()
                 .filter_map(|i| {
@@ -309,10 +274,7 @@ impl Bench {
                 })
                 .collect();
             let better = tried.into_iter().min_by(|a, b| {
-                a.1.fit
-                    .misfit
-                    .deviance()
-                    .total_cmp(&b.1.fit.misfit.deviance())
+                a.1.fit.misfit.deviance().total_cmp(&b.1.fit.misfit.deviance())
             });
             match better {
                 Some((i, node)) if node.fit.misfit.deviance() < best.fit.misfit.deviance() => {

@@ -59,9 +59,9 @@ impl Misfit {
     /// How much less `self` misses than `before`, in −2 ln L, counting residuals that repeat each
     /// other once.
     pub(crate) fn gain_over(&self, before: &Self) -> f64 {
-        let own = (0..CHANNELS)
-            .filter(|c| self.counts[*c] > 0.0)
-            .map(|c| self.counts[c] / self.memory[c] * (before.floored(c) / self.floored(c)).ln());
+        let own = (0..CHANNELS).filter(|c| self.counts[*c] > 0.0).map(|c| {
+            self.counts[c] / self.memory[c] * (before.floored(c) / self.floored(c)).ln()
+        });
         own.sum()
     }
 
@@ -99,10 +99,7 @@ fn memory(windows: &[Window], residuals: &[&[f64]], channel: u8) -> f64 {
         .collect();
     let covariance = |lag: usize| -> f64 {
         let sums = series.iter().map(|s| {
-            s.iter()
-                .zip(s.iter().skip(lag))
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
+            s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()
         });
         sums.sum()
     };

@@ -59,13 +59,10 @@ fn score(node: &Node) -> f64 {
 
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
-    let first = if local::is_local(hypothesis) {
-        PAY_LOCAL
-    } else {
-        PAY[0]
-    };
+    let first = if local::is_local(hypothesis) { PAY_LOCAL } else { PAY[0] };
     first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
+
 
 impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
@@ -87,6 +84,9 @@ impl Search<'_> {
                 looked_at += candidates.len();
                 next.extend(self.extended(node, &candidates));
             }
+            if seen.len() == 1 && !next.iter().any(|node| self.bench.is_noise(node)) {
+                next.extend(self.beside_slip(&nominal));
+            }
             next.sort_by(|a, b| score(a).total_cmp(&score(b)));
             let mut kept: Vec<Node> = Vec::new();
             for node in next {
@@ -95,11 +95,7 @@ impl Search<'_> {
                 }
             }
             let Some(first) = kept.first() else { break };
-            kept.truncate(if self.bench.is_noise(first) {
-                1
-            } else {
-                SIDE_BY_SIDE
-            });
+            kept.truncate(if self.bench.is_noise(first) { 1 } else { SIDE_BY_SIDE });
             nodes = kept.into_iter().map(|node| self.pruned(node)).collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if score(&nodes[0]) < score(&best) {
@@ -114,8 +110,7 @@ impl Search<'_> {
             let known = |k: &Hypothesis| k.is_like(h) && !local::is_local(h);
             node.hypotheses.iter().any(known)
         };
-        let mut candidates: Vec<Hypothesis> =
-            self.all.iter().filter(|h| !taken(h)).cloned().collect();
+        let mut candidates: Vec<Hypothesis> = self.all.iter().filter(|h| !taken(h)).cloned().collect();
         candidates.extend(local::candidates(self.bench, node, self.excluded));
         candidates
     }
@@ -123,30 +118,53 @@ impl Search<'_> {
     /// The extensions by one effect that pay, best first.
     fn extended(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Node> {
         let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
-        (self.progress)(&format!(
-            "{} effects beside [{}]",
-            candidates.len(),
-            ids.join(", ")
-        ));
+        (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
         let followed = self.followed(node, candidates, 0.5 * PAY[0]);
-        followed
-            .into_iter()
-            .filter(|next| self.pays(node, next))
-            .collect()
+        followed.into_iter().filter(|next| self.pays(node, next)).collect()
+    }
+
+    /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
+    /// begins where the other effect lets it.
+    fn beside_slip(&self, nominal: &Node) -> Vec<Node> {
+        if self.bench.is_noise(nominal) {
+            return Vec::new();
+        }
+        (self.progress)("effects beside slip");
+        let slips = self.all.par_iter().filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
+        let slips = slips.filter_map(|h| {
+            self.bench.fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
+        });
+        let mut slips: Vec<Node> = slips.collect();
+        slips.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        slips.truncate(SIDE_BY_SIDE);
+        let mut pairs: Vec<(usize, Promise)> = Vec::new();
+        for (i, slip) in slips.iter().enumerate() {
+            let mut one_each: Vec<Hypothesis> = Vec::new();
+            for candidate in self.candidates(slip) {
+                if !one_each.iter().any(|known| known.is_like(&candidate)) {
+                    one_each.push(candidate);
+                }
+            }
+            let promises = self.bench.promises(slip, &one_each);
+            pairs.extend(promises.into_iter().take(FOLLOWED[1]).map(|p| (i, p)));
+        }
+        pairs.sort_by(|a, b| a.1.deviance.total_cmp(&b.1.deviance));
+        pairs.truncate(FOLLOWED[0]);
+        let glances = pairs.par_iter().filter_map(|(i, p)| self.bench.follow(&slips[*i], p, GLANCE));
+        let mut glances: Vec<Node> = glances.collect();
+        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        glances.truncate(SIDE_BY_SIDE);
+        let full = glances.par_iter().filter_map(|glance| {
+            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
+        });
+        full.filter(|node| deviance(node) < deviance(nominal)).collect()
     }
 
     /// The most promising extensions, fitted to the end.
     fn followed(&self, node: &Node, candidates: &[Hypothesis], least: f64) -> Vec<Node> {
         let promises = self.bench.promises(node, candidates);
         let before = deviance(node);
-        if std::env::var_os("DEBUG_D").is_some() {
-            for p in promises.iter().take(14) {
-                eprintln!(
-                    "   {} {:?} {:.0} of {before:.0}",
-                    p.hypothesis.info.id, p.hypothesis.values, p.deviance
-                );
-            }
-        }
+        if std::env::var_os("DEBUG_D").is_some() { for p in promises.iter().take(14) { eprintln!("   {} {:?} {:.0} of {before:.0}", p.hypothesis.info.id, p.hypothesis.values, p.deviance); } }
         let mut chosen: Vec<&Promise> = Vec::new();
         for promise in promises.iter().filter(|p| before - p.deviance > least) {
             let known = |c: &&Promise| c.hypothesis.is_like(&promise.hypothesis);
@@ -156,19 +174,14 @@ impl Search<'_> {
             }
         }
         chosen.truncate(FOLLOWED[0]);
-        let Some(best) = chosen
-            .first()
-            .and_then(|p| self.bench.follow(node, p, GLANCE))
-        else {
+        let Some(best) = chosen.first().and_then(|p| self.bench.follow(node, p, GLANCE)) else {
             return Vec::new();
         };
         // where one explains all, only what promises nearly as much is worth a fit
         let near = before - NEAR * (before - deviance(&best));
         let worth = |p: &&&Promise| !self.bench.is_noise(&best) || p.deviance < near;
         let rest: Vec<&Promise> = chosen[1..].iter().filter(worth).copied().collect();
-        let glances = rest
-            .par_iter()
-            .filter_map(|p| self.bench.follow(node, p, GLANCE));
+        let glances = rest.par_iter().filter_map(|p| self.bench.follow(node, p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
         glances.push(best);
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -178,23 +191,12 @@ impl Search<'_> {
             glances.retain(|glance| deviance(glance) < least);
         }
         glances.truncate(FOLLOWED[1]);
-        let full = glances
-            .par_iter()
-            .filter_map(|glance| self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL));
+        let full = glances.par_iter().filter_map(|glance| {
+            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
+        });
         let mut full: Vec<Node> = full.collect();
         full.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        if std::env::var_os("DEBUG_D").is_some() {
-            for p in &full {
-                eprintln!(
-                    "   -> {} {:?} {:.0} worst {:?} dev {:?}",
-                    p.hypotheses.last().map_or("", |h| h.info.id),
-                    p.fit.values,
-                    deviance(p),
-                    p.fit.misfit.worst(),
-                    p.fit.deviations
-                );
-            }
-        }
+        if std::env::var_os("DEBUG_D").is_some() { for p in &full { eprintln!("   -> {} {:?} {:.0} worst {:?} dev {:?}", p.hypotheses.last().map_or("", |h| h.info.id), p.fit.values, deviance(p), p.fit.misfit.worst(), p.fit.deviations); } }
         full
     }
 
@@ -211,11 +213,10 @@ impl Search<'_> {
         let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
         let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
         let own = &node.hypotheses[which];
-        own.is_threshold()
-            || own.values.iter().enumerate().any(|(i, (name, value))| {
-                let nothing = own.nothing(&self.bench.model, name);
-                (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
-            })
+        own.is_threshold() || own.values.iter().enumerate().any(|(i, (name, value))| {
+            let nothing = own.nothing(&self.bench.model, name);
+            (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
+        })
     }
 
     /// Takes out what no longer pays beside what came later.
@@ -257,11 +258,7 @@ impl Search<'_> {
                 .into_iter()
                 .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
                 .collect();
-            let rivals = self.followed(
-                &less,
-                &candidates,
-                0.5 * (deviance(&less) - deviance(&node)),
-            );
+            let rivals = self.followed(&less, &candidates, 0.5 * (deviance(&less) - deviance(&node)));
             if let Some(rival) = rivals.first()
                 && score(rival) < score(&node) - 3.0
                 && swaps < 3
@@ -272,12 +269,8 @@ impl Search<'_> {
                 continue;
             }
             gains.push((deviance(&less) - deviance(&node)) / 2.0);
-            let near = rivals
-                .iter()
-                .filter(|r| deviance(r) < deviance(&node) + TWINS);
-            let mut ids: Vec<&'static str> = near
-                .filter_map(|r| Some(r.hypotheses.last()?.info.id))
-                .collect();
+            let near = rivals.iter().filter(|r| deviance(r) < deviance(&node) + TWINS);
+            let mut ids: Vec<&'static str> = near.filter_map(|r| Some(r.hypotheses.last()?.info.id)).collect();
             ids.sort_unstable();
             ids.dedup();
             ids.retain(|id| *id != removed.info.id);
@@ -296,11 +289,7 @@ impl Search<'_> {
 
 fn same(a: &Node, b: &Node) -> bool {
     let key = |node: &Node| {
-        let mut ids: Vec<_> = node
-            .hypotheses
-            .iter()
-            .map(|h| (h.info.id, h.text, h.only))
-            .collect();
+        let mut ids: Vec<_> = node.hypotheses.iter().map(|h| (h.info.id, h.text, h.only)).collect();
         ids.sort_unstable();
         ids
     };

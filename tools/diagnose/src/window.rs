@@ -153,20 +153,13 @@ impl Window {
 
     /// Whether the encoders show no motion as the window begins.
     fn stands(&self, track: &Track) -> bool {
-        let Some(at) = track
-            .series
-            .iter()
-            .position(|s| s.sensor == Sensor::WheelAngle)
-        else {
+        let Some(at) = track.series.iter().position(|s| s.sensor == Sensor::WheelAngle) else {
             return false;
         };
         let [first, end] = self.rows[at];
         let rows = &track.series[at].rows[first..end];
-        let begin = rows
-            .iter()
-            .take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
-        let same =
-            |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
+        let begin = rows.iter().take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
+        let same = |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
         begin.clone().count() > 2 && begin.into_iter().all(same)
     }
 
@@ -196,10 +189,7 @@ impl Window {
             if let Some((t_s, end)) = near.last().filter(|(t_s, _)| *t_s > rows[0].0) {
                 let over = t_s - rows[0].0;
                 let (dx, dy) = (end[0] - pose[0], end[1] - pose[1]);
-                [u, rate] = [
-                    (dx * yaw.cos() + dy * yaw.sin()) / over,
-                    (end[2] - yaw) / over,
-                ];
+                [u, rate] = [(dx * yaw.cos() + dy * yaw.sin()) / over, (end[2] - yaw) / over];
             }
         }
         let rate = if rate.is_finite() { rate } else { 0.0 };

@@ -103,8 +103,13 @@ fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, Robot
         .filter(|id| !LOOKED_FOR.contains(&id.as_str()))
         .collect();
     let recording = record(truth, seed);
-    let (answer, mut improved) =
-        diagnose(&recording, |_| Some(nominal.clone()), &excluded, &|_| ()).unwrap();
+    let (answer, mut improved) = diagnose(
+        &recording,
+        |_| Some(nominal.clone()),
+        &excluded,
+        &|_| (),
+    )
+    .unwrap();
     (answer, improved.remove(0).1)
 }
 

@@ -10,13 +10,15 @@ use slipstream_agents::{Node, NodeReport};
 use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{NoRecorder, Record, Recorder};
 use slipstream_bus::time::Schedule;
+use slipstream_bus::trace;
 use slipstream_bus::transport::{BusError, Mail, Rounds};
 use slipstream_bus::{Experiment, ModelError};
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
 
 use crate::outcome::{Outcome, Parts};
-use crate::resolve::Resolved;
+use crate::resolve::{Resolved, Unusable};
 use crate::sink::Sink;
+use crate::tape;
 
 /// What the cores of a run had to say at its end.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +40,9 @@ pub enum RunError {
     /// The bus, which here is memory of our own.
     #[error(transparent)]
     Bus(#[from] BusError),
+    /// The environment will not do.
+    #[error(transparent)]
+    Unusable(#[from] Unusable),
     /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] slipstream_recording::Error),
@@ -142,6 +147,7 @@ impl<R: Recorder> Rounds for Agents<R> {
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
+        trace::at(now_ns);
         let due = self.schedule.due(now_ns);
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut mail = LocalMail {
@@ -189,7 +195,7 @@ impl<R> Clone for Shared<R> {
 
 impl<R: Recorder> Recorder for Shared<R> {
     fn record(&mut self, record: &Record) {
-        self.0.borrow_mut().record(record);
+        trace::record(&mut *self.0.borrow_mut(), record);
     }
 }
 
@@ -204,7 +210,9 @@ pub fn outcome(resolved: &Resolved, out: Option<&Path>) -> Result<Outcome, RunEr
         None => run(experiment, true)?,
         Some(out) => {
             let sink = Sink::create(out, experiment, &resolved.to_toml())?;
-            let (reports, sink) = run_recorded(experiment, true, sink)?;
+            let _tracing = tape::begin(experiment, "run")?;
+            let (reports, mut sink) = run_recorded(experiment, true, sink)?;
+            trace::drain(|t_ns, bytes| sink.trace(t_ns, bytes));
             sink.finish(BTreeMap::new())?;
             reports
         }

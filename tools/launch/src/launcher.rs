@@ -19,6 +19,7 @@ use slipstream_bus::message::robot_name;
 use slipstream_bus::place::{Alive, Place};
 use slipstream_bus::role::Ended;
 use slipstream_bus::time::s_from_ns;
+use slipstream_bus::trace;
 use slipstream_sim::run::process::PlantOutcome;
 
 use crate::live::Live;
@@ -26,6 +27,7 @@ use crate::outcome::{DeadlineOutcome, Outcome, Parts, Process, Verdict};
 use crate::recorder::RecorderOutcome;
 use crate::resolve::{Resolved, Unusable};
 use crate::roles::read_report;
+use crate::tape::{self, leave_tape};
 use crate::{place_files, preflight};
 
 /// How often the live line is drawn.
@@ -106,6 +108,10 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<Outcome, LaunchErro
     if let Some(out) = &options.out {
         writable(out)?;
     }
+    let _tracing = match options.out {
+        Some(_) => tape::begin(&resolved.experiment, "launcher")?,
+        None => None,
+    };
     let mut signals = listen_to_signals().map_err(system("listen to signals"))?;
     let begin = Instant::now();
     let mut run = Run::prepare(resolved, options)?;
@@ -182,6 +188,9 @@ impl<'a> Run<'a> {
         }
         if let Some(out) = &self.options.out {
             command.arg("--recording");
+            if self.resolved.experiment.settings.recording.trace {
+                command.arg("--trace");
+            }
             if role == "recorder" {
                 command.arg("--out").arg(out);
             }
@@ -193,6 +202,7 @@ impl<'a> Run<'a> {
             .stdout(Stdio::null());
         let child = command.spawn()?;
         let pidfd = pidfd_open(Pid::from_child(&child), PidfdFlags::empty())?;
+        tracing::info!(name: "started", role, robot, pid = child.id());
         self.processes.push(Process {
             role,
             robot: robot.map(robot_name),
@@ -223,11 +233,15 @@ impl<'a> Run<'a> {
         for index in ended {
             let status = self.members[index].child.wait()?;
             self.members[index].status = Some(status);
+            trace::at(self.bell.told().0);
+            let member = &self.members[index];
+            tracing::info!(name: "ended", role = member.role, robot = member.robot, status = %status);
             self.after_end(index, status)?;
         }
         let working = |member: &Member| member.role != "recorder" && member.status.is_none();
         if self.drained.is_none() && !self.members.iter().any(working) {
             self.drained = Some(Instant::now());
+            leave_tape(self.place.folder(), "launcher");
             self.bell.advance(Stage::Drained);
         }
         let overdue = |since: Option<Instant>, grace| since.is_some_and(|t| t.elapsed() > grace);

@@ -13,6 +13,7 @@ pub mod resolve;
 pub mod roles;
 mod round_trips;
 pub mod sink;
+mod tape;
 
 pub use in_process::{Reports, RunError};
 pub use launcher::{LaunchError, Options};

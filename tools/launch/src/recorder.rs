@@ -1,4 +1,7 @@
 //! The recorder's process: takes records from the bus and writes them down, whoever dies.
+//!
+//! What the others told the trace before they were on the bus, or after they left it, and what the
+//! launcher told, lies in files of the run's folder when all are gone.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,12 +10,14 @@ use std::time::{Duration, Instant};
 use slipstream_bus::bell::{Bell, Stage};
 use slipstream_bus::experiment::Clock;
 use slipstream_bus::record::{EventKind, Record, Recorder};
-use slipstream_bus::record_pipe::RecordReceiver;
+use slipstream_bus::record_pipe::{Entry, RecordReceiver};
 use slipstream_bus::role::Joined;
+use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
 
 use crate::place_files::read_keys;
 use crate::sink::Sink;
+use crate::tape::read_tapes;
 
 /// How long the recorder sleeps when nothing comes.
 const NAP: Duration = Duration::from_millis(1);
@@ -51,6 +56,9 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
     let failure = pump(&joined, &receiver, &mut order)
         .err()
         .map(|error| error.to_string());
+    for tape in read_tapes(&joined.place) {
+        trace::replay(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
+    }
     Ok(match order.finish() {
         Ok(records) => RecorderOutcome { records, failure },
         Err(error) => RecorderOutcome {
@@ -78,12 +86,9 @@ impl Obituary {
         for (known, robot) in self.known.iter_mut().zip(processes) {
             let deaths = bell.deaths(robot.map(|robot| robot as usize));
             for _ in *known..deaths {
-                let t_ns = bell.told().0;
-                sink.record(&Record::Event {
-                    t_ns,
-                    robot,
-                    kind: EventKind::Died,
-                });
+                let (t_ns, kind) = (bell.told().0, EventKind::Died);
+                tracing::error!(name: "died", t_ns, robot);
+                sink.record(&Record::Event { t_ns, robot, kind });
             }
             *known = deaths;
         }
@@ -101,12 +106,14 @@ fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result
         let orphaned = joined.parent.is_gone() && heard.elapsed() > SILENCE;
         let last = joined.bell.stage() >= Stage::Drained || orphaned;
         let mut idle = true;
-        while receiver.take(|source, record| order.take(source as usize, record))? {
+        trace::at(joined.bell.told().0);
+        while receiver.take(|source, entry| order.take(source as usize, entry))? {
             idle = false;
             heard = Instant::now();
         }
         order.release();
         obituary.write(&joined.bell, &mut order.sink);
+        trace::drain(|t_ns, bytes| order.sink.trace(t_ns, bytes));
         if safe.elapsed() >= SAFE {
             order.sink.flush();
             safe = Instant::now();
@@ -125,8 +132,14 @@ struct Order {
     sink: Sink,
     /// How far each source has come (ns).
     reached_ns: Vec<i64>,
-    waiting: Vec<(i64, usize, Record)>,
+    waiting: Vec<(i64, usize, Kept)>,
     released: Instant,
+}
+
+/// What waits for its turn.
+enum Kept {
+    Record(Record),
+    Trace { t_ns: i64, bytes: Box<[u8]> },
 }
 
 impl Order {
@@ -140,13 +153,32 @@ impl Order {
         }
     }
 
-    fn take(&mut self, source: usize, record: &Record) {
+    fn take(&mut self, source: usize, entry: Entry<'_>) {
+        let (t_ns, kept) = match entry {
+            Entry::Record(record) => (record.t_ns(), Kept::Record(record)),
+            Entry::Trace { t_ns, bytes } => {
+                let bytes = bytes.into();
+                (t_ns, Kept::Trace { t_ns, bytes })
+            }
+        };
         let Some(reached_ns) = self.reached_ns.get_mut(source) else {
-            self.sink.record(record);
+            self.write(&kept);
             return;
         };
-        *reached_ns = record.t_ns().max(*reached_ns);
-        self.waiting.push((*reached_ns, source, *record));
+        *reached_ns = t_ns.max(*reached_ns);
+        self.waiting.push((*reached_ns, source, kept));
+    }
+
+    fn write(&mut self, kept: &Kept) {
+        match kept {
+            Kept::Record(record) => self.sink.record(record),
+            Kept::Trace { t_ns, bytes } => self.sink.trace(*t_ns, bytes),
+        }
+    }
+
+    /// Takes in what belongs to no source.
+    fn keep_trace(&mut self, t_ns: i64, bytes: &[u8]) {
+        self.sink.trace(t_ns, bytes);
     }
 
     /// Writes what no source can come before any more.
@@ -161,8 +193,9 @@ impl Order {
         self.waiting
             .sort_by_key(|&(t_ns, source, _)| (t_ns, source));
         let ready = self.waiting.partition_point(|&(t_ns, ..)| t_ns < before_ns);
-        for (_, _, record) in self.waiting.drain(..ready) {
-            self.sink.record(&record);
+        let rest = self.waiting.split_off(ready);
+        for (_, _, kept) in std::mem::replace(&mut self.waiting, rest) {
+            self.write(&kept);
         }
     }
 

@@ -9,10 +9,12 @@ use serde::de::DeserializeOwned;
 use slipstream_agents::process as agent;
 use slipstream_bus::message::robot_name;
 use slipstream_bus::place::Place;
+use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
 use slipstream_sim::run::process as plant;
 
 use crate::recorder;
+use crate::tape::leave_tape;
 
 /// A role and what it needs to know.
 #[derive(Debug, Parser)]
@@ -52,6 +54,9 @@ pub(crate) struct Membership {
     /// Somebody records.
     #[arg(long)]
     recording: bool,
+    /// The recording holds a trace.
+    #[arg(long)]
+    trace: bool,
 }
 
 /// The names of the roles.
@@ -72,7 +77,20 @@ pub fn play(arguments: &[OsString]) -> bool {
         // Nobody but the launcher starts a role: says so and ends with exit code 2.
         Err(error) => error.exit(),
     };
-    match role.play() {
+    let membership = role.membership();
+    let filter = match membership.trace.then(trace::filter).transpose() {
+        Ok(filter) => filter,
+        Err(problem) => {
+            eprintln!("slipstream {}: {}: {problem}", role.name(), trace::VARIABLE);
+            return false;
+        }
+    };
+    let _tracing = filter.map(|filter| trace::begin(&role.name(), filter));
+    let process = tracing::info_span!("process").entered();
+    let played = role.play();
+    drop(process);
+    leave_tape(&membership.run, &role.name());
+    match played {
         Ok(()) | Err(BusError::Stopped) => true,
         Err(error) => {
             eprintln!("slipstream {}: {error}", role.name());
@@ -84,11 +102,11 @@ pub fn play(arguments: &[OsString]) -> bool {
 impl Role {
     fn play(&self) -> Result<(), BusError> {
         match self {
-            Self::Plant(Membership { run, recording }) => {
+            Self::Plant(Membership { run, recording, .. }) => {
                 report(run, &self.name(), &plant::run(run, *recording)?)
             }
             Self::Agent {
-                membership: Membership { run, recording },
+                membership: Membership { run, recording, .. },
                 robot,
                 rejoins,
             } => report(
@@ -100,6 +118,14 @@ impl Role {
                 membership: Membership { run, .. },
                 out,
             } => report(run, &self.name(), &recorder::run(run, out)?),
+        }
+    }
+
+    fn membership(&self) -> &Membership {
+        match self {
+            Self::Plant(membership)
+            | Self::Agent { membership, .. }
+            | Self::Recorder { membership, .. } => membership,
         }
     }
 

@@ -6,7 +6,7 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use slipstream_bus::message::{Position, RobotIndex, robot_name};
-use slipstream_bus::record::{EventKind, Record, Recorder, State};
+use slipstream_bus::record::{Record, Recorder, State};
 use slipstream_bus::{Experiment, RobotModel};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
@@ -22,7 +22,6 @@ pub struct Sink {
     poses: Vec<[f64; 3]>,
     under_way: BTreeMap<(RobotIndex, u32), UnderWay>,
     records: u64,
-    trace: Vec<u8>,
 }
 
 /// A message whose fate is not yet known. Its two ends tell in any order.
@@ -54,7 +53,6 @@ impl Sink {
             poses: Vec::new(),
             under_way: BTreeMap::new(),
             records: 0,
-            trace: vec![0; 512],
         })
     }
 
@@ -125,7 +123,7 @@ impl Sink {
             }
             Record::Event { t_ns, robot, kind } => {
                 let process = robot.map_or_else(|| "plant".to_owned(), robot_name);
-                self.writer.write_event(t_ns, &process, words(kind))?;
+                self.writer.write_event(t_ns, &process, kind.words())?;
             }
             Record::Inner(_) => {}
             Record::Sent { to, position, .. } => {
@@ -146,26 +144,6 @@ impl Sink {
                 self.message(from, seq).taken = true;
                 self.settle(from, seq);
             }
-        }
-        self.write_trace(record)
-    }
-
-    /// What `trace` needs, as it is.
-    fn write_trace(&mut self, record: &Record) -> slipstream_recording::Result<()> {
-        let traced = matches!(
-            record,
-            Record::Outer(_)
-                | Record::Inner(_)
-                | Record::Sent { .. }
-                | Record::Arrived { .. }
-                | Record::Taken { .. }
-                | Record::Applied { .. }
-                | Record::Event { .. }
-        );
-        if let Ok(bytes) = postcard::to_slice(record, &mut self.trace)
-            && traced
-        {
-            self.writer.write_trace(record.t_ns(), bytes)?;
         }
         Ok(())
     }
@@ -240,6 +218,14 @@ impl Recorder for Sink {
             self.keep(result);
         }
     }
+
+    fn trace(&mut self, t_ns: i64, bytes: &[u8]) {
+        if self.failure.is_none() {
+            self.records += 1;
+            let result = self.writer.write_trace(t_ns, bytes);
+            self.keep(result);
+        }
+    }
 }
 
 /// What is known about a run before it begins.
@@ -287,18 +273,5 @@ fn about(experiment: &Experiment, keys: &str) -> About {
             ("seed".to_owned(), settings.seed.to_string()),
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ]),
-    }
-}
-
-fn words(kind: EventKind) -> &'static str {
-    match kind {
-        EventKind::WatchdogFired => "no fresh position: slows down",
-        EventKind::WatchdogCleared => "has a fresh position again",
-        EventKind::RingRestarted => "the ring was silent: started anew",
-        EventKind::PlantLost => "the encoders went silent: no torque",
-        EventKind::PlantBack => "the encoders are back",
-        EventKind::DeadlineMissed => "a deadline was missed",
-        EventKind::Died => "died",
-        EventKind::Rejoined => "came back",
     }
 }

@@ -16,6 +16,7 @@ use slipstream_bus::place::Place;
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::services::Services;
 use slipstream_bus::shared::{AgentEnd, Parent, PlantEnd};
+use slipstream_bus::trace::{self, EnvFilter};
 use slipstream_bus::transport::Rounds;
 use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
 use slipstream_launch::in_process::run;
@@ -56,6 +57,18 @@ fn the_cores_do_not_allocate() {
     let short = count(1.0);
     assert!(short > 0, "the counter counts");
     assert_eq!(count(20.0), short);
+}
+
+/// Nor does the trace of them, at its finest.
+#[test]
+fn the_trace_does_not_allocate() {
+    let _tracing = trace::begin("run", EnvFilter::new("trace"));
+    let count = |duration_s| {
+        let experiment = experiment(duration_s);
+        allocations(|| drop(run(&experiment, true).unwrap()))
+    };
+    count(1.0);
+    assert_eq!(count(20.0), count(1.0));
 }
 
 /// Rounds over real shared memory, plant and agents in threads of one process.

@@ -362,7 +362,7 @@ impl<W: Write> RunWriter<W> {
         )
     }
 
-    /// A step of a position's way, as the launcher encodes it (postcard).
+    /// A record of the trace, as the bus encodes it (postcard).
     ///
     /// # Errors
     /// When the file cannot be written.

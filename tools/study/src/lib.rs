@@ -2,8 +2,6 @@
 //! what communication delay does to a platoon (Eq. 13 and 14).
 
 pub mod delay;
-mod page;
-mod picture;
 pub mod reproduce;
 
 use slipstream_launch::{RunError, Unusable};
@@ -17,7 +15,7 @@ pub enum StudyError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A picture could not be drawn.
-    #[error("picture: {0}")]
-    Picture(String),
+    /// A figure could not be drawn.
+    #[error(transparent)]
+    Picture(#[from] slipstream_report::PictureError),
 }

@@ -5,8 +5,13 @@
     reason = "a test stops at what it does not expect"
 )]
 
+use std::sync::atomic::AtomicBool;
+
 use slipstream_launch::in_process;
 use slipstream_study::delay::{Form, Grid, Point, Shard, Study, merge, study};
+
+/// Nobody interrupts.
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn grid() -> Grid {
     Grid {
@@ -23,12 +28,12 @@ fn grid() -> Grid {
 
 #[test]
 fn threads_and_shards_change_nothing() {
-    let whole = study(&grid(), Shard::WHOLE, 1).unwrap();
+    let whole = study(&grid(), Shard::WHOLE, 1, &NEVER).unwrap();
     assert_eq!(whole.points.len(), 8);
-    assert_eq!(study(&grid(), Shard::WHOLE, 3).unwrap(), whole);
+    assert_eq!(study(&grid(), Shard::WHOLE, 3, &NEVER).unwrap(), whole);
     let shards: Vec<(String, Study)> = (1..=3)
         .map(|index| {
-            let shard = study(&grid(), Shard { index, of: 3 }, 2).unwrap();
+            let shard = study(&grid(), Shard { index, of: 3 }, 2, &NEVER).unwrap();
             // as it goes through a file
             let text = serde_json::to_string(&shard).unwrap();
             (index.to_string(), serde_json::from_str(&text).unwrap())
@@ -51,7 +56,9 @@ fn threads_and_shards_change_nothing() {
 #[test]
 fn a_point_is_what_its_single_runs_say() {
     let grid = grid();
-    let points: Vec<Point> = study(&grid, Shard { index: 1, of: 8 }, 1).unwrap().points;
+    let points: Vec<Point> = study(&grid, Shard { index: 1, of: 8 }, 1, &NEVER)
+        .unwrap()
+        .points;
     let point = &points[0];
     let mut experiment = point.cell.experiment().unwrap();
     let (mut slip_s, mut error_m, mut speed_m_s) = (0.0, 0.0f64, 0.0f64);
@@ -85,7 +92,7 @@ fn constant_delay_is_a_transport_delay() {
         protocol: vec!["periodic".to_owned()],
         ..grid()
     };
-    let study = study(&grid, Shard { index: 1, of: 2 }, 1).unwrap();
+    let study = study(&grid, Shard { index: 1, of: 2 }, 1, &NEVER).unwrap();
     let point = &study.points[0];
     assert!((point.age_s - 0.2).abs() < 1e-9, "{}", point.age_s);
     // The encoders stand between the outer tick and its reference: no more than rounding.
@@ -100,7 +107,9 @@ fn what_cannot_be_asked_is_refused_with_a_remedy() {
     let refused = |change: &dyn Fn(&mut Grid)| {
         let mut grid = grid();
         change(&mut grid);
-        study(&grid, Shard::WHOLE, 1).unwrap_err().to_string()
+        study(&grid, Shard::WHOLE, 1, &NEVER)
+            .unwrap_err()
+            .to_string()
     };
     assert!(refused(&|grid| grid.robots = 1).contains("at least 2"));
     assert!(refused(&|grid| grid.runs = 0).contains("at least 1"));

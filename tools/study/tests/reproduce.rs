@@ -5,7 +5,7 @@
     reason = "a test stops at what it does not expect"
 )]
 
-use slipstream_study::reproduce::{ASSUMPTIONS, Row, page, reproduce};
+use slipstream_study::reproduce::{ASSUMPTIONS, Beyond, Row, page, reproduce};
 
 #[test]
 fn every_row_is_there_and_says_why() {
@@ -49,6 +49,7 @@ fn every_row_is_there_and_says_why() {
             );
         }
     }
+    turning(&reproduction.beyond);
     assert_eq!(
         serde_json::to_string(&reproduction).unwrap(),
         serde_json::to_string(&reproduce().unwrap()).unwrap(),
@@ -56,4 +57,41 @@ fn every_row_is_there_and_says_why() {
     let page = page(&reproduction, "slipstream reproduce").unwrap();
     assert_eq!(page.matches("<figure>").count(), 7);
     assert!(!page.contains("http-equiv") && !page.contains("src="));
+}
+
+/// The turns ask for more than the floor carries: every limit makes a difference, and the law that
+/// knows what the turn itself takes from the floor makes the largest.
+fn turning(beyond: &[Beyond]) {
+    let of = |experiment: &str, law: &str, limit: &str| -> &Beyond {
+        let is =
+            |one: &&Beyond| (one.experiment, one.law, one.torque_limit) == (experiment, law, limit);
+        beyond.iter().find(is).unwrap()
+    };
+    for experiment in ["circle", "figure_eight", "lane_change"] {
+        let none = of(experiment, "paper", "none");
+        let fixed = ["inner", "outer"].map(|limit| of(experiment, "paper", limit));
+        for limited in fixed {
+            assert!(
+                limited.slip_time_s < 0.85 * none.slip_time_s,
+                "{limited:?} {none:?}"
+            );
+            assert!(
+                limited.mean_final_gap_m < 0.7 * none.mean_final_gap_m,
+                "{limited:?} {none:?}"
+            );
+        }
+        let computed = of(experiment, "computed_torque", "inner");
+        assert!(
+            computed.slip_time_s < 0.1 * fixed[0].slip_time_s,
+            "{computed:?} {fixed:?}"
+        );
+        assert!(
+            computed.mean_final_gap_m < 0.1 * fixed[0].mean_final_gap_m,
+            "{computed:?}"
+        );
+        // It keeps up: no robot falls back by more than a quarter of the spacing.
+        assert!(computed.max_spacing_error_m < 0.15, "{computed:?}");
+    }
+    let all = ["circle", "figure_eight", "lane_change"].map(|name| of(name, "paper", "inner"));
+    assert!(all[0].slip_time_s < all[1].slip_time_s && all[2].slip_time_s < all[0].slip_time_s);
 }

@@ -8,7 +8,8 @@ use slipstream_bus::time::s_from_ns;
 
 use crate::against::HopChange;
 use crate::figures::Figures;
-use crate::log::Log;
+use crate::log::{Log, LoopOf};
+use crate::step::Loop;
 use crate::way::{Fate, Link, Message, STAGES, Way, by_link, follow};
 
 /// The whole answer.
@@ -22,7 +23,7 @@ pub struct Answer {
     pub platoon: Vec<Age>,
     /// How old the information of the robot ahead is at each outer tick that goes by it.
     pub at_outer_ticks: Vec<Age>,
-    /// How punctual the loops of the agents were.
+    /// How punctual the loops were, the plant's first.
     pub loops: Vec<LoopFigures>,
     /// How each link differs from another run, where one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,20 +94,24 @@ pub struct Age {
     pub figures: Figures,
 }
 
-/// One loop of an agent.
+/// One loop. The plant's step keeps deadlines on the wall clock alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LoopFigures {
-    /// The robot.
+    /// `plant`, or the robot.
     pub process: String,
-    /// `outer` or `inner`.
+    /// `step`, `outer` or `inner`.
     #[serde(rename = "loop")]
     pub name: &'static str,
     /// Ticks that ran.
     pub ticks: u64,
     /// Ticks that were due between them and did not run.
     pub left_out: u64,
+    /// Ticks that ran, but were done after the next one was due.
+    pub missed: u64,
     /// How long after it was due each tick ran.
     pub late: Figures,
+    /// How much more or less time lay between two ticks than should have.
+    pub jitter: Option<Figures>,
 }
 
 /// The answer for a run; `names` by the robots' index.
@@ -212,9 +217,9 @@ fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
             let Some(sent) = log.sent.get(&key) else {
                 break;
             };
-            let age_ns = applied_ns.saturating_sub(sent.position.sampled_ns);
+            let age_ns = applied_ns.saturating_sub(sent.sampled_ns);
             pairs.entry((key.0, message.to)).or_default().push(age_ns);
-            let tick = log.outer.get(&(key.0, sent.position.tick_ns));
+            let tick = log.outer.get(&(key.0, sent.tick_ns));
             let before = tick.and_then(|tick| tick.message).zip(ahead.get(&key.0));
             match before {
                 Some((seq, &from)) if key.0 != 0 => key = (from, seq),
@@ -231,7 +236,7 @@ fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
     for (&(robot, _), tick) in &log.outer {
         let key = ahead.get(&robot).copied().zip(tick.message);
         if let Some((key, sent)) = key.and_then(|key| Some((key, log.sent.get(&key)?))) {
-            let age_ns = tick.began_ns.saturating_sub(sent.position.sampled_ns);
+            let age_ns = tick.began_ns.saturating_sub(sent.sampled_ns);
             pairs.entry((key.0, robot)).or_default().push(age_ns);
         }
     }
@@ -239,26 +244,37 @@ fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
 }
 
 fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopFigures> {
-    let mut ticks: BTreeMap<(RobotIndex, &'static str), Vec<[i64; 2]>> = BTreeMap::new();
+    let mut ticks: BTreeMap<LoopOf, Vec<[i64; 2]>> = BTreeMap::new();
     for (&(robot, t_ns), tick) in &log.inner {
-        let times = ticks.entry((robot, "inner")).or_default();
+        let times = ticks.entry((Some(robot), Loop::Inner)).or_default();
         times.push([t_ns, tick.began_ns]);
     }
     for (&(robot, t_ns), tick) in &log.outer {
-        let times = ticks.entry((robot, "outer")).or_default();
+        let times = ticks.entry((Some(robot), Loop::Outer)).or_default();
         times.push([t_ns, tick.began_ns]);
     }
-    let figures = |((robot, name), times): ((RobotIndex, &'static str), Vec<[i64; 2]>)| {
-        let late = times.iter();
-        let late = late
-            .map(|[due, began]| began.saturating_sub(*due))
-            .collect();
-        Figures::new(late).map(|late| LoopFigures {
-            process: names.of(robot),
-            name,
+    let plant = (None, Loop::Step);
+    if let Some(times) = log.deadlines.get(&plant) {
+        let times = times
+            .iter()
+            .map(|&[due_ns, began_ns, _]| [due_ns, began_ns]);
+        ticks.insert(plant, times.collect());
+    }
+    let figures = |(of, times): (LoopOf, Vec<[i64; 2]>)| {
+        let late = |&[due, began]: &[i64; 2]| began.saturating_sub(due);
+        let lateness: Vec<i64> = times.iter().map(late).collect();
+        let more = |pair: &[i64]| pair[1].saturating_sub(pair[0]).saturating_abs();
+        let jitter = lateness.windows(2).map(more).collect();
+        Figures::new(lateness).map(|late| LoopFigures {
+            process: of
+                .0
+                .map_or_else(|| "plant".to_owned(), |robot| names.of(robot)),
+            name: of.1.name(),
             ticks: times.len() as u64,
             left_out: left_out(&times),
+            missed: log.missed.get(&of).copied().unwrap_or(0),
             late,
+            jitter: Figures::new(jitter),
         })
     };
     ticks.into_iter().filter_map(figures).collect()

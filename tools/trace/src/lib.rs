@@ -10,14 +10,16 @@ mod figures;
 mod log;
 mod read;
 mod round_trips;
+mod step;
 mod timeline;
 mod way;
 
 pub use against::{Change, HopChange, against};
 pub use answer::{Age, Answer, Hop, Incomplete, LoopFigures, StageFigures, answer};
 pub use figures::Figures;
-pub use log::Log;
+pub use log::{Log, Note};
 pub use read::{Reading, read};
 pub use round_trips::{RoundTrips, round_trips};
+pub use step::{Loop, Step};
 pub use timeline::timeline;
 pub use way::{Fate, Message, STAGES, Way, follow};

@@ -2,15 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use slipstream_bus::message::{Position, RobotIndex};
-use slipstream_bus::record::{EventKind, Fate, Record, Recorder};
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::record::Fate;
+
+use crate::step::{Loop, Step};
 
 /// A message: its sender and the sender's count.
 pub(crate) type Key = (RobotIndex, u32);
 /// A tick: the robot and when it was due (ns).
 pub(crate) type Tick = (RobotIndex, i64);
+/// A loop: of a robot or of the plant.
+pub(crate) type LoopOf = (Option<RobotIndex>, Loop);
 
-/// Everything that the records of a run say about messages and ticks.
+/// Everything that the trace of a run says about messages and ticks, and what else it says.
 #[derive(Debug, Clone, Default)]
 pub struct Log {
     pub(crate) sent: BTreeMap<Key, Sent>,
@@ -26,13 +30,36 @@ pub struct Log {
     pub(crate) first_inner: BTreeMap<Tick, i64>,
     /// When agents died (ns).
     pub(crate) deaths: Vec<Tick>,
+    /// The ticks of each loop on the wall clock: when due, begun and done (ns).
+    pub(crate) deadlines: BTreeMap<LoopOf, Vec<[i64; 3]>>,
+    /// Ticks that were done too late.
+    pub(crate) missed: BTreeMap<LoopOf, u64>,
+    /// What is about no way and no tick.
+    pub(crate) notes: Vec<Note>,
+}
+
+/// A span or event that is about no way and no tick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Note {
+    /// Who told it.
+    pub process: String,
+    /// Its name.
+    pub name: String,
+    /// When it began (ns).
+    pub begin_ns: i64,
+    /// When it closed (ns); none for an event.
+    pub end_ns: Option<i64>,
+    /// What else it says.
+    pub fields: serde_json::Map<String, serde_json::Value>,
 }
 
 /// A sending.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sent {
     pub(crate) to: RobotIndex,
-    pub(crate) position: Position,
+    pub(crate) sampled_ns: i64,
+    pub(crate) tick_ns: i64,
+    pub(crate) sent_ns: i64,
     pub(crate) queued_ns: i64,
 }
 
@@ -40,6 +67,7 @@ pub(crate) struct Sent {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Outer {
     pub(crate) began_ns: i64,
+    pub(crate) done_ns: i64,
     /// The number of the message from the robot ahead that it goes by.
     pub(crate) message: Option<u32>,
 }
@@ -48,16 +76,110 @@ pub(crate) struct Outer {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Inner {
     pub(crate) began_ns: i64,
+    pub(crate) done_ns: i64,
 }
 
 impl Log {
-    /// The log of these records, in any order.
-    pub fn new<'a>(records: impl IntoIterator<Item = &'a Record>) -> Self {
+    /// The log of these steps, in any order.
+    pub fn new(steps: impl IntoIterator<Item = Step>) -> Self {
         let mut log = Self::default();
-        for record in records {
-            log.record(record);
+        for step in steps {
+            log.take(step);
         }
         log
+    }
+
+    /// Takes in something that is about no way and no tick.
+    pub fn note(&mut self, note: Note) {
+        self.notes.push(note);
+    }
+
+    /// Takes in a step.
+    pub fn take(&mut self, step: Step) {
+        match step {
+            Step::Sent {
+                from,
+                to,
+                seq,
+                sampled_ns,
+                tick_ns,
+                sent_ns,
+                queued_ns,
+            } => {
+                let sent = Sent {
+                    to,
+                    sampled_ns,
+                    tick_ns,
+                    sent_ns,
+                    queued_ns,
+                };
+                self.sent.insert((from, seq), sent);
+            }
+            Step::Arrived {
+                from,
+                to,
+                seq,
+                available_ns,
+            } => {
+                self.arrived.insert((from, seq), (to, available_ns));
+            }
+            Step::Taken {
+                from,
+                seq,
+                tick_ns,
+                fate,
+            } => {
+                self.taken.insert((from, seq), (tick_ns, fate));
+            }
+            Step::Outer {
+                robot,
+                due_ns,
+                began_ns,
+                done_ns,
+                message,
+            } => {
+                let tick = Outer {
+                    began_ns,
+                    done_ns,
+                    message,
+                };
+                self.outer.insert((robot, due_ns), tick);
+            }
+            Step::Inner {
+                robot,
+                due_ns,
+                began_ns,
+                done_ns,
+                outer_ns,
+            } => {
+                let tick = Inner { began_ns, done_ns };
+                self.inner.insert((robot, due_ns), tick);
+                let first = self.first_inner.entry((robot, outer_ns)).or_insert(due_ns);
+                *first = due_ns.min(*first);
+            }
+            Step::Applied {
+                robot,
+                tick_ns,
+                taken_ns,
+            } => {
+                let first = self.applied.entry((robot, tick_ns)).or_insert(taken_ns);
+                *first = taken_ns.min(*first);
+            }
+            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
+            Step::Deadline {
+                robot,
+                of,
+                due_ns,
+                began_ns,
+                done_ns,
+                missed,
+            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
+        }
+    }
+
+    fn take_deadline(&mut self, of: LoopOf, times_ns: [i64; 3], missed: bool) {
+        self.deadlines.entry(of).or_default().push(times_ns);
+        *self.missed.entry(of).or_default() += u64::from(missed);
     }
 
     /// Whom robot `to` hears: the sender of the messages that came to it.
@@ -65,76 +187,5 @@ impl Log {
         let heard = self.arrived.iter().map(|(key, (to, _))| (*to, key.0));
         let sent = self.sent.iter().map(|(key, sent)| (sent.to, key.0));
         heard.chain(sent).collect()
-    }
-}
-
-impl Recorder for Log {
-    fn record(&mut self, record: &Record) {
-        match *record {
-            Record::Sent {
-                to,
-                position,
-                queued_ns,
-            } => {
-                let sent = Sent {
-                    to,
-                    position,
-                    queued_ns,
-                };
-                self.sent.insert((position.from, position.seq), sent);
-            }
-            Record::Arrived {
-                from,
-                to,
-                seq,
-                available_ns,
-                ..
-            } => {
-                self.arrived.insert((from, seq), (to, available_ns));
-            }
-            Record::Taken {
-                from,
-                seq,
-                tick_ns,
-                fate,
-                ..
-            } => {
-                self.taken.insert((from, seq), (tick_ns, fate));
-            }
-            Record::Outer(tick) => {
-                let outer = Outer {
-                    began_ns: tick.began_ns,
-                    message: tick.message,
-                };
-                self.outer.insert((tick.robot, tick.t_ns), outer);
-            }
-            Record::Inner(tick) => {
-                let began_ns = tick.began_ns;
-                self.inner
-                    .insert((tick.robot, tick.t_ns), Inner { began_ns });
-                let first = self.first_inner.entry((tick.robot, tick.outer_ns));
-                let first = first.or_insert(tick.t_ns);
-                *first = tick.t_ns.min(*first);
-            }
-            Record::Applied {
-                robot,
-                tick_ns,
-                taken_ns,
-                ..
-            } => {
-                let first = self.applied.entry((robot, tick_ns)).or_insert(taken_ns);
-                *first = taken_ns.min(*first);
-            }
-            Record::Event {
-                t_ns,
-                robot: Some(robot),
-                kind: EventKind::Died,
-            } => self.deaths.push((robot, t_ns)),
-            Record::Event { .. }
-            | Record::State(_)
-            | Record::Encoders { .. }
-            | Record::Camera { .. }
-            | Record::Imu { .. } => {}
-        }
     }
 }

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::trace::{Traced, TracedError, Value};
 use slipstream_recording::{Result, Unusable, read_trace};
 
 use crate::answer::Names;
-use crate::log::Log;
+use crate::log::{Log, Note};
+use crate::step::Step;
 
 /// A recording's trace, and what was lost of it.
 #[derive(Debug, Clone)]
@@ -32,24 +33,34 @@ impl Reading {
 /// # Errors
 /// When the file cannot be read, is no MCAP file, or holds no trace that this program can read.
 pub fn read(path: &Path) -> Result<Reading> {
-    let mut log = Log::default();
-    let mut undecodable = 0_u64;
-    let file = read_trace(path, &mut |bytes| {
-        let decoded = postcard::take_from_bytes::<Record>(bytes);
-        match decoded {
-            Ok((record, [])) => {
-                log.record(&record);
-                true
-            }
-            _ => {
-                undecodable += 1;
-                false
-            }
+    let mut records: Vec<Vec<u8>> = Vec::new();
+    let mut refused = None;
+    let file = read_trace(path, &mut |bytes| match Traced::decode(bytes) {
+        Ok(_) => {
+            records.push(bytes.to_vec());
+            true
+        }
+        Err(why) => {
+            refused.get_or_insert(why);
+            false
         }
     })?;
-    if undecodable > 0 {
-        let problem = format!("{undecodable} records of its trace cannot be decoded");
-        let remedy = "record it again with this program";
+    if let Some(why) = refused {
+        let remedy = match why {
+            TracedError::OtherFormat => {
+                "record it again, or read it with the version that wrote it"
+            }
+            TracedError::Damaged => "record it again",
+        };
+        return Err(Unusable::new(path, why.to_string(), remedy).into());
+    }
+    let mut log = Log::default();
+    for record in records.iter().flat_map(|bytes| Traced::decode(bytes)) {
+        take(&mut log, &record, &file.robots);
+    }
+    if log.sent.is_empty() && log.inner.is_empty() {
+        let remedy = "record with RUST_LOG=slipstream=debug, or without RUST_LOG";
+        let problem = "its trace holds no ticks and no messages".to_owned();
         return Err(Unusable::new(path, problem, remedy).into());
     }
     let loss = file.loss;
@@ -59,4 +70,34 @@ pub fn read(path: &Path) -> Result<Reading> {
         log,
         warnings: warnings.into_iter().collect(),
     })
+}
+
+fn take(log: &mut Log, record: &Traced<'_>, robots: &[String]) {
+    let robot_of = |process: &str| {
+        let place = robots.iter().position(|robot| robot == process)?;
+        RobotIndex::try_from(place).ok()
+    };
+    if let Some(step) = Step::of(record, robot_of) {
+        log.take(step);
+    } else {
+        let field = |(name, value): &(std::borrow::Cow<'_, str>, Value<'_>)| {
+            (name.to_string(), json(value))
+        };
+        log.note(Note {
+            process: record.process.to_string(),
+            name: record.name.to_string(),
+            begin_ns: record.begin_ns,
+            end_ns: record.end_ns,
+            fields: record.fields.iter().map(field).collect(),
+        });
+    }
+}
+
+fn json(value: &Value<'_>) -> serde_json::Value {
+    match value {
+        Value::Int(value) => (*value).into(),
+        Value::Float(value) => (*value).into(),
+        Value::Bool(value) => (*value).into(),
+        Value::Text(value) => value.as_ref().into(),
+    }
 }

@@ -1,7 +1,7 @@
 //! The run as a Chrome trace, which Perfetto shows: one track per process, arrows along messages.
 //!
-//! Times are microseconds; exact nanoseconds stand in each event's arguments. A tick is drawn from
-//! its begin with a width of 1 µs: how long it worked is not recorded.
+//! Times are microseconds; exact nanoseconds stand in each event's arguments. A tick is drawn at
+//! least 1 µs wide, so that arrows find it; in virtual time it takes none.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +9,18 @@ use serde_json::{Value, json};
 use slipstream_bus::message::RobotIndex;
 
 use crate::answer::Names;
-use crate::log::Log;
+use crate::log::{Log, Note};
+use crate::step::Loop;
 use crate::way::{Fate, Message, STAGES, Way, follow};
 
-/// The plant's process number in the trace; robot i has i + 2.
+/// The plant's process number in the trace; robot i has i + [`ROBOTS`].
 const PLANT: u32 = 1;
+/// The processes that are no robot's and not the plant's, by their names.
+const OTHERS: [(&str, u32); 3] = [("launcher", 2), ("recorder", 3), ("run", 4)];
+const ROBOTS: u32 = 10;
 const OUTER: u32 = 1;
+/// Of slices and of the arrows between them: readers bind the ones to the others by it.
+const CATEGORY: &str = "position";
 const INNER: u32 = 2;
 
 /// The trace as JSON; `names` by the robots' index.
@@ -22,14 +28,21 @@ pub fn timeline(log: &Log, names: &[String]) -> Value {
     let names = Names(names);
     let mut events = titles(log, &names);
     for (&(robot, due_ns), tick) in &log.outer {
-        events.push(slice("outer", track(robot, OUTER), tick.began_ns, due_ns));
+        let times = [tick.began_ns, tick.done_ns];
+        events.push(slice("outer", track(robot, OUTER), times, due_ns));
     }
     for (&(robot, due_ns), tick) in &log.inner {
-        events.push(slice("inner", track(robot, INNER), tick.began_ns, due_ns));
+        let times = [tick.began_ns, tick.done_ns];
+        events.push(slice("inner", track(robot, INNER), times, due_ns));
     }
     for (&(robot, due_ns), &taken_ns) in &log.applied {
-        events.push(slice("torque", at_plant(robot), taken_ns, due_ns));
+        events.push(slice("torque", at_plant(robot), [taken_ns; 2], due_ns));
     }
+    for &[due_ns, began_ns, done_ns] in log.deadlines.get(&(None, Loop::Step)).into_iter().flatten()
+    {
+        events.push(slice("step", [PLANT, 0], [began_ns, done_ns], due_ns));
+    }
+    events.extend(log.notes.iter().map(|note| told(note, &names)));
     for message in follow(log) {
         if let Fate::Used(way) = message.fate {
             let from = names.of(message.from);
@@ -38,11 +51,14 @@ pub fn timeline(log: &Log, names: &[String]) -> Value {
             arrows(&mut events, &id, &message, &way);
         }
     }
+    // Readers follow an arrow in the order of the file.
+    let t = |event: &Value| event["ts"].as_f64().unwrap_or(f64::NEG_INFINITY);
+    events.sort_by(|a, b| t(a).total_cmp(&t(b)));
     json!({"traceEvents": events, "displayTimeUnit": "ns"})
 }
 
 fn track(robot: RobotIndex, thread: u32) -> [u32; 2] {
-    [robot.saturating_add(2), thread]
+    [robot.saturating_add(ROBOTS), thread]
 }
 
 fn at_plant(robot: RobotIndex) -> [u32; 2] {
@@ -57,6 +73,11 @@ fn titles(log: &Log, names: &Names<'_>) -> Vec<Value> {
     let title = |what: &str, [pid, tid]: [u32; 2], name: &str| json!({"ph": "M", "name": what, "pid": pid, "tid": tid, "args": {"name": name}});
     let robots: BTreeSet<RobotIndex> = log.inner.keys().map(|tick| tick.0).collect();
     let mut titles = vec![title("process_name", [PLANT, 0], "plant")];
+    for (name, pid) in OTHERS {
+        if log.notes.iter().any(|note| note.process == name) {
+            titles.push(title("process_name", [pid, 0], name));
+        }
+    }
     for robot in robots {
         let name = names.of(robot);
         titles.push(title("thread_name", at_plant(robot), &name));
@@ -67,9 +88,31 @@ fn titles(log: &Log, names: &Names<'_>) -> Vec<Value> {
     titles
 }
 
-fn slice(name: &str, [pid, tid]: [u32; 2], t_ns: i64, due_ns: i64) -> Value {
-    json!({"ph": "X", "name": name, "pid": pid, "tid": tid, "ts": micros(t_ns), "dur": 1.0,
-           "args": {"t_ns": t_ns, "due_ns": due_ns}})
+fn slice(name: &str, [pid, tid]: [u32; 2], [t_ns, done_ns]: [i64; 2], due_ns: i64) -> Value {
+    let dur = micros(done_ns.saturating_sub(t_ns)).max(1.0);
+    json!({"ph": "X", "cat": CATEGORY, "name": name, "pid": pid, "tid": tid, "ts": micros(t_ns), "dur": dur,
+           "args": {"t_ns": t_ns, "done_ns": done_ns, "due_ns": due_ns}})
+}
+
+/// What is about no way and no tick, on the first track of its process.
+fn told(note: &Note, names: &Names<'_>) -> Value {
+    let other = OTHERS.iter().find(|(name, _)| *name == note.process);
+    let robot = || names.0.iter().position(|name| *name == note.process);
+    let pid = match (other, robot().and_then(|robot| u32::try_from(robot).ok())) {
+        (Some((_, pid)), _) => *pid,
+        (None, Some(robot)) => track(robot, 0)[0],
+        (None, None) => PLANT,
+    };
+    let (name, ts) = (&note.name, micros(note.begin_ns));
+    let args = &note.fields;
+    match note.end_ns {
+        Some(end_ns) => {
+            let dur = micros(end_ns.saturating_sub(note.begin_ns));
+            json!({"ph": "X", "name": name, "pid": pid, "tid": 0, "ts": ts, "dur": dur, "args": args})
+        }
+        None => json!({"ph": "i", "s": "t", "name": name, "pid": pid, "tid": 0, "ts": ts,
+                       "args": args}),
+    }
 }
 
 /// The stages one after the other, as a row of their own at the receiver.
@@ -97,7 +140,7 @@ fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, way: &Way) {
     ];
     for (ph, [pid, tid], t_ns) in steps {
         events.push(
-            json!({"ph": ph, "cat": "position", "id": id, "name": "position", "bp": "e",
+            json!({"ph": ph, "cat": CATEGORY, "id": id, "name": "position", "bp": "e",
                    "pid": pid, "tid": tid, "ts": micros(t_ns)}),
         );
     }

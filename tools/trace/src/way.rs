@@ -118,15 +118,14 @@ fn message(log: &Log, key: Key) -> Message {
         from,
         to,
         seq,
-        delay_ns: times
-            .map(|(sent, available_ns)| available_ns.saturating_sub(sent.position.sent_ns)),
+        delay_ns: times.map(|(sent, available_ns)| available_ns.saturating_sub(sent.sent_ns)),
         fate,
     }
 }
 
 fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
     let unfinished = || {
-        let died = |&(robot, t_ns): &Tick| robot == sent.to && t_ns >= sent.position.sent_ns;
+        let died = |&(robot, t_ns): &Tick| robot == sent.to && t_ns >= sent.sent_ns;
         if log.deaths.iter().any(died) {
             Fate::Died
         } else {
@@ -146,7 +145,7 @@ fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
         Some((tick_ns, Ending::Used)) => *tick_ns,
     };
     let ticks = (
-        log.outer.get(&(key.0, sent.position.tick_ns)),
+        log.outer.get(&(key.0, sent.tick_ns)),
         log.outer.get(&(sent.to, tick_ns)),
     );
     let (Some(computed), Some(taken)) = ticks else {
@@ -173,9 +172,9 @@ fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
     // could note so.
     let through_ns = sent.queued_ns.min(taken.began_ns);
     let instants_ns = [
-        sent.position.sampled_ns,
+        sent.sampled_ns,
         computed.began_ns,
-        sent.position.sent_ns,
+        sent.sent_ns,
         through_ns,
         available_ns.max(through_ns),
         taken.began_ns,

@@ -1,8 +1,7 @@
 //! What holds for every log, whatever is in it.
 
-use slipstream_bus::message::Position;
-use slipstream_bus::record::{EventKind, Fate, InnerTick, OuterTick, Record, Recorder};
-use slipstream_trace::{Log, answer};
+use slipstream_bus::record::Fate;
+use slipstream_trace::{Log, Loop, Step, answer};
 
 /// Numbers without a pattern (an xorshift generator).
 struct Chance(u64);
@@ -26,24 +25,22 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
     };
     let [sampled_ns, began_ns, sent_ns, queued_ns] = [(); 4].map(|()| later());
     let [available_ns, taken_ns, obeyed_ns, applied_ns] = [(); 4].map(|()| later());
-    let position = Position {
+    let outer = |robot: u32, began_ns: i64| Step::Outer {
+        robot,
+        due_ns,
+        began_ns,
+        done_ns: began_ns,
+        message: None,
+    };
+    let (from, to) = (0, 1);
+    log.take(outer(from, began_ns));
+    log.take(Step::Sent {
+        from,
+        to,
         seq,
         sampled_ns,
         tick_ns: due_ns,
         sent_ns,
-        ..Position::default()
-    };
-    let outer = |robot: u32, began_ns: i64| OuterTick {
-        t_ns: due_ns,
-        began_ns,
-        robot,
-        ..OuterTick::default()
-    };
-    let (from, to) = (0, 1);
-    log.record(&Record::Outer(outer(from, began_ns)));
-    log.record(&Record::Sent {
-        to,
-        position,
         queued_ns,
     });
     let fate = [
@@ -55,39 +52,35 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
     ];
     let fate = fate[seq as usize % fate.len()];
     let lost = seq.is_multiple_of(7);
-    log.record(&Record::Arrived {
+    log.take(Step::Arrived {
         from,
         to,
         seq,
-        sent_ns,
         available_ns: (!lost).then_some(available_ns),
     });
     if lost {
         return;
     }
-    log.record(&Record::Taken {
+    log.take(Step::Taken {
         from,
-        to,
         seq,
         tick_ns: due_ns,
         fate,
     });
-    log.record(&Record::Outer(outer(to, taken_ns)));
-    log.record(&Record::Inner(InnerTick {
-        t_ns: due_ns + 1,
-        began_ns: obeyed_ns,
+    log.take(outer(to, taken_ns));
+    log.take(Step::Inner {
         robot: to,
+        due_ns: due_ns + 1,
+        began_ns: obeyed_ns,
+        done_ns: obeyed_ns,
         outer_ns: due_ns,
-        ..InnerTick::default()
-    }));
+    });
     // Now and then a torque that no plant took up.
     if !seq.is_multiple_of(11) {
-        log.record(&Record::Applied {
-            t_ns: applied_ns,
-            taken_ns: applied_ns,
+        log.take(Step::Applied {
             robot: to,
             tick_ns: due_ns + 1,
-            torque_nm: [0.0; 2],
+            taken_ns: applied_ns,
         });
     }
 }
@@ -138,19 +131,17 @@ fn a_million_sums_are_exact_and_no_message_is_missing() {
 fn a_death_is_told_from_the_end() {
     for (death_ns, died) in [(None, 0), (Some(5), 0), (Some(20), 1)] {
         let mut log = Log::default();
-        let position = Position {
-            sent_ns: 10,
-            ..Position::default()
-        };
-        let queued_ns = 11;
-        log.record(&Record::Sent {
+        log.take(Step::Sent {
+            from: 0,
             to: 1,
-            position,
-            queued_ns,
+            seq: 0,
+            sampled_ns: 0,
+            tick_ns: 0,
+            sent_ns: 10,
+            queued_ns: 11,
         });
         if let Some(t_ns) = death_ns {
-            let (robot, kind) = (Some(1), EventKind::Died);
-            log.record(&Record::Event { t_ns, robot, kind });
+            log.take(Step::Died { robot: 1, t_ns });
         }
         let others = answer(&log, &[]).hops[0].incomplete;
         assert_eq!((others.receiver_died, others.under_way), (died, 1 - died));
@@ -170,7 +161,7 @@ fn no_time_and_no_robot_is_too_large() {
             let robots = [0, 1, u32::MAX];
             let mut robot = || robots[usize::try_from(chance.below(3)).unwrap_or(0)];
             let (from, to) = (robot(), robot());
-            log.record(&any_record(from, to, times, chance.below(5)));
+            log.take(any_step(from, to, times, chance.below(7)));
         }
         let answer = answer(&log, &[]);
         let _ = slipstream_trace::timeline(&log, &[]);
@@ -185,58 +176,80 @@ fn no_time_and_no_robot_is_too_large() {
     }
 }
 
-fn any_record(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Record {
+fn any_step(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Step {
     match kind {
-        0 => Record::Sent {
-            to,
-            position: Position {
-                from,
-                sampled_ns: a,
-                tick_ns: b,
-                sent_ns: c,
-                ..Position::default()
-            },
-            queued_ns: d,
-        },
-        1 => Record::Arrived {
+        0 => Step::Sent {
             from,
             to,
             seq: 0,
-            sent_ns: a,
-            available_ns: Some(b),
+            sampled_ns: a,
+            tick_ns: b,
+            sent_ns: c,
+            queued_ns: d,
         },
-        2 => Record::Taken {
+        1 => Step::Arrived {
             from,
             to,
+            seq: 0,
+            available_ns: Some(b),
+        },
+        2 => Step::Taken {
+            from,
             seq: 0,
             tick_ns: a,
             fate: Fate::Used,
         },
-        3 => Record::Outer(OuterTick {
-            t_ns: a,
-            began_ns: b,
+        3 => Step::Outer {
             robot: from,
+            due_ns: a,
+            began_ns: b,
+            done_ns: c,
             message: Some(0),
-            ..OuterTick::default()
-        }),
-        _ => {
-            let tick_ns = f;
-            if a > 0 {
-                return Record::Applied {
-                    t_ns: b,
-                    taken_ns: c,
-                    robot: to,
-                    tick_ns,
-                    torque_nm: [0.0; 2],
-                };
-            }
-            Record::Inner(InnerTick {
-                t_ns: tick_ns,
-                began_ns: d,
-                robot: to,
-                outer_ns: e,
-                ..InnerTick::default()
-            })
-        }
+        },
+        4 => Step::Applied {
+            robot: to,
+            tick_ns: f,
+            taken_ns: c,
+        },
+        5 => Step::Deadline {
+            robot: (from == 0).then_some(to),
+            of: Loop::Step,
+            due_ns: a,
+            began_ns: b,
+            done_ns: c,
+            missed: d > 0,
+        },
+        _ => Step::Inner {
+            robot: to,
+            due_ns: f,
+            began_ns: d,
+            done_ns: c,
+            outer_ns: e,
+        },
     }
+}
+
+/// Ticks 10 ms apart that begin late by 0, 3, 1 and 1 ms; then one is left out.
+#[test]
+fn lateness_jitter_and_missed_deadlines_are_those_of_the_ticks() {
+    let mut log = Log::default();
+    for (k, late_ms) in [(1, 0), (2, 3), (3, 1), (5, 1)] {
+        let due_ns = k * 10_000_000;
+        let began_ns = due_ns + late_ms * 1_000_000;
+        log.take(Step::Deadline {
+            robot: None,
+            of: Loop::Step,
+            due_ns,
+            began_ns,
+            done_ns: began_ns + 8_000_000,
+            missed: late_ms > 2,
+        });
+    }
+    let answer = answer(&log, &[]);
+    let figures = &answer.loops[0];
+    assert_eq!((&*figures.process, figures.name), ("plant", "step"));
+    assert_eq!((figures.ticks, figures.missed, figures.left_out), (4, 1, 1));
+    assert_eq!((figures.late.p50_s, figures.late.max_s), (0.001, 0.003));
+    let jitter = figures.jitter.unwrap();
+    assert_eq!((jitter.p50_s, jitter.max_s), (0.002, 0.003));
 }

@@ -8,6 +8,7 @@
 
 mod latency;
 mod lockstep;
+mod trace;
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -22,6 +23,7 @@ fn main() {
     match arguments.get(1).map(String::as_str) {
         Some("raw-agent") => lockstep::raw_agent(Path::new(&arguments[2]), &arguments[3]),
         Some("bus-agent") => lockstep::bus_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("trace") => trace::measure(),
         Some("echo") => latency::echo(&arguments[2], Path::new(&arguments[3])),
         _ => {
             lockstep::measure();
@@ -31,6 +33,7 @@ fn main() {
             deadlines();
             memory();
             in_one_process();
+            trace::measure();
         }
     }
 }

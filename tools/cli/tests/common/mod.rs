@@ -6,6 +6,8 @@
     reason = "a test stops at what it does not expect"
 )]
 
+pub(crate) mod browser;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::sync::Arc;

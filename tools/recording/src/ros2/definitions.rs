@@ -152,7 +152,7 @@ fn own_definition(name: &str) -> &'static str {
              slipstream_msgs/WheelContact right\nslipstream_msgs/WheelContact left\n"
         }
         "slipstream_msgs/TraceEvent" => {
-            "# A step of a position's way, encoded with postcard (see slipstream trace).\n\
+            "# A record of the trace, encoded with postcard (see slipstream trace).\n\
              builtin_interfaces/Time stamp\nuint8[] postcard\n"
         }
         "slipstream_msgs/Event" => {

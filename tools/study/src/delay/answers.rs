@@ -366,8 +366,10 @@ fn gain(points: &[Point]) -> Option<Answer> {
         format!(
             "The measured gain (largest error of a follower over that of the one ahead) lies between \
              {least:.2} and {most:.2}; above 1 at {growing} of {} points. The linear model without \
-             slip and limits has a frequency with a gain above 1 at {linear} of them: its maximum is \
-             over all frequencies, the profile excites few.",
+             slip and limits has a frequency with a gain above 1 at {linear} of them. The two are \
+             different things: the model's gain is that of a front robot that swings for ever at the \
+             worst frequency, and one profile excites little of that one; slip and limits are in \
+             the measured gain alone.",
             both.len()
         ),
         &[("least_gain", least), ("most_gain", most)],

@@ -69,30 +69,43 @@ pub(super) fn bound_m_s(tick: &Tick, fade: f64, k_x: f64) -> f64 {
 }
 
 /// The largest gain of the spacing error from one follower to the next over all frequencies, from
-/// the linear model: PI wheel loops on a rolling robot, Eq. 12, a delay of `delay_s` (s) on every
-/// link and half an outer period for holding the set-point; v_r travels with the position. No slip, no
-/// limit. `None` where the model knows no masses or nobody follows a follower.
+/// the linear model: PI wheel loops on a rolling robot, speeds measured as means over inner ticks,
+/// torques and set-points held for a tick, Eq. 12, and a delay of `delay_s` (s) on every link; v_r
+/// travels with the position. No slip, no limit. `None` where the model knows no masses or nobody
+/// follows a follower.
+///
+/// It is about one frequency that goes on for ever, the worst of all; the gain of a run is the ratio
+/// of the largest errors on its way through one profile, which excites little of that frequency.
 pub fn string_gain(
     control: &Control,
     geometry: &Geometry,
     delay_s: f64,
     robots: u32,
 ) -> Option<f64> {
-    let dynamics = geometry.dynamics.as_ref()?;
-    let inertia = dynamics.i_wy + dynamics.m_t * geometry.r * geometry.r / 2.0;
-    if robots < 3 {
-        return None;
-    }
     // From far below k_x to the highest frequency that the outer loop can express.
     let (low, high) = (
         0.01f64.ln(),
         (std::f64::consts::PI / control.outer_period_s).ln(),
     );
     let gains = (0..=400).map(|step| {
-        let omega = (low + (high - low) * f64::from(step) / 400.0).exp();
-        largest_ratio(control, inertia, delay_s, omega, robots)
+        let omega_rad_s = (low + (high - low) * f64::from(step) / 400.0).exp();
+        string_gain_at(control, geometry, delay_s, omega_rad_s, robots)
     });
-    Some(gains.fold(0.0, f64::max))
+    gains.reduce(|a, b| Some(a?.max(b?))).flatten()
+}
+
+/// The same at one frequency (rad/s).
+pub fn string_gain_at(
+    control: &Control,
+    geometry: &Geometry,
+    delay_s: f64,
+    omega_rad_s: f64,
+    robots: u32,
+) -> Option<f64> {
+    let dynamics = geometry.dynamics.as_ref()?;
+    let inertia = dynamics.i_wy + dynamics.m_t * geometry.r * geometry.r / 2.0;
+    let gain = || largest_ratio(control, inertia, delay_s, omega_rad_s, robots);
+    (robots >= 3).then(gain)
 }
 
 /// max_i |E_{i+1} / E_i| at one frequency (rad/s), where E_i = X_{i−1} − X_i.
@@ -102,8 +115,13 @@ pub fn string_gain(
 fn largest_ratio(control: &Control, inertia: f64, delay_s: f64, omega: f64, robots: u32) -> f64 {
     let s = Complex::new(0.0, omega);
     let late = |seconds: f64| Complex::from_polar(1.0, -omega * seconds);
-    let loops = s * control.k_p + control.k_i;
-    let driven = loops / (s * s * inertia + loops) * late(0.5 * control.outer_period_s);
+    // Holding a value for a period, and taking the mean over one, are the same to a frequency.
+    let mean = |period_s: f64| (Complex::from(1.0) - late(period_s)) / (s * period_s);
+    let inner_s = control.inner_period_s;
+    // What the integrator holds at a tick comes from the ticks before.
+    let integral = late(inner_s) / (Complex::from(1.0) - late(inner_s)) * inner_s;
+    let open = (integral * control.k_i + control.k_p) * mean(inner_s) / (s * inertia);
+    let driven = open / (open * mean(inner_s) + 1.0) * mean(control.outer_period_s);
     let closed = |wish: Complex<f64>| driven * wish / (s + driven * control.k_x);
     let mut speed = Complex::new(1.0, 0.0);
     let mut place = closed(speed + s.inv() * control.k_x);

@@ -86,13 +86,13 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
             )
             .into());
         };
-        let point = part.points.get(place / of).filter(|p| p.cell == cell);
+        let point = part.points.iter().find(|point| point.cell == cell);
         let point = point.ok_or_else(|| {
-            Unusable::new(
-                format!("shard {shard}/{of}"),
-                "lacks a point",
-                "run it again",
-            )
+            let problem = match part.interrupted {
+                true => "was interrupted: it lacks points",
+                false => "lacks a point",
+            };
+            Unusable::new(format!("shard {shard}/{of}"), problem, "run it again")
         })?;
         points.push(point.clone());
     }
@@ -102,5 +102,6 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
         shard: Shard::WHOLE,
         answers: answers(grid, &points, threads)?,
         points,
+        interrupted: false,
     })
 }

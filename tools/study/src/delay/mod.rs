@@ -11,7 +11,7 @@ mod runs;
 mod watch;
 
 pub use answers::{Answer, answers};
-pub use forms::{Form, string_gain};
+pub use forms::{Form, string_gain, string_gain_at};
 pub use grid::{Cell, Grid, Shard};
 pub use merge::{merge, read};
 pub use point::{Fit, Point};
@@ -34,4 +34,7 @@ pub struct Study {
     pub points: Vec<Point>,
     /// What they say; only of a whole study.
     pub answers: Vec<Answer>,
+    /// Whether it was interrupted: the points are those that were finished.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub interrupted: bool,
 }

@@ -1,11 +1,14 @@
 //! A study as a page: answers, figures, every point.
 
+use slipstream_report::{Chart, Line, Page};
+
 use super::Study;
 use super::grid::Cell;
 use super::point::Point;
 use crate::StudyError;
-use crate::page::Page;
-use crate::picture::{Line, picture};
+
+/// What figures show quantities over.
+const DELAY: &str = "delay on each link (s)";
 
 /// The report of a study, made by `command`.
 ///
@@ -24,11 +27,11 @@ pub fn page(study: &Study, command: &str) -> Result<String, StudyError> {
         grid.runs
     ));
     for answer in &study.answers {
-        page.heading(&answer.question);
+        page.section(&answer.question);
         page.paragraph(&answer.answer);
     }
     figures(&mut page, &study.points)?;
-    page.heading("Every point");
+    page.section("Every point");
     let head = [
         "protocol",
         "limit",
@@ -93,46 +96,38 @@ fn figures(page: &mut Page, points: &[Point]) -> Result<(), StudyError> {
                 .filter(|point| point.cell == cell(point.cell.delay_s))
                 .collect()
         };
-        let line = |name: &str, dashed: bool, k_x: f64, pick: fn(&Point) -> f64| Line {
-            name: name.to_owned(),
-            points: along(k_x)
-                .iter()
-                .map(|point| (point.cell.delay_s, pick(point)))
-                .collect(),
-            dashed,
+        let line = |name: &str, k_x: f64, pick: fn(&Point) -> f64| {
+            let points = along(k_x);
+            let point = |point: &&Point| (point.cell.delay_s, pick(point));
+            Line::new(name, points.iter().map(point))
         };
         let k_x = first.k_x;
         let speeds = [
-            line("measured", false, k_x, |p| p.max_desired_speed_m_s),
-            line("transport delay", true, k_x, |p| p.transport_delay_m_s),
-            line("Eq. 13 as printed", true, k_x, |p| p.literal_eq13_m_s),
-            line("bound of Eq. 14", false, k_x, |p| p.bound_eq14_m_s),
+            line("measured", k_x, |p| p.max_desired_speed_m_s),
+            line("transport delay", k_x, |p| p.transport_delay_m_s).dashed(),
+            line("Eq. 13 as printed", k_x, |p| p.literal_eq13_m_s).dashed(),
+            line("bound of Eq. 14", k_x, |p| p.bound_eq14_m_s),
         ];
         let rest = format!(
             "{protocol}, limit {}, jitter {} s, loss {}",
             first.torque_limit, first.jitter_s, first.loss
         );
         page.figure(
-            &picture("delay on each link (s)", "largest |v_d| (m/s)", &speeds)?,
+            &Chart::new(DELAY, "largest |v_d| (m/s)")
+                .lines(speeds)
+                .svg()?,
             &format!("Largest desired speed over the delay; {rest}, k_x {k_x} 1/s."),
         );
         let mut gains: Vec<f64> = points.iter().map(|point| point.cell.k_x).collect();
         gains.sort_by(f64::total_cmp);
         gains.dedup();
-        let errors: Vec<Line> = gains
+        let errors = gains
             .iter()
-            .map(|&k_x| {
-                line(&format!("k_x = {k_x} 1/s"), false, k_x, |p| {
-                    p.max_spacing_error_m
-                })
-            })
-            .collect();
+            .map(|&k_x| line(&format!("k_x = {k_x} 1/s"), k_x, |p| p.max_spacing_error_m));
         page.figure(
-            &picture(
-                "delay on each link (s)",
-                "largest spacing error (m)",
-                &errors,
-            )?,
+            &Chart::new(DELAY, "largest spacing error (m)")
+                .lines(errors)
+                .svg()?,
             &format!("Largest true spacing error over the delay; {rest}."),
         );
     }

@@ -1,0 +1,144 @@
+//! Every report opened in a browser: nothing in the console, figures there, no text over another,
+//! none over a line, none cut off. Skipped where no Chromium is installed.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
+
+mod common;
+
+use std::path::Path;
+
+use common::browser::Browser;
+use common::slipstream;
+
+/// What is wrong with the page's figures, one line each, and how many figures there are.
+const LOOK: &str = r"(() => {
+    const wrong = [];
+    const figures = [...document.querySelectorAll('figure svg')];
+    const place = (a) => `(${a.x.toFixed()}, ${a.y.toFixed()})`;
+    const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+        && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
+    for (const [i, svg] of figures.entries()) {
+        const frame = svg.getBoundingClientRect();
+        if (frame.width < 300 || frame.height < 100) wrong.push(`figure ${i} is tiny`);
+        if (!svg.querySelector('polyline, rect[fill]:not([fill=\'#FFFFFF\']), circle'))
+            wrong.push(`figure ${i} shows nothing`);
+        const texts = [...svg.querySelectorAll('text')].filter((t) => t.textContent.trim())
+            .map((t) => ({ text: t.textContent.trim(), box: t.getBoundingClientRect() }));
+        if (texts.length < 4) wrong.push(`figure ${i} has no axes`);
+        for (const [j, { text, box }] of texts.entries()) {
+            if (box.left < frame.left - 1 || box.right > frame.right + 1
+                || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
+                wrong.push(`figure ${i}: '${text}' is cut off`);
+            for (const other of texts.slice(j + 1))
+                if (meet(box, other.box))
+                    wrong.push(`figure ${i}: '${text}' ${place(box)} over '${other.text}' ${place(other.box)}`);
+        }
+        const scale = frame.width / svg.viewBox.baseVal.width;
+        for (const line of svg.querySelectorAll('polyline'))
+            for (const point of line.points) {
+                const x = frame.left + point.x * scale, y = frame.top + point.y * scale;
+                const hit = texts.find(({ box }) => x > box.left + 1 && x < box.right - 1
+                    && y > box.top + 1 && y < box.bottom - 1);
+                if (hit) { wrong.push(`figure ${i}: a line over '${hit.text}'`); break; }
+            }
+    }
+    const blocks = [...document.querySelectorAll('h1, h2, h3, p, pre, figure, .wide')]
+        .map((b) => ({ text: b.textContent.trim().slice(0, 20), box: b.getBoundingClientRect() }))
+        .filter(({ box }) => box.height > 0);
+    for (const [i, block] of blocks.entries())
+        for (const other of blocks.slice(i + 1))
+            if (meet(block.box, other.box)) wrong.push(`'${block.text}' over '${other.text}'`);
+    if (document.documentElement.scrollWidth > window.innerWidth) wrong.push('the page is too wide');
+    return { figures: figures.length, wrong };
+})()";
+
+/// Opens a report and looks at it.
+fn assert_in_order(browser: &mut Browser, page: &Path, at_least: u64) {
+    let errors = browser.open_file(page);
+    assert!(errors.is_empty(), "{}: {errors:?}", page.display());
+    let seen = browser.evaluate(LOOK);
+    assert_eq!(
+        seen["wrong"].as_array().unwrap().len(),
+        0,
+        "{}: {seen:#}",
+        page.display()
+    );
+    let figures = seen["figures"].as_u64().unwrap();
+    assert!(figures >= at_least, "{}: {figures} figures", page.display());
+}
+
+#[test]
+fn every_report_is_in_order() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &str| {
+        let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {words}");
+    };
+    run("run --out run.mcap --set links.delay_s=0.08 --set links.jitter_s=0.03");
+    run("run --clock wall --set duration_s=4 --out wall.mcap");
+    run("trace run.mcap --report trace.html");
+    run("trace wall.mcap --report wall.html");
+    run("compare run.mcap --report compare.html");
+    run("reproduce --report reproduce.html");
+    run(
+        "study delay --runs 2 --delay 0,0.1,0.3 --jitter 0 --loss 0,0.1 --k-x 1,2 --torque-limit none \
+         --report study.html",
+    );
+    for (page, figures) in [
+        ("trace.html", 6),
+        ("wall.html", 6),
+        ("compare.html", 20),
+        ("reproduce.html", 7),
+        ("study.html", 4),
+    ] {
+        assert_in_order(&mut browser, &folder.path().join(page), figures);
+    }
+}
+
+/// The look at a page sees what it should.
+#[test]
+fn what_is_wrong_is_seen() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let text = |x: u32, y: u32| format!("<text x='{x}' y='{y}'>text</text>");
+    let figure = |inside: &str| {
+        format!(
+            "<!doctype html><figure><svg width='400' height='200' viewBox='0 0 400 200' \
+             xmlns='http://www.w3.org/2000/svg'><polyline points='0,190 9,190'/>{inside}</svg></figure>"
+        )
+    };
+    let good = [text(10, 50), text(100, 50), text(200, 50), text(300, 50)].concat();
+    for (inside, what) in [
+        (String::new(), "has no axes"),
+        (good.clone() + &text(110, 55), "over 'text'"),
+        (good.clone() + &text(390, 100), "cut off"),
+        (
+            good.clone() + "<polyline points='0,0 15,45'/>",
+            "a line over",
+        ),
+    ] {
+        let page = folder.path().join("page.html");
+        std::fs::write(&page, figure(&inside)).unwrap();
+        assert!(browser.open_file(&page).is_empty());
+        let seen = browser.evaluate(LOOK);
+        let wrong = seen["wrong"].to_string();
+        assert!(wrong.contains(what), "{what}: {seen}");
+    }
+    let page = folder.path().join("page.html");
+    std::fs::write(
+        &page,
+        figure(&good) + "<script>console.error('no')</script>",
+    )
+    .unwrap();
+    assert_eq!(browser.open_file(&page).len(), 1);
+    assert_eq!(browser.evaluate(LOOK)["wrong"].as_array().unwrap().len(), 0);
+}

@@ -1,0 +1,107 @@
+//! The timeline read by a program that is not ours: the trace engine of the developer tools of
+//! Chromium (npm's @paulirish/trace_engine). Skipped where there is no npm.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test stops at what it does not expect"
+)]
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{read_json, run_json, slipstream};
+use serde_json::Value;
+
+const PACKAGE: &str = "@paulirish/trace_engine@0.0.65";
+
+/// The folder with the engine. `None`, said aloud, where it cannot be installed.
+fn engine() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("trace-engine");
+    let installed = folder.join("installed.txt");
+    if std::fs::read_to_string(&installed).is_ok_and(|text| text == PACKAGE) {
+        return Some(folder);
+    }
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut npm = Command::new("npm");
+    npm.args(["install", "--silent", "--no-save", "--prefix"]);
+    match npm.arg(&folder).arg(PACKAGE).output() {
+        Ok(output) if output.status.success() => {
+            std::fs::write(installed, PACKAGE).unwrap();
+            Some(folder)
+        }
+        Ok(output) => {
+            let why = String::from_utf8_lossy(&output.stderr);
+            eprintln!("SKIPPED: npm does not install {PACKAGE}: {why}");
+            None
+        }
+        Err(why) => {
+            eprintln!("SKIPPED: no npm: {why}");
+            None
+        }
+    }
+}
+
+#[test]
+fn a_foreign_parser_finds_each_message_as_an_arrow_over_its_four_ticks() {
+    let Some(engine) = engine() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let keys = ["duration_s=4", "links.delay_s=0.08"];
+    let set = keys.iter().flat_map(|key| ["--set", key]);
+    let arguments: Vec<&str> = ["--clock", "wall", "--out", "run.mcap"]
+        .into_iter()
+        .chain(set)
+        .collect();
+    run_json(folder.path(), &arguments);
+    let trace = [
+        "trace",
+        "run.mcap",
+        "--perfetto",
+        "timeline.json",
+        "--json",
+        "trace.json",
+    ];
+    assert!(slipstream(folder.path(), &trace).status.success());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external/read_timeline.mjs");
+    let output = Command::new("node")
+        .arg(script)
+        .arg(engine)
+        .arg(folder.path().join("timeline.json"))
+        .output()
+        .unwrap();
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        seen["processes"],
+        serde_json::json!(["plant", "launcher", "r1", "r2", "r3"])
+    );
+    let arrows = seen["arrows"].as_array().unwrap();
+    let answer = read_json(&folder.path().join("trace.json"));
+    for hop in answer["hops"].as_array().unwrap() {
+        let (from, to) = (&hop["from"], &hop["to"]);
+        let of_hop = arrows.iter().filter(|arrow| {
+            let place = |i: usize| [&arrow[i][0], &arrow[i][1]].map(|text| text.as_str().unwrap());
+            let robots = [from, to].map(|robot| robot.as_str().unwrap());
+            assert_eq!(arrow.as_array().unwrap().len(), 4, "{arrow}");
+            let t: Vec<f64> = (0..4).map(|i| arrow[i][2].as_f64().unwrap()).collect();
+            assert!(t.is_sorted(), "{arrow}");
+            [place(0), place(1), place(2), place(3)]
+                == [
+                    [robots[0], "outer"],
+                    [robots[1], "outer"],
+                    [robots[1], "inner"],
+                    ["plant", "torque"],
+                ]
+        });
+        assert_eq!(
+            of_hop.count() as u64,
+            hop["messages"].as_u64().unwrap(),
+            "{hop}"
+        );
+        assert!(hop["messages"].as_u64().unwrap() > 5);
+    }
+}
