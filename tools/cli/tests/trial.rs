@@ -8,6 +8,7 @@
 mod common;
 
 use std::collections::BTreeMap;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
@@ -132,6 +133,77 @@ fn a_trial_is_held_and_scored() {
     ] {
         assert_eq!(report[key], again[key], "{key}");
     }
+}
+
+/// A program that answers to everything with `answer`, in the form of `slipstream diagnose`.
+fn answering(folder: &Path, answer: &str) {
+    let script = format!("#!/bin/sh\n[ \"$5\" = --json ] || exit 3\n{answer}\n");
+    let path = folder.join("program");
+    std::fs::write(&path, script).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let folder = folder.join("case");
+    if !folder.exists() {
+        std::fs::create_dir(&folder).unwrap();
+        std::fs::write(folder.join("recording.toml"), "format = 1\n").unwrap();
+    }
+    std::fs::write(folder.with_file_name("robot.toml"), "format = 1\n").unwrap();
+    let labels = "[case]\nverdict = \"match\"\nrobot_toml = \"robot.toml\"\n";
+    std::fs::write(folder.with_file_name("labels.toml"), labels).unwrap();
+}
+
+const WITH: [&str; 7] = [
+    "trial",
+    "--labels",
+    "labels.toml",
+    "--with",
+    "program",
+    "--json",
+    "trial.json",
+];
+
+#[test]
+fn answers_are_scored_whoever_gives_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let outcome = |answer: &str, limit: &str| {
+        answering(folder.path(), answer);
+        let output = slipstream(folder.path(), &[&WITH[..], &["--limit-s", limit]].concat());
+        assert!(
+            output.status.success(),
+            "{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        read_json(&folder.path().join("trial.json"))["each"][0].clone()
+    };
+    let fine = outcome("echo '{\"verdict\": \"match\"}' > \"$6\"", "60");
+    assert_eq!(fine["outcome"], "exact");
+    let alarm = outcome("echo '{\"verdict\": \"unexplained\"}' > \"$6\"", "60");
+    assert_eq!(alarm["outcome"], "false_alarm");
+    let mute = outcome("echo 'no idea' >&2; exit 1", "60");
+    assert_eq!(mute["outcome"], "failed");
+    assert!(mute["remarks"][0].as_str().unwrap().contains("no idea"));
+    let slow = outcome("exec sleep 60", "1");
+    assert_eq!(slow["remarks"][0], "no answer in 1 s");
+    // it sees the recording and the model, and no label
+    let seen = outcome(
+        "[ \"$(ls)\" = \"recording\nrobot.toml\nwords.txt\" ] || { ls >&2; exit 1; }\necho '{\"verdict\": \"match\"}' > \"$6\"",
+        "60",
+    );
+    assert_eq!(seen["outcome"], "exact", "{seen}");
+}
+
+#[test]
+fn an_interrupted_diagnosis_leaves_no_scores() {
+    let folder = tempfile::tempdir().unwrap();
+    answering(folder.path(), "exec sleep 60");
+    let mut child = command(folder.path(), &WITH).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(500));
+    let interrupt = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(interrupt.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!folder.path().join("trial.json").exists());
 }
 
 #[test]
