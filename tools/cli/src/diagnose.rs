@@ -4,7 +4,7 @@ use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_diagnose::{Answer, Verdict, diagnose};
+use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
@@ -12,15 +12,16 @@ use crate::models::Models;
 
 /// Find what a robot's model leaves out, from a recording
 ///
-/// A first form: it looks for effects that always act, on robots with recorded commands, one
-/// recording at a time, and takes minutes. Patches, pushes, links and what the catalogue does not
-/// hold are not looked for yet.
+/// Says where the model and the recording part, which physics of the catalogue was left out, how
+/// much of it and how sure that is; or that nothing is missing; or that something is missing that
+/// the catalogue does not hold, and what it looks like.
 ///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file.
-    recording: PathBuf,
+    /// Folder with recording.toml, or an MCAP file; several are recordings of the same machines.
+    #[arg(required = true)]
+    recording: Vec<PathBuf>,
     /// A robot's model, for all or for the robot NAME; without it the one in the recording.
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
@@ -30,6 +31,9 @@ pub(crate) struct Arguments {
     /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
+    /// Believe nothing that was measured from A to B seconds.
+    #[arg(long, value_name = "A:B", value_parser = time_span)]
+    exclude_time: Vec<[f64; 2]>,
     /// Take an effect out of the catalogue.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -44,9 +48,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             )));
         }
     }
-    let import = slipstream_recording::read(&arguments.recording)?;
-    for warning in &import.warnings {
-        eprintln!("{warning}");
+    let mut recordings = Vec::new();
+    for path in &arguments.recording {
+        let import = slipstream_recording::read(path)?;
+        for warning in &import.warnings {
+            eprintln!("{warning}");
+        }
+        recordings.push(import.recording);
     }
     let models = Models::read(&arguments.robot)?;
     let live = std::io::stderr().is_terminal();
@@ -60,17 +68,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
         }
     };
-    let done = diagnose(
-        &import.recording,
-        |robot| models.of(robot),
-        &arguments.without,
-        &progress,
-    );
+    let done = diagnose(&Request {
+        recordings: &recordings,
+        model_of: &|robot| models.of(robot),
+        excluded: &arguments.without,
+        excluded_s: &arguments.exclude_time,
+        progress: &progress,
+    });
     if live {
         eprint!("\r\x1b[K");
     }
     let (answer, improved) =
-        done.map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
+        done.map_err(|why| Error::Input(why.to_string()))?;
     if let Some(file) = &arguments.json {
         let text = serde_json::to_string_pretty(&answer)
             .map_err(|error| Error::Failed(format!("{}: {error}", file.display())))?;
@@ -88,6 +97,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     say(&answer);
     Ok(Exit::Done)
+}
+
+/// A span of time as `A:B`.
+fn time_span(text: &str) -> Result<[f64; 2], String> {
+    let ends = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    ends.filter(|[a, b]| a < b)
+        .ok_or_else(|| "give two times in seconds, as 12.5:14".to_owned())
 }
 
 fn write(file: &Path, text: &str) -> Result<(), Error> {

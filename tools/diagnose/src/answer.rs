@@ -6,10 +6,12 @@ use slipstream_sim::effects::Info;
 
 use crate::bench::{Bench, with};
 use crate::hypothesis::Hypothesis;
+use crate::{interval, located};
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
+use crate::unknown::Unknown;
 use crate::window::{WINDOW_S, cut};
 
 /// The answer of a diagnosis.
@@ -58,6 +60,12 @@ pub struct Finding {
     pub confused_with: Vec<String>,
     /// How sure.
     pub evidence: Evidence,
+    /// Of an effect outside of the catalogue: what it looks like.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shape: Option<String>,
+    /// Of an effect outside of the catalogue: the variable that it follows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub driver: Option<String>,
 }
 
 /// A parameter with its interval.
@@ -140,16 +148,18 @@ pub struct Unexplained {
 }
 
 
+/// Level of the worst channel (deviations) from which on residuals that nothing explains are said
+/// to be unexplained; below, they may be forces without pattern.
+const GROSS: f64 = 3.0;
+
 impl Answer {
     /// Adds what was found on one machine.
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
         let robot = &bench.tracks[0].robot;
-        let mut first = 0;
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
-                .push(finding(bench, found, hypothesis, at, first));
-            first += if hypothesis.is_threshold() { 0 } else { hypothesis.values.len() };
+                .push(finding(bench, found, hypothesis, at));
         }
         let runs = bench.tracks.iter().enumerate();
         let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
@@ -162,17 +172,28 @@ impl Answer {
     /// What the fitted model leaves beyond the noise.
     fn leftover(&mut self, bench: &Bench, found: &Found) {
         let robot = bench.tracks[0].robot.clone();
-        if bench.is_noise(&found.node) {
+        if let Some(unknown) = &found.unknown {
+            self.findings.push(outside(&robot, unknown, found.looked_at));
+            self.unexplained.push(Unexplained {
+                robot,
+                channel: unknown.missing.part.name().to_owned(),
+                driver: unknown.missing.driver.name.to_owned(),
+                intervals_s: unknown.intervals_s.clone(),
+                shape: unknown.shape.clone(),
+            });
             return;
         }
         let (worst, level) = bench.worst(&found.node);
+        if bench.is_noise(&found.node) || level < GROSS {
+            return;
+        }
         let channel = [
             "wheel_right", "wheel_left", "longitudinal", "lateral", "yaw", "longitudinal", "yaw",
             "longitudinal", "lateral", "yaw",
         ][worst];
         let shape = format!(
-            "residuals of {:.2} standard deviations in {} that no effect of the catalogue explains",
-            level, CHANNEL_NAMES[worst]
+            "residuals of {level:.1} standard deviations in {} that follow no variable looked at",
+            CHANNEL_NAMES[worst]
         );
         let [from, to] = bench.tracks[0].span_s();
         self.unexplained.push(Unexplained {
@@ -219,26 +240,24 @@ fn finding(
     found: &Found,
     hypothesis: &Hypothesis,
     at: usize,
-    first: usize,
 ) -> Finding {
     let info: &Info = hypothesis.info;
     let unit = |name: &str| {
         let own = info.parameters.iter().find(|p| p.name == name);
         own.map_or("1", |p| p.unit).to_owned()
     };
-    let fit = &found.node.fit;
+    let intervals = interval::of(bench, &found.node, at);
     let mut parameters: Vec<ParameterEstimate> = hypothesis
         .values
         .iter()
         .enumerate()
         .map(|(i, (name, estimate))| {
-            let deviation = if hypothesis.is_threshold() { 0.0 } else { fit.deviations[first + i] };
             ParameterEstimate {
                 name: (*name).to_owned(),
                 unit: unit(name),
                 nominal: hypothesis.nominal(&bench.model, name),
                 estimate: Some(*estimate),
-                ci95: Some([estimate - 1.96 * deviation, estimate + 1.96 * deviation]),
+                ci95: Some(intervals[i]),
                 text: None,
             }
         })
@@ -266,7 +285,7 @@ fn finding(
         .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
         .collect();
     let robot = bench.tracks[0].robot.clone();
-    let [from, to] = bench.tracks[0].span_s();
+    let condition = located::condition(bench, hypothesis);
     Finding {
         statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
         robot,
@@ -274,8 +293,8 @@ fn finding(
         parameters,
         place: Place {
             channel: info.channels[0].name().to_owned(),
-            intervals_s: vec![[from, to]],
-            condition: String::new(),
+            intervals_s: located::intervals(bench, &found.node, at),
+            condition,
         },
         confused_with: confused,
         // over all hypotheses that were tried, by Bonferroni
@@ -283,6 +302,30 @@ fn finding(
             log_likelihood_gain: gain,
             p_value: (found.looked_at as f64 * (-gain).exp()).min(1.0),
         },
+        shape: None,
+        driver: None,
+    }
+}
+
+/// A finding that the catalogue does not hold.
+fn outside(robot: &str, unknown: &Unknown, looked_at: usize) -> Finding {
+    Finding {
+        robot: robot.to_owned(),
+        effect: "unknown".to_owned(),
+        statement: format!("Robot {robot}: something outside of the catalogue: {}.", unknown.shape),
+        parameters: Vec::new(),
+        place: Place {
+            channel: unknown.missing.part.name().to_owned(),
+            intervals_s: unknown.intervals_s.clone(),
+            condition: format!("follows {}", unknown.missing.driver.name),
+        },
+        confused_with: Vec::new(),
+        evidence: Evidence {
+            log_likelihood_gain: unknown.gain,
+            p_value: (looked_at as f64 * (-unknown.gain).exp()).min(1.0),
+        },
+        shape: Some(unknown.shape.clone()),
+        driver: Some(unknown.missing.driver.name.to_owned()),
     }
 }
 

@@ -170,6 +170,7 @@ impl Bench {
             for ((_, value), fitted) in hypothesis.values.iter_mut().zip(&mut fitted) {
                 *value = *fitted;
             }
+            hypothesis.keep_in_order();
         }
         Some(Node { hypotheses, fit })
     }

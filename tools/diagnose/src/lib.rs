@@ -8,20 +8,27 @@
 
 mod answer;
 mod bench;
+mod drivers;
 mod fit;
+mod force;
 mod hypothesis;
+mod interval;
 mod linear;
+mod links;
 mod local;
+mod located;
 mod misfit;
 mod noise;
 mod score;
 mod search;
 mod simulate;
 mod track;
+mod unknown;
 mod window;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
+use slipstream_recording::recording::Robot as Recorded;
 
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
@@ -57,53 +64,106 @@ impl Unusable {
     }
 }
 
-/// Diagnoses every robot of `recording` that has commands. `model_of` gives each robot's nominal
-/// model, `excluded` names effects that are not to be tried, `progress` hears what is being done.
+/// What is asked.
+pub struct Request<'a> {
+    /// Recordings of the same machines, fitted together.
+    pub recordings: &'a [Recording],
+    /// The nominal model of each robot; without one, that of the recording.
+    pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
+    /// Effects that are not to be tried.
+    pub excluded: &'a [String],
+    /// Times (s) of which nothing is believed.
+    pub excluded_s: &'a [[f64; 2]],
+    /// Hears what is being done.
+    pub progress: &'a (dyn Fn(&str) + Sync),
+}
+
+/// Rows of a series above which it is thinned: more say no more.
+const ROWS: usize = 9000;
+
+/// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
 ///
 /// # Errors
-/// A recording in which no robot can be diagnosed, or a model that is none.
-pub fn diagnose(
-    recording: &Recording,
-    model_of: impl Fn(&str) -> Option<RobotModel>,
-    excluded: &[String],
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+/// A robot that cannot be diagnosed, or a model that is none.
+pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
     let mut answer = Answer::default();
     let mut improved = Vec::new();
-    for robot in &recording.robots {
-        let model = model_of(&robot.name)
-            .or_else(|| recording.model.clone())
-            .ok_or_else(|| {
-                Unusable::new(
-                    &robot.name,
-                    "has no model",
-                    "give one with --robot robot.toml",
-                )
-            })?;
-        let track = Track::new(recording, robot, &model)?;
-        slipstream_sim::Robot::new(&model)
-            .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
-        let windows = window::cut(&track, 0, window::WINDOW_S);
-        let tracks = vec![track];
-        let all = hypothesis::all(&model, &tracks, excluded);
-        let bench = Bench {
-            tracks,
-            windows,
-            model,
-        };
+    let mut courses = Vec::new();
+    for machine in machines(request.recordings) {
+        let name = &machine[0].1.name;
+        let bench = bench(request, &machine)?;
+        let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
         let search = Search {
             bench: &bench,
             all,
-            excluded,
-            progress: &|what| progress(&format!("{}: {what}", robot.name)),
+            excluded: request.excluded,
+            progress: &|what| (request.progress)(&format!("{name}: {what}")),
         };
         let found = search.run().ok_or_else(|| {
             let remedy = "check masses, lengths and units, and that commands are of the named kind";
-            Unusable::new(&robot.name, "cannot be simulated by its model", remedy)
+            Unusable::new(name, "cannot be simulated by its model", remedy)
         })?;
         answer.add(&bench, &found);
-        improved.push((robot.name.clone(), answer::improved(&bench, &found)));
+        improved.push((name.clone(), answer::improved(&bench, &found)));
+        courses.extend(links::Course::new(&bench, &found.node));
+    }
+    if let [recording] = request.recordings {
+        links::add(recording, &courses, request.excluded, &mut answer, &mut improved);
     }
     answer.conclude();
     Ok((answer, improved))
+}
+
+/// The runs of each machine: robots of one name, or all robots of a recording that says so. Single
+/// robots of several recordings are one machine whatever they are called.
+fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
+    let alone = recordings.len() > 1 && recordings.iter().all(|r| r.robots.len() == 1);
+    let mut machines: Vec<Vec<(&Recording, &Recorded)>> = Vec::new();
+    for recording in recordings {
+        for robot in &recording.robots {
+            let known = machines.iter_mut().find(|machine| {
+                let (first, other) = machine[0];
+                let runs = recording.same_robot && std::ptr::eq(first, recording);
+                alone || runs || other.name == robot.name
+            });
+            match known {
+                Some(machine) => machine.push((recording, robot)),
+                None => machines.push(vec![(recording, robot)]),
+            }
+        }
+    }
+    machines
+}
+
+fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<Bench, Unusable> {
+    let (recording, robot) = machine[0];
+    let model = (request.model_of)(&robot.name)
+        .or_else(|| recording.model.clone())
+        .ok_or_else(|| Unusable::new(&robot.name, "has no model", "give one with --robot robot.toml"))?;
+    let constants = slipstream_sim::Robot::new(&model)
+        .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+    let mut tracks = Vec::new();
+    for (recording, robot) in machine {
+        let mut track = Track::new(recording, robot, &model)?;
+        constants
+            .accepts(track.kind())
+            .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+        track.leave_out(request.excluded_s);
+        track.thin(ROWS);
+        tracks.push(track);
+    }
+    let windows: Vec<_> = tracks
+        .iter()
+        .enumerate()
+        .flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S))
+        .collect();
+    if windows.is_empty() {
+        let remedy = "record at least a few seconds, or exclude less";
+        return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));
+    }
+    Ok(Bench {
+        tracks,
+        windows,
+        model,
+    })
 }

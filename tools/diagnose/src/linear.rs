@@ -38,7 +38,34 @@ fn known(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
+impl Normal {
+    /// How much the sum of squares falls by `step`, taken on these equations alone.
+    pub(crate) fn decrease(&self, step: &Step) -> f64 {
+        let without = damped(&self.own, 0.0);
+        let own = (self.own_slope.transpose() * without * self.own_slope)[(0, 0)];
+        let globals = DVector::from_column_slice(&step.globals);
+        let locals = SVector::<f64, LOCALS>::from_column_slice(&step.locals[0]);
+        let all = -(self.own_slope.dot(&locals) + self.global_slope.dot(&globals));
+        all - own
+    }
+
+    /// Holds each shared parameter near zero with this weight.
+    pub(crate) fn believe(&mut self, weight: impl Fn(usize) -> f64) {
+        for i in 0..self.global_slope.len() {
+            self.global[(i, i)] += weight(i);
+        }
+    }
+}
+
 impl Linear {
+    /// The same with the start alone unknown.
+    pub(crate) fn without_globals(&self) -> Self {
+        Self {
+            globals: Vec::new(),
+            ..self.clone()
+        }
+    }
+
     /// The normal equations under these weights of the channels. `base` are residuals in place of
     /// its own, `more` further shared parameters behind its own.
     pub(crate) fn normal(

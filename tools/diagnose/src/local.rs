@@ -1,7 +1,29 @@
 //! Effects of one place or one moment: where to look for them.
+//!
+//! The force that is missing at each moment says when something happened; the wheels' contacts at
+//! those moments say where.
+
+use rayon::prelude::*;
+use slipstream_sim::effects::{Info, find};
 
 use crate::bench::{Bench, Node};
+use crate::drivers::Sampled;
+use crate::force::{self, Answers, PULSE_S};
 use crate::hypothesis::{Hypothesis, LOCAL};
+use crate::linear;
+use crate::misfit::Misfit;
+
+/// Moments that are tried for a push.
+const MOMENTS: usize = 3;
+/// Places that are tried for a patch, and how far they lie apart (m).
+const PLACES: usize = 14;
+const APART_M: f64 = 0.05;
+/// Patches whose promise is worth a step of the fit.
+const PATCHES: usize = 4;
+const RADII_M: [f64; 4] = [0.06, 0.12, 0.2, 0.35];
+const FRICTIONS: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
+/// Force that is believable where nothing shows it, as a share of the weight.
+const BELIEVED: f64 = 0.05;
 
 /// Whether an effect has a place or a time that is searched.
 pub(crate) fn is_local(hypothesis: &Hypothesis) -> bool {
@@ -9,6 +31,147 @@ pub(crate) fn is_local(hypothesis: &Hypothesis) -> bool {
 }
 
 /// Places and moments at which `node` leaves most unexplained.
-pub(crate) fn candidates(_bench: &Bench, _node: &Node, _excluded: &[String]) -> Vec<Hypothesis> {
-    Vec::new()
+pub(crate) fn candidates(bench: &Bench, node: &Node, excluded: &[String]) -> Vec<Hypothesis> {
+    if bench.is_noise(node) {
+        return Vec::new();
+    }
+    let wanted = |id: &str| !excluded.iter().any(|known| known == id);
+    let Some(answers) = force::answers(bench, node) else {
+        return Vec::new();
+    };
+    let mut candidates = Vec::new();
+    if let Some(info) = find("push").filter(|info| wanted(info.id)) {
+        candidates.extend(pushes(bench, node, &answers, info));
+    }
+    if let Some(info) = find("friction_patch").filter(|info| wanted(info.id)) {
+        candidates.extend(patches(bench, node, &answers, info));
+    }
+    candidates
+}
+
+/// Pushes at the moments at which one pulse explains most.
+fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) -> Vec<Hypothesis> {
+    let back = bench.model.robot.com_to_axle_m.unwrap_or(0.0);
+    let weights = node.fit.misfit.weights();
+    let windows = answers.par_iter().enumerate();
+    let tried = windows.flat_map_iter(|(w, answers)| {
+        let (window, linear) = (&bench.windows[w], &node.fit.linear[w]);
+        let own = linear.without_globals();
+        let across: Vec<Vec<f64>> = answers
+            .about
+            .iter()
+            .map(|column| column.iter().map(|v| v * back).collect())
+            .collect();
+        let all: Vec<(f64, usize, usize, [f64; 2])> = (0..answers.at_s.len())
+            .map(|k| {
+                let more = [answers.along[k].as_slice(), across[k].as_slice()];
+                let normal = own.normal(window, &weights, &linear.residuals, &more);
+                let step = linear::step(std::slice::from_ref(&normal), 1e-9, |_, step| step);
+                let gain = normal.decrease(&step);
+                (gain, w, k, [step.globals[0], step.globals[1]])
+            })
+            .collect();
+        all
+    });
+    let mut tried: Vec<(f64, usize, usize, [f64; 2])> = tried.collect();
+    tried.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut chosen: Vec<Hypothesis> = Vec::new();
+    let mut taken: Vec<(usize, f64)> = Vec::new();
+    for (_, w, k, [along, across]) in tried {
+        let run = bench.windows[w].run;
+        let at_s = answers[w].at_s[k];
+        if taken.iter().any(|(known, t_s)| *known == run && (t_s - at_s).abs() < 0.25) {
+            continue;
+        }
+        taken.push((run, at_s));
+        let yaw = Sampled::new(bench, &bench.tracks[run], at_s).pose[2];
+        let yaw = if yaw.is_finite() { yaw } else { 0.0 };
+        let direction = (across.atan2(along) + yaw).sin().atan2((across.atan2(along) + yaw).cos());
+        let values = vec![
+            ("t_s", (at_s - 0.03).max(0.0)),
+            ("impulse_n_s", along.hypot(across) * PULSE_S),
+            ("direction_rad", direction),
+        ];
+        chosen.push(Hypothesis {
+            only: Some(run),
+            ..Hypothesis::new(info, values)
+        });
+        if chosen.len() == MOMENTS {
+            break;
+        }
+    }
+    chosen
+}
+
+/// Patches at the wheels' contacts where the missing force is largest.
+fn patches(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) -> Vec<Hypothesis> {
+    let mut tried: Vec<Hypothesis> = Vec::new();
+    for [x, y] in places(bench, node, answers) {
+        for radius in RADII_M {
+            for friction in FRICTIONS {
+                let values = vec![("x_m", x), ("y_m", y), ("radius_m", radius), ("friction", friction)];
+                tried.push(Hypothesis::new(info, values));
+            }
+        }
+    }
+    let judged = tried.into_par_iter().filter_map(|hypothesis| {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses.push(hypothesis.clone());
+        let deviance = bench.posed(&hypotheses, &bench.windows, |problem, values| {
+            let residuals = problem.residuals(values, &node.fit.starts)?;
+            Some(Misfit::new(&bench.windows, &residuals).deviance())
+        })?;
+        Some((deviance, hypothesis))
+    });
+    let mut judged: Vec<(f64, Hypothesis)> = judged.collect();
+    judged.sort_by(|a, b| a.0.total_cmp(&b.0));
+    judged.into_iter().take(PATCHES).map(|(_, h)| h).collect()
+}
+
+/// Contacts of both wheels at the moments of the largest missing force, largest first.
+fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
+    let body = &bench.model.robot;
+    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+    let mut moments: Vec<(f64, usize, f64)> = Vec::new();
+    for (w, forces) in over_time(bench, node, answers).into_iter().enumerate() {
+        for (k, [along, about]) in forces.into_iter().enumerate() {
+            moments.push((along.abs().max(about.abs() / b), w, answers[w].at_s[k]));
+        }
+    }
+    moments.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut places: Vec<[f64; 2]> = Vec::new();
+    for (_, w, at_s) in moments {
+        let sampled = Sampled::new(bench, &bench.tracks[bench.windows[w].run], at_s);
+        let [x, y, yaw] = sampled.pose;
+        for side in [-b, b] {
+            let (sin, cos) = yaw.sin_cos();
+            let place = [x - d * cos + side * sin, y - d * sin - side * cos];
+            let near = |p: &[f64; 2]| (p[0] - place[0]).hypot(p[1] - place[1]) < APART_M;
+            if place[0].is_finite() && places.len() < PLACES && !places.iter().any(near) {
+                places.push(place);
+            }
+        }
+    }
+    places
+}
+
+/// The missing force along (N) and moment about (N m) at every pulse, kept small where nothing shows
+/// it (ridge regression; Hoerl and Kennard, 1970).
+pub(crate) fn over_time(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Vec<[f64; 2]>> {
+    let body = &bench.model.robot;
+    let weight = 9.81 * body.body_mass_kg.unwrap_or(1.0);
+    let believed = [BELIEVED * weight, BELIEVED * weight * body.half_track_m];
+    let weights = node.fit.misfit.weights();
+    let windows = answers.par_iter().enumerate();
+    let forces = windows.map(|(w, answers)| {
+        let linear = node.fit.linear[w].without_globals();
+        let columns = answers.along.iter().chain(&answers.about);
+        let more: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
+        let mut normal = linear.normal(&bench.windows[w], &weights, &linear.residuals, &more);
+        let count = answers.at_s.len();
+        normal.believe(|i| 1.0 / believed[usize::from(i >= count)].powi(2));
+        let step = linear::step(std::slice::from_ref(&normal), 1e-9, |_, step| step);
+        (0..count).map(|k| [step.globals[k], step.globals[count + k]]).collect()
+    });
+    forces.collect()
 }

@@ -3,6 +3,7 @@
 use crate::bench::{Bench, FULL, Node, Promise};
 use crate::hypothesis::Hypothesis;
 use crate::local;
+use crate::unknown::{self, Unknown};
 
 use rayon::prelude::*;
 
@@ -38,6 +39,8 @@ pub(crate) struct Found {
     pub(crate) twins: Vec<Vec<&'static str>>,
     /// How many hypotheses were looked at.
     pub(crate) looked_at: usize,
+    /// What the catalogue does not hold.
+    pub(crate) unknown: Option<Unknown>,
 }
 
 /// The search over one bench.
@@ -102,7 +105,26 @@ impl Search<'_> {
                 best = nodes[0].clone();
             }
         }
-        Some(self.weighed(nominal, best, looked_at))
+        if self.bench.is_noise(&best) {
+            return Some(self.weighed(nominal, best, looked_at));
+        }
+        (self.progress)("forces outside of the catalogue");
+        // a force that explains more by itself than all that was found needs none of it
+        let alone = unknown::beside(self.bench, &nominal);
+        if let Some(unknown) = alone.filter(|unknown| unknown.missing.score() < score(&best)) {
+            return Some(Found {
+                nominal: nominal.clone(),
+                node: nominal,
+                gains: Vec::new(),
+                twins: Vec::new(),
+                looked_at,
+                unknown: Some(unknown),
+            });
+        }
+        let unknown = unknown::beside(self.bench, &best);
+        let mut found = self.weighed(nominal, best, looked_at);
+        found.unknown = unknown.filter(|_| !self.bench.is_noise(&found.node));
+        Some(found)
     }
 
     fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
@@ -110,17 +132,20 @@ impl Search<'_> {
             let known = |k: &Hypothesis| k.is_like(h) && !local::is_local(h);
             node.hypotheses.iter().any(known)
         };
-        let mut candidates: Vec<Hypothesis> = self.all.iter().filter(|h| !taken(h)).cloned().collect();
-        candidates.extend(local::candidates(self.bench, node, self.excluded));
-        candidates
+        self.all.iter().filter(|h| !taken(h)).cloned().collect()
     }
 
     /// The extensions by one effect that pay, best first.
     fn extended(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Node> {
         let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
-        let followed = self.followed(node, candidates, 0.5 * PAY[0]);
-        followed.into_iter().filter(|next| self.pays(node, next)).collect()
+        let mut followed = self.followed(node, candidates, 0.5 * PAY[0]);
+        if !followed.iter().any(|next| self.bench.is_noise(next)) {
+            let local = local::candidates(self.bench, node, self.excluded);
+            followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
+        }
+        followed.retain(|next| self.pays(node, next));
+        followed
     }
 
     /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
@@ -283,6 +308,7 @@ impl Search<'_> {
             gains,
             twins,
             looked_at,
+            unknown: None,
         }
     }
 }

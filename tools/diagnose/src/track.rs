@@ -153,6 +153,25 @@ impl Track {
         })
     }
 
+    /// Believes nothing measured in these times (s).
+    pub(crate) fn leave_out(&mut self, times_s: &[[f64; 2]]) {
+        for series in &mut self.series {
+            series.rows.retain(|(t_s, _)| !times_s.iter().any(|[from, to]| (from..=to).contains(&t_s)));
+        }
+    }
+
+    /// Keeps every so manyth row of series that have more than `most`.
+    pub(crate) fn thin(&mut self, most: usize) {
+        for series in &mut self.series {
+            let stride = series.rows.len().div_ceil(most).max(1);
+            let mut at = 0;
+            series.rows.retain(|_| {
+                at += 1;
+                (at - 1) % stride == 0
+            });
+        }
+    }
+
     /// The series of `sensor`.
     pub(crate) fn of(&self, sensor: Sensor) -> Option<&Series> {
         self.series.iter().find(|series| series.sensor == sensor)

@@ -1,0 +1,281 @@
+//! Variables that a missing force may follow, and functions of them.
+
+use std::f64::consts::TAU;
+
+use crate::bench::Bench;
+use crate::force::Part;
+use crate::simulate::asked;
+use crate::track::{Sensor, Series, Track};
+use crate::window::range;
+
+/// The motion at one moment, as it was measured.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sampled {
+    pub(crate) t_s: f64,
+    /// Forward speed (m/s) and yaw rate (rad/s).
+    pub(crate) v: f64,
+    pub(crate) w: f64,
+    /// Wheel angles since the recording began (rad).
+    pub(crate) angle: [f64; 2],
+    /// x and y (m) and heading (rad); NaN without a camera.
+    pub(crate) pose: [f64; 3],
+    /// What is commanded at each wheel.
+    pub(crate) asked: [f64; 2],
+    /// How long the robot has stood (s); the last rest's length while it moves.
+    pub(crate) rested_s: f64,
+}
+
+/// Half of the time over which speeds are taken (s).
+const ABOUT_S: f64 = 0.06;
+
+impl Sampled {
+    pub(crate) fn new(bench: &Bench, track: &Track, t_s: f64) -> Self {
+        let body = &bench.model.robot;
+        let [r, b] = [body.wheel_radius_m, body.half_track_m];
+        let wheels = track.of(Sensor::WheelAngle);
+        let poses = track.of(Sensor::Pose);
+        let angle = wheels.map_or([f64::NAN; 3], |wheels| at(wheels, t_s));
+        let pose = poses.map_or([f64::NAN; 3], |poses| at(poses, t_s));
+        let (v, w) = match wheels {
+            Some(wheels) => {
+                let rate = rate(wheels, t_s, ABOUT_S).map(|rate| rate * r);
+                ((rate[0] + rate[1]) / 2.0, (rate[0] - rate[1]) / (2.0 * b))
+            }
+            None => poses.map_or((0.0, 0.0), |poses| {
+                let [dx, dy, turn] = rate(poses, t_s, 2.0 * ABOUT_S);
+                (dx * pose[2].cos() + dy * pose[2].sin(), turn)
+            }),
+        };
+        let [first, _] = range(&track.commands, t_s + 1e-9, t_s + 1e-9);
+        let command = &track.commands[first.saturating_sub(1)].1;
+        Self {
+            t_s,
+            v,
+            w,
+            angle: [angle[0], angle[1]],
+            pose,
+            asked: asked(command, r, b),
+            rested_s: wheels.map_or(f64::NAN, |wheels| rested_s(wheels, t_s)),
+        }
+    }
+}
+
+/// Values of a series between its rows.
+fn at(series: &Series, t_s: f64) -> [f64; 3] {
+    let next = series.rows.partition_point(|(stamp_s, _)| *stamp_s < t_s);
+    let (before, after) = (next.saturating_sub(1), next.min(series.rows.len() - 1));
+    let ((a_s, a), (b_s, b)) = (series.rows[before], series.rows[after]);
+    let share = if b_s > a_s { ((t_s - a_s) / (b_s - a_s)).clamp(0.0, 1.0) } else { 0.0 };
+    [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * share)
+}
+
+fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
+    let (a, b) = (at(series, t_s - about_s), at(series, t_s + about_s));
+    [0, 1, 2].map(|i| (b[i] - a[i]) / (2.0 * about_s))
+}
+
+/// Length of the rest at `t_s`, or of the last one before it (s).
+fn rested_s(wheels: &Series, t_s: f64) -> f64 {
+    let end = wheels.rows.partition_point(|(stamp_s, _)| *stamp_s < t_s).max(1) - 1;
+    let same = |i: usize| wheels.rows[i].1[0] == wheels.rows[i - 1].1[0] && wheels.rows[i].1[1] == wheels.rows[i - 1].1[1];
+    let (mut last, mut length) = (None, 0.0);
+    for i in (1..=end).rev() {
+        if same(i) {
+            length += wheels.rows[i].0 - wheels.rows[i - 1].0;
+            last = Some(i);
+        } else if last.is_some() {
+            if length > 0.1 {
+                return length;
+            }
+            (last, length) = (None, 0.0);
+        }
+        if t_s - wheels.rows[i].0 > 20.0 {
+            break;
+        }
+    }
+    length
+}
+
+/// A variable with the functions of it that a force may be made of.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Driver {
+    /// Its name in answers.
+    pub(crate) name: &'static str,
+    pub(crate) unit: &'static str,
+    basis: Basis,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Basis {
+    /// One and waves of a turn, up to this many in it.
+    Waves(usize),
+    /// Hats on these knots.
+    Hats(Vec<f64>),
+    /// Hats on a grid: origin, spacing and the cells that were visited.
+    Grid([f64; 2], f64, Vec<[i64; 2]>),
+}
+
+/// Hats over a variable.
+const HATS: usize = 9;
+/// Cells over the longer side of the floor.
+const CELLS: f64 = 6.0;
+
+impl Driver {
+    /// The drivers that `samples` cover.
+    pub(crate) fn all(samples: &[Vec<Sampled>]) -> Vec<Self> {
+        let flat: Vec<&Sampled> = samples.iter().flatten().collect();
+        let hats = |name: &'static str, unit: &'static str, of: fn(&Sampled) -> f64| {
+            let mut values: Vec<f64> = flat.iter().map(|s| of(s)).filter(|v| v.is_finite()).collect();
+            values.sort_by(f64::total_cmp);
+            let (low, high) = (*values.first()?, *values.last()?);
+            let knots: Vec<f64> = (0..HATS).map(|k| low + (high - low) * k as f64 / (HATS - 1) as f64).collect();
+            (high - low > 1e-6).then_some(Self {
+                name,
+                unit,
+                basis: Basis::Hats(knots),
+            })
+        };
+        let waves = |name: &'static str, count: usize, there: bool| {
+            there.then_some(Self {
+                name,
+                unit: "rad",
+                basis: Basis::Waves(count),
+            })
+        };
+        let pose = flat.iter().any(|s| s.pose[0].is_finite());
+        let yaw = flat.iter().any(|s| s.pose[2].is_finite());
+        let angle = flat.iter().any(|s| s.angle[0].is_finite());
+        [
+            hats("t", "s", |s| s.t_s),
+            hats("v", "m/s", |s| s.v),
+            hats("w", "rad/s", |s| s.w),
+            hats("torque", "of the command", |s| s.asked[0] + s.asked[1]),
+            waves("wheel_angle", 3, angle),
+            waves("heading", 2, yaw),
+            hats("x", "m", |s| s.pose[0]).filter(|_| pose),
+            hats("y", "m", |s| s.pose[1]).filter(|_| pose),
+            grid(&flat).filter(|_| pose),
+            hats("time_at_rest", "s", |s| s.rested_s),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// Whether a force on this part makes sense as a function of this variable.
+    pub(crate) fn suits(&self, part: Part, against: bool) -> bool {
+        match (self.name, part) {
+            ("wheel_angle", Part::WheelRight | Part::WheelLeft) => !against,
+            ("wheel_angle", _) | ("v" | "w" | "torque", _) if against => false,
+            ("wheel_angle", _) => false,
+            (_, Part::WheelRight | Part::WheelLeft) => !against,
+            _ => true,
+        }
+    }
+
+    /// How many numbers a function of it takes.
+    pub(crate) fn functions(&self) -> usize {
+        match &self.basis {
+            Basis::Waves(count) => 1 + 2 * count,
+            Basis::Hats(knots) => knots.len(),
+            Basis::Grid(_, _, cells) => cells.len(),
+        }
+    }
+
+    /// The variable at one moment, where a wheel's own counts that of the part.
+    pub(crate) fn variable(&self, s: &Sampled, part: Part) -> f64 {
+        match (self.name, part) {
+            ("t", _) => s.t_s,
+            ("v", _) => s.v,
+            ("w", _) => s.w,
+            ("torque", Part::WheelRight) => s.asked[0],
+            ("torque", Part::WheelLeft) => s.asked[1],
+            ("torque", Part::Yaw) => s.asked[0] - s.asked[1],
+            ("torque", Part::Longitudinal) => s.asked[0] + s.asked[1],
+            ("wheel_angle", Part::WheelLeft) => s.angle[1],
+            ("wheel_angle", _) => s.angle[0],
+            ("heading", _) => s.pose[2],
+            ("x", _) => s.pose[0],
+            ("y", _) => s.pose[1],
+            ("time_at_rest", _) => s.rested_s,
+            _ => f64::NAN,
+        }
+    }
+
+    /// The functions that are not zero at one moment, and their values.
+    pub(crate) fn values(&self, s: &Sampled, part: Part) -> Vec<(usize, f64)> {
+        let z = self.variable(s, part);
+        match &self.basis {
+            Basis::Grid(origin, spacing, cells) => on_grid(*origin, *spacing, cells, s),
+            _ if !z.is_finite() => Vec::new(),
+            Basis::Waves(count) => {
+                let waves = (1..=*count).flat_map(|k| {
+                    let (sin, cos) = (k as f64 * z).sin_cos();
+                    [(2 * k - 1, sin), (2 * k, cos)]
+                });
+                [(0, 1.0)].into_iter().chain(waves).collect()
+            }
+            Basis::Hats(knots) => {
+                let next = knots.partition_point(|knot| *knot < z).clamp(1, knots.len() - 1);
+                let (a, b) = (knots[next - 1], knots[next]);
+                let share = ((z - a) / (b - a)).clamp(0.0, 1.0);
+                vec![(next - 1, 1.0 - share), (next, share)]
+            }
+        }
+    }
+
+    /// The force that `weights` make at one moment.
+    pub(crate) fn force(&self, weights: &[f64], s: &Sampled, part: Part) -> f64 {
+        let values = self.values(s, part).into_iter();
+        values.map(|(function, value)| weights[function] * value).sum()
+    }
+
+    /// The variable of a turn counts modulo a turn.
+    pub(crate) fn shown(&self, z: f64) -> f64 {
+        match self.basis {
+            Basis::Waves(_) => z.rem_euclid(TAU),
+            _ => z,
+        }
+    }
+}
+
+fn grid(samples: &[&Sampled]) -> Option<Driver> {
+    let places: Vec<[f64; 2]> = samples
+        .iter()
+        .map(|s| [s.pose[0], s.pose[1]])
+        .filter(|[x, y]| x.is_finite() && y.is_finite())
+        .collect();
+    let bound = |i: usize, pick: fn(f64, f64) -> f64| places.iter().map(|p| p[i]).reduce(pick);
+    let low = [bound(0, f64::min)?, bound(1, f64::min)?];
+    let high = [bound(0, f64::max)?, bound(1, f64::max)?];
+    let spacing = (high[0] - low[0]).max(high[1] - low[1]) / CELLS;
+    if spacing < 1e-3 {
+        return None;
+    }
+    let mut cells: Vec<[i64; 2]> = Vec::new();
+    for [x, y] in places {
+        let cell = [(x - low[0]) / spacing, (y - low[1]) / spacing].map(|v| v.round() as i64);
+        if !cells.contains(&cell) {
+            cells.push(cell);
+        }
+    }
+    cells.sort_unstable();
+    (cells.len() > 2).then_some(Driver {
+        name: "position",
+        unit: "m",
+        basis: Basis::Grid(low, spacing, cells),
+    })
+}
+
+fn on_grid(origin: [f64; 2], spacing: f64, cells: &[[i64; 2]], s: &Sampled) -> Vec<(usize, f64)> {
+    let place = [0, 1].map(|i| (s.pose[i] - origin[i]) / spacing);
+    let hat = |cell: &[i64; 2]| -> f64 {
+        (0..2).map(|i| (1.0 - (place[i] - cell[i] as f64).abs()).max(0.0)).product()
+    };
+    cells
+        .iter()
+        .enumerate()
+        .map(|(i, cell)| (i, hat(cell)))
+        .filter(|(_, value)| *value > 0.0)
+        .collect()
+}

@@ -1,0 +1,244 @@
+//! The force that is missing: how every measurement answers to a push at every moment, and which
+//! variable the missing force follows.
+//!
+//! A robot that rolls has two degrees of freedom, so that any missing force is one along the body
+//! and a moment about the vertical. Both are sent through the plant, pulse by pulse; a force that is
+//! some function of a variable is then a sum of columns that are there already.
+
+use rayon::prelude::*;
+use slipstream_sim::CommandKind;
+
+use crate::bench::{Bench, Node};
+use crate::drivers::{Driver, Sampled};
+use crate::linear;
+use crate::misfit::Misfit;
+use crate::simulate::{Bookmark, Pulse, Simulation};
+
+/// Length of a pulse (s).
+pub(crate) const PULSE_S: f64 = 0.05;
+
+/// Accelerations of the pulses: along (m/s²) and about (rad/s²).
+const PULSE: [f64; 2] = [0.2, 2.0];
+
+/// Answers of one window: for each pulse, residuals per newton and per newton metre.
+pub(crate) struct Answers {
+    /// Middle of each pulse (s).
+    pub(crate) at_s: Vec<f64>,
+    pub(crate) along: Vec<Vec<f64>>,
+    pub(crate) about: Vec<Vec<f64>>,
+}
+
+/// On what part of the robot a missing force acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    Longitudinal,
+    Yaw,
+    WheelRight,
+    WheelLeft,
+}
+
+impl Part {
+    pub(crate) const ALL: [Self; 4] = [Self::Longitudinal, Self::Yaw, Self::WheelRight, Self::WheelLeft];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Longitudinal => "longitudinal",
+            Self::Yaw => "yaw",
+            Self::WheelRight => "wheel_right",
+            Self::WheelLeft => "wheel_left",
+        }
+    }
+}
+
+/// A missing force as a function of one variable.
+#[derive(Debug, Clone)]
+pub(crate) struct Missing {
+    pub(crate) part: Part,
+    pub(crate) driver: Driver,
+    /// It acts against the motion, not in one direction.
+    pub(crate) against: bool,
+    /// One number a basis function (N or N m).
+    pub(crate) weights: Vec<f64>,
+    /// −2 ln L with it, to first order.
+    pub(crate) deviance: f64,
+    pub(crate) misfit: Misfit,
+}
+
+impl Missing {
+    /// −2 ln L with a charge for each number.
+    pub(crate) fn score(&self) -> f64 {
+        self.deviance + 6.0 * self.weights.len() as f64
+    }
+}
+
+/// The answers of every window around `node`. `None` for robots that are driven by speeds.
+pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
+    if bench.tracks.iter().any(|track| track.kind() == CommandKind::Speed) {
+        return None;
+    }
+    bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
+        let robots = problem.robots(values).ok()?;
+        let amount = amounts(bench);
+        let windows = bench.windows.par_iter().enumerate();
+        let answers = windows.map(|(w, window)| {
+            let simulation = problem.simulation(window, &robots);
+            let (start, base) = (&node.fit.starts[w], &node.fit.linear[w].residuals);
+            let marks = simulation.bookmarks(start, PULSE_S);
+            let answer = |mark: &Bookmark, part: usize| {
+                one(&simulation, start, base, mark, part, amount[part])
+            };
+            Answers {
+                at_s: marks.iter().map(|mark| mark.t_s + PULSE_S / 2.0).collect(),
+                along: marks.par_iter().map(|mark| answer(mark, 0)).collect(),
+                about: marks.par_iter().map(|mark| answer(mark, 1)).collect(),
+            }
+        });
+        Some(answers.collect())
+    })
+}
+
+/// Sizes of the pulses (N, N m) for a robot of this mass.
+fn amounts(bench: &Bench) -> [f64; 2] {
+    let body = &bench.model.robot;
+    let mass = body.body_mass_kg.unwrap_or(1.0);
+    let inertia = body.body_yaw_inertia_kg_m2.unwrap_or(0.01 * mass);
+    [PULSE[0] * mass, PULSE[1] * inertia]
+}
+
+fn one(
+    simulation: &Simulation<'_>,
+    start: &[f64; 7],
+    base: &[f64],
+    mark: &Bookmark,
+    part: usize,
+    amount: f64,
+) -> Vec<f64> {
+    let mut load = [0.0; 5];
+    load[[0, 2][part]] = amount;
+    let pulse = Pulse {
+        load,
+        to_s: mark.t_s + PULSE_S,
+    };
+    let after = simulation.resumed(start, mark, Some(pulse), |_, _| ());
+    let pairs = after.iter().zip(base);
+    let change = pairs.map(|(after, base)| {
+        let change = (after - base) / amount;
+        if change.is_finite() { change } else { 0.0 }
+    });
+    change.collect()
+}
+
+/// What a force on `part` that opposes the motion, or does not, is in force along and moment about
+/// per unit.
+fn shares(bench: &Bench, part: Part, against: bool, sampled: &Sampled) -> [f64; 2] {
+    let body = &bench.model.robot;
+    let [r, b] = [body.wheel_radius_m, body.half_track_m];
+    let (shares, speed) = match part {
+        Part::Longitudinal => ([1.0, 0.0], sampled.v),
+        Part::Yaw => ([0.0, 1.0], sampled.w),
+        Part::WheelRight => ([1.0 / r, b / r], sampled.v + b * sampled.w),
+        Part::WheelLeft => ([1.0 / r, -b / r], sampled.v - b * sampled.w),
+    };
+    let sign = match against {
+        false => 1.0,
+        true if speed.abs() < 2e-3 => 0.0,
+        true => -speed.signum(),
+    };
+    shares.map(|share| share * sign)
+}
+
+/// The missing force that explains most beside `node`, best first.
+pub(crate) fn missing(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Missing> {
+    let samples: Vec<Vec<Sampled>> = bench
+        .windows
+        .iter()
+        .zip(answers)
+        .map(|(window, answers)| {
+            let track = &bench.tracks[window.run];
+            answers.at_s.iter().map(|at_s| Sampled::new(bench, track, *at_s)).collect()
+        })
+        .collect();
+    let drivers = Driver::all(&samples);
+    let kinds: Vec<(Driver, Part, bool)> = drivers
+        .iter()
+        .flat_map(|driver| {
+            Part::ALL.iter().flat_map(move |part| [false, true].map(|against| (driver.clone(), *part, against)))
+        })
+        .filter(|(driver, part, against)| driver.suits(*part, *against))
+        .collect();
+    let found = kinds.par_iter().filter_map(|(driver, part, against)| {
+        follow(bench, node, answers, &samples, driver, *part, *against)
+    });
+    let mut found: Vec<Missing> = found.collect();
+    found.sort_by(|a, b| a.score().total_cmp(&b.score()));
+    found
+}
+
+fn follow(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+    driver: &Driver,
+    part: Part,
+    against: bool,
+) -> Option<Missing> {
+    let count = driver.functions();
+    let columns: Vec<Vec<Vec<f64>>> = answers
+        .iter()
+        .zip(samples)
+        .zip(&bench.windows)
+        .map(|((answers, samples), window)| {
+            let mut columns = vec![vec![0.0; window.channels.len()]; count];
+            for (k, sampled) in samples.iter().enumerate() {
+                let [along, about] = shares(bench, part, against, sampled);
+                for (function, value) in driver.values(sampled, part) {
+                    for (share, answer) in [(along, &answers.along[k]), (about, &answers.about[k])] {
+                        if share != 0.0 {
+                            let column = columns[function].iter_mut().zip(answer);
+                            column.for_each(|(cell, answer)| *cell += share * value * answer);
+                        }
+                    }
+                }
+            }
+            columns
+        })
+        .collect();
+    let known = node.fit.values.len();
+    let mut weights = node.fit.misfit.weights();
+    let mut best: Option<Missing> = None;
+    for _ in 0..3 {
+        let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
+        let windows = bench.windows.iter().zip(&node.fit.linear).enumerate();
+        let normals: Vec<_> = windows
+            .map(|(w, (window, linear))| linear.normal(window, &weights, &linear.residuals, &more(w)))
+            .collect();
+        let step = linear::step(&normals, 1e-6, |_, step| step);
+        let predicted: Vec<Vec<f64>> = node
+            .fit
+            .linear
+            .iter()
+            .zip(&step.locals)
+            .enumerate()
+            .map(|(w, (linear, locals))| {
+                linear.predicted(&linear.residuals, &more(w), locals, &step.globals)
+            })
+            .collect();
+        let mut misfit = Misfit::new(&bench.windows, &predicted);
+        weights = misfit.weights();
+        let residuals: Vec<&[f64]> = predicted.iter().map(Vec::as_slice).collect();
+        misfit.remember(&bench.windows, &residuals);
+        let deviance = misfit.deviance();
+        if deviance.is_finite() && best.as_ref().is_none_or(|best| deviance < best.deviance) {
+            best = Some(Missing {
+                part,
+                driver: driver.clone(),
+                against,
+                weights: step.globals[known..].to_vec(),
+                deviance,
+                misfit,
+            });
+        }
+    }
+    best
+}
