@@ -60,7 +60,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let live = std::io::stderr().is_terminal();
     let began = std::time::Instant::now();
     let progress = |what: &str| {
-        if std::env::var_os("DEBUG_D").is_some() { eprintln!("{:.1} {what}", began.elapsed().as_secs_f64()); }
+        if std::env::var_os("DEBUG_D").is_some() {
+            eprintln!("{:.1} {what}", began.elapsed().as_secs_f64());
+        }
         if live {
             // a progress line that cannot be shown is not worth an error
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
