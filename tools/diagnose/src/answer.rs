@@ -1,10 +1,9 @@
 //! What is answered: CONTRACT.md, section 4.
 
 use serde::Serialize;
-use slipstream_bus::RobotModel;
 use slipstream_sim::effects::Info;
 
-use crate::bench::{Bench, with};
+use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
 use crate::{interval, located};
 use crate::misfit::Misfit;
@@ -12,7 +11,7 @@ use crate::score;
 use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
-use crate::window::{WINDOW_S, cut};
+use crate::window::{WINDOW_S, cut, spread};
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -148,6 +147,9 @@ pub struct Unexplained {
 }
 
 
+/// Windows that are predicted at most.
+const JUDGED: usize = 60;
+
 /// Level of the worst channel (deviations) from which on residuals that nothing explains are said
 /// to be unexplained; below, they may be forces without pattern.
 const GROSS: f64 = 3.0;
@@ -156,17 +158,21 @@ impl Answer {
     /// Adds what was found on one machine.
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
-        let robot = &bench.tracks[0].robot;
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
                 .push(finding(bench, found, hypothesis, at));
         }
-        let runs = bench.tracks.iter().enumerate();
-        let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
-        let before = score::prediction(bench, &windows, &[]);
-        let after = score::prediction(bench, &windows, &found.node.hypotheses);
-        self.held_out.add(robot, &before, &after);
         self.leftover(bench, found);
+    }
+
+    /// Adds how well one machine is predicted before and after.
+    pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
+        let runs = bench.tracks.iter().enumerate();
+        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S));
+        let windows = spread(windows.collect(), JUDGED);
+        let before = score::prediction(bench, &windows, &[]);
+        let after = score::prediction(bench, &windows, hypotheses);
+        self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 
     /// What the fitted model leaves beyond the noise.
@@ -327,9 +333,4 @@ fn outside(robot: &str, unknown: &Unknown, looked_at: usize) -> Finding {
         shape: Some(unknown.shape.clone()),
         driver: Some(unknown.missing.driver.name.to_owned()),
     }
-}
-
-/// The nominal model with what was found.
-pub(crate) fn improved(bench: &Bench, found: &Found) -> RobotModel {
-    with(&bench.model, &found.node.hypotheses)
 }

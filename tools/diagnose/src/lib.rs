@@ -29,6 +29,7 @@ mod window;
 use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
+use slipstream_sim::CommandKind;
 
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
@@ -36,7 +37,7 @@ pub use answer::{
 
 use crate::bench::Bench;
 use crate::search::Search;
-use crate::track::Track;
+use crate::track::{Block, Track};
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -84,16 +85,6 @@ const ROWS: usize = 9000;
 /// Windows that are fitted at most.
 const WINDOWS: usize = 24;
 
-/// `WINDOWS` of all windows, from begin to end.
-fn spread(windows: Vec<window::Window>) -> Vec<window::Window> {
-    let count = windows.len();
-    if count <= WINDOWS {
-        return windows;
-    }
-    let chosen = (0..WINDOWS).map(|k| windows[k * (count - 1) / (WINDOWS - 1)].clone());
-    chosen.collect()
-}
-
 /// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
 ///
 /// # Errors
@@ -104,21 +95,33 @@ pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotMode
     let mut courses = Vec::new();
     for machine in machines(request.recordings) {
         let name = &machine[0].1.name;
-        let bench = bench(request, &machine)?;
-        let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
-        let search = Search {
-            bench: &bench,
-            all,
-            excluded: request.excluded,
-            progress: &|what| (request.progress)(&format!("{name}: {what}")),
-        };
-        let found = search.run().ok_or_else(|| {
-            let remedy = "check masses, lengths and units, and that commands are of the named kind";
-            Unusable::new(name, "cannot be simulated by its model", remedy)
-        })?;
-        answer.add(&bench, &found);
-        improved.push((name.clone(), answer::improved(&bench, &found)));
-        courses.extend(links::Course::new(&bench, &found.node));
+        let whole = bench(request, &machine, Block::Whole)?;
+        let mut hypotheses = Vec::new();
+        for block in blocks(&whole, &machine) {
+            let part;
+            let bench = match block {
+                Block::Whole => &whole,
+                _ => {
+                    part = bench(request, &machine, block)?;
+                    &part
+                }
+            };
+            let search = Search {
+                bench,
+                all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
+                excluded: request.excluded,
+                progress: &|what| (request.progress)(&format!("{name}: {what}")),
+            };
+            let found = search.run().ok_or_else(|| {
+                let remedy = "check masses, lengths and units, and the kind of the commands";
+                Unusable::new(name, "cannot be simulated by its model", remedy)
+            })?;
+            answer.add(bench, &found);
+            courses.extend(links::Course::new(bench, &found.node));
+            hypotheses.extend(found.node.hypotheses);
+        }
+        answer.judge(&whole, &hypotheses);
+        improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
     }
     if let [recording] = request.recordings {
         links::add(recording, &courses, request.excluded, &mut answer, &mut improved);
@@ -148,7 +151,27 @@ fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
     machines
 }
 
-fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<Bench, Unusable> {
+/// The blocks that are diagnosed one by one. Where no mass is known, wheels turn as they are told
+/// and the floor carries them as they turn: two blocks that meet at the encoders. Else one: forces
+/// at the floor act back on the wheels.
+fn blocks(whole: &Bench, machine: &[(&Recording, &Recorded)]) -> Vec<Block> {
+    let masses = slipstream_sim::Robot::new(&whole.model)
+        .is_ok_and(|robot| robot.accepts(CommandKind::Torque).is_ok());
+    let both = machine.iter().all(|(_, robot)| {
+        robot.command.is_some() && robot.wheels.is_some() && (robot.pose.is_some() || robot.imu.is_some())
+    });
+    if both && !masses {
+        vec![Block::ToWheels, Block::FromWheels]
+    } else {
+        vec![Block::Whole]
+    }
+}
+
+fn bench(
+    request: &Request<'_>,
+    machine: &[(&Recording, &Recorded)],
+    block: Block,
+) -> Result<Bench, Unusable> {
     let (recording, robot) = machine[0];
     let model = (request.model_of)(&robot.name)
         .or_else(|| recording.model.clone())
@@ -157,7 +180,7 @@ fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<B
         .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {
-        let mut track = Track::new(recording, robot, &model)?;
+        let mut track = Track::new(recording, robot, &model, block)?;
         constants
             .accepts(track.kind())
             .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
@@ -167,7 +190,7 @@ fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<B
     }
     let runs = tracks.iter().enumerate();
     let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S));
-    let windows = spread(windows.collect());
+    let windows = window::spread(windows.collect(), WINDOWS);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
         return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));

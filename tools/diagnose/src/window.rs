@@ -3,7 +3,7 @@
 
 use slipstream_sim::{Command, CommandKind};
 
-use crate::track::{Driver, Sensor, Series, Track};
+use crate::track::{Sensor, Series, Track};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
@@ -56,6 +56,16 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
     }
     windows.retain(|window| !window.channels.is_empty());
     windows
+}
+
+/// At most `most` of all windows, from begin to end.
+pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
+    let count = windows.len();
+    if count <= most {
+        return windows;
+    }
+    let chosen = (0..most).map(|k| windows[k * (count - 1) / (most - 1)].clone());
+    chosen.collect()
 }
 
 /// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
@@ -196,10 +206,5 @@ impl Window {
         let ahead = track.tracked_ahead_m;
         let [x, y] = [pose[0] - ahead * yaw.cos(), pose[1] - ahead * yaw.sin()];
         [x, y, yaw, u, rate, angle[0], angle[1]]
-    }
-
-    /// Whether the window's simulation is the wheels' own motion, known before.
-    pub(crate) fn is_driven_by_wheels(track: &Track) -> bool {
-        track.driver == Driver::Wheels
     }
 }
