@@ -168,7 +168,7 @@ impl Answer {
     /// Adds how well one machine is predicted before and after.
     pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
         let runs = bench.tracks.iter().enumerate();
-        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S));
+        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, &[]));
         let windows = spread(windows.collect(), JUDGED);
         let before = score::prediction(bench, &windows, &[]);
         let after = score::prediction(bench, &windows, hypotheses);

@@ -10,7 +10,7 @@ use crate::linear;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
 use crate::track::{CHANNELS, Track};
-use crate::window::{LOCALS, Window};
+use crate::window::{LOCALS, WINDOW_S, Window, cut, spread};
 
 /// Longest step of a simulation (s).
 const STEP_S: f64 = 2e-3;
@@ -125,6 +125,17 @@ impl Bench {
             step_s: self.step_s(&setting.list),
         };
         solve(&problem, &setting.values)
+    }
+
+    /// The same cut anew, so that no window begins in one of these times (s).
+    pub(crate) fn avoiding(&self, times_s: &[[f64; 2]]) -> Self {
+        let runs = self.tracks.iter().enumerate();
+        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, times_s));
+        Self {
+            tracks: self.tracks.clone(),
+            windows: spread(windows.collect(), self.windows.len().max(1)),
+            model: self.model.clone(),
+        }
     }
 
     /// Whether what `node` leaves is noise in every channel.

@@ -63,6 +63,20 @@ impl Hypothesis {
         })
     }
 
+    /// Whether a value lies at the end of what is plausible: the fit wanted something else.
+    pub(crate) fn is_at_bound(&self) -> bool {
+        self.values.iter().any(|(name, value)| {
+            let own = self.info.parameters.iter().find(|p| p.name == *name);
+            match own.map(|p| p.domain) {
+                Some(Domain::Number { lower, upper, .. }) => {
+                    let near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs();
+                    (lower != 0.0 && near(lower)) || near(upper)
+                }
+                _ => false,
+            }
+        })
+    }
+
     /// Static friction is not below kinetic friction.
     pub(crate) fn keep_in_order(&mut self) {
         let of = |name: &str| self.values.iter().position(|(known, _)| *known == name);

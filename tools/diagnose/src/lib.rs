@@ -36,7 +36,7 @@ pub use answer::{
 };
 
 use crate::bench::Bench;
-use crate::search::Search;
+use crate::search::{Outcome, Search};
 use crate::track::{Block, Track};
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
@@ -106,16 +106,35 @@ pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotMode
                     &part
                 }
             };
+            let unusable = || {
+                let remedy = "check masses, lengths and units, and the kind of the commands";
+                Unusable::new(name, "cannot be simulated by its model", remedy)
+            };
+            let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
             let search = Search {
                 bench,
                 all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
                 excluded: request.excluded,
-                progress: &|what| (request.progress)(&format!("{name}: {what}")),
+                avoided: false,
+                progress: &progress,
             };
-            let found = search.run().ok_or_else(|| {
-                let remedy = "check masses, lengths and units, and the kind of the commands";
-                Unusable::new(name, "cannot be simulated by its model", remedy)
-            })?;
+            let (again, bench, found);
+            match search.run().ok_or_else(unusable)? {
+                Outcome::Found(first) => (bench, found) = (search.bench, first),
+                Outcome::Slides(slides) => {
+                    again = search.bench.avoiding(&slides);
+                    bench = &again;
+                    let search = Search {
+                        bench,
+                        avoided: true,
+                        ..search
+                    };
+                    let Outcome::Found(second) = search.run().ok_or_else(unusable)? else {
+                        return Err(unusable());
+                    };
+                    found = second;
+                }
+            }
             answer.add(bench, &found);
             courses.extend(links::Course::new(bench, &found.node));
             hypotheses.extend(found.node.hypotheses);
@@ -189,7 +208,7 @@ fn bench(
         tracks.push(track);
     }
     let runs = tracks.iter().enumerate();
-    let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S));
+    let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S, &[]));
     let windows = window::spread(windows.collect(), WINDOWS);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";

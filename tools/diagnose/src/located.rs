@@ -29,7 +29,7 @@ pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2
 }
 
 /// When a wheel of the fitted model slides, or only on a patch.
-fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
+pub(crate) fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
     let value = |name: &str| patch.and_then(|p| p.values.iter().find(|(known, _)| *known == name)).map_or(0.0, |v| v.1);
     let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
     let body = &bench.model.robot;
