@@ -5,7 +5,7 @@ use slipstream_bus::RobotModel;
 use slipstream_sim::{CommandKind, Listed, read_effects};
 
 use crate::fit::{Fit, Free, Problem};
-use crate::hypothesis::{Hypothesis, all_sizes};
+use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
@@ -20,6 +20,9 @@ const LONG_STEP_S: f64 = 0.02;
 /// Level (deviations) that counts as noise, where the noise is declared and where it is not.
 const NOISE: f64 = 1.12;
 const NOISE_UNDECLARED: f64 = 1.5;
+
+/// Static over kinetic friction where a search for the former begins.
+const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
 
 /// Rounds of a fit to a part of the windows, from the fit to all.
 const HELD_OUT: usize = 6;
@@ -298,6 +301,27 @@ impl Bench {
             return Some(self.settle_threshold(next));
         }
         Some(next)
+    }
+
+    /// Tries static frictions above the kinetic one: from below it nothing shows the way.
+    pub(crate) fn settle_static(&self, node: Node) -> Node {
+        let slip = node.hypotheses.iter().position(|h| h.values.iter().any(|(name, _)| *name == STATIC));
+        let Some(slip) = slip.filter(|_| !self.is_noise(&node)) else {
+            return node;
+        };
+        let tried = STATIC_OVER_KINETIC.par_iter().filter_map(|ratio| {
+            let mut hypotheses = node.hypotheses.clone();
+            let values = &mut hypotheses[slip].values;
+            let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
+            values.iter_mut().filter(|(name, _)| *name == STATIC).for_each(|v| v.1 = kinetic * ratio);
+            self.fit(&hypotheses, &node.fit.starts, HELD_OUT)
+        });
+        let tried: Vec<Node> = tried.collect();
+        let fallback = node.clone();
+        let better = tried.into_iter().chain([node]).min_by(|a, b| {
+            a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance())
+        });
+        better.unwrap_or(fallback)
     }
 
     /// Tries the sizes of commands around a threshold until none fits better.

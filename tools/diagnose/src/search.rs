@@ -112,7 +112,7 @@ impl Search<'_> {
             }
             let Some(first) = kept.first() else { break };
             kept.truncate(if self.bench.is_noise(first) { 1 } else { SIDE_BY_SIDE });
-            nodes = kept.into_iter().map(|node| self.pruned(node)).collect();
+            nodes = kept.into_iter().map(|node| self.bench.settle_static(self.pruned(node))).collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if let Some(slides) = self.slides(&nodes[0]) {
                 return Some(Outcome::Slides(slides));
@@ -204,7 +204,8 @@ impl Search<'_> {
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
         glances.truncate(SIDE_BY_SIDE);
         let full = glances.par_iter().filter_map(|glance| {
-            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
+            let full = self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL);
+            full.map(|node| self.bench.settle_static(node))
         });
         full.filter(|node| deviance(node) < deviance(nominal)).collect()
     }
@@ -241,7 +242,9 @@ impl Search<'_> {
         }
         glances.truncate(FOLLOWED[1]);
         let full = glances.par_iter().filter_map(|glance| {
-            self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)
+            let full = self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)?;
+            let slips = full.hypotheses.last().is_some_and(|h| h.info.id == "wheel_slip");
+            Some(if slips { self.bench.settle_static(full) } else { full })
         });
         let mut full: Vec<Node> = full.collect();
         full.sort_by(|a, b| score(a).total_cmp(&score(b)));
