@@ -10,7 +10,6 @@ use crate::scalar::{Pair, Scalar, Vector, heading};
 use crate::short::Short;
 use crate::state::{Gear, OperatorKey, State};
 
-
 /// How exactly events are found. More of them in one step are a rattle, and taken as they come.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Care {
@@ -165,9 +164,7 @@ impl<S: Scalar> Robot<S> {
             self.remember(state, *since_s, command);
             let mut from = *since_s;
             while from < end_s {
-                let change = self
-                    .drive
-                    .next_change(&state.history, [from, end_s - from]);
+                let change = self.drive.next_change(&state.history, [from, end_s - from]);
                 let span = [from, change.unwrap_or(end_s) - from];
                 let lagged = state.body.lagged;
                 let supply = self

@@ -58,11 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     let models = Models::read(&arguments.robot)?;
     let live = std::io::stderr().is_terminal();
-    let began = std::time::Instant::now();
     let progress = |what: &str| {
-        if std::env::var_os("DEBUG_D").is_some() {
-            eprintln!("{:.1} {what}", began.elapsed().as_secs_f64());
-        }
         if live {
             // a progress line that cannot be shown is not worth an error
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
@@ -78,8 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if live {
         eprint!("\r\x1b[K");
     }
-    let (answer, improved) =
-        done.map_err(|why| Error::Input(why.to_string()))?;
+    let (answer, improved) = done.map_err(|why| Error::Input(why.to_string()))?;
     if let Some(file) = &arguments.json {
         let text = serde_json::to_string_pretty(&answer)
             .map_err(|error| Error::Failed(format!("{}: {error}", file.display())))?;
@@ -101,7 +96,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 
 /// A span of time as `A:B`.
 fn time_span(text: &str) -> Result<[f64; 2], String> {
-    let ends = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    let ends = text
+        .split_once(':')
+        .and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
     ends.filter(|[a, b]| a < b)
         .ok_or_else(|| "give two times in seconds, as 12.5:14".to_owned())
 }

@@ -5,13 +5,13 @@ use slipstream_sim::effects::Info;
 
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
-use crate::{interval, located};
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
 use crate::window::{WINDOW_S, cut, spread};
+use crate::{interval, located};
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -146,7 +146,6 @@ pub struct Unexplained {
     pub shape: String,
 }
 
-
 /// Windows that are predicted at most.
 const JUDGED: usize = 60;
 
@@ -159,8 +158,7 @@ impl Answer {
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
-            self.findings
-                .push(finding(bench, found, hypothesis, at));
+            self.findings.push(finding(bench, found, hypothesis, at));
         }
         self.leftover(bench, found);
     }
@@ -179,7 +177,8 @@ impl Answer {
     fn leftover(&mut self, bench: &Bench, found: &Found) {
         let robot = bench.tracks[0].robot.clone();
         if let Some(unknown) = &found.unknown {
-            self.findings.push(outside(&robot, unknown, found.looked_at));
+            self.findings
+                .push(outside(&robot, unknown, found.looked_at));
             self.unexplained.push(Unexplained {
                 robot,
                 channel: unknown.missing.part.name().to_owned(),
@@ -194,8 +193,16 @@ impl Answer {
             return;
         }
         let channel = [
-            "wheel_right", "wheel_left", "longitudinal", "lateral", "yaw", "longitudinal", "yaw",
-            "longitudinal", "lateral", "yaw",
+            "wheel_right",
+            "wheel_left",
+            "longitudinal",
+            "lateral",
+            "yaw",
+            "longitudinal",
+            "yaw",
+            "longitudinal",
+            "lateral",
+            "yaw",
         ][worst];
         let shape = format!(
             "residuals of {level:.1} standard deviations in {} that follow no variable looked at",
@@ -241,12 +248,7 @@ impl HeldOut {
     }
 }
 
-fn finding(
-    bench: &Bench,
-    found: &Found,
-    hypothesis: &Hypothesis,
-    at: usize,
-) -> Finding {
+fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> Finding {
     let info: &Info = hypothesis.info;
     let unit = |name: &str| {
         let own = info.parameters.iter().find(|p| p.name == name);
@@ -257,15 +259,13 @@ fn finding(
         .values
         .iter()
         .enumerate()
-        .map(|(i, (name, estimate))| {
-            ParameterEstimate {
-                name: (*name).to_owned(),
-                unit: unit(name),
-                nominal: hypothesis.nominal(&bench.model, name),
-                estimate: Some(*estimate),
-                ci95: Some(intervals[i]),
-                text: None,
-            }
+        .map(|(i, (name, estimate))| ParameterEstimate {
+            name: (*name).to_owned(),
+            unit: unit(name),
+            nominal: hypothesis.nominal(&bench.model, name),
+            estimate: Some(*estimate),
+            ci95: Some(intervals[i]),
+            text: None,
         })
         .collect();
     if let Some((name, word)) = hypothesis.text {
@@ -318,7 +318,10 @@ fn outside(robot: &str, unknown: &Unknown, looked_at: usize) -> Finding {
     Finding {
         robot: robot.to_owned(),
         effect: "unknown".to_owned(),
-        statement: format!("Robot {robot}: something outside of the catalogue: {}.", unknown.shape),
+        statement: format!(
+            "Robot {robot}: something outside of the catalogue: {}.",
+            unknown.shape
+        ),
         parameters: Vec::new(),
         place: Place {
             channel: unknown.missing.part.name().to_owned(),

@@ -158,10 +158,14 @@ impl Bench {
     fn excess(&self, node: &Node, channel: usize) -> f64 {
         let misfit = &node.fit.misfit;
         let level = misfit.mean_square(channel).sqrt();
-        let declared = self.tracks.iter().flat_map(|track| &track.series).all(|series| {
-            let first = series.sensor.channel();
-            !(first..first + series.sensor.width()).contains(&channel) || series.declared
-        });
+        let declared = self
+            .tracks
+            .iter()
+            .flat_map(|track| &track.series)
+            .all(|series| {
+                let first = series.sensor.channel();
+                !(first..first + series.sensor.width()).contains(&channel) || series.declared
+            });
         if declared {
             level / NOISE
         } else {
@@ -171,13 +175,23 @@ impl Bench {
 
     /// Guesses of all windows' starts from the measurements.
     pub(crate) fn guesses(&self) -> Vec<[f64; LOCALS]> {
-        let [r, b] = [self.model.robot.wheel_radius_m, self.model.robot.half_track_m];
+        let [r, b] = [
+            self.model.robot.wheel_radius_m,
+            self.model.robot.half_track_m,
+        ];
         let windows = self.windows.iter();
-        windows.map(|w| w.guess(&self.tracks[w.run], r, b)).collect()
+        windows
+            .map(|w| w.guess(&self.tracks[w.run], r, b))
+            .collect()
     }
 
     /// Fits the nominal model with `hypotheses`.
-    pub(crate) fn fit(&self, hypotheses: &[Hypothesis], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Node> {
+    pub(crate) fn fit(
+        &self,
+        hypotheses: &[Hypothesis],
+        starts: &[[f64; LOCALS]],
+        rounds: usize,
+    ) -> Option<Node> {
         self.fit_on(&self.windows, hypotheses, starts, rounds)
     }
 
@@ -206,9 +220,14 @@ impl Bench {
     /// than `before` does: every other window is fitted, and the rest predicted, in turn.
     pub(crate) fn held_out_gain(&self, before: &Node, after: &Node) -> f64 {
         let misfits = [before, after].map(|node| {
-            let folds = (0..2).into_par_iter().filter_map(|fold| self.held_out(node, fold));
+            let folds = (0..2)
+                .into_par_iter()
+                .filter_map(|fold| self.held_out(node, fold));
             let folds: Vec<Misfit> = folds.collect();
-            folds.into_iter().reduce(|a, b| a.and(&b)).unwrap_or_default()
+            folds
+                .into_iter()
+                .reduce(|a, b| a.and(&b))
+                .unwrap_or_default()
         });
         misfits[1].gain_over(&misfits[0])
     }
@@ -216,7 +235,9 @@ impl Bench {
     fn held_out(&self, node: &Node, fold: usize) -> Option<Misfit> {
         let split = |own: usize| -> (Vec<Window>, Vec<[f64; LOCALS]>) {
             let all = self.windows.iter().zip(&node.fit.starts).enumerate();
-            all.filter(|(i, _)| i % 2 == own).map(|(_, (w, s))| (w.clone(), *s)).unzip()
+            all.filter(|(i, _)| i % 2 == own)
+                .map(|(_, (w, s))| (w.clone(), *s))
+                .unzip()
         };
         let (fitted, starts) = split(fold);
         let learnt = self.fit_on(&fitted, &node.hypotheses, &starts, HELD_OUT)?;
@@ -228,7 +249,7 @@ impl Bench {
 
     /// What each candidate promises beside the effects of `node`, best first.
     pub(crate) fn promises(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Promise> {
-        let promises = candidates.par_iter().filter_map(|c| { let t = std::time::Instant::now(); let p = self.promise(node, c); if std::env::var_os("DEBUG_D").is_some() && t.elapsed().as_secs_f64() > 0.25 { eprintln!("   slow {:.2} {} {:?}", t.elapsed().as_secs_f64(), c.info.id, c.values); } p });
+        let promises = candidates.par_iter().filter_map(|c| self.promise(node, c));
         let mut promises: Vec<Promise> = promises.collect();
         promises.sort_by(|a, b| a.deviance.total_cmp(&b.deviance));
         promises
@@ -241,8 +262,9 @@ impl Bench {
         self.posed(&hypotheses, &self.windows, |problem, values| {
             let (known, starts) = (node.fit.values.len(), &node.fit.starts);
             let base = problem.residuals(values, starts)?;
-            if std::env::var_os("DEBUG_D").is_some() && candidate.is_abrupt() { eprintln!("  base {:?} {:.0}", candidate.values, Misfit::new(&self.windows, &base).deviance()); }
-            if candidate.is_abrupt() && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() {
+            if candidate.is_abrupt()
+                && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance()
+            {
                 return None;
             }
             let mut steps = problem.first_steps(values);
@@ -254,9 +276,13 @@ impl Bench {
                 let windows = self.windows.iter().zip(&node.fit.linear).zip(&base);
                 let normals: Vec<_> = windows
                     .enumerate()
-                    .map(|(w, ((window, linear), base))| linear.normal(window, &weights, base, &more(w)))
+                    .map(|(w, ((window, linear), base))| {
+                        linear.normal(window, &weights, base, &more(w))
+                    })
                     .collect();
-                let step = linear::step(&normals, 1e-9, |i, step| problem.bounded(i, values[i], step));
+                let step = linear::step(&normals, 1e-9, |i, step| {
+                    problem.bounded(i, values[i], step)
+                });
                 let predicted: Vec<Vec<f64>> = node
                     .fit
                     .linear
@@ -305,7 +331,10 @@ impl Bench {
 
     /// Tries static frictions above the kinetic one: from below it nothing shows the way.
     pub(crate) fn settle_static(&self, node: Node) -> Node {
-        let slip = node.hypotheses.iter().position(|h| h.values.iter().any(|(name, _)| *name == STATIC));
+        let slip = node
+            .hypotheses
+            .iter()
+            .position(|h| h.values.iter().any(|(name, _)| *name == STATIC));
         let Some(slip) = slip.filter(|_| !self.is_noise(&node)) else {
             return node;
         };
@@ -313,14 +342,18 @@ impl Bench {
             let mut hypotheses = node.hypotheses.clone();
             let values = &mut hypotheses[slip].values;
             let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
-            values.iter_mut().filter(|(name, _)| *name == STATIC).for_each(|v| v.1 = kinetic * ratio);
+            values
+                .iter_mut()
+                .filter(|(name, _)| *name == STATIC)
+                .for_each(|v| v.1 = kinetic * ratio);
             self.fit(&hypotheses, &node.fit.starts, HELD_OUT)
         });
         let tried: Vec<Node> = tried.collect();
         let fallback = node.clone();
-        let better = tried.into_iter().chain([node]).min_by(|a, b| {
-            a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance())
-        });
+        let better = tried
+            .into_iter()
+            .chain([node])
+            .min_by(|a, b| a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance()));
         better.unwrap_or(fallback)
     }
 
@@ -335,7 +368,11 @@ impl Bench {
         let mut stride = (sizes.len() / 8).max(1);
         loop {
             let near = [at.checked_sub(stride), Some(at + stride)];
-            let near: Vec<usize> = near.into_iter().flatten().filter(|i| *i < sizes.len()).collect();
+            let near: Vec<usize> = near
+                .into_iter()
+                .flatten()
+                .filter(|i| *i < sizes.len())
+                .collect();
             let tried: Vec<(usize, Node)> = near
                 .into_par_iter()
                 .filter_map(|i| {
@@ -347,7 +384,10 @@ impl Bench {
                 })
                 .collect();
             let better = tried.into_iter().min_by(|a, b| {
-                a.1.fit.misfit.deviance().total_cmp(&b.1.fit.misfit.deviance())
+                a.1.fit
+                    .misfit
+                    .deviance()
+                    .total_cmp(&b.1.fit.misfit.deviance())
             });
             match better {
                 Some((i, node)) if node.fit.misfit.deviance() < best.fit.misfit.deviance() => {

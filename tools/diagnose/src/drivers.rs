@@ -65,7 +65,11 @@ fn at(series: &Series, t_s: f64) -> [f64; 3] {
     let next = series.rows.partition_point(|(stamp_s, _)| *stamp_s < t_s);
     let (before, after) = (next.saturating_sub(1), next.min(series.rows.len() - 1));
     let ((a_s, a), (b_s, b)) = (series.rows[before], series.rows[after]);
-    let share = if b_s > a_s { ((t_s - a_s) / (b_s - a_s)).clamp(0.0, 1.0) } else { 0.0 };
+    let share = if b_s > a_s {
+        ((t_s - a_s) / (b_s - a_s)).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
     [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * share)
 }
 
@@ -76,8 +80,15 @@ fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
 
 /// Length of the rest at `t_s`, or of the last one before it (s).
 fn rested_s(wheels: &Series, t_s: f64) -> f64 {
-    let end = wheels.rows.partition_point(|(stamp_s, _)| *stamp_s < t_s).max(1) - 1;
-    let same = |i: usize| wheels.rows[i].1[0] == wheels.rows[i - 1].1[0] && wheels.rows[i].1[1] == wheels.rows[i - 1].1[1];
+    let end = wheels
+        .rows
+        .partition_point(|(stamp_s, _)| *stamp_s < t_s)
+        .max(1)
+        - 1;
+    let same = |i: usize| {
+        wheels.rows[i].1[0] == wheels.rows[i - 1].1[0]
+            && wheels.rows[i].1[1] == wheels.rows[i - 1].1[1]
+    };
     let (mut last, mut length) = (None, 0.0);
     for i in (1..=end).rev() {
         if same(i) {
@@ -125,10 +136,16 @@ impl Driver {
     pub(crate) fn all(samples: &[Vec<Sampled>]) -> Vec<Self> {
         let flat: Vec<&Sampled> = samples.iter().flatten().collect();
         let hats = |name: &'static str, unit: &'static str, of: fn(&Sampled) -> f64| {
-            let mut values: Vec<f64> = flat.iter().map(|s| of(s)).filter(|v| v.is_finite()).collect();
+            let mut values: Vec<f64> = flat
+                .iter()
+                .map(|s| of(s))
+                .filter(|v| v.is_finite())
+                .collect();
             values.sort_by(f64::total_cmp);
             let (low, high) = (*values.first()?, *values.last()?);
-            let knots: Vec<f64> = (0..HATS).map(|k| low + (high - low) * k as f64 / (HATS - 1) as f64).collect();
+            let knots: Vec<f64> = (0..HATS)
+                .map(|k| low + (high - low) * k as f64 / (HATS - 1) as f64)
+                .collect();
             (high - low > 1e-6).then_some(Self {
                 name,
                 unit,
@@ -216,7 +233,9 @@ impl Driver {
                 [(0, 1.0)].into_iter().chain(waves).collect()
             }
             Basis::Hats(knots) => {
-                let next = knots.partition_point(|knot| *knot < z).clamp(1, knots.len() - 1);
+                let next = knots
+                    .partition_point(|knot| *knot < z)
+                    .clamp(1, knots.len() - 1);
                 let (a, b) = (knots[next - 1], knots[next]);
                 let share = ((z - a) / (b - a)).clamp(0.0, 1.0);
                 vec![(next - 1, 1.0 - share), (next, share)]
@@ -227,7 +246,9 @@ impl Driver {
     /// The force that `weights` make at one moment.
     pub(crate) fn force(&self, weights: &[f64], s: &Sampled, part: Part) -> f64 {
         let values = self.values(s, part).into_iter();
-        values.map(|(function, value)| weights[function] * value).sum()
+        values
+            .map(|(function, value)| weights[function] * value)
+            .sum()
     }
 
     /// The variable of a turn counts modulo a turn.
@@ -270,7 +291,9 @@ fn grid(samples: &[&Sampled]) -> Option<Driver> {
 fn on_grid(origin: [f64; 2], spacing: f64, cells: &[[i64; 2]], s: &Sampled) -> Vec<(usize, f64)> {
     let place = [0, 1].map(|i| (s.pose[i] - origin[i]) / spacing);
     let hat = |cell: &[i64; 2]| -> f64 {
-        (0..2).map(|i| (1.0 - (place[i] - cell[i] as f64).abs()).max(0.0)).product()
+        (0..2)
+            .map(|i| (1.0 - (place[i] - cell[i] as f64).abs()).max(0.0))
+            .product()
     };
     cells
         .iter()

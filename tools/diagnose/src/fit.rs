@@ -96,7 +96,11 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    pub(crate) fn simulation<'b>(&'b self, window: &'b Window, robots: &'b [Robot]) -> Simulation<'b> {
+    pub(crate) fn simulation<'b>(
+        &'b self,
+        window: &'b Window,
+        robots: &'b [Robot],
+    ) -> Simulation<'b> {
         Simulation {
             track: &self.tracks[window.run],
             window,
@@ -106,10 +110,18 @@ impl<'a> Problem<'a> {
     }
 
     /// Residuals of every window, `None` for a robot that cannot be.
-    pub(crate) fn residuals(&self, values: &[f64], starts: &[[f64; LOCALS]]) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn residuals(
+        &self,
+        values: &[f64],
+        starts: &[[f64; LOCALS]],
+    ) -> Option<Vec<Vec<f64>>> {
         let robots = self.robots(values).ok()?;
         let windows = self.windows.par_iter().zip(starts);
-        Some(windows.map(|(w, start)| self.simulation(w, &robots).residuals(start)).collect())
+        Some(
+            windows
+                .map(|(w, start)| self.simulation(w, &robots).residuals(start))
+                .collect(),
+        )
     }
 
     fn place(&self, values: Vec<f64>, starts: Vec<[f64; LOCALS]>) -> Option<Place> {
@@ -145,7 +157,11 @@ impl<'a> Problem<'a> {
                 }
                 _ => f64::INFINITY,
             };
-            let size = if probe.is_finite() { probe } else { values[i].abs().max(0.1) };
+            let size = if probe.is_finite() {
+                probe
+            } else {
+                values[i].abs().max(0.1)
+            };
             0.01 * size
         };
         self.free.iter().enumerate().map(of).collect()
@@ -186,7 +202,11 @@ impl<'a> Problem<'a> {
         for _ in 0..3 {
             let mut moved = values.to_vec();
             let inside = values[i] + step <= upper;
-            moved[i] = if inside { values[i] + step } else { (values[i] - step).max(lower) };
+            moved[i] = if inside {
+                values[i] + step
+            } else {
+                (values[i] - step).max(lower)
+            };
             let change = moved[i] - values[i];
             let after = self.residuals(&moved, starts)?;
             columns = difference(residuals, &after, change);
@@ -209,7 +229,11 @@ impl<'a> Problem<'a> {
             .list
             .iter()
             .any(|(info, _)| info.id == "floor_slope" || info.id == "friction_patch");
-        let windows = self.windows.par_iter().zip(&place.starts).zip(&place.residuals);
+        let windows = self
+            .windows
+            .par_iter()
+            .zip(&place.starts)
+            .zip(&place.residuals);
         let columns = windows.map(|((window, start), residuals)| {
             let simulation = self.simulation(window, &robots);
             let mut columns = rigid(&self.tracks[window.run], window, start, residuals);
@@ -218,7 +242,9 @@ impl<'a> Problem<'a> {
                 moved[i] += step;
                 let after = simulation.residuals(&moved);
                 let pairs = after.iter().zip(residuals);
-                pairs.map(|(after, before)| (after - before) / step).collect::<Vec<f64>>()
+                pairs
+                    .map(|(after, before)| (after - before) / step)
+                    .collect::<Vec<f64>>()
             };
             if bound_to_place && window.free[2] {
                 columns[2] = stepped(2, 1e-4);
@@ -253,7 +279,12 @@ impl<'a> Problem<'a> {
     }
 
     /// Levenberg and Marquardt from `values` and `starts`, `rounds` steps at most.
-    pub(crate) fn fit(&self, values: &[f64], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Fit> {
+    pub(crate) fn fit(
+        &self,
+        values: &[f64],
+        starts: &[[f64; LOCALS]],
+        rounds: usize,
+    ) -> Option<Fit> {
         let mut place = self.place(values.to_vec(), starts.to_vec())?;
         let mut steps = self.first_steps(values);
         let mut linear = self.linear(&place, &mut steps)?;
@@ -264,7 +295,9 @@ impl<'a> Problem<'a> {
             let mut next = None;
             for _ in 0..8 {
                 let (values, starts) = self.stepped(&normals, &place, damping);
-                next = self.place(values, starts).filter(|next| next.misfit.deviance() < before);
+                next = self
+                    .place(values, starts)
+                    .filter(|next| next.misfit.deviance() < before);
                 if next.is_some() {
                     damping = (damping * 0.1).max(1e-9);
                     break;
@@ -299,7 +332,12 @@ impl<'a> Problem<'a> {
         (value + step).clamp(lower, upper) - value
     }
 
-    fn stepped(&self, normals: &[Normal], place: &Place, damping: f64) -> (Vec<f64>, Vec<[f64; LOCALS]>) {
+    fn stepped(
+        &self,
+        normals: &[Normal],
+        place: &Place,
+        damping: f64,
+    ) -> (Vec<f64>, Vec<[f64; LOCALS]>) {
         let step = linear::step(normals, damping, |i, step| {
             self.bounded(i, place.values[i], step)
         });
@@ -330,7 +368,12 @@ fn size(windows: &[Window], columns: &[Vec<f64>]) -> f64 {
 
 /// How residuals move with the pose and the angles at the start, as of a rigid body: exact where
 /// nothing depends on the place.
-fn rigid(track: &Track, window: &Window, start: &[f64; LOCALS], residuals: &[f64]) -> Vec<Vec<f64>> {
+fn rigid(
+    track: &Track,
+    window: &Window,
+    start: &[f64; LOCALS],
+    residuals: &[f64],
+) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; residuals.len()]; LOCALS];
     for (at, series) in track.series.iter().enumerate() {
         let [first, end] = window.rows[at];

@@ -38,7 +38,12 @@ pub(crate) enum Part {
 }
 
 impl Part {
-    pub(crate) const ALL: [Self; 4] = [Self::Longitudinal, Self::Yaw, Self::WheelRight, Self::WheelLeft];
+    pub(crate) const ALL: [Self; 4] = [
+        Self::Longitudinal,
+        Self::Yaw,
+        Self::WheelRight,
+        Self::WheelLeft,
+    ];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -73,7 +78,11 @@ impl Missing {
 
 /// The answers of every window around `node`. `None` for robots that are driven by speeds.
 pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
-    if bench.tracks.iter().any(|track| track.kind() == CommandKind::Speed) {
+    if bench
+        .tracks
+        .iter()
+        .any(|track| track.kind() == CommandKind::Speed)
+    {
         return None;
     }
     bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
@@ -155,14 +164,20 @@ pub(crate) fn missing(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Mi
         .zip(answers)
         .map(|(window, answers)| {
             let track = &bench.tracks[window.run];
-            answers.at_s.iter().map(|at_s| Sampled::new(bench, track, *at_s)).collect()
+            answers
+                .at_s
+                .iter()
+                .map(|at_s| Sampled::new(bench, track, *at_s))
+                .collect()
         })
         .collect();
     let drivers = Driver::all(&samples);
     let kinds: Vec<(Driver, Part, bool)> = drivers
         .iter()
         .flat_map(|driver| {
-            Part::ALL.iter().flat_map(move |part| [false, true].map(|against| (driver.clone(), *part, against)))
+            Part::ALL
+                .iter()
+                .flat_map(move |part| [false, true].map(|against| (driver.clone(), *part, against)))
         })
         .filter(|(driver, part, against)| driver.suits(*part, *against))
         .collect();
@@ -193,7 +208,8 @@ fn follow(
             for (k, sampled) in samples.iter().enumerate() {
                 let [along, about] = shares(bench, part, against, sampled);
                 for (function, value) in driver.values(sampled, part) {
-                    for (share, answer) in [(along, &answers.along[k]), (about, &answers.about[k])] {
+                    for (share, answer) in [(along, &answers.along[k]), (about, &answers.about[k])]
+                    {
                         if share != 0.0 {
                             let column = columns[function].iter_mut().zip(answer);
                             column.for_each(|(cell, answer)| *cell += share * value * answer);
@@ -211,7 +227,9 @@ fn follow(
         let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
         let windows = bench.windows.iter().zip(&node.fit.linear).enumerate();
         let normals: Vec<_> = windows
-            .map(|(w, (window, linear))| linear.normal(window, &weights, &linear.residuals, &more(w)))
+            .map(|(w, (window, linear))| {
+                linear.normal(window, &weights, &linear.residuals, &more(w))
+            })
             .collect();
         let step = linear::step(&normals, 1e-6, |_, step| step);
         let predicted: Vec<Vec<f64>> = node

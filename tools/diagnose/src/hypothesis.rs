@@ -2,8 +2,8 @@
 //! start from.
 
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
 use slipstream_sim::CommandKind;
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
 
 use crate::simulate::asked;
 use crate::track::{Driver, Sensor, Track};
@@ -57,10 +57,13 @@ impl Hypothesis {
     /// The model's value of a parameter, where the model has the effect.
     pub(crate) fn nominal(&self, model: &RobotModel, name: &str) -> Option<f64> {
         let listed = &model.effects[self.replaces?];
-        listed.parameters.iter().find_map(|(known, value)| match value {
-            Parameter::Number(number) if known == name => Some(*number),
-            _ => None,
-        })
+        listed
+            .parameters
+            .iter()
+            .find_map(|(known, value)| match value {
+                Parameter::Number(number) if known == name => Some(*number),
+                _ => None,
+            })
     }
 
     /// Whether a value lies at the end of what is plausible: the fit wanted something else.
@@ -296,10 +299,20 @@ fn sizes(track: &Track, model: &RobotModel, shares: &[f64]) -> Vec<f64> {
 /// All sizes that are commanded at a wheel, small to large, in the unit of the limits of effects:
 /// N m or rad/s.
 pub(crate) fn all_sizes(track: &Track, model: &RobotModel) -> Vec<f64> {
-    let per_volt = model.motor.as_ref().map_or(1.0, |m| m.stall_torque_nm / m.nominal_voltage_v);
-    let unit = if track.kind() == CommandKind::Voltage { per_volt } else { 1.0 };
+    let per_volt = model
+        .motor
+        .as_ref()
+        .map_or(1.0, |m| m.stall_torque_nm / m.nominal_voltage_v);
+    let unit = if track.kind() == CommandKind::Voltage {
+        per_volt
+    } else {
+        1.0
+    };
     let [r, b] = [model.robot.wheel_radius_m, model.robot.half_track_m];
-    let asked = track.commands.iter().flat_map(|(_, command)| asked(command, r, b));
+    let asked = track
+        .commands
+        .iter()
+        .flat_map(|(_, command)| asked(command, r, b));
     let mut sizes: Vec<f64> = asked.map(|v| v.abs() * unit).filter(|v| *v > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
     sizes.dedup();

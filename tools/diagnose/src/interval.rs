@@ -38,7 +38,10 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
 
 /// Commands around a threshold: the largest that does nothing and the smallest that acts.
 fn between_sizes(bench: &Bench, value: f64) -> [f64; 2] {
-    let sizes = bench.tracks.first().map_or(Vec::new(), |track| all_sizes(track, &bench.model));
+    let sizes = bench
+        .tracks
+        .first()
+        .map_or(Vec::new(), |track| all_sizes(track, &bench.model));
     let next = sizes.partition_point(|size| *size < value);
     let below = if next == 0 { 0.0 } else { sizes[next - 1] };
     [below, sizes.get(next).copied().unwrap_or(value)]
@@ -48,8 +51,18 @@ fn between_sizes(bench: &Bench, value: f64) -> [f64; 2] {
 fn end(bench: &Bench, node: &Node, which: usize, i: usize, side: f64) -> f64 {
     let own = &node.hypotheses[which];
     let value = own.values[i].1;
-    let least = own.values.iter().find(|(name, _)| *name == KINETIC).map_or(f64::NEG_INFINITY, |k| k.1);
-    let limit = |at: f64| if own.values[i].0 == STATIC { at.max(least) } else { at };
+    let least = own
+        .values
+        .iter()
+        .find(|(name, _)| *name == KINETIC)
+        .map_or(f64::NEG_INFINITY, |k| k.1);
+    let limit = |at: f64| {
+        if own.values[i].0 == STATIC {
+            at.max(least)
+        } else {
+            at
+        }
+    };
     let best = node.fit.misfit.deviance();
     let falls = |at: f64| {
         let mut hypotheses = node.hypotheses.clone();
@@ -68,7 +81,11 @@ fn end(bench: &Bench, node: &Node, which: usize, i: usize, side: f64) -> f64 {
             let mut outside = at;
             for _ in 0..6 {
                 let middle = 0.5 * (inside + outside);
-                if falls(middle) { outside = middle } else { inside = middle }
+                if falls(middle) {
+                    outside = middle
+                } else {
+                    inside = middle
+                }
             }
             return inside;
         }

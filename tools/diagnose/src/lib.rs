@@ -143,7 +143,13 @@ pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotMode
         improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
     }
     if let [recording] = request.recordings {
-        links::add(recording, &courses, request.excluded, &mut answer, &mut improved);
+        links::add(
+            recording,
+            &courses,
+            request.excluded,
+            &mut answer,
+            &mut improved,
+        );
     }
     answer.conclude();
     Ok((answer, improved))
@@ -177,7 +183,9 @@ fn blocks(whole: &Bench, machine: &[(&Recording, &Recorded)]) -> Vec<Block> {
     let masses = slipstream_sim::Robot::new(&whole.model)
         .is_ok_and(|robot| robot.accepts(CommandKind::Torque).is_ok());
     let both = machine.iter().all(|(_, robot)| {
-        robot.command.is_some() && robot.wheels.is_some() && (robot.pose.is_some() || robot.imu.is_some())
+        robot.command.is_some()
+            && robot.wheels.is_some()
+            && (robot.pose.is_some() || robot.imu.is_some())
     });
     if both && !masses {
         vec![Block::ToWheels, Block::FromWheels]
@@ -194,7 +202,13 @@ fn bench(
     let (recording, robot) = machine[0];
     let model = (request.model_of)(&robot.name)
         .or_else(|| recording.model.clone())
-        .ok_or_else(|| Unusable::new(&robot.name, "has no model", "give one with --robot robot.toml"))?;
+        .ok_or_else(|| {
+            Unusable::new(
+                &robot.name,
+                "has no model",
+                "give one with --robot robot.toml",
+            )
+        })?;
     let constants = slipstream_sim::Robot::new(&model)
         .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
     let mut tracks = Vec::new();

@@ -75,7 +75,12 @@ impl Linear {
         base: &[f64],
         more: &[&[f64]],
     ) -> Normal {
-        let shared: Vec<&[f64]> = self.globals.iter().map(Vec::as_slice).chain(more.iter().copied()).collect();
+        let shared: Vec<&[f64]> = self
+            .globals
+            .iter()
+            .map(Vec::as_slice)
+            .chain(more.iter().copied())
+            .collect();
         let count = shared.len();
         let mut normal = Normal {
             own: Own::zeros(),
@@ -125,10 +130,24 @@ impl Linear {
     }
 
     /// Residuals after a step, to first order.
-    pub(crate) fn predicted(&self, base: &[f64], more: &[&[f64]], locals: &[f64; LOCALS], globals: &[f64]) -> Vec<f64> {
-        let shared = self.globals.iter().map(Vec::as_slice).chain(more.iter().copied());
+    pub(crate) fn predicted(
+        &self,
+        base: &[f64],
+        more: &[&[f64]],
+        locals: &[f64; LOCALS],
+        globals: &[f64],
+    ) -> Vec<f64> {
+        let shared = self
+            .globals
+            .iter()
+            .map(Vec::as_slice)
+            .chain(more.iter().copied());
         let own = self.locals.iter().map(Vec::as_slice).zip(locals);
-        let all: Vec<(&[f64], f64)> = own.chain(shared.zip(globals)).map(|(c, s)| (c, *s)).filter(|(_, s)| *s != 0.0).collect();
+        let all: Vec<(&[f64], f64)> = own
+            .chain(shared.zip(globals))
+            .map(|(c, s)| (c, *s))
+            .filter(|(_, s)| *s != 0.0)
+            .collect();
         let mut out = base.to_vec();
         for (column, step) in all {
             for (cell, slope) in out.iter_mut().zip(column) {
@@ -143,7 +162,11 @@ impl Linear {
 fn damped(own: &Own, damping: f64) -> Own {
     let mut matrix = *own;
     for i in 0..LOCALS {
-        matrix[(i, i)] = if own[(i, i)] > 0.0 { own[(i, i)] * (1.0 + damping) } else { 1.0 };
+        matrix[(i, i)] = if own[(i, i)] > 0.0 {
+            own[(i, i)] * (1.0 + damping)
+        } else {
+            1.0
+        };
     }
     matrix.try_inverse().unwrap_or_else(Own::zeros)
 }
@@ -170,7 +193,8 @@ pub(crate) fn step(normals: &[Normal], damping: f64, bound: impl Fn(usize, f64) 
     let mut fixed = vec![None; globals.len()];
     for _ in 0..globals.len() {
         let met = (0..globals.len()).find(|&i| {
-            fixed[i].is_none() && (bound(i, globals[i]) - globals[i]).abs() > 1e-12 * globals[i].abs()
+            fixed[i].is_none()
+                && (bound(i, globals[i]) - globals[i]).abs() > 1e-12 * globals[i].abs()
         });
         let Some(met) = met else { break };
         fixed[met] = Some(bound(met, globals[met]));
@@ -202,11 +226,17 @@ fn solve_fixed(
     damping: f64,
     fixed: &[Option<f64>],
 ) -> Vec<f64> {
-    let free: Vec<usize> = (0..fixed.len()).filter(|&i| fixed[i].is_none() && matrix[(i, i)] > 0.0).collect();
+    let free: Vec<usize> = (0..fixed.len())
+        .filter(|&i| fixed[i].is_none() && matrix[(i, i)] > 0.0)
+        .collect();
     let size: Vec<f64> = free.iter().map(|&i| matrix[(i, i)].sqrt()).collect();
     let own = DMatrix::from_fn(free.len(), free.len(), |a, b| {
         let entry = matrix[(free[a], free[b])] / (size[a] * size[b]);
-        if a == b { entry * (1.0 + damping) + 1e-12 } else { entry }
+        if a == b {
+            entry * (1.0 + damping) + 1e-12
+        } else {
+            entry
+        }
     });
     let rest = DVector::from_fn(free.len(), |a, _| {
         let row = free[a];
@@ -218,7 +248,10 @@ fn solve_fixed(
     if free.is_empty() {
         return fixed.iter().map(|f| f.unwrap_or(0.0)).collect();
     }
-    let solved = own.lu().solve(&rest).unwrap_or_else(|| DVector::zeros(free.len()));
+    let solved = own
+        .lu()
+        .solve(&rest)
+        .unwrap_or_else(|| DVector::zeros(free.len()));
     let mut step: Vec<f64> = fixed.iter().map(|f| f.unwrap_or(0.0)).collect();
     for (a, &i) in free.iter().enumerate() {
         step[i] = solved[a] / size[a];

@@ -39,11 +39,13 @@ impl Course {
             let mut points = Vec::new();
             let windows = bench.windows.iter().zip(&node.fit.starts);
             for (window, start) in windows.filter(|(window, _)| window.run == 0) {
-                problem.simulation(window, &robots).watched(start, |t_s, state| {
-                    if t_s <= window.to_s && points.last().is_none_or(|(last, _)| *last < t_s) {
-                        points.push((t_s, state.pose()));
-                    }
-                });
+                problem
+                    .simulation(window, &robots)
+                    .watched(start, |t_s, state| {
+                        if t_s <= window.to_s && points.last().is_none_or(|(last, _)| *last < t_s) {
+                            points.push((t_s, state.pose()));
+                        }
+                    });
             }
             Some(points)
         })?;
@@ -97,7 +99,11 @@ impl Link<'_> {
         let mut square = sum(&self.residuals(delay_s));
         for _ in 0..ROUNDS {
             let (at, after) = (self.residuals(delay_s), self.residuals(delay_s + STEP_S));
-            let slopes: Vec<f64> = at.iter().zip(&after).map(|(a, b)| (b - a) / STEP_S).collect();
+            let slopes: Vec<f64> = at
+                .iter()
+                .zip(&after)
+                .map(|(a, b)| (b - a) / STEP_S)
+                .collect();
             let steepness = sum(&slopes);
             if steepness <= 0.0 {
                 break;
@@ -134,13 +140,19 @@ pub(crate) fn add(
     let Some(links) = &recording.links else {
         return;
     };
-    let Some(info) = find("link_delay").filter(|info| !excluded.iter().any(|id| id == info.id)) else {
+    let Some(info) = find("link_delay").filter(|info| !excluded.iter().any(|id| id == info.id))
+    else {
         return;
     };
     for course in courses {
         for (receiver, model) in improved.iter_mut() {
-            let own = links.messages.iter().filter(|m| *m.from == *course.robot && *m.to == **receiver);
-            let sent: Vec<_> = own.map(|m| (m.t_sent_s, [m.x_m, m.y_m, m.yaw_rad])).collect();
+            let own = links
+                .messages
+                .iter()
+                .filter(|m| *m.from == *course.robot && *m.to == **receiver);
+            let sent: Vec<_> = own
+                .map(|m| (m.t_sent_s, [m.x_m, m.y_m, m.yaw_rad]))
+                .collect();
             if sent.len() < 10 {
                 continue;
             }
@@ -166,7 +178,10 @@ pub(crate) fn add(
                 continue;
             }
             let times = link.sent.iter().map(|(t_s, _)| *t_s);
-            let span = [times.clone().fold(f64::INFINITY, f64::min), times.fold(0.0, f64::max)];
+            let span = [
+                times.clone().fold(f64::INFINITY, f64::min),
+                times.fold(0.0, f64::max),
+            ];
             answer.findings.push(Finding {
                 robot: receiver.clone(),
                 effect: info.id.to_owned(),
@@ -208,8 +223,10 @@ pub(crate) fn add(
 }
 
 fn delay_of(spec: &EffectSpec) -> Option<f64> {
-    spec.parameters.iter().find_map(|(name, value)| match value {
-        slipstream_bus::Parameter::Number(number) if name == "delay_s" => Some(*number),
-        _ => None,
-    })
+    spec.parameters
+        .iter()
+        .find_map(|(name, value)| match value {
+            slipstream_bus::Parameter::Number(number) if name == "delay_s" => Some(*number),
+            _ => None,
+        })
 }

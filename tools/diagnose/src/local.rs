@@ -80,13 +80,18 @@ fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) 
     for (_, w, k, [along, across]) in tried {
         let run = bench.windows[w].run;
         let at_s = answers[w].at_s[k];
-        if taken.iter().any(|(known, t_s)| *known == run && (t_s - at_s).abs() < 0.25) {
+        if taken
+            .iter()
+            .any(|(known, t_s)| *known == run && (t_s - at_s).abs() < 0.25)
+        {
             continue;
         }
         taken.push((run, at_s));
         let yaw = Sampled::new(bench, &bench.tracks[run], at_s).pose[2];
         let yaw = if yaw.is_finite() { yaw } else { 0.0 };
-        let direction = (across.atan2(along) + yaw).sin().atan2((across.atan2(along) + yaw).cos());
+        let direction = (across.atan2(along) + yaw)
+            .sin()
+            .atan2((across.atan2(along) + yaw).cos());
         let values = vec![
             ("t_s", (at_s - 0.03).max(0.0)),
             ("impulse_n_s", along.hypot(across) * PULSE_S),
@@ -104,12 +109,22 @@ fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) 
 }
 
 /// Patches at the wheels' contacts where the missing force is largest.
-fn patches(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) -> Vec<Hypothesis> {
+fn patches(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    info: &'static Info,
+) -> Vec<Hypothesis> {
     let mut tried: Vec<Hypothesis> = Vec::new();
     for [x, y] in places(bench, node, answers) {
         for radius in RADII_M {
             for friction in FRICTIONS {
-                let values = vec![("x_m", x), ("y_m", y), ("radius_m", radius), ("friction", friction)];
+                let values = vec![
+                    ("x_m", x),
+                    ("y_m", y),
+                    ("radius_m", radius),
+                    ("friction", friction),
+                ];
                 tried.push(Hypothesis::new(info, values));
             }
         }
@@ -171,7 +186,9 @@ pub(crate) fn over_time(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<
         let count = answers.at_s.len();
         normal.believe(|i| 1.0 / believed[usize::from(i >= count)].powi(2));
         let step = linear::step(std::slice::from_ref(&normal), 1e-9, |_, step| step);
-        (0..count).map(|k| [step.globals[k], step.globals[count + k]]).collect()
+        (0..count)
+            .map(|k| [step.globals[k], step.globals[count + k]])
+            .collect()
     });
     forces.collect()
 }

@@ -110,7 +110,10 @@ fn memory(windows: &[Window], residuals: &[&[f64]], channel: u8) -> f64 {
         .collect();
     let covariance = |lag: usize| -> f64 {
         let sums = series.iter().map(|s| {
-            s.iter().zip(s.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>()
+            s.iter()
+                .zip(s.iter().skip(lag))
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
         });
         sums.sum()
     };

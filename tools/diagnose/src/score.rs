@@ -18,7 +18,9 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
         .par_iter()
         .filter_map(|window| one(bench, window, hypotheses))
         .collect();
-    parts.iter().fold(Misfit::default(), |sum, part| sum.and(part))
+    parts
+        .iter()
+        .fold(Misfit::default(), |sum, part| sum.and(part))
 }
 
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {

@@ -75,10 +75,13 @@ fn score(node: &Node) -> f64 {
 
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
-    let first = if local::is_local(hypothesis) { PAY_LOCAL } else { PAY[0] };
+    let first = if local::is_local(hypothesis) {
+        PAY_LOCAL
+    } else {
+        PAY[0]
+    };
     first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
-
 
 impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
@@ -111,8 +114,15 @@ impl Search<'_> {
                 }
             }
             let Some(first) = kept.first() else { break };
-            kept.truncate(if self.bench.is_noise(first) { 1 } else { SIDE_BY_SIDE });
-            nodes = kept.into_iter().map(|node| self.bench.settle_static(self.pruned(node))).collect();
+            kept.truncate(if self.bench.is_noise(first) {
+                1
+            } else {
+                SIDE_BY_SIDE
+            });
+            nodes = kept
+                .into_iter()
+                .map(|node| self.bench.settle_static(self.pruned(node)))
+                .collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if let Some(slides) = self.slides(&nodes[0]) {
                 return Some(Outcome::Slides(slides));
@@ -122,7 +132,9 @@ impl Search<'_> {
             }
         }
         if self.bench.is_noise(&best) {
-            return Some(Outcome::Found(Box::new(self.weighed(nominal, best, looked_at))));
+            return Some(Outcome::Found(Box::new(
+                self.weighed(nominal, best, looked_at),
+            )));
         }
         (self.progress)("forces outside of the catalogue");
         // a force that explains more by itself than all that was found needs none of it
@@ -162,7 +174,11 @@ impl Search<'_> {
     /// The extensions by one effect that pay, best first.
     fn extended(&self, node: &Node, candidates: &[Hypothesis], locally: bool) -> Vec<Node> {
         let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
-        (self.progress)(&format!("{} effects beside [{}]", candidates.len(), ids.join(", ")));
+        (self.progress)(&format!(
+            "{} effects beside [{}]",
+            candidates.len(),
+            ids.join(", ")
+        ));
         let mut followed = self.followed(node, candidates, 0.5 * PAY[0]);
         if locally && !followed.iter().any(|next| self.bench.is_noise(next)) {
             let local = local::candidates(self.bench, node, self.excluded);
@@ -179,9 +195,13 @@ impl Search<'_> {
             return Vec::new();
         }
         (self.progress)("effects beside slip");
-        let slips = self.all.par_iter().filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
+        let slips = self
+            .all
+            .par_iter()
+            .filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
         let slips = slips.filter_map(|h| {
-            self.bench.fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
+            self.bench
+                .fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
         });
         let mut slips: Vec<Node> = slips.collect();
         slips.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -199,7 +219,9 @@ impl Search<'_> {
         }
         pairs.sort_by(|a, b| a.1.deviance.total_cmp(&b.1.deviance));
         pairs.truncate(FOLLOWED[0]);
-        let glances = pairs.par_iter().filter_map(|(i, p)| self.bench.follow(&slips[*i], p, GLANCE));
+        let glances = pairs
+            .par_iter()
+            .filter_map(|(i, p)| self.bench.follow(&slips[*i], p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
         glances.truncate(SIDE_BY_SIDE);
@@ -207,14 +229,14 @@ impl Search<'_> {
             let full = self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL);
             full.map(|node| self.bench.settle_static(node))
         });
-        full.filter(|node| deviance(node) < deviance(nominal)).collect()
+        full.filter(|node| deviance(node) < deviance(nominal))
+            .collect()
     }
 
     /// The most promising extensions, fitted to the end.
     fn followed(&self, node: &Node, candidates: &[Hypothesis], least: f64) -> Vec<Node> {
         let promises = self.bench.promises(node, candidates);
         let before = deviance(node);
-        if std::env::var_os("DEBUG_D").is_some() { for p in promises.iter().take(14) { eprintln!("   {} {:?} {:.0} of {before:.0}", p.hypothesis.info.id, p.hypothesis.values, p.deviance); } }
         let mut chosen: Vec<&Promise> = Vec::new();
         for promise in promises.iter().filter(|p| before - p.deviance > least) {
             let known = |c: &&Promise| c.hypothesis.is_like(&promise.hypothesis);
@@ -224,14 +246,19 @@ impl Search<'_> {
             }
         }
         chosen.truncate(FOLLOWED[0]);
-        let Some(best) = chosen.first().and_then(|p| self.bench.follow(node, p, GLANCE)) else {
+        let Some(best) = chosen
+            .first()
+            .and_then(|p| self.bench.follow(node, p, GLANCE))
+        else {
             return Vec::new();
         };
         // where one explains all, only what promises nearly as much is worth a fit
         let near = before - NEAR * (before - deviance(&best));
         let worth = |p: &&&Promise| !self.bench.is_noise(&best) || p.deviance < near;
         let rest: Vec<&Promise> = chosen[1..].iter().filter(worth).copied().collect();
-        let glances = rest.par_iter().filter_map(|p| self.bench.follow(node, p, GLANCE));
+        let glances = rest
+            .par_iter()
+            .filter_map(|p| self.bench.follow(node, p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
         glances.push(best);
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -242,13 +269,21 @@ impl Search<'_> {
         }
         glances.truncate(FOLLOWED[1]);
         let full = glances.par_iter().filter_map(|glance| {
-            let full = self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL)?;
-            let slips = full.hypotheses.last().is_some_and(|h| h.info.id == "wheel_slip");
-            Some(if slips { self.bench.settle_static(full) } else { full })
+            let full = self
+                .bench
+                .fit(&glance.hypotheses, &glance.fit.starts, FULL)?;
+            let slips = full
+                .hypotheses
+                .last()
+                .is_some_and(|h| h.info.id == "wheel_slip");
+            Some(if slips {
+                self.bench.settle_static(full)
+            } else {
+                full
+            })
         });
         let mut full: Vec<Node> = full.collect();
         full.sort_by(|a, b| score(a).total_cmp(&score(b)));
-        if std::env::var_os("DEBUG_D").is_some() { for p in &full { eprintln!("   -> {} {:?} {:.0} worst {:?} dev {:?}", p.hypotheses.last().map_or("", |h| h.info.id), p.fit.values, deviance(p), p.fit.misfit.worst(), p.fit.deviations); } }
         full
     }
 
@@ -261,7 +296,8 @@ impl Search<'_> {
             return false;
         }
         // where forces without pattern are left, what repeats in every fit may be one of them
-        let proven = self.bench.is_noise(after) || local::is_local(own) || self.bench.windows.len() < 4;
+        let proven =
+            self.bench.is_noise(after) || local::is_local(own) || self.bench.windows.len() < 4;
         proven || self.bench.held_out_gain(before, after) > HELD_OUT
     }
 
@@ -273,10 +309,11 @@ impl Search<'_> {
         if own.is_at_bound() {
             return false;
         }
-        own.is_threshold() || own.values.iter().enumerate().any(|(i, (name, value))| {
-            let nothing = own.nothing(&self.bench.model, name);
-            (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
-        })
+        own.is_threshold()
+            || own.values.iter().enumerate().any(|(i, (name, value))| {
+                let nothing = own.nothing(&self.bench.model, name);
+                (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
+            })
     }
 
     /// Takes out what no longer pays beside what came later.
@@ -318,8 +355,14 @@ impl Search<'_> {
                 .into_iter()
                 .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
                 .collect();
-            let rivals = self.followed(&less, &candidates, 0.5 * (deviance(&less) - deviance(&node)));
-            if let Some(rival) = rivals.iter().find(|r| self.is_clear(r, r.hypotheses.len() - 1))
+            let rivals = self.followed(
+                &less,
+                &candidates,
+                0.5 * (deviance(&less) - deviance(&node)),
+            );
+            if let Some(rival) = rivals
+                .iter()
+                .find(|r| self.is_clear(r, r.hypotheses.len() - 1))
                 && score(rival) < score(&node) - 3.0
                 && swaps < 3
             {
@@ -329,8 +372,12 @@ impl Search<'_> {
                 continue;
             }
             gains.push((deviance(&less) - deviance(&node)) / 2.0);
-            let near = rivals.iter().filter(|r| deviance(r) < deviance(&node) + TWINS);
-            let mut ids: Vec<&'static str> = near.filter_map(|r| Some(r.hypotheses.last()?.info.id)).collect();
+            let near = rivals
+                .iter()
+                .filter(|r| deviance(r) < deviance(&node) + TWINS);
+            let mut ids: Vec<&'static str> = near
+                .filter_map(|r| Some(r.hypotheses.last()?.info.id))
+                .collect();
             ids.sort_unstable();
             ids.dedup();
             ids.retain(|id| *id != removed.info.id);
@@ -350,7 +397,11 @@ impl Search<'_> {
 
 fn same(a: &Node, b: &Node) -> bool {
     let key = |node: &Node| {
-        let mut ids: Vec<_> = node.hypotheses.iter().map(|h| (h.info.id, h.text, h.only)).collect();
+        let mut ids: Vec<_> = node
+            .hypotheses
+            .iter()
+            .map(|h| (h.info.id, h.text, h.only))
+            .collect();
         ids.sort_unstable();
         ids
     };

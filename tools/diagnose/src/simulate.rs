@@ -52,7 +52,13 @@ impl Knot {
         let [u, w, turn] = self.velocity;
         let (sin, cos) = yaw.sin_cos();
         let [right, left] = self.angle;
-        let rate = [u * cos - w * sin, u * sin + w * cos, turn, self.speed[0], self.speed[1]];
+        let rate = [
+            u * cos - w * sin,
+            u * sin + w * cos,
+            turn,
+            self.speed[0],
+            self.speed[1],
+        ];
         ([x, y, yaw, right, left], rate)
     }
 }
@@ -120,7 +126,9 @@ impl Simulation<'_> {
         }
         if self.window.free[3] || first > 0 {
             let memory = told[..=first].iter().rev();
-            let count = memory.take_while(|(t_s, _)| *t_s > from_s - MEMORY_S).count();
+            let count = memory
+                .take_while(|(t_s, _)| *t_s > from_s - MEMORY_S)
+                .count();
             let past = &told[(first + 1).saturating_sub(count + 1)..=first];
             self.robot.recall(&mut state, past, from_s);
         }
@@ -145,7 +153,10 @@ impl Simulation<'_> {
         let mut at = self.window.commands[0];
         let end_s = self.window.to_s + BEYOND_S;
         while now_s < end_s && !seen.is_done() {
-            while told.get(at + 1).is_some_and(|(t_s, _)| *t_s <= now_s + 1e-9) {
+            while told
+                .get(at + 1)
+                .is_some_and(|(t_s, _)| *t_s <= now_s + 1e-9)
+            {
                 at += 1;
             }
             let command = &told[at].1;
@@ -196,7 +207,11 @@ impl<'a> Seen<'a> {
             due_s: 0.0,
             residuals: vec![f64::NAN; window.channels.len()],
         };
-        let before = if from_s > window.from_s { 0.0 } else { BEFORE_S };
+        let before = if from_s > window.from_s {
+            0.0
+        } else {
+            BEFORE_S
+        };
         for series in 0..seen.next.len() {
             while seen.true_s(series).is_some_and(|t_s| t_s < from_s - before) {
                 seen.next[series] += 1;
@@ -243,11 +258,16 @@ impl<'a> Seen<'a> {
             let (early, late) = ((s3 - s2 * 2.0 + share) * step_s, (s3 - s2) * step_s);
             let mut value = [0.0; 5];
             for (i, value) in value.iter_mut().enumerate() {
-                *value = start[i] + (end[i] - start[i]) * up + start_rate[i] * early + end_rate[i] * late;
+                *value = start[i]
+                    + (end[i] - start[i]) * up
+                    + start_rate[i] * early
+                    + end_rate[i] * late;
             }
             value
         };
-        let speed = |share: f64| [0, 1].map(|i| start_rate[3 + i] + (end_rate[3 + i] - start_rate[3 + i]) * share);
+        let speed = |share: f64| {
+            [0, 1].map(|i| start_rate[3 + i] + (end_rate[3 + i] - start_rate[3 + i]) * share)
+        };
         for series in 0..self.next.len() {
             while let Some(true_s) = self.true_s(series).filter(|true_s| *true_s <= t_s + step_s) {
                 let share = (true_s - t_s) / step_s;
@@ -277,7 +297,11 @@ impl<'a> Seen<'a> {
                 let ahead = track.tracked_ahead_m;
                 let turn = seen[2] - values[2];
                 let turns = (turn / std::f64::consts::TAU).round() * std::f64::consts::TAU;
-                [seen[0] + cos * ahead, seen[1] + sin * ahead, seen[2] - turns]
+                [
+                    seen[0] + cos * ahead,
+                    seen[1] + sin * ahead,
+                    seen[2] - turns,
+                ]
             }
             Sensor::Odometry => {
                 let [v, w] = robot.odometry(speed);

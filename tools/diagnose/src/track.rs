@@ -132,7 +132,11 @@ impl Track {
         let place = format!("{}: {}", recording.name, robot.name);
         let wheels = wheels(robot, model);
         let told = commands(robot).filter(|_| block != Block::FromWheels);
-        let driver = if told.is_some() { Driver::Command } else { Driver::Wheels };
+        let driver = if told.is_some() {
+            Driver::Command
+        } else {
+            Driver::Wheels
+        };
         let driven = told.or_else(|| wheels.as_ref().and_then(driven_by));
         let commands = driven.ok_or_else(|| {
             let remedy = "record command.csv, or wheels.csv with counts per turn";
@@ -141,9 +145,16 @@ impl Track {
         let mut series: Vec<Series> = Vec::new();
         series.extend(wheels.filter(|_| driver == Driver::Command));
         if block != Block::ToWheels {
-            series.extend([poses(robot), odometry(robot), imu(robot)].into_iter().flatten());
+            series.extend(
+                [poses(robot), odometry(robot), imu(robot)]
+                    .into_iter()
+                    .flatten(),
+            );
         }
-        if !matches!(commands.first(), Some((_, Command::Torque { .. } | Command::Voltage { .. }))) {
+        if !matches!(
+            commands.first(),
+            Some((_, Command::Torque { .. } | Command::Voltage { .. }))
+        ) {
             // speeds that jump with their command have no acceleration to compare
             for series in series.iter_mut().filter(|s| s.sensor == Sensor::Imu) {
                 series.rows.iter_mut().for_each(|(_, [along, across, _])| {
@@ -171,7 +182,9 @@ impl Track {
     /// Believes nothing measured in these times (s).
     pub(crate) fn leave_out(&mut self, times_s: &[[f64; 2]]) {
         for series in &mut self.series {
-            series.rows.retain(|(t_s, _)| !times_s.iter().any(|[from, to]| (from..=to).contains(&t_s)));
+            series
+                .rows
+                .retain(|(t_s, _)| !times_s.iter().any(|[from, to]| (from..=to).contains(&t_s)));
         }
     }
 
@@ -207,7 +220,11 @@ impl Track {
         let ends = self.series.iter().filter_map(|s| s.rows.last());
         let to = ends.map(|(t_s, _)| *t_s).fold(from, f64::max);
         let last = self.commands.last().map_or(from, |(t_s, _)| *t_s);
-        let held = if self.driver == Driver::Wheels { last } else { to };
+        let held = if self.driver == Driver::Wheels {
+            last
+        } else {
+            to
+        };
         [from, to.min(held)]
     }
 }
@@ -217,7 +234,9 @@ fn commands(robot: &Recorded) -> Option<Vec<(f64, Command)>> {
     let pair = |a: &[f64], b: &[f64], make: fn(f64, f64) -> Command| {
         let rows = stream.t_s.iter().zip(a.iter().zip(b));
         let known = rows.filter(|(_, (a, b))| a.is_finite() && b.is_finite());
-        known.map(|(&t_s, (&a, &b))| (t_s, make(a, b))).collect::<Vec<_>>()
+        known
+            .map(|(&t_s, (&a, &b))| (t_s, make(a, b)))
+            .collect::<Vec<_>>()
     };
     let list = match &stream.values {
         Told::Torque { right_nm, left_nm } => pair(right_nm, left_nm, |right_nm, left_nm| {
@@ -280,7 +299,10 @@ fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
         .filter(|(_, [r, l])| r.is_finite() && l.is_finite())
         .map(|(&t_s, [r, l])| (t_s, [r, l, f64::NAN]))
         .collect();
-    let known = robot.noise.wheel_rad.filter(|_| sensor == Sensor::WheelAngle);
+    let known = robot
+        .noise
+        .wheel_rad
+        .filter(|_| sensor == Sensor::WheelAngle);
     let one = known.or(rounding);
     let deviation = [0, 1].map(|i| one.unwrap_or_else(|| own_deviation(&rows, i, 1e-4)));
     Some(Series {
@@ -334,14 +356,23 @@ fn poses(robot: &Recorded) -> Option<Series> {
             }
             last = yaw;
         }
-        (t_s, [stream.values.x_m[i], stream.values.y_m[i], yaw + turns * TAU])
+        (
+            t_s,
+            [
+                stream.values.x_m[i],
+                stream.values.y_m[i],
+                yaw + turns * TAU,
+            ],
+        )
     });
     let rows: Vec<_> = rows
         .filter(|(_, [x, y, _])| x.is_finite() && y.is_finite())
         .collect();
     let noise = &robot.noise;
     let own = |i: usize, least: f64| own_deviation(&rows, i, least);
-    let pose_m = noise.pose_m.unwrap_or_else(|| own(0, 1e-4).max(own(1, 1e-4)));
+    let pose_m = noise
+        .pose_m
+        .unwrap_or_else(|| own(0, 1e-4).max(own(1, 1e-4)));
     let pose_rad = noise.pose_rad.unwrap_or_else(|| own(2, 1e-4));
     Some(Series {
         sensor: Sensor::Pose,
@@ -362,8 +393,12 @@ fn odometry(robot: &Recorded) -> Option<Series> {
         .map(|(i, (&t_s, &v))| (t_s, [v, w.map_or(f64::NAN, |w| w[i]), f64::NAN]))
         .collect();
     let noise = &robot.noise;
-    let v = noise.odometry_m_s.unwrap_or_else(|| own_deviation(&rows, 0, 1e-4));
-    let w = noise.odometry_rad_s.unwrap_or_else(|| own_deviation(&rows, 1, 1e-4));
+    let v = noise
+        .odometry_m_s
+        .unwrap_or_else(|| own_deviation(&rows, 0, 1e-4));
+    let w = noise
+        .odometry_rad_s
+        .unwrap_or_else(|| own_deviation(&rows, 1, 1e-4));
     Some(Series {
         sensor: Sensor::Odometry,
         rows,
@@ -386,8 +421,14 @@ fn imu(robot: &Recorded) -> Option<Series> {
         })
         .collect();
     let noise = &robot.noise;
-    let along = |i: usize| noise.imu_m_s2.unwrap_or_else(|| own_deviation(&rows, i, 1e-3));
-    let turn = noise.imu_rad_s.unwrap_or_else(|| own_deviation(&rows, 2, 1e-4));
+    let along = |i: usize| {
+        noise
+            .imu_m_s2
+            .unwrap_or_else(|| own_deviation(&rows, i, 1e-3))
+    };
+    let turn = noise
+        .imu_rad_s
+        .unwrap_or_else(|| own_deviation(&rows, 2, 1e-4));
     Some(Series {
         sensor: Sensor::Imu,
         deviation: [along(0), along(1), turn],

@@ -25,11 +25,6 @@ pub(crate) struct Unknown {
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Unknown> {
     let answers = force::answers(bench, node)?;
     let all = force::missing(bench, node, &answers);
-    if std::env::var_os("DEBUG_D").is_some() {
-        for m in all.iter().take(12) {
-            eprintln!("   force {} {} against {} score {:.0} of {:.0} {:?}", m.driver.name, m.part.name(), m.against, m.score(), node.fit.misfit.deviance(), m.weights);
-        }
-    }
     let missing = all.into_iter().next()?;
     let gain = missing.misfit.gain_over(&node.fit.misfit);
     (gain > PAY[0] + PAY[1] * missing.weights.len() as f64).then(|| describe(bench, node, missing))
@@ -44,15 +39,25 @@ fn describe(bench: &Bench, node: &Node, missing: Missing) -> Unknown {
         for k in 0..steps {
             let at_s = window.from_s + PULSE_S * (k as f64 + 0.5);
             let sampled = Sampled::new(bench, track, at_s);
-            let force = missing.driver.force(&missing.weights, &sampled, missing.part);
+            let force = missing
+                .driver
+                .force(&missing.weights, &sampled, missing.part);
             let still = missing.against && sampled.v.abs() < 2e-3 && sampled.w.abs() < 2e-3;
             let z = missing.driver.variable(&sampled, missing.part);
-            moments.push((at_s, missing.driver.shown(z), if still { 0.0 } else { force }));
+            moments.push((
+                at_s,
+                missing.driver.shown(z),
+                if still { 0.0 } else { force },
+            ));
         }
     }
     let middle = median(moments.iter().map(|m| m.2));
     let deviates = |force: f64| force - if missing.against { 0.0 } else { middle };
-    let most = moments.iter().map(|m| deviates(m.2)).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+    let most = moments
+        .iter()
+        .map(|m| deviates(m.2))
+        .max_by(|a, b| a.abs().total_cmp(&b.abs()))
+        .unwrap_or(0.0);
     let large = |force: f64| deviates(force) * most.signum() > AT_WORK * most.abs();
     let mut intervals_s: Vec<[f64; 2]> = Vec::new();
     for (at_s, _, force) in moments.iter().filter(|m| large(m.2)) {
@@ -84,21 +89,45 @@ fn shape(
     most: f64,
     large: &dyn Fn(f64) -> bool,
 ) -> String {
-    let unit = if missing.part == force::Part::Longitudinal { "N" } else { "N m" };
+    let unit = if missing.part == force::Part::Longitudinal {
+        "N"
+    } else {
+        "N m"
+    };
     let what = match missing.part {
         force::Part::Longitudinal => "force along the body",
         force::Part::Yaw => "moment about the vertical",
         force::Part::WheelRight => "torque at the right wheel",
         force::Part::WheelLeft => "torque at the left wheel",
     };
-    let way = if missing.against { " against the motion" } else { "" };
+    let way = if missing.against {
+        " against the motion"
+    } else {
+        ""
+    };
     let driver = &missing.driver;
-    let at: Vec<f64> = moments.iter().filter(|m| large(m.2)).map(|m| m.1).filter(|z| z.is_finite()).collect();
-    let (low, high) = at.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(*z), h.max(*z)));
+    let at: Vec<f64> = moments
+        .iter()
+        .filter(|m| large(m.2))
+        .map(|m| m.1)
+        .filter(|z| z.is_finite())
+        .collect();
+    let (low, high) = at
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| {
+            (l.min(*z), h.max(*z))
+        });
     let place = if low.is_finite() {
-        format!("; most of it where {} lies between {low:.2} and {high:.2} {}", driver.name, driver.unit)
+        format!(
+            "; most of it where {} lies between {low:.2} and {high:.2} {}",
+            driver.name, driver.unit
+        )
     } else {
         String::new()
     };
-    format!("a {what}{way} that follows {}, up to {:.3} {unit}{place}", driver.name, most.abs())
+    format!(
+        "a {what}{way} that follows {}, up to {:.3} {unit}{place}",
+        driver.name,
+        most.abs()
+    )
 }

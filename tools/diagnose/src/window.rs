@@ -87,7 +87,9 @@ fn gentle(track: &Track, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
         let asked = asked.map(|(_, command)| size(command)).fold(0.0, f64::max);
         let speeds = wheels.map_or([1.0; 2], |wheels| speeds(wheels, t_s));
         let stands = speeds.iter().any(|speed| speed.abs() < 0.4);
-        let slides = avoided.iter().any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s));
+        let slides = avoided
+            .iter()
+            .any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s));
         (slides, stands, asked + (t_s - wanted_s).abs() * 1e-4)
     };
     let best = near.min_by(|(a_s, _), (b_s, _)| {
@@ -169,13 +171,20 @@ impl Window {
 
     /// Whether the encoders show no motion as the window begins.
     fn stands(&self, track: &Track) -> bool {
-        let Some(at) = track.series.iter().position(|s| s.sensor == Sensor::WheelAngle) else {
+        let Some(at) = track
+            .series
+            .iter()
+            .position(|s| s.sensor == Sensor::WheelAngle)
+        else {
             return false;
         };
         let [first, end] = self.rows[at];
         let rows = &track.series[at].rows[first..end];
-        let begin = rows.iter().take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
-        let same = |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
+        let begin = rows
+            .iter()
+            .take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
+        let same =
+            |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
         begin.clone().count() > 2 && begin.into_iter().all(same)
     }
 
@@ -205,7 +214,10 @@ impl Window {
             if let Some((t_s, end)) = near.last().filter(|(t_s, _)| *t_s > rows[0].0) {
                 let over = t_s - rows[0].0;
                 let (dx, dy) = (end[0] - pose[0], end[1] - pose[1]);
-                [u, rate] = [(dx * yaw.cos() + dy * yaw.sin()) / over, (end[2] - yaw) / over];
+                [u, rate] = [
+                    (dx * yaw.cos() + dy * yaw.sin()) / over,
+                    (end[2] - yaw) / over,
+                ];
             }
         }
         let rate = if rate.is_finite() { rate } else { 0.0 };
