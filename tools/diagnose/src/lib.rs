@@ -9,9 +9,11 @@
 mod answer;
 mod bench;
 mod drivers;
+mod figures;
 mod fit;
 mod force;
 mod hypothesis;
+mod limits;
 mod linear;
 mod local;
 mod misfit;
@@ -29,9 +31,11 @@ use slipstream_recording::Recording;
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
+pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
+pub use limits::{Limit, Seen};
 
 use crate::bench::Bench;
-use crate::search::Search;
+use crate::search::{Found, Search};
 use crate::track::Track;
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
@@ -71,6 +75,33 @@ pub fn diagnose(
     excluded: &[String],
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+    examine(recording, model_of, excluded, progress, |_, _| ())
+}
+
+/// The same, with what the figures of a report show.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with_figures(
+    recording: &Recording,
+    model_of: impl Fn(&str) -> Option<RobotModel>,
+    excluded: &[String],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<(Answer, Vec<(String, RobotModel)>, Vec<Figures>), Unusable> {
+    let mut figures = Vec::new();
+    let each = |search: &Search<'_>, found: &Found| figures.push(Figures::new(search, found));
+    let (answer, improved) = examine(recording, model_of, excluded, progress, each)?;
+    Ok((answer, improved, figures))
+}
+
+/// Diagnoses machine after machine; `each` sees what was found on it.
+fn examine(
+    recording: &Recording,
+    model_of: impl Fn(&str) -> Option<RobotModel>,
+    excluded: &[String],
+    progress: &(dyn Fn(&str) + Sync),
+    mut each: impl FnMut(&Search<'_>, &Found),
+) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
     let mut answer = Answer::default();
     let mut improved = Vec::new();
     for robot in &recording.robots {
@@ -105,6 +136,7 @@ pub fn diagnose(
             Unusable::new(&robot.name, "cannot be simulated by its model", remedy)
         })?;
         answer.add(&bench, &found);
+        each(&search, &found);
         improved.push((robot.name.clone(), answer::improved(&bench, &found)));
     }
     answer.conclude();
