@@ -1,13 +1,19 @@
 //! `slipstream diagnose`: what the model leaves out, where, how much, how sure.
 
+mod page;
+mod points;
+mod words;
+
 use std::io::{IsTerminal, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_diagnose::{Answer, Verdict, diagnose};
-use slipstream_recording::robot_toml;
+use slipstream_bus::RobotModel;
+use slipstream_diagnose::{Answer, Figures, Unusable, diagnose, diagnose_with_figures};
+use slipstream_recording::{Recording, robot_toml};
 
 use crate::exit::{Error, Exit};
+use crate::file;
 use crate::models::Models;
 
 /// Find what a robot's model leaves out, from a recording
@@ -27,6 +33,9 @@ pub(crate) struct Arguments {
     /// Write the answer to a file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write a page that shows the answer in figures.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
@@ -58,21 +67,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
         }
     };
-    let done = diagnose(
-        &import.recording,
-        |robot| models.of(robot),
-        &arguments.without,
-        &progress,
-    );
+    let done = examine(arguments, &import.recording, &models, &progress);
     if live {
         eprint!("\r\x1b[K");
     }
-    let (answer, improved) =
+    let (answer, improved, figures) =
         done.map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
     if let Some(file) = &arguments.json {
-        let text = serde_json::to_string_pretty(&answer)
-            .map_err(|error| Error::Failed(format!("{}: {error}", file.display())))?;
-        write(file, &(text + "\n"))?;
+        file::write_json(file, &answer)?;
+    }
+    if let Some(file) = &arguments.report {
+        let page = page::page(&import.recording.name, &answer, &figures);
+        let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
+        file::write(file, &page)?;
     }
     if let Some(file) = &arguments.improved {
         for (name, model) in &improved {
@@ -81,25 +88,33 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             } else {
                 file.with_extension(format!("{name}.toml"))
             };
-            robot_toml::write(model, &file)?;
+            file::write(&file, &robot_toml::to_text(model))?;
         }
     }
     say(&answer);
     Ok(Exit::Done)
 }
 
-fn write(file: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(file, text)
-        .map_err(|error| Error::Failed(format!("{}: cannot be written: {error}", file.display())))
+/// Answer, improved models, and figures where a page is wanted.
+type Examined = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
+
+fn examine(
+    arguments: &Arguments,
+    recording: &Recording,
+    models: &Models,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Examined, Unusable> {
+    let (model_of, excluded) = (|robot: &str| models.of(robot), &arguments.without);
+    if arguments.report.is_some() {
+        return diagnose_with_figures(recording, model_of, excluded, progress);
+    }
+    let (answer, improved) = diagnose(recording, model_of, excluded, progress)?;
+    Ok((answer, improved, Vec::new()))
 }
 
 fn say(answer: &Answer) {
     let held = &answer.held_out;
-    match answer.verdict {
-        Verdict::Match => println!("The model matches the recording: nothing beyond the noise."),
-        Verdict::Explained => println!("What the model leaves out explains the recording:"),
-        Verdict::Unexplained => println!("Something remains that the catalogue does not explain."),
-    }
+    println!("{}.", words::verdict(answer.verdict));
     for finding in &answer.findings {
         println!("\n{}", finding.statement);
         for parameter in &finding.parameters {

@@ -20,7 +20,7 @@ use slipstream_trial::maker::Plan;
 use slipstream_trial::tally::{Report, tally};
 
 use crate::exit::{Error, Exit};
-use crate::study::write_json;
+use crate::file::write_json;
 
 /// Try the diagnosis on recordings whose truth is concealed from it
 ///
