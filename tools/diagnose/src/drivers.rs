@@ -69,7 +69,8 @@ fn at(series: &Series, t_s: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * share)
 }
 
-fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
+/// How fast the values of a series change around `t_s`, over `about_s` to both sides.
+pub(crate) fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
     let (a, b) = (at(series, t_s - about_s), at(series, t_s + about_s));
     [0, 1, 2].map(|i| (b[i] - a[i]) / (2.0 * about_s))
 }

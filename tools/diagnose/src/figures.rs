@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use slipstream_sim::CommandKind;
 
 use crate::bench::{Bench, Node};
-use crate::drivers::{Driver, Sampled};
+use crate::drivers::{Driver, Sampled, rate};
 use crate::force::{self, Answers, Part};
 use crate::hypothesis::Hypothesis;
 use crate::limits::{self, Limit};
@@ -51,7 +51,8 @@ pub struct Residuals {
     pub after: Vec<Point>,
 }
 
-/// A force that a model misses over time (s), estimated every 50 ms without an idea of its cause.
+/// A force that a model misses over time (s), estimated every 50 ms without an idea of its cause,
+/// and its mean over a quarter of a second.
 #[derive(Debug, Clone)]
 pub struct MissingForce {
     /// Number of the recording, from 0.
@@ -75,7 +76,7 @@ pub struct Against {
     pub variable: String,
     /// Every moment, without the finding.
     pub before: Vec<Point>,
-    /// Every moment with what was found; empty for `unknown`.
+    /// Every moment with what was found; empty for `unknown` and for what is measured.
     pub after: Vec<Point>,
     /// Of an effect outside of the catalogue: the force that was found.
     pub curve: Vec<Point>,
@@ -100,6 +101,11 @@ pub struct Paths {
 /// A gap between pieces of a line.
 const GAP: Point = (f64::NAN, f64::NAN);
 
+/// Half of the time over which a missing force is shown (s).
+const SHOWN_S: f64 = 0.13;
+/// Half of the time over which the camera's speed is taken (s).
+const CAMERA_S: f64 = 0.12;
+
 /// A missing force at one moment.
 struct Moment {
     run: usize,
@@ -117,10 +123,11 @@ impl Figures {
         let before = moments(bench, &found.nominal).unwrap_or_default();
         let after = has_findings.then(|| moments(bench, &found.node)).flatten().unwrap_or_default();
         let left = if has_findings { &after } else { &before };
-        let mut against: Vec<Against> = Vec::new();
-        for hypothesis in &found.node.hypotheses {
-            against.extend(of_effect(bench, hypothesis.info.id, &before, &after));
-        }
+        let mut effects: Vec<&str> = found.node.hypotheses.iter().map(|h| h.info.id).collect();
+        effects.sort_unstable();
+        effects.dedup();
+        let of_effect = |effect: &&str| of_effect(bench, effect, &before, &after);
+        let mut against: Vec<Against> = effects.iter().flat_map(of_effect).collect();
         if let Some(unknown) = &found.unknown {
             against.extend(of_unknown(bench, unknown, left));
         }
@@ -165,7 +172,7 @@ fn of_channel(bench: &Bench, node: &Node, run: usize, channel: usize) -> Vec<Poi
 /// The missing force at every pulse around `node`. `None` for robots that are driven by speeds.
 fn moments(bench: &Bench, node: &Node) -> Option<Vec<Moment>> {
     let answers: Vec<Answers> = force::answers(bench, node)?;
-    let forces = local::over_time(bench, node, &answers);
+    let forces = local::over_time(bench, node, &answers, &[1.0; CHANNELS]);
     let windows = bench.windows.par_iter().zip(&answers).zip(forces);
     let moments = windows.flat_map_iter(|((window, answers), forces)| {
         let track = &bench.tracks[window.run];
@@ -187,7 +194,8 @@ fn over_time(bench: &Bench, before: &[Moment], after: &[Moment]) -> Vec<MissingF
     let all = runs.flat_map(|run| [Part::Longitudinal, Part::Yaw].map(|part| (run, part)));
     let line = |moments: &[Moment], run: usize, part: Part| -> Vec<Point> {
         let own = moments.iter().filter(|moment| moment.run == run);
-        own.map(|moment| (moment.sampled.t_s, acting_on(bench, part, moment))).collect()
+        let own = own.map(|moment| (moment.sampled.t_s, acting_on(bench, part, moment)));
+        smoothed(&own.collect::<Vec<Point>>())
     };
     let all = all.map(|(run, part)| MissingForce {
         run,
@@ -196,6 +204,17 @@ fn over_time(bench: &Bench, before: &[Moment], after: &[Moment]) -> Vec<MissingF
         after: line(after, run, part),
     });
     all.collect()
+}
+
+/// The mean over what lies near each point of a line.
+fn smoothed(line: &[Point]) -> Vec<Point> {
+    let near = |t_s: f64| {
+        let first = line.partition_point(|(other_s, _)| *other_s < t_s - SHOWN_S);
+        let end = line.partition_point(|(other_s, _)| *other_s <= t_s + SHOWN_S);
+        &line[first..end]
+    };
+    let mean = |points: &[Point]| points.iter().map(|(_, y)| y).sum::<f64>() / points.len() as f64;
+    line.iter().map(|(t_s, _)| (*t_s, mean(near(*t_s)))).collect()
 }
 
 /// What a missing force and moment are on one part of the robot (N, N m): along the body, about the
@@ -222,17 +241,16 @@ fn quantity(part: Part) -> String {
     words.to_owned()
 }
 
-/// The part and the variable that tell most of an effect. Nothing for sensors, which miss no force.
+/// The part and the variable that tell most of an effect. Nothing for sensors, which miss no force,
+/// nor for a push, which the force over time shows.
 fn telling(effect: &str) -> &'static [(Part, &'static str)] {
     match effect {
         "viscous_drag" | "quadratic_drag" | "rolling_resistance" | "caster_drag" => &[(Part::Longitudinal, "v")],
         "axle_friction" | "torque_speed_droop" => &[(Part::WheelRight, "v"), (Part::WheelLeft, "v")],
         "yaw_scrub" | "track_width" => &[(Part::Yaw, "w")],
         "floor_slope" => &[(Part::Longitudinal, "heading")],
-        "friction_patch" => &[(Part::Longitudinal, "x"), (Part::Longitudinal, "y")],
         "payload" => &[(Part::Longitudinal, "torque"), (Part::Yaw, "torque")],
         "load_transfer" => &[(Part::Longitudinal, "torque")],
-        "push" => &[(Part::Longitudinal, "t"), (Part::Yaw, "t")],
         "wheel_slip" | "motor_gain" | "supply_sag" | "command_dead_band" | "command_saturation"
         | "actuator_lag" | "actuator_delay" | "backlash" | "wheel_radius" => {
             &[(Part::WheelRight, "torque"), (Part::WheelLeft, "torque")]
@@ -241,7 +259,20 @@ fn telling(effect: &str) -> &'static [(Part, &'static str)] {
     }
 }
 
+/// The variables over which the slip of wheels is shown.
+fn slip_over(effect: &str) -> &'static [&'static str] {
+    match effect {
+        "wheel_slip" => &["torque"],
+        "friction_patch" => &["x", "y"],
+        _ => &[],
+    }
+}
+
 fn of_effect(bench: &Bench, effect: &str, before: &[Moment], after: &[Moment]) -> Vec<Against> {
+    let slip = of_slip(bench, effect, before);
+    if !slip.is_empty() {
+        return slip;
+    }
     let samples: Vec<Vec<Sampled>> = vec![before.iter().map(|m| m.sampled).collect()];
     let drivers = Driver::all(&samples);
     let parts = telling(effect).iter().filter_map(|(part, name)| {
@@ -264,6 +295,35 @@ fn of_effect(bench: &Bench, effect: &str, before: &[Moment], after: &[Moment]) -
         })
     });
     parts.collect()
+}
+
+/// How much faster the wheels turn than the body moves, as encoders and camera saw it: no force can
+/// stand for slip. Nothing without both.
+fn of_slip(bench: &Bench, effect: &str, moments: &[Moment]) -> Vec<Against> {
+    let slip = |moment: &Moment| -> Option<f64> {
+        let track = &bench.tracks[moment.run];
+        track.of(Sensor::WheelAngle)?;
+        let s = &moment.sampled;
+        let [dx, dy, _] = rate(track.of(Sensor::Pose)?, s.t_s, CAMERA_S);
+        Some(s.v - dx * s.pose[2].cos() - dy * s.pose[2].sin())
+    };
+    let samples: Vec<Vec<Sampled>> = vec![moments.iter().map(|m| m.sampled).collect()];
+    let drivers = Driver::all(&samples);
+    let over = slip_over(effect).iter().filter_map(|name| {
+        let driver = drivers.iter().find(|driver| driver.name == *name)?;
+        let part = Part::Longitudinal;
+        let points = moments.iter().filter_map(|m| Some((driver.variable(&m.sampled, part), slip(m)?)));
+        Some(Against {
+            effect: effect.to_owned(),
+            quantity: "wheels faster than the body (m/s)".to_owned(),
+            variable: variable(bench, driver, part),
+            before: points.collect(),
+            after: Vec::new(),
+            curve: Vec::new(),
+            is_function: true,
+        })
+    });
+    over.filter(|against| against.before.iter().any(|(_, slip)| slip.is_finite())).collect()
 }
 
 /// A variable in words, with its unit.
@@ -386,9 +446,19 @@ mod tests {
     fn every_force_has_a_telling_variable() {
         for info in CATALOGUE {
             let sensor = info.id.ends_with("latency")
-                || ["pose_offset", "encoder_scale", "clock_drift", "link_delay"].contains(&info.id);
-            assert_eq!(telling(info.id).is_empty(), sensor, "{}", info.id);
+                || ["pose_offset", "encoder_scale", "clock_drift", "link_delay", "push"].contains(&info.id);
+            let nothing = telling(info.id).is_empty() && slip_over(info.id).is_empty();
+            assert_eq!(nothing, sensor, "{}", info.id);
         }
+    }
+
+    #[test]
+    fn smoothing_keeps_a_straight_line() {
+        let line: Vec<Point> = (0..40).map(|i| f64::from(i) * 0.05).map(|t| (t, 2.0 * t)).collect();
+        let smooth = smoothed(&line);
+        assert_eq!(smooth.len(), line.len());
+        let inside = smooth[4..36].iter();
+        assert!(inside.zip(&line[4..36]).all(|(a, b)| (a.1 - b.1).abs() < 1e-12));
     }
 
     #[test]

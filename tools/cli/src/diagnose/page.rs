@@ -94,7 +94,7 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     };
     page.figure(&chart.svg()?, &caption);
     if !same && before > OWN_FIGURE * after {
-        let line = Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1);
+        let line = Line::new(FOUND.0, kept(&residuals.after)).dots().colour(FOUND.1);
         let chart = Chart::new("t (s)", axis).line(line);
         page.figure(&chart.svg()?, &format!("{channel}{run}: what is left, enlarged."));
     }
@@ -103,7 +103,8 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
 
 fn add_timeline(page: &mut Page, answer: &Answer, figures: &Figures) -> Result<(), PictureError> {
     let own = |finding: &&Finding| finding.robot == figures.robot;
-    let mut rows: Vec<Row> = answer.findings.iter().filter(own).map(row).collect();
+    let own: Vec<&Finding> = answer.findings.iter().filter(own).collect();
+    let mut rows: Vec<Row> = own.iter().enumerate().map(|(i, _)| row(&own, i)).collect();
     if rows.is_empty() {
         return Ok(());
     }
@@ -117,9 +118,17 @@ fn add_timeline(page: &mut Page, answer: &Answer, figures: &Figures) -> Result<(
     Ok(())
 }
 
-fn row(finding: &Finding) -> Row {
+/// The row of the `i`th finding; those of one name are counted.
+fn row(findings: &[&Finding], i: usize) -> Row {
+    let finding = findings[i];
+    let like = |other: &&&Finding| other.effect == finding.effect;
+    let name = if findings.iter().filter(like).count() > 1 {
+        format!("{} {}", finding.effect, findings[..=i].iter().filter(like).count())
+    } else {
+        finding.effect.clone()
+    };
     let spans: Vec<(f64, f64)> = finding.place.intervals_s.iter().map(|[a, b]| (*a, *b)).collect();
-    row_of(&finding.effect, &spans)
+    row_of(&name, &spans)
 }
 
 fn row_of(name: &str, spans: &[(f64, f64)]) -> Row {
@@ -140,7 +149,7 @@ fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     page.paragraph(
         "The force that would have to be added to the model at every moment (50 ms each) for it to \
          follow the measurements, without any idea of the cause; kept near zero where the \
-         measurements say nothing of it.",
+         measurements say nothing of it. Over time: its mean over a quarter of a second.",
     );
     for force in &figures.forces {
         add_over_time(page, force, &of_run(figures, force.run))?;
@@ -168,7 +177,11 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
     let dots = |name: &str, points: &[(f64, f64)], colour: usize| {
         Line::new(name, kept(points)).dots().colour(colour)
     };
-    if against.curve.is_empty() {
+    if against.curve.is_empty() && against.after.is_empty() {
+        chart = chart
+            .line(dots("measured", &against.before, 4))
+            .line(Line::new("its mean", means(&against.before)).colour(NOMINAL.1));
+    } else if against.curve.is_empty() {
         chart = chart
             .line(dots(NOMINAL.0, &against.before, 4))
             .line(Line::new("its mean", means(&against.before)).colour(NOMINAL.1))
@@ -256,7 +269,8 @@ fn add_limits(page: &mut Page, figures: &Figures) {
         "No other effect of the catalogue is larger than this: at this size its parameter would be \
          4.5 standard deviations away from nothing beside what was found (thresholds: the smallest \
          of those tried that the recording refutes). What could still be large comes first, by the \
-         smallest size at which the catalogue expects it.",
+         smallest size at which the catalogue expects it. This is what noise allows; how well a \
+         simulation can know a robot is another question.",
     );
     let known = figures.limits.iter().filter_map(|limit| Some((limit, limit.size?)));
     let rows = known.map(|(limit, size)| {
