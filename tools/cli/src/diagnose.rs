@@ -8,8 +8,7 @@ use std::io::{IsTerminal, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Answer, Figures, Unusable, diagnose, diagnose_with_figures};
+use slipstream_diagnose::{Answer, Illustrated, Unusable, diagnose, diagnose_with_figures};
 use slipstream_recording::{Recording, robot_toml};
 
 use crate::exit::{Error, Exit};
@@ -95,15 +94,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
-/// Answer, improved models, and figures where a page is wanted.
-type Examined = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
-
+/// The diagnosis, with figures where a page is wanted.
 fn examine(
     arguments: &Arguments,
     recording: &Recording,
     models: &Models,
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Examined, Unusable> {
+) -> Result<Illustrated, Unusable> {
     let (model_of, excluded) = (|robot: &str| models.of(robot), &arguments.without);
     if arguments.report.is_some() {
         return diagnose_with_figures(recording, model_of, excluded, progress);

@@ -12,7 +12,9 @@ use crate::exit::Error;
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
     replace(path, text).map_err(|error| {
         let place = path.display();
-        Error::Failed(format!("{place}: cannot be written: {error}; give another file"))
+        Error::Failed(format!(
+            "{place}: cannot be written: {error}; give another file"
+        ))
     })
 }
 
@@ -39,13 +41,18 @@ fn replace(path: &Path, text: &str) -> std::io::Result<()> {
 }
 
 fn folder(path: &Path) -> PathBuf {
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+    let parent = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
     parent.map_or_else(|| PathBuf::from("."), Path::to_owned)
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test stops at what it does not expect")]
+    #![allow(
+        clippy::unwrap_used,
+        reason = "a test stops at what it does not expect"
+    )]
     use super::*;
 
     #[test]
@@ -57,6 +64,11 @@ mod tests {
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "two");
         assert_eq!(std::fs::read_dir(scratch.path()).unwrap().count(), 1);
         let refused = write(&scratch.path().join("no/answer.json"), "three");
-        assert!(refused.unwrap_err().to_string().contains("cannot be written"));
+        assert!(
+            refused
+                .unwrap_err()
+                .to_string()
+                .contains("cannot be written")
+        );
     }
 }

@@ -47,12 +47,12 @@ pub struct Residuals {
     pub channel: &'static str,
     /// Of the nominal model.
     pub before: Vec<Point>,
-    /// Of the model with what was found.
+    /// Of the model with what was found; empty where nothing was found.
     pub after: Vec<Point>,
 }
 
 /// A force that a model misses over time (s), estimated every 50 ms without an idea of its cause,
-/// and its mean over a quarter of a second.
+/// and its mean over a quarter of a second without the extremes.
 #[derive(Debug, Clone)]
 pub struct MissingForce {
     /// Number of the recording, from 0.
@@ -94,7 +94,7 @@ pub struct Paths {
     pub camera: Vec<Point>,
     /// Where the nominal model has it.
     pub before: Vec<Point>,
-    /// Where the model with what was found has it.
+    /// Where the model with what was found has it; empty where nothing was found.
     pub after: Vec<Point>,
 }
 
@@ -121,7 +121,10 @@ impl Figures {
         (search.progress)("figures");
         let has_findings = !found.node.hypotheses.is_empty();
         let before = moments(bench, &found.nominal).unwrap_or_default();
-        let after = has_findings.then(|| moments(bench, &found.node)).flatten().unwrap_or_default();
+        let after = has_findings
+            .then(|| moments(bench, &found.node))
+            .flatten()
+            .unwrap_or_default();
         let left = if has_findings { &after } else { &before };
         let mut effects: Vec<&str> = found.node.hypotheses.iter().map(|h| h.info.id).collect();
         effects.sort_unstable();
@@ -134,7 +137,11 @@ impl Figures {
         (search.progress)("what is ruled out");
         Self {
             robot: bench.tracks[0].robot.clone(),
-            spans_s: bench.tracks.iter().map(crate::track::Track::span_s).collect(),
+            spans_s: bench
+                .tracks
+                .iter()
+                .map(crate::track::Track::span_s)
+                .collect(),
             residuals: residuals(bench, found),
             forces: over_time(bench, &before, &after),
             against,
@@ -151,9 +158,14 @@ fn residuals(bench: &Bench, found: &Found) -> Vec<Residuals> {
         run,
         channel: CHANNEL_NAMES[channel],
         before: of_channel(bench, &found.nominal, run, channel),
-        after: of_channel(bench, &found.node, run, channel),
+        after: if found.node.hypotheses.is_empty() {
+            Vec::new()
+        } else {
+            of_channel(bench, &found.node, run, channel)
+        },
     });
-    all.filter(|residuals| residuals.before.iter().any(|(_, r)| r.is_finite())).collect()
+    all.filter(|residuals| residuals.before.iter().any(|(_, r)| r.is_finite()))
+        .collect()
 }
 
 /// The residuals of a channel, with a gap between windows.
@@ -162,9 +174,14 @@ fn of_channel(bench: &Bench, node: &Node, run: usize, channel: usize) -> Vec<Poi
     let windows = windows.filter(|(window, _)| window.run == run);
     windows
         .flat_map(|(window, linear)| {
-            let rows = window.channels.iter().zip(&window.stamps_s).zip(&linear.residuals);
+            let rows = window
+                .channels
+                .iter()
+                .zip(&window.stamps_s)
+                .zip(&linear.residuals);
             let own = rows.filter(move |((own, _), _)| usize::from(**own) == channel);
-            own.map(|((_, t_s), residual)| (*t_s, *residual)).chain([GAP])
+            own.map(|((_, t_s), residual)| (*t_s, *residual))
+                .chain([GAP])
         })
         .collect()
 }
@@ -206,15 +223,23 @@ fn over_time(bench: &Bench, before: &[Moment], after: &[Moment]) -> Vec<MissingF
     all.collect()
 }
 
-/// The mean over what lies near each point of a line.
+/// The mean of what lies near each point of a line, without the quarters that lie lowest and highest.
 fn smoothed(line: &[Point]) -> Vec<Point> {
     let near = |t_s: f64| {
         let first = line.partition_point(|(other_s, _)| *other_s < t_s - SHOWN_S);
         let end = line.partition_point(|(other_s, _)| *other_s <= t_s + SHOWN_S);
         &line[first..end]
     };
-    let mean = |points: &[Point]| points.iter().map(|(_, y)| y).sum::<f64>() / points.len() as f64;
-    line.iter().map(|(t_s, _)| (*t_s, mean(near(*t_s)))).collect()
+    let mean = |points: &[Point]| {
+        let mut values: Vec<f64> = points.iter().map(|(_, y)| *y).collect();
+        values.sort_by(f64::total_cmp);
+        let cut = values.len() / 4;
+        let kept = &values[cut..values.len() - cut];
+        kept.iter().sum::<f64>() / kept.len() as f64
+    };
+    line.iter()
+        .map(|(t_s, _)| (*t_s, mean(near(*t_s))))
+        .collect()
 }
 
 /// What a missing force and moment are on one part of the robot (N, N m): along the body, about the
@@ -245,8 +270,12 @@ fn quantity(part: Part) -> String {
 /// nor for a push, which the force over time shows.
 fn telling(effect: &str) -> &'static [(Part, &'static str)] {
     match effect {
-        "viscous_drag" | "quadratic_drag" | "rolling_resistance" | "caster_drag" => &[(Part::Longitudinal, "v")],
-        "axle_friction" | "torque_speed_droop" => &[(Part::WheelRight, "v"), (Part::WheelLeft, "v")],
+        "viscous_drag" | "quadratic_drag" | "rolling_resistance" | "caster_drag" => {
+            &[(Part::Longitudinal, "v")]
+        }
+        "axle_friction" | "torque_speed_droop" => {
+            &[(Part::WheelRight, "v"), (Part::WheelLeft, "v")]
+        }
         "yaw_scrub" | "track_width" => &[(Part::Yaw, "w")],
         "floor_slope" => &[(Part::Longitudinal, "heading")],
         "payload" => &[(Part::Longitudinal, "torque"), (Part::Yaw, "torque")],
@@ -312,7 +341,9 @@ fn of_slip(bench: &Bench, effect: &str, moments: &[Moment]) -> Vec<Against> {
     let over = slip_over(effect).iter().filter_map(|name| {
         let driver = drivers.iter().find(|driver| driver.name == *name)?;
         let part = Part::Longitudinal;
-        let points = moments.iter().filter_map(|m| Some((driver.variable(&m.sampled, part), slip(m)?)));
+        let points = moments
+            .iter()
+            .filter_map(|m| Some((driver.variable(&m.sampled, part), slip(m)?)));
         Some(Against {
             effect: effect.to_owned(),
             quantity: "wheels faster than the body (m/s)".to_owned(),
@@ -323,7 +354,8 @@ fn of_slip(bench: &Bench, effect: &str, moments: &[Moment]) -> Vec<Against> {
             is_function: true,
         })
     });
-    over.filter(|against| against.before.iter().any(|(_, slip)| slip.is_finite())).collect()
+    over.filter(|against| against.before.iter().any(|(_, slip)| slip.is_finite()))
+        .collect()
 }
 
 /// A variable in words, with its unit.
@@ -358,8 +390,16 @@ fn of_unknown(bench: &Bench, unknown: &Unknown, left: &[Moment]) -> Vec<Against>
         (true, _) => opposing(s.v),
     };
     let is_function = driver.name != "position";
-    let way = if missing.against { ", against the motion" } else { "" };
-    let axes: &[&str] = if is_function { &[""] } else { &["x (m)", "y (m)"] };
+    let way = if missing.against {
+        ", against the motion"
+    } else {
+        ""
+    };
+    let axes: &[&str] = if is_function {
+        &[""]
+    } else {
+        driven_over(left)
+    };
     let across = |axis: &str, s: &Sampled| match axis {
         "x (m)" => s.pose[0],
         "y (m)" => s.pose[1],
@@ -379,7 +419,11 @@ fn of_unknown(bench: &Bench, unknown: &Unknown, left: &[Moment]) -> Vec<Against>
         Against {
             effect: "unknown".to_owned(),
             quantity: quantity(part).replace(" (N", &format!("{way} (N")),
-            variable: if axis.is_empty() { variable(bench, driver, part) } else { (*axis).to_owned() },
+            variable: if axis.is_empty() {
+                variable(bench, driver, part)
+            } else {
+                (*axis).to_owned()
+            },
             before: points.collect(),
             after: Vec::new(),
             curve,
@@ -389,9 +433,31 @@ fn of_unknown(bench: &Bench, unknown: &Unknown, left: &[Moment]) -> Vec<Against>
     axes.iter().map(of_axis).collect()
 }
 
+/// The axes of the floor along which the robot went at least a tenth as far as along the other.
+fn driven_over(moments: &[Moment]) -> &'static [&'static str] {
+    let length = |i: usize| {
+        let places = moments
+            .iter()
+            .map(|moment| moment.sampled.pose[i])
+            .filter(|v| v.is_finite());
+        let empty = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = places.fold(empty, |(low, high), v| (low.min(v), high.max(v)));
+        high - low
+    };
+    match (length(0), length(1)) {
+        (x, y) if y < 0.1 * x => &["x (m)"],
+        (x, y) if x < 0.1 * y => &["y (m)"],
+        _ => &["x (m)", "y (m)"],
+    }
+}
+
 /// The sign that makes a force count against the motion; none where it stands still.
 fn opposing(speed: f64) -> f64 {
-    if speed.abs() < 2e-3 { f64::NAN } else { -speed.signum() }
+    if speed.abs() < 2e-3 {
+        f64::NAN
+    } else {
+        -speed.signum()
+    }
 }
 
 fn paths(bench: &Bench, found: &Found) -> Vec<Paths> {
@@ -399,7 +465,13 @@ fn paths(bench: &Bench, found: &Found) -> Vec<Paths> {
     let with_camera = runs.filter(|(_, track)| track.of(Sensor::Pose).is_some());
     let paths = with_camera.map(|(run, _)| {
         let [camera, before] = path(bench, run, &[]);
-        let [_, after] = path(bench, run, &found.node.hypotheses);
+        let hypotheses = &found.node.hypotheses;
+        let after = if hypotheses.is_empty() {
+            Vec::new()
+        } else {
+            let [_, after] = path(bench, run, hypotheses);
+            after
+        };
         Paths {
             run,
             camera,
@@ -413,7 +485,11 @@ fn paths(bench: &Bench, found: &Found) -> Vec<Paths> {
 /// Where the camera saw a run and where the model with `hypotheses` predicts it, in pieces.
 fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2] {
     let track = &bench.tracks[run];
-    let Some(which) = track.series.iter().position(|series| series.sensor == Sensor::Pose) else {
+    let Some(which) = track
+        .series
+        .iter()
+        .position(|series| series.sensor == Sensor::Pose)
+    else {
         return [Vec::new(), Vec::new()];
     };
     let series = &track.series[which];
@@ -433,7 +509,12 @@ fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2]
         [seen, predicted]
     });
     let pieces: Vec<[Vec<Point>; 2]> = pieces.collect();
-    [0, 1].map(|i| pieces.iter().flat_map(|piece| piece[i].iter().copied().chain([GAP])).collect())
+    [0, 1].map(|i| {
+        pieces
+            .iter()
+            .flat_map(|piece| piece[i].iter().copied().chain([GAP]))
+            .collect()
+    })
 }
 
 #[cfg(test)]
@@ -446,7 +527,14 @@ mod tests {
     fn every_force_has_a_telling_variable() {
         for info in CATALOGUE {
             let sensor = info.id.ends_with("latency")
-                || ["pose_offset", "encoder_scale", "clock_drift", "link_delay", "push"].contains(&info.id);
+                || [
+                    "pose_offset",
+                    "encoder_scale",
+                    "clock_drift",
+                    "link_delay",
+                    "push",
+                ]
+                .contains(&info.id);
             let nothing = telling(info.id).is_empty() && slip_over(info.id).is_empty();
             assert_eq!(nothing, sensor, "{}", info.id);
         }
@@ -454,11 +542,18 @@ mod tests {
 
     #[test]
     fn smoothing_keeps_a_straight_line() {
-        let line: Vec<Point> = (0..40).map(|i| f64::from(i) * 0.05).map(|t| (t, 2.0 * t)).collect();
+        let line: Vec<Point> = (0..40)
+            .map(|i| f64::from(i) * 0.05)
+            .map(|t| (t, 2.0 * t))
+            .collect();
         let smooth = smoothed(&line);
         assert_eq!(smooth.len(), line.len());
         let inside = smooth[4..36].iter();
-        assert!(inside.zip(&line[4..36]).all(|(a, b)| (a.1 - b.1).abs() < 1e-12));
+        assert!(
+            inside
+                .zip(&line[4..36])
+                .all(|(a, b)| (a.1 - b.1).abs() < 1e-12)
+        );
     }
 
     #[test]

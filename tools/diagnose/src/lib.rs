@@ -78,6 +78,9 @@ pub fn diagnose(
     examine(recording, model_of, excluded, progress, |_, _| ())
 }
 
+/// The answer, each robot's improved model, and the figures of each machine.
+pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
+
 /// The same, with what the figures of a report show.
 ///
 /// # Errors
@@ -87,7 +90,7 @@ pub fn diagnose_with_figures(
     model_of: impl Fn(&str) -> Option<RobotModel>,
     excluded: &[String],
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<(Answer, Vec<(String, RobotModel)>, Vec<Figures>), Unusable> {
+) -> Result<Illustrated, Unusable> {
     let mut figures = Vec::new();
     let each = |search: &Search<'_>, found: &Found| figures.push(Figures::new(search, found));
     let (answer, improved) = examine(recording, model_of, excluded, progress, each)?;

@@ -55,7 +55,9 @@ pub(crate) fn limits(bench: &Bench, all: &[Hypothesis], found: &Found) -> Vec<Li
             None => kinds.push(vec![hypothesis]),
         }
     }
-    let limits = kinds.par_iter().flat_map_iter(|kind| of_kind(bench, &found.node, kind));
+    let limits = kinds
+        .par_iter()
+        .flat_map_iter(|kind| of_kind(bench, &found.node, kind));
     let mut limits: Vec<Limit> = limits.collect();
     let rank = |limit: &Limit| limit.size.map_or(-1.0, |size| remoteness(limit, size));
     limits.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
@@ -65,18 +67,30 @@ pub(crate) fn limits(bench: &Bench, all: &[Hypothesis], found: &Found) -> Vec<Li
 /// How large a limit is beside what is usual.
 fn remoteness(limit: &Limit, size: f64) -> f64 {
     let ratio = size / limit.usual;
-    if limit.seen == Seen::Below { 1.0 / ratio } else { ratio }
+    if limit.seen == Seen::Below {
+        1.0 / ratio
+    } else {
+        ratio
+    }
 }
 
 fn of_kind(bench: &Bench, node: &Node, kind: &[&Hypothesis]) -> Vec<Limit> {
     match kind[0].info.id {
-        "wheel_slip" if kind[0].replaces.is_none() => vec![by_trial(bench, node, kind, Seen::Below)],
+        "wheel_slip" if kind[0].replaces.is_none() => {
+            vec![by_trial(bench, node, kind, Seen::Below)]
+        }
         "command_saturation" => vec![by_trial(bench, node, kind, Seen::Below)],
         "command_dead_band" => vec![by_trial(bench, node, kind, Seen::Above)],
         // the grade is a size whichever way is down
         "floor_slope" => {
             let all = kind.iter().flat_map(|one| by_deviation(bench, node, one));
-            let worst = all.reduce(|a, b| if b.size.is_none_or(|b| Some(b) > a.size) { b } else { a });
+            let worst = all.reduce(|a, b| {
+                if b.size.is_none_or(|b| Some(b) > a.size) {
+                    b
+                } else {
+                    a
+                }
+            });
             worst.into_iter().collect()
         }
         _ => by_deviation(bench, node, kind[0]),
@@ -98,8 +112,17 @@ fn by_deviation(bench: &Bench, node: &Node, one: &Hypothesis) -> Vec<Limit> {
     let limits = parameters.map(|(i, (name, _))| {
         let nothing = one.nothing(&bench.model, name);
         let deviation = deviations.get(i).copied().filter(|d| d.is_finite());
-        let seen = if nothing == 0.0 { Seen::Above } else { Seen::Around(nothing) };
-        limit(one, name, seen, deviation.map(|deviation| SIGMAS * deviation))
+        let seen = if nothing == 0.0 {
+            Seen::Above
+        } else {
+            Seen::Around(nothing)
+        };
+        limit(
+            one,
+            name,
+            seen,
+            deviation.map(|deviation| SIGMAS * deviation),
+        )
     });
     limits.collect()
 }
@@ -191,7 +214,12 @@ mod tests {
         for info in CATALOGUE {
             for parameter in info.parameters {
                 let usual = usual(info, parameter.name);
-                assert!(usual.is_finite() && usual > 0.0, "{} {}", info.id, parameter.name);
+                assert!(
+                    usual.is_finite() && usual > 0.0,
+                    "{} {}",
+                    info.id,
+                    parameter.name
+                );
             }
         }
     }

@@ -137,10 +137,18 @@ impl Drawing<'_> {
 /// A number on an axis of this range: as many digits as tell it from its neighbours.
 fn label(value: f64, range: &std::ops::Range<f64>) -> String {
     let length = range.end - range.start;
-    let value = if value.abs() < 1e-9 * length { 0.0 } else { value };
+    let value = if value.abs() < 1e-9 * length {
+        0.0
+    } else {
+        value
+    };
     let size = range.start.abs().max(range.end.abs());
     if !(1e-4..1e7).contains(&size) {
-        return if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") };
+        return if value == 0.0 {
+            "0".to_owned()
+        } else {
+            format!("{value:.1e}")
+        };
     }
     // about ten numbers stand on an axis
     let digits = (1.0 - length.log10()).ceil().clamp(0.0, 9.0) as usize;

@@ -19,7 +19,11 @@ const CAMERA: (&str, usize) = ("camera", 5);
 const OWN_FIGURE: f64 = 4.0;
 
 /// The whole page.
-pub(super) fn page(name: &str, answer: &Answer, figures: &[Figures]) -> Result<String, PictureError> {
+pub(super) fn page(
+    name: &str,
+    answer: &Answer,
+    figures: &[Figures],
+) -> Result<String, PictureError> {
     let mut page = Page::new(&format!("Diagnosis of {name}"), &command_line());
     add_answer(&mut page, answer);
     for own in figures {
@@ -44,13 +48,29 @@ fn add_answer(page: &mut Page, answer: &Answer) {
     for finding in &answer.findings {
         page.paragraph(&finding.statement);
     }
-    let said = |shape: &str| answer.findings.iter().any(|f| f.shape.as_deref() == Some(shape));
+    let said = |shape: &str| {
+        answer
+            .findings
+            .iter()
+            .any(|f| f.shape.as_deref() == Some(shape))
+    };
     for left in answer.unexplained.iter().filter(|left| !said(&left.shape)) {
-        page.paragraph(&format!("Robot {}, {}: {}.", left.robot, left.channel, left.shape));
+        page.paragraph(&format!(
+            "Robot {}, {}: {}.",
+            left.robot, left.channel, left.shape
+        ));
     }
     let [before, after] = [answer.held_out.nrmse_before, answer.held_out.nrmse_after];
-    page.paragraph(&if answer.verdict == Verdict::Match {
-        format!("Prediction error over 5 s: {before:.2} standard deviations of the sensors.")
+    let named = |finding: &Finding| finding.effect != "unknown";
+    page.paragraph(&if !answer.findings.iter().any(named) {
+        let without = match answer.verdict {
+            Verdict::Unexplained => " What is outside of the catalogue does not predict.",
+            _ => "",
+        };
+        format!(
+            "Prediction error over 5 s: {before:.2} standard deviations of the sensors. Noise alone \
+             gives 1.{without}"
+        )
     } else {
         format!(
             "Prediction error over 5 s, in standard deviations of the sensors: {before:.2} by the \
@@ -73,7 +93,11 @@ fn add_residuals(page: &mut Page, figures: &Figures) -> Result<(), PictureError>
 
 /// Which recording, where there are several.
 fn of_run(figures: &Figures, run: usize) -> String {
-    if figures.spans_s.len() > 1 { format!(", recording {}", run + 1) } else { String::new() }
+    if figures.spans_s.len() > 1 {
+        format!(", recording {}", run + 1)
+    } else {
+        String::new()
+    }
 }
 
 fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), PictureError> {
@@ -81,7 +105,7 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     let [before, after] = [level(&residuals.before), level(&residuals.after)];
     let axis = format!("{channel} (standard deviations)");
     let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
-    let same = residuals.before == residuals.after;
+    let same = residuals.after.is_empty();
     let mut chart = Chart::new("t (s)", axis.clone()).line(nominal);
     if !same {
         chart = chart.line(Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1));
@@ -94,9 +118,14 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     };
     page.figure(&chart.svg()?, &caption);
     if !same && before > OWN_FIGURE * after {
-        let line = Line::new(FOUND.0, kept(&residuals.after)).dots().colour(FOUND.1);
+        let line = Line::new(FOUND.0, kept(&residuals.after))
+            .dots()
+            .colour(FOUND.1);
         let chart = Chart::new("t (s)", axis).line(line);
-        page.figure(&chart.svg()?, &format!("{channel}{run}: what is left, enlarged."));
+        page.figure(
+            &chart.svg()?,
+            &format!("{channel}{run}: what is left, enlarged."),
+        );
     }
     Ok(())
 }
@@ -109,7 +138,11 @@ fn add_timeline(page: &mut Page, answer: &Answer, figures: &Figures) -> Result<(
         return Ok(());
     }
     page.subsection("When it is at work");
-    let spans: Vec<(f64, f64)> = figures.spans_s.iter().map(|[from, to]| (*from, *to)).collect();
+    let spans: Vec<(f64, f64)> = figures
+        .spans_s
+        .iter()
+        .map(|[from, to]| (*from, *to))
+        .collect();
     rows.push(row_of("recorded", &spans));
     page.figure(
         &Timeline::new("t (s)", rows).svg()?,
@@ -123,11 +156,20 @@ fn row(findings: &[&Finding], i: usize) -> Row {
     let finding = findings[i];
     let like = |other: &&&Finding| other.effect == finding.effect;
     let name = if findings.iter().filter(like).count() > 1 {
-        format!("{} {}", finding.effect, findings[..=i].iter().filter(like).count())
+        format!(
+            "{} {}",
+            finding.effect,
+            findings[..=i].iter().filter(like).count()
+        )
     } else {
         finding.effect.clone()
     };
-    let spans: Vec<(f64, f64)> = finding.place.intervals_s.iter().map(|[a, b]| (*a, *b)).collect();
+    let spans: Vec<(f64, f64)> = finding
+        .place
+        .intervals_s
+        .iter()
+        .map(|[a, b]| (*a, *b))
+        .collect();
     row_of(&name, &spans)
 }
 
@@ -149,7 +191,7 @@ fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     page.paragraph(
         "The force that would have to be added to the model at every moment (50 ms each) for it to \
          follow the measurements, without any idea of the cause; kept near zero where the \
-         measurements say nothing of it. Over time: its mean over a quarter of a second.",
+         measurements say nothing of it. Over time: its mean over a quarter of a second, without the extremes.",
     );
     for force in &figures.forces {
         add_over_time(page, force, &of_run(figures, force.run))?;
@@ -168,7 +210,10 @@ fn add_over_time(page: &mut Page, force: &MissingForce, run: &str) -> Result<(),
     if !force.after.is_empty() {
         chart = chart.line(line(FOUND, &force.after));
     }
-    page.figure(&chart.svg()?, &format!("Over time{run}: {}.", force.quantity));
+    page.figure(
+        &chart.svg()?,
+        &format!("Over time{run}: {}.", force.quantity),
+    );
     Ok(())
 }
 
@@ -185,22 +230,36 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
         chart = chart
             .line(dots(NOMINAL.0, &against.before, 4))
             .line(Line::new("its mean", means(&against.before)).colour(NOMINAL.1))
-            .line(Line::new("mean with what was found", means(&against.after)).dashed().colour(FOUND.1));
+            .line(
+                Line::new("mean with what was found", means(&against.after))
+                    .dashed()
+                    .colour(FOUND.1),
+            );
     } else {
         let curve = Line::new("the force that was found", against.curve.iter().copied());
         let curve = curve.colour(NOMINAL.1);
         chart = chart
             .line(dots("missing at each moment", &against.before, 4))
-            .line(if against.is_function { curve } else { curve.dots() });
+            .line(if against.is_function {
+                curve
+            } else {
+                curve.dots()
+            });
     }
     let (effect, variable) = (&against.effect, &against.variable);
-    page.figure(&chart.svg()?, &format!("{effect}: {} against {variable}.", against.quantity));
+    page.figure(
+        &chart.svg()?,
+        &format!("{effect}: {} against {variable}.", against.quantity),
+    );
     Ok(())
 }
 
 fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     for path in &figures.paths {
-        page.subsection(&format!("The path against the camera{}", of_run(figures, path.run)));
+        page.subsection(&format!(
+            "The path against the camera{}",
+            of_run(figures, path.run)
+        ));
         page.figure(
             &track(path).svg()?,
             "In pieces of 5 s: the start of each is fitted to its first half second, the rest is \
@@ -217,16 +276,33 @@ fn track(path: &Paths) -> Track {
     let track = Track::new()
         .line(line(CAMERA, &path.camera).dots())
         .line(line(NOMINAL, &path.before).dashed());
-    if path.before == path.after { track } else { track.line(line(FOUND, &path.after)) }
+    if path.after.is_empty() {
+        track
+    } else {
+        track.line(line(FOUND, &path.after))
+    }
 }
 
 fn add_parameters(page: &mut Page, answer: &Answer, figures: &Figures) {
-    let own = answer.findings.iter().filter(|finding| finding.robot == figures.robot);
+    let own = answer
+        .findings
+        .iter()
+        .filter(|finding| finding.robot == figures.robot);
     let rows = own.flat_map(|f| f.parameters.iter().map(|p| parameter_row(f, p)));
     let rows: Vec<Vec<String>> = rows.collect();
     if !rows.is_empty() {
         page.subsection("Parameters");
-        page.table(&["effect", "parameter", "unit", "nominal", "estimate", "95 % between"], &rows);
+        page.table(
+            &[
+                "effect",
+                "parameter",
+                "unit",
+                "nominal",
+                "estimate",
+                "95 % between",
+            ],
+            &rows,
+        );
     }
 }
 
@@ -239,7 +315,10 @@ fn parameter_row(finding: &Finding, parameter: &ParameterEstimate) -> Vec<String
         Some(_) => "not determined by this recording".to_owned(),
         None => "–".to_owned(),
     };
-    let estimate = parameter.text.clone().unwrap_or_else(|| or_none(parameter.estimate));
+    let estimate = parameter
+        .text
+        .clone()
+        .unwrap_or_else(|| or_none(parameter.estimate));
     vec![
         finding.effect.clone(),
         parameter.name.clone(),
@@ -257,8 +336,18 @@ fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
          saw, is simulated from the commands. Root mean square in standard deviations of the \
          sensor; noise alone gives 1.",
     );
-    let own = answer.held_out.channels.iter().filter(|c| c.robot == figures.robot);
-    let rows = own.map(|c| vec![c.channel.clone(), number(c.nrmse_before), number(c.nrmse_after)]);
+    let own = answer
+        .held_out
+        .channels
+        .iter()
+        .filter(|c| c.robot == figures.robot);
+    let rows = own.map(|c| {
+        vec![
+            c.channel.clone(),
+            number(c.nrmse_before),
+            number(c.nrmse_after),
+        ]
+    });
     let rows: Vec<Vec<String>> = rows.collect();
     page.table(&["channel", NOMINAL.0, FOUND.0], &rows);
 }
@@ -272,9 +361,16 @@ fn add_limits(page: &mut Page, figures: &Figures) {
          smallest size at which the catalogue expects it. This is what noise allows; how well a \
          simulation can know a robot is another question.",
     );
-    let known = figures.limits.iter().filter_map(|limit| Some((limit, limit.size?)));
+    let known = figures
+        .limits
+        .iter()
+        .filter_map(|limit| Some((limit, limit.size?)));
     let rows = known.map(|(limit, size)| {
-        vec![effect_of(limit), limit.parameter.to_owned(), ruled_out(limit, size)]
+        vec![
+            effect_of(limit),
+            limit.parameter.to_owned(),
+            ruled_out(limit, size),
+        ]
     });
     let rows: Vec<Vec<String>> = rows.collect();
     page.table(&["effect", "parameter", "ruled out"], &rows);
@@ -288,7 +384,11 @@ fn effect_of(limit: &Limit) -> String {
 }
 
 fn ruled_out(limit: &Limit, size: f64) -> String {
-    let unit = if limit.unit == "1" { String::new() } else { format!(" {}", limit.unit) };
+    let unit = if limit.unit == "1" {
+        String::new()
+    } else {
+        format!(" {}", limit.unit)
+    };
     let size = number(size);
     match limit.seen {
         Seen::Above => format!("above {size}{unit}"),
@@ -310,7 +410,10 @@ fn add_look_alikes(page: &mut Page, answer: &Answer, figures: &Figures) {
     for limit in figures.limits.iter().filter(|limit| limit.size.is_none()) {
         let effect = effect_of(limit);
         if !blind.contains(&effect) {
-            rows.push(vec![format!("{effect}: not shown here"), manoeuvre(&[limit.effect])]);
+            rows.push(vec![
+                format!("{effect}: not shown here"),
+                manoeuvre(&[limit.effect]),
+            ]);
             blind.push(effect);
         }
     }

@@ -10,7 +10,11 @@ const ENOUGH: usize = 4;
 pub(super) fn level(points: &[Point]) -> f64 {
     let finite = points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     let (count, sum) = finite.fold((0.0, 0.0), |(count, sum), y| (count + 1.0, sum + y * y));
-    if count > 0.0 { f64::sqrt(sum / count) } else { f64::NAN }
+    if count > 0.0 {
+        f64::sqrt(sum / count)
+    } else {
+        f64::NAN
+    }
 }
 
 /// What can be drawn.
@@ -34,7 +38,9 @@ pub(super) fn means(points: &[Point]) -> Vec<Point> {
         *up += y;
     }
     let enough = sums.into_iter().filter(|(count, _, _)| *count >= ENOUGH);
-    enough.map(|(count, x, y)| (x / count as f64, y / count as f64)).collect()
+    enough
+        .map(|(count, x, y)| (x / count as f64, y / count as f64))
+        .collect()
 }
 
 #[cfg(test)]
@@ -43,7 +49,10 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_line_is_the_line() {
-        let line: Vec<Point> = (0..960).map(|i| f64::from(i) / 960.0).map(|x| (x, 3.0 * x)).collect();
+        let line: Vec<Point> = (0..960)
+            .map(|i| f64::from(i) / 960.0)
+            .map(|x| (x, 3.0 * x))
+            .collect();
         let means = means(&line);
         assert_eq!(means.len(), STRETCHES);
         assert!(means.iter().all(|(x, y)| (y - 3.0 * x).abs() < 1e-12));

@@ -20,8 +20,16 @@ pub(super) fn number(value: f64) -> String {
     if size != 0.0 && !(1e-4..1e6).contains(&size) {
         return format!("{value:.2e}");
     }
-    let before = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 0 };
-    let after = if before > 0 { 4_usize.saturating_sub(before) } else { leading(size) + 3 };
+    let before = if size >= 1.0 {
+        size.log10().floor() as usize + 1
+    } else {
+        0
+    };
+    let after = if before > 0 {
+        4_usize.saturating_sub(before)
+    } else {
+        leading(size) + 3
+    };
     let text = format!("{value:.after$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -32,7 +40,11 @@ pub(super) fn number(value: f64) -> String {
 
 /// Zeros behind the point before the first digit that counts.
 fn leading(size: f64) -> usize {
-    if size == 0.0 { 0 } else { (-size.log10()).floor().max(0.0) as usize }
+    if size == 0.0 {
+        0
+    } else {
+        (-size.log10()).floor().max(0.0) as usize
+    }
 }
 
 /// The manoeuvre whose recording shows an effect, or tells several apart.
@@ -54,7 +66,8 @@ fn of(effect: &str) -> &'static str {
             "known added mass: the same commands with a weighed mass at a measured place"
         }
         "supply_sag" => "stop-and-go over several minutes with the same commands again and again",
-        "actuator_delay" | "actuator_lag" | "command_dead_band" | "command_saturation" | "backlash" => {
+        "actuator_delay" | "actuator_lag" | "command_dead_band" | "command_saturation"
+        | "backlash" => {
             "stop-and-go: steps of the command from the smallest to the largest, in both directions"
         }
         "yaw_scrub" | "track_width" | "caster_drag" | "pose_offset" => {
