@@ -161,7 +161,10 @@ fn diagnoses_of_practice_are_in_order() {
     let folder = tempfile::tempdir().unwrap();
     for (name, figures) in [("practice-08", 4), ("practice-07", 20)] {
         let recording = practice.join(name).display().to_string();
-        let model = practice.join(format!("robots/{name}.toml")).display().to_string();
+        let model = practice
+            .join(format!("robots/{name}.toml"))
+            .display()
+            .to_string();
         let page = format!("{name}.html");
         let arguments = ["diagnose", &recording, "--robot", &model, "--report", &page];
         let output = slipstream(folder.path(), &arguments);
