@@ -15,6 +15,9 @@ const NOMINAL: (&str, usize) = ("nominal model", 1);
 const FOUND: (&str, usize) = ("with what was found", 0);
 const CAMERA: (&str, usize) = ("camera", 5);
 
+/// Root mean square (standard deviations) below which a line is mostly noise.
+const NOISY: f64 = 3.0;
+
 /// From how much smaller residuals on (before over after) those after stand in a figure of their own.
 const OWN_FIGURE: f64 = 4.0;
 
@@ -26,9 +29,14 @@ pub(super) fn page(
 ) -> Result<String, PictureError> {
     let mut page = Page::new(&format!("Diagnosis of {name}"), &command_line());
     add_answer(&mut page, answer);
-    for own in figures {
+    let found = |own: &Figures| answer.findings.iter().any(|f| f.robot == own.robot);
+    // robots with findings first
+    let (with, without): (Vec<&Figures>, Vec<&Figures>) =
+        figures.iter().partition(|own| found(own));
+    for own in with.into_iter().chain(without) {
         if figures.len() > 1 {
-            page.section(&format!("Robot {}", own.robot));
+            let nothing = if found(own) { "" } else { ": nothing found" };
+            page.section(&format!("Robot {}{nothing}", own.robot));
         }
         add_residuals(&mut page, own)?;
         add_timeline(&mut page, answer, own)?;
@@ -104,8 +112,14 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     let channel = residuals.channel;
     let [before, after] = [level(&residuals.before), level(&residuals.after)];
     let axis = format!("{channel} (standard deviations)");
-    let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
     let same = residuals.after.is_empty();
+    let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
+    // a line through noise would fill the figure
+    let nominal = if same && before < NOISY {
+        nominal.dots()
+    } else {
+        nominal
+    };
     let mut chart = Chart::new("t (s)", axis.clone()).line(nominal);
     if !same {
         chart = chart.line(Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1));

@@ -28,7 +28,7 @@ pub(super) fn number(value: f64) -> String {
     let after = if before > 0 {
         4_usize.saturating_sub(before)
     } else {
-        leading(size) + 3
+        leading(size) + 4
     };
     let text = format!("{value:.after$}");
     if text.contains('.') {
