@@ -17,3 +17,9 @@ large:
 # Each reader fuzzed for five minutes (needs a nightly toolchain and cargo-fuzz).
 fuzz:
     cd tools/recording/fuzz && for target in $(cargo +nightly fuzz list); do cargo +nightly fuzz run $target -- -max_total_time=300; done
+
+# The diagnosis tried on every effect at several sizes, on nothing, on pairs and on what it does not
+# know: minutes to make, and as long as the diagnosis takes for each of some 170 cases.
+battery:
+    cargo build --release -p slipstream
+    target/release/slipstream trial --plan battery --json target/battery.json --report target/battery.html

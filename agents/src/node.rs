@@ -127,10 +127,9 @@ impl Node {
         });
         if due.outer {
             self.collect(mail, recorder)?;
-            let (sampled_ns, robot) = (encoders.sampled_ns, self.robot);
+            let robot = self.robot;
             let span =
-                tracing::debug_span!("outer", robot, due_ns = now_ns, sampled_ns, message = Empty)
-                    .entered();
+                tracing::debug_span!("outer", robot, due_ns = now_ns, message = Empty).entered();
             self.take(now_ns, recorder);
             let tick = self.agent.outer(now_ns, encoders);
             span.record("message", tick.message);
@@ -149,15 +148,9 @@ impl Node {
             self.send(now_ns, mail, recorder)?;
         }
         if due.inner {
-            let (sampled_ns, robot) = (encoders.sampled_ns, self.robot);
-            let span = tracing::debug_span!(
-                "inner",
-                robot,
-                due_ns = now_ns,
-                sampled_ns,
-                outer_ns = Empty
-            )
-            .entered();
+            let robot = self.robot;
+            let span =
+                tracing::debug_span!("inner", robot, due_ns = now_ns, outer_ns = Empty).entered();
             let tick = self.agent.inner(now_ns, encoders);
             span.record("outer_ns", tick.outer_ns);
             recorder.record(&Record::Inner(tick));

@@ -256,7 +256,7 @@ pub trait Recorder {
     /// not stop for it.
     fn record(&mut self, record: &Record);
 
-    /// Takes an encoded record of the trace, of the instant `t_ns`.
+    /// Takes a piece of the trace (`trace.rs`), whose first record is of the instant `t_ns`.
     fn trace(&mut self, _t_ns: i64, _bytes: &[u8]) {}
 }
 

@@ -29,11 +29,11 @@ const LARGEST: usize = 256;
 pub enum Entry<'a> {
     /// A record.
     Record(Record),
-    /// A record of the trace.
+    /// A piece of the trace.
     Trace {
-        /// When.
+        /// When its first record was.
         t_ns: i64,
-        /// Encoded (`trace.rs`).
+        /// Its records (`trace.rs`).
         bytes: &'a [u8],
     },
 }
@@ -83,15 +83,15 @@ impl RecordSender {
 
     /// Sends what has waited long enough. To be called once a round.
     pub fn breathe(&mut self) {
-        self.take_tape();
-        if self.in_chunk > 0 && self.sent.elapsed() >= PERIOD {
+        trace::drain_long(|t_ns, bytes| self.trace(t_ns, bytes));
+        if (self.in_chunk > 0 || trace::waiting() > 0) && self.sent.elapsed() >= PERIOD {
             self.flush();
         }
     }
 
     /// Sends what there is.
     pub fn flush(&mut self) {
-        self.take_tape();
+        trace::drain(|t_ns, bytes| self.trace(t_ns, bytes));
         self.send();
     }
 
@@ -107,10 +107,6 @@ impl RecordSender {
     /// Records that did not reach the recorder, because it was gone or did not keep up.
     pub fn lost(&self) -> u64 {
         self.lost + trace::lost()
-    }
-
-    fn take_tape(&mut self) {
-        trace::drain(|t_ns, bytes| self.trace(t_ns, bytes));
     }
 
     /// Puts an entry of at most so many bytes into the chunk.
@@ -162,7 +158,7 @@ impl Recorder for RecordSender {
         if !matches!(record, Record::Inner(_)) {
             self.put(&Entry::Record(*record), LARGEST);
         }
-        self.take_tape();
+        trace::drain_long(|t_ns, bytes| self.trace(t_ns, bytes));
     }
 
     fn trace(&mut self, t_ns: i64, bytes: &[u8]) {

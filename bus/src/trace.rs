@@ -1,9 +1,9 @@
 //! The recorded trace: spans and events of the `tracing` crate as compact postcard records.
 //!
 //! [`begin`] lets a thread's spans and events through the filter of `RUST_LOG` onto a tape of the
-//! thread; whoever records takes the tape in. A span becomes one record when it closes. Times are
-//! the run's: virtual as told with [`at`], or the wall clock's ([`use_clock`]). An event with a
-//! field `t_ns` happened then.
+//! thread; whoever records takes the tape in, piece by piece, because records one by one cost more
+//! than they are worth. A span becomes one record when it closes. Times are the run's: virtual as
+//! told with [`at`], or the wall clock's ([`use_clock`]). An event with a field `t_ns` happened then.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -20,7 +20,8 @@ use tracing_subscriber::layer::{Context, Layer, SubscriberExt};
 use crate::clock::WallClock;
 use crate::record::{Record, Recorder};
 
-/// What stands first in every trace record. Records from before there was a mark begin with less.
+/// What stands before every piece of a trace in a file. What is from before there was a mark begins
+/// with less.
 pub const FORMAT: u8 = 32;
 /// The environment variable with the filter.
 pub const VARIABLE: &str = "RUST_LOG";
@@ -28,13 +29,21 @@ pub const VARIABLE: &str = "RUST_LOG";
 const DEFAULT: &str = "slipstream=debug";
 /// Bytes that wait on a tape before records are dropped.
 const ROOM: usize = 1 << 20;
+/// A piece of a tape is no longer than this, or one record (bytes).
+const PIECE: usize = 2 << 10;
+/// No record is longer (bytes).
+const LARGEST: usize = 3 << 10;
+/// Before each record: its time (8 bytes) and its length (2).
+const PREFIX: usize = 10;
 /// No text in a record is longer (bytes).
 const LONGEST: usize = 512;
 
 /// A record of the trace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Traced<'a> {
-    format: u8,
+    /// When it began (ns). On the tape it stands before the record.
+    #[serde(skip)]
+    pub begin_ns: i64,
     /// Who told it: `plant`, a robot, `recorder`, `launcher`, or `run` where all is one process.
     #[serde(borrow)]
     pub process: Cow<'a, str>,
@@ -43,8 +52,6 @@ pub struct Traced<'a> {
     /// The span's or event's name.
     #[serde(borrow)]
     pub name: Cow<'a, str>,
-    /// When it began (ns).
-    pub begin_ns: i64,
     /// When it closed (ns); none for an event.
     pub end_ns: Option<i64>,
     /// What else it says.
@@ -76,22 +83,36 @@ pub enum TracedError {
     Damaged,
 }
 
-impl<'a> Traced<'a> {
-    /// Reads a record.
-    ///
-    /// # Errors
-    /// Bytes of another format, or damaged ones.
-    pub fn decode(bytes: &'a [u8]) -> Result<Self, TracedError> {
-        match bytes.first() {
-            Some(&FORMAT) => match postcard::take_from_bytes(bytes) {
-                Ok((record, [])) => Ok(record),
-                _ => Err(TracedError::Damaged),
-            },
-            Some(_) => Err(TracedError::OtherFormat),
-            None => Err(TracedError::Damaged),
+/// Shows `each` the records of a piece of a trace as it stands in a file.
+///
+/// # Errors
+/// A piece of another format, or a damaged one.
+pub fn read<'a>(piece: &'a [u8], mut each: impl FnMut(Traced<'a>)) -> Result<(), TracedError> {
+    let mut rest = match piece.split_first() {
+        Some((&FORMAT, rest)) => rest,
+        Some(_) => return Err(TracedError::OtherFormat),
+        None => return Err(TracedError::Damaged),
+    };
+    while !rest.is_empty() {
+        let (begin_ns, bytes, after) = split(rest).ok_or(TracedError::Damaged)?;
+        match postcard::take_from_bytes(bytes) {
+            Ok((record, [])) => each(Traced { begin_ns, ..record }),
+            _ => return Err(TracedError::Damaged),
         }
+        rest = after;
     }
+    Ok(())
+}
 
+/// The first record of a tape: its time (ns) and bytes; and the rest.
+fn split(tape: &[u8]) -> Option<(i64, &[u8], &[u8])> {
+    let (t_ns, rest) = tape.split_first_chunk()?;
+    let (length, rest) = rest.split_first_chunk()?;
+    let (record, rest) = rest.split_at_checked(u16::from_le_bytes(*length).into())?;
+    Some((i64::from_le_bytes(*t_ns), record, rest))
+}
+
+impl<'a> Traced<'a> {
     /// The value of a field.
     pub fn field(&self, name: &str) -> Option<&Value<'a>> {
         let found = self.fields.iter().find(|(field, _)| field == name);
@@ -118,11 +139,9 @@ impl<'a> Traced<'a> {
 /// The part of a record before its fields.
 #[derive(Serialize)]
 struct Head<'a> {
-    format: u8,
     process: &'a str,
     level: u8,
     name: &'a str,
-    begin_ns: i64,
     end_ns: Option<i64>,
 }
 
@@ -137,7 +156,6 @@ struct Tape {
     spare: Vec<Fields>,
     /// Of the event under way.
     fields: Fields,
-    /// Each record after its time (8 bytes) and its length (4 bytes).
     records: Vec<u8>,
     lost: u64,
 }
@@ -218,14 +236,28 @@ pub(crate) fn tell(record: &Record) {
     }
 }
 
-/// Gives a record to a recorder, and what it says to the trace; then the tape.
+/// Gives a record to a recorder, and what it says to the trace; then the tape, if that is long.
 pub fn record(recorder: &mut impl Recorder, record: &Record) {
     tell(record);
     recorder.record(record);
-    drain(|t_ns, bytes| recorder.trace(t_ns, bytes));
+    drain_long(|t_ns, bytes| recorder.trace(t_ns, bytes));
 }
 
-/// Shows `each` the records of the tape with their times (ns) and empties it.
+/// Bytes on the tape.
+pub fn waiting() -> usize {
+    let mut waiting = 0;
+    with_tape(|tape| waiting = tape.records.len());
+    waiting
+}
+
+/// As [`drain`], when there is more than half a piece.
+pub fn drain_long(each: impl FnMut(i64, &[u8])) {
+    if waiting() > PIECE / 2 {
+        drain(each);
+    }
+}
+
+/// Shows `each` the tape piece by piece, with the time of the first record (ns), and empties it.
 pub fn drain(each: impl FnMut(i64, &[u8])) {
     let mut records = Vec::new();
     // An empty tape keeps its room.
@@ -237,7 +269,7 @@ pub fn drain(each: impl FnMut(i64, &[u8])) {
     if records.is_empty() {
         return;
     }
-    replay(&records, each);
+    pieces(&records, each);
     records.clear();
     with_tape(|tape| {
         if tape.records.is_empty() {
@@ -246,25 +278,27 @@ pub fn drain(each: impl FnMut(i64, &[u8])) {
     });
 }
 
-/// The tape as bytes, for [`replay`]; the tape is empty then.
+/// The tape as bytes, for [`pieces`]; the tape is empty then.
 pub fn take() -> Vec<u8> {
     let mut records = Vec::new();
     with_tape(|tape| std::mem::swap(&mut tape.records, &mut records));
     records
 }
 
-/// Shows `each` the records of a tape's bytes with their times (ns), as far as they are whole.
-pub fn replay(mut bytes: &[u8], mut each: impl FnMut(i64, &[u8])) {
-    while let Some((t_ns, rest)) = bytes.split_first_chunk() {
-        let Some((length, rest)) = rest.split_first_chunk() else {
-            return;
-        };
-        let Some((record, rest)) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)
-        else {
-            return;
-        };
-        each(i64::from_le_bytes(*t_ns), record);
-        bytes = rest;
+/// Shows `each` the pieces of a tape's bytes with the time of the first record (ns), as far as they
+/// are whole.
+pub fn pieces(mut tape: &[u8], mut each: impl FnMut(i64, &[u8])) {
+    while let Some((first_ns, _, _)) = split(tape) {
+        let mut rest = tape;
+        while let Some((_, _, after)) = split(rest) {
+            let long = tape.len() - after.len() > PIECE;
+            if long && rest.len() < tape.len() {
+                break;
+            }
+            rest = after;
+        }
+        each(first_ns, &tape[..tape.len() - rest.len()]);
+        tape = rest;
     }
 }
 
@@ -349,30 +383,33 @@ impl Tape {
         end_ns: Option<i64>,
         fields: &Fields,
     ) {
-        const PREFIX: usize = 12;
         let start = self.records.len();
         if start > ROOM {
             self.lost += 1;
             return;
         }
         let head = Head {
-            format: FORMAT,
             process: &self.process,
             level: level(metadata),
             name: metadata.name(),
-            begin_ns,
             end_ns,
         };
         let records = &mut self.records;
         records.extend_from_slice(&begin_ns.to_le_bytes());
-        records.extend_from_slice(&[0; 4]);
+        records.extend_from_slice(&[0; 2]);
         // Writing to memory cannot fail. A sequence is its length and its elements.
         let _ = postcard::to_io(&head, &mut *records);
         let _ = postcard::to_io(&fields.count, &mut *records);
         records.extend_from_slice(&fields.bytes);
-        let length = records.len() - start - PREFIX;
-        let length = u32::try_from(length).unwrap_or(u32::MAX).to_le_bytes();
-        records[start + 8..start + PREFIX].copy_from_slice(&length);
+        match u16::try_from(records.len() - start - PREFIX) {
+            Ok(length) if usize::from(length) <= LARGEST => {
+                records[start + 8..start + PREFIX].copy_from_slice(&length.to_le_bytes());
+            }
+            _ => {
+                records.truncate(start);
+                self.lost += 1;
+            }
+        }
     }
 }
 
@@ -439,11 +476,16 @@ impl Visit for Fields {
 mod tests {
     use super::*;
 
+    fn in_a_file(piece: &[u8]) -> Vec<u8> {
+        [&[FORMAT], piece].concat()
+    }
+
     fn records() -> Vec<Traced<'static>> {
         let mut all = Vec::new();
-        drain(|_, bytes| {
-            let own = Vec::leak(bytes.to_vec());
-            all.push(Traced::decode(own).unwrap());
+        drain(|t_ns, piece| {
+            let before = all.len();
+            read(Vec::leak(in_a_file(piece)), |record| all.push(record)).unwrap();
+            assert_eq!(all[before].begin_ns, t_ns);
         });
         all
     }
@@ -482,9 +524,35 @@ mod tests {
 
     #[test]
     fn what_is_of_another_format_is_told_from_damage() {
-        assert_eq!(Traced::decode(&[5, 1, 2]), Err(TracedError::OtherFormat));
-        assert_eq!(Traced::decode(&[FORMAT, 200]), Err(TracedError::Damaged));
-        assert_eq!(Traced::decode(&[]), Err(TracedError::Damaged));
+        let told = |bytes: &[u8]| read(bytes, |_| {});
+        assert_eq!(told(&[5, 1, 2]), Err(TracedError::OtherFormat));
+        assert_eq!(told(&[FORMAT, 200]), Err(TracedError::Damaged));
+        assert_eq!(told(&[]), Err(TracedError::Damaged));
+    }
+
+    #[test]
+    fn a_long_tape_comes_in_pieces_of_whole_records() {
+        let _tracing = begin("r1", EnvFilter::new("debug"));
+        for seq in 0..1000_u32 {
+            tracing::debug!(name: "sent", seq);
+        }
+        let long = "x".repeat(LONGEST);
+        let long = long.as_str();
+        tracing::debug!(name: "long", a = long, b = long, c = long, d = long, e = long);
+        tracing::debug!(name: "too_long", a = long, b = long, c = long, d = long, e = long, f = long);
+        let mut sizes = Vec::new();
+        let tape = take();
+        let mut count = 0;
+        pieces(&tape, |_, piece| {
+            sizes.push(piece.len());
+            read(&in_a_file(piece), |_| count += 1).unwrap();
+        });
+        assert_eq!((count, lost()), (1001, 1));
+        assert_eq!(sizes.iter().sum::<usize>(), tape.len());
+        assert!(
+            sizes[..sizes.len() - 1].iter().all(|&size| size <= PIECE),
+            "{sizes:?}"
+        );
     }
 
     #[test]
@@ -506,9 +574,8 @@ mod tests {
         let bytes = take();
         for cut in 0..bytes.len() {
             let mut count = 0;
-            replay(&bytes[..cut], |_, bytes| {
-                assert!(Traced::decode(bytes).is_ok());
-                count += 1;
+            pieces(&bytes[..cut], |_, piece| {
+                read(&in_a_file(piece), |_| count += 1).unwrap();
             });
             assert!(count < 2);
         }

@@ -8,8 +8,8 @@ use std::io::{IsTerminal, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_diagnose::{Answer, Illustrated, Unusable, diagnose, diagnose_with_figures};
-use slipstream_recording::{Recording, robot_toml};
+use slipstream_diagnose::{Answer, Illustrated, Request, Unusable, diagnose, diagnose_with_figures};
+use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
 use crate::file;
@@ -17,15 +17,16 @@ use crate::models::Models;
 
 /// Find what a robot's model leaves out, from a recording
 ///
-/// A first form: it looks for effects that always act, on robots with recorded commands, one
-/// recording at a time, and takes minutes. Patches, pushes, links and what the catalogue does not
-/// hold are not looked for yet.
+/// Says where the model and the recording part, which physics of the catalogue was left out, how
+/// much of it and how sure that is; or that nothing is missing; or that something is missing that
+/// the catalogue does not hold, and what it looks like.
 ///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file.
-    recording: PathBuf,
+    /// Folder with recording.toml, or an MCAP file; several are recordings of the same machines.
+    #[arg(required = true)]
+    recording: Vec<PathBuf>,
     /// A robot's model, for all or for the robot NAME; without it the one in the recording.
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
@@ -38,6 +39,9 @@ pub(crate) struct Arguments {
     /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
+    /// Believe nothing that was measured from A to B seconds.
+    #[arg(long, value_name = "A:B", value_parser = time_span)]
+    exclude_time: Vec<[f64; 2]>,
     /// Take an effect out of the catalogue.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -52,31 +56,45 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             )));
         }
     }
-    let import = slipstream_recording::read(&arguments.recording)?;
-    for warning in &import.warnings {
-        eprintln!("{warning}");
+    let mut recordings = Vec::new();
+    for path in &arguments.recording {
+        let import = slipstream_recording::read(path)?;
+        for warning in &import.warnings {
+            eprintln!("{warning}");
+        }
+        recordings.push(import.recording);
     }
     let models = Models::read(&arguments.robot)?;
     let live = std::io::stderr().is_terminal();
     let began = std::time::Instant::now();
     let progress = |what: &str| {
-        if std::env::var_os("DEBUG_D").is_some() { eprintln!("{:.1} {what}", began.elapsed().as_secs_f64()); }
+        if std::env::var_os("DEBUG_D").is_some() {
+            eprintln!("{:.1} {what}", began.elapsed().as_secs_f64());
+        }
         if live {
             // a progress line that cannot be shown is not worth an error
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
         }
     };
-    let done = examine(arguments, &import.recording, &models, &progress);
+    let request = Request {
+        recordings: &recordings,
+        model_of: &|robot| models.of(robot),
+        excluded: &arguments.without,
+        excluded_s: &arguments.exclude_time,
+        progress: &progress,
+    };
+    let done = examine(&request, arguments.report.is_some());
     if live {
         eprint!("\r\x1b[K");
     }
     let (answer, improved, figures) =
-        done.map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
+        done.map_err(|why| Error::Input(why.to_string()))?;
     if let Some(file) = &arguments.json {
         file::write_json(file, &answer)?;
     }
     if let Some(file) = &arguments.report {
-        let page = page::page(&import.recording.name, &answer, &figures);
+        let names: Vec<&str> = recordings.iter().map(|recording| recording.name.as_str()).collect();
+        let page = page::page(&names.join(", "), &answer, &figures);
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
         file::write(file, &page)?;
     }
@@ -94,18 +112,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
+/// A span of time as `A:B`.
+fn time_span(text: &str) -> Result<[f64; 2], String> {
+    let ends = text.split_once(':').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
+    ends.filter(|[a, b]| a < b)
+        .ok_or_else(|| "give two times in seconds, as 12.5:14".to_owned())
+}
+
 /// The diagnosis, with figures where a page is wanted.
-fn examine(
-    arguments: &Arguments,
-    recording: &Recording,
-    models: &Models,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<Illustrated, Unusable> {
-    let (model_of, excluded) = (|robot: &str| models.of(robot), &arguments.without);
-    if arguments.report.is_some() {
-        return diagnose_with_figures(recording, model_of, excluded, progress);
+fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unusable> {
+    if with_figures {
+        return diagnose_with_figures(request);
     }
-    let (answer, improved) = diagnose(recording, model_of, excluded, progress)?;
+    let (answer, improved) = diagnose(request)?;
     Ok((answer, improved, Vec::new()))
 }
 

@@ -20,7 +20,8 @@ use slipstream_trial::maker::Plan;
 use slipstream_trial::tally::{Report, tally};
 
 use crate::exit::{Error, Exit};
-use crate::file::write_json;
+use crate::file::{write, write_json};
+use crate::study::command_line;
 
 /// Try the diagnosis on recordings whose truth is concealed from it
 ///
@@ -47,7 +48,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, default_value_t = Which::Sealed, conflicts_with = "labels")]
     plan: Which,
     /// Write recordings, models and labels, and diagnose nothing.
-    #[arg(long, requires = "out", conflicts_with_all = ["labels", "json"])]
+    #[arg(long, requires = "out", conflicts_with_all = ["labels", "json", "report"])]
     make_only: bool,
     /// Keep recordings, commitments and, in the end, labels in this new folder.
     #[arg(long, value_name = "FOLDER", conflicts_with = "labels")]
@@ -61,12 +62,18 @@ pub(crate) struct Arguments {
     /// Take an effect out of the catalogue of every diagnosis.
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
+    /// Another program in the place of this one, called as `PROGRAM diagnose …` is.
+    #[arg(long, value_name = "PROGRAM")]
+    with: Option<PathBuf>,
     /// Longest time for one diagnosis (s).
     #[arg(long, value_name = "S", default_value_t = 300)]
     limit_s: u64,
     /// Write the scores to a file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write the report.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -97,6 +104,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     };
     if let Some(file) = &arguments.json {
         write_json(file, &report)?;
+    }
+    if let Some(file) = &arguments.report {
+        let page = slipstream_trial::page::page(&report, &command_line())
+            .map_err(|error| Error::Failed(error.to_string()))?;
+        write(file, &page)?;
     }
     words::say(&report);
     Ok(Exit::Done)
@@ -158,8 +170,13 @@ fn answers(
     questions: &[Question],
     stop: &AtomicBool,
 ) -> Result<Vec<slipstream_trial::examine::Examined>, Error> {
-    let program = std::env::current_exe()
-        .map_err(|error| Error::Failed(format!("this program's own file: {error}")))?;
+    let program = match &arguments.with {
+        // the diagnosis works in another folder
+        Some(program) => std::path::absolute(program),
+        None => std::env::current_exe(),
+    };
+    let program =
+        program.map_err(|error| Error::Failed(format!("the program that diagnoses: {error}")))?;
     let examiner = Examiner {
         program: &program,
         limit: Duration::from_secs(arguments.limit_s),

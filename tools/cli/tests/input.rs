@@ -102,6 +102,24 @@ fn what_files_say_wrong_is_named_with_its_line() {
         &["b.toml"],
         &["b.toml:4: links.los is no key; did you mean links.loss"],
     );
+    file(
+        "e.toml",
+        "[assumptions.floor]\nkeys = [\"control.frition\"]\nreason = \"felt\"\n",
+    );
+    refuse(
+        folder.path(),
+        &["e.toml"],
+        &["e.toml:2: control.frition is no key; did you mean control.friction"],
+    );
+    file(
+        "f.toml",
+        "[assumptions.floor]\nkeys = [\"control.friction\"]\n",
+    );
+    refuse(
+        folder.path(),
+        &["f.toml"],
+        &["f.toml:2: assumptions.floor is no assumption", "reason"],
+    );
     file("c.toml", "duration_s = \n");
     refuse(folder.path(), &["c.toml"], &["c.toml:1: is no TOML"]);
     file("d.toml", "format = 2\n");

@@ -95,7 +95,7 @@ fn every_report_is_in_order() {
         ("trace.html", 6),
         ("wall.html", 6),
         ("compare.html", 20),
-        ("reproduce.html", 7),
+        ("reproduce.html", 9),
         ("study.html", 4),
     ] {
         assert_in_order(&mut browser, &folder.path().join(page), figures);

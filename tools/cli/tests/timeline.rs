@@ -77,7 +77,7 @@ fn a_foreign_parser_finds_each_message_as_an_arrow_over_its_four_ticks() {
     let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(
         seen["processes"],
-        serde_json::json!(["plant", "launcher", "r1", "r2", "r3"])
+        serde_json::json!(["plant", "launcher", "recorder", "r1", "r2", "r3"])
     );
     let arrows = seen["arrows"].as_array().unwrap();
     let answer = read_json(&folder.path().join("trace.json"));

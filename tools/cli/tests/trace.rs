@@ -11,7 +11,7 @@ use std::path::Path;
 
 use common::{read_json, run_json, slipstream};
 use serde_json::Value;
-use slipstream_bus::trace::Traced;
+use slipstream_bus::trace::{self, Traced};
 use slipstream_trace::{Fate, Message, follow};
 
 /// Runs a platoon and traces it.
@@ -120,10 +120,8 @@ fn the_sums_are_those_of_the_records() {
     let path = folder.path().join("run.mcap");
     let mut records: Vec<Traced<'static>> = Vec::new();
     slipstream_recording::read_trace(&path, &mut |bytes| {
-        let bytes = Vec::leak(bytes.to_vec());
-        Traced::decode(bytes)
-            .map(|record| records.push(record))
-            .is_ok()
+        let piece = Vec::leak(bytes.to_vec());
+        trace::read(piece, |record| records.push(record)).is_ok()
     })
     .unwrap();
     let find = |name: &str, fits: &dyn Fn(&Traced<'_>) -> bool, field: &str| {
@@ -439,7 +437,6 @@ fn the_trace_changes_no_state() {
         ]);
         arguments.extend(place);
         let mut command = common::command(folder.path(), &arguments);
-        command.env_remove("RUST_LOG");
         if let Some(filter) = filter {
             command.env("RUST_LOG", filter);
         }
@@ -447,8 +444,10 @@ fn the_trace_changes_no_state() {
         let mut names = std::collections::BTreeSet::new();
         let path = folder.path().join("run.mcap");
         let read = slipstream_recording::read_trace(&path, &mut |bytes| {
-            names.insert(Traced::decode(bytes).unwrap().name.to_string());
-            true
+            let mut take = |record: Traced<'_>| {
+                names.insert(record.name.to_string());
+            };
+            trace::read(bytes, &mut take).is_ok()
         });
         assert_eq!(read.is_err(), names.is_empty());
         let hash = read_json(&folder.path().join("result.json"))["state_hash"].clone();

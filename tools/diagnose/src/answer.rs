@@ -1,17 +1,17 @@
 //! What is answered: CONTRACT.md, section 4.
 
 use serde::Serialize;
-use slipstream_bus::RobotModel;
 use slipstream_sim::effects::Info;
 
-use crate::bench::{Bench, with};
+use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
+use crate::{interval, located};
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
-use crate::window::{WINDOW_S, cut};
+use crate::window::{WINDOW_S, cut, spread};
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -147,6 +147,9 @@ pub struct Unexplained {
 }
 
 
+/// Windows that are predicted at most.
+const JUDGED: usize = 60;
+
 /// Level of the worst channel (deviations) from which on residuals that nothing explains are said
 /// to be unexplained; below, they may be forces without pattern.
 const GROSS: f64 = 3.0;
@@ -155,19 +158,21 @@ impl Answer {
     /// Adds what was found on one machine.
     pub(crate) fn add(&mut self, bench: &Bench, found: &Found) {
         self.format = 1;
-        let robot = &bench.tracks[0].robot;
-        let mut first = 0;
         for (at, hypothesis) in found.node.hypotheses.iter().enumerate() {
             self.findings
-                .push(finding(bench, found, hypothesis, at, first));
-            first += if hypothesis.is_threshold() { 0 } else { hypothesis.values.len() };
+                .push(finding(bench, found, hypothesis, at));
         }
-        let runs = bench.tracks.iter().enumerate();
-        let windows: Vec<_> = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S)).collect();
-        let before = score::prediction(bench, &windows, &[]);
-        let after = score::prediction(bench, &windows, &found.node.hypotheses);
-        self.held_out.add(robot, &before, &after);
         self.leftover(bench, found);
+    }
+
+    /// Adds how well one machine is predicted before and after.
+    pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
+        let runs = bench.tracks.iter().enumerate();
+        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, &[]));
+        let windows = spread(windows.collect(), JUDGED);
+        let before = score::prediction(bench, &windows, &[]);
+        let after = score::prediction(bench, &windows, hypotheses);
+        self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 
     /// What the fitted model leaves beyond the noise.
@@ -241,26 +246,24 @@ fn finding(
     found: &Found,
     hypothesis: &Hypothesis,
     at: usize,
-    first: usize,
 ) -> Finding {
     let info: &Info = hypothesis.info;
     let unit = |name: &str| {
         let own = info.parameters.iter().find(|p| p.name == name);
         own.map_or("1", |p| p.unit).to_owned()
     };
-    let fit = &found.node.fit;
+    let intervals = interval::of(bench, &found.node, at);
     let mut parameters: Vec<ParameterEstimate> = hypothesis
         .values
         .iter()
         .enumerate()
         .map(|(i, (name, estimate))| {
-            let deviation = if hypothesis.is_threshold() { 0.0 } else { fit.deviations[first + i] };
             ParameterEstimate {
                 name: (*name).to_owned(),
                 unit: unit(name),
                 nominal: hypothesis.nominal(&bench.model, name),
                 estimate: Some(*estimate),
-                ci95: Some([estimate - 1.96 * deviation, estimate + 1.96 * deviation]),
+                ci95: Some(intervals[i]),
                 text: None,
             }
         })
@@ -288,7 +291,7 @@ fn finding(
         .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
         .collect();
     let robot = bench.tracks[0].robot.clone();
-    let [from, to] = bench.tracks[0].span_s();
+    let condition = located::condition(bench, hypothesis);
     Finding {
         statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
         robot,
@@ -296,8 +299,8 @@ fn finding(
         parameters,
         place: Place {
             channel: info.channels[0].name().to_owned(),
-            intervals_s: vec![[from, to]],
-            condition: String::new(),
+            intervals_s: located::intervals(bench, &found.node, at),
+            condition,
         },
         confused_with: confused,
         // over all hypotheses that were tried, by Bonferroni
@@ -330,9 +333,4 @@ fn outside(robot: &str, unknown: &Unknown, looked_at: usize) -> Finding {
         shape: Some(unknown.shape.clone()),
         driver: Some(unknown.missing.driver.name.to_owned()),
     }
-}
-
-/// The nominal model with what was found.
-pub(crate) fn improved(bench: &Bench, found: &Found) -> RobotModel {
-    with(&bench.model, &found.node.hypotheses)
 }

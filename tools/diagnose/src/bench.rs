@@ -10,7 +10,7 @@ use crate::linear;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
 use crate::track::{CHANNELS, Track};
-use crate::window::{LOCALS, Window};
+use crate::window::{LOCALS, WINDOW_S, Window, cut, spread};
 
 /// Longest step of a simulation (s).
 const STEP_S: f64 = 2e-3;
@@ -20,6 +20,9 @@ const LONG_STEP_S: f64 = 0.02;
 /// Level (deviations) that counts as noise, where the noise is declared and where it is not.
 const NOISE: f64 = 1.12;
 const NOISE_UNDECLARED: f64 = 1.5;
+
+/// Rounds of a fit to a part of the windows, from the fit to all.
+const HELD_OUT: usize = 6;
 
 /// Rounds of a fit to the end.
 pub(crate) const FULL: usize = 30;
@@ -124,6 +127,17 @@ impl Bench {
         solve(&problem, &setting.values)
     }
 
+    /// The same cut anew, so that no window begins in one of these times (s).
+    pub(crate) fn avoiding(&self, times_s: &[[f64; 2]]) -> Self {
+        let runs = self.tracks.iter().enumerate();
+        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, times_s));
+        Self {
+            tracks: self.tracks.clone(),
+            windows: spread(windows.collect(), self.windows.len().max(1)),
+            model: self.model.clone(),
+        }
+    }
+
     /// Whether what `node` leaves is noise in every channel.
     pub(crate) fn is_noise(&self, node: &Node) -> bool {
         (0..CHANNELS).all(|channel| self.excess(node, channel) < 1.0)
@@ -161,7 +175,17 @@ impl Bench {
 
     /// Fits the nominal model with `hypotheses`.
     pub(crate) fn fit(&self, hypotheses: &[Hypothesis], starts: &[[f64; LOCALS]], rounds: usize) -> Option<Node> {
-        let fit = self.posed(hypotheses, &self.windows, |problem, values| {
+        self.fit_on(&self.windows, hypotheses, starts, rounds)
+    }
+
+    fn fit_on(
+        &self,
+        windows: &[Window],
+        hypotheses: &[Hypothesis],
+        starts: &[[f64; LOCALS]],
+        rounds: usize,
+    ) -> Option<Node> {
+        let fit = self.posed(hypotheses, windows, |problem, values| {
             problem.fit(values, starts, rounds)
         })?;
         let mut hypotheses = hypotheses.to_vec();
@@ -170,8 +194,33 @@ impl Bench {
             for ((_, value), fitted) in hypothesis.values.iter_mut().zip(&mut fitted) {
                 *value = *fitted;
             }
+            hypothesis.keep_in_order();
         }
         Some(Node { hypotheses, fit })
+    }
+
+    /// How much better (−2 ln L) `after` predicts windows that its parameters were not fitted to
+    /// than `before` does: every other window is fitted, and the rest predicted, in turn.
+    pub(crate) fn held_out_gain(&self, before: &Node, after: &Node) -> f64 {
+        let misfits = [before, after].map(|node| {
+            let folds = (0..2).into_par_iter().filter_map(|fold| self.held_out(node, fold));
+            let folds: Vec<Misfit> = folds.collect();
+            folds.into_iter().reduce(|a, b| a.and(&b)).unwrap_or_default()
+        });
+        misfits[1].gain_over(&misfits[0])
+    }
+
+    fn held_out(&self, node: &Node, fold: usize) -> Option<Misfit> {
+        let split = |own: usize| -> (Vec<Window>, Vec<[f64; LOCALS]>) {
+            let all = self.windows.iter().zip(&node.fit.starts).enumerate();
+            all.filter(|(i, _)| i % 2 == own).map(|(_, (w, s))| (w.clone(), *s)).unzip()
+        };
+        let (fitted, starts) = split(fold);
+        let learnt = self.fit_on(&fitted, &node.hypotheses, &starts, HELD_OUT)?;
+        let (judged, starts) = split(1 - fold);
+        self.posed(&learnt.hypotheses, &judged, |problem, _| {
+            Some(problem.with_free(&[]).fit(&[], &starts, HELD_OUT)?.misfit)
+        })
     }
 
     /// What each candidate promises beside the effects of `node`, best first.

@@ -4,14 +4,15 @@
 use rayon::prelude::*;
 use slipstream_sim::CommandKind;
 
+use crate::Request;
 use crate::bench::{Bench, Node};
 use crate::drivers::{Driver, Sampled, rate};
 use crate::force::{self, Answers, Part};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{self, Hypothesis};
 use crate::limits::{self, Limit};
 use crate::local;
 use crate::score;
-use crate::search::{Found, Search};
+use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS, Sensor};
 use crate::unknown::Unknown;
 use crate::window::{WINDOW_S, cut};
@@ -115,10 +116,10 @@ struct Moment {
 }
 
 impl Figures {
-    /// What is shown of a search and what it found.
-    pub(crate) fn new(search: &Search<'_>, found: &Found) -> Self {
-        let bench = search.bench;
-        (search.progress)("figures");
+    /// What is shown of a machine and what was found on it.
+    pub(crate) fn new(bench: &Bench, found: &Found, request: &Request<'_>) -> Self {
+        let robot = bench.tracks[0].robot.clone();
+        (request.progress)(&format!("{robot}: figures"));
         let has_findings = !found.node.hypotheses.is_empty();
         let before = moments(bench, &found.nominal).unwrap_or_default();
         let after = has_findings
@@ -134,9 +135,10 @@ impl Figures {
         if let Some(unknown) = &found.unknown {
             against.extend(of_unknown(bench, unknown, left));
         }
-        (search.progress)("what is ruled out");
+        (request.progress)(&format!("{robot}: what is ruled out"));
+        let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
         Self {
-            robot: bench.tracks[0].robot.clone(),
+            robot,
             spans_s: bench
                 .tracks
                 .iter()
@@ -146,7 +148,7 @@ impl Figures {
             forces: over_time(bench, &before, &after),
             against,
             paths: paths(bench, found),
-            limits: limits::limits(bench, &search.all, found),
+            limits: limits::limits(bench, &all, found),
         }
     }
 }
@@ -493,7 +495,7 @@ fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2]
         return [Vec::new(), Vec::new()];
     };
     let series = &track.series[which];
-    let windows = cut(track, run, WINDOW_S);
+    let windows = cut(track, run, WINDOW_S, &[]);
     let pieces = windows.par_iter().map(|window| {
         let residuals = score::predicted(bench, window, hypotheses).unwrap_or_default();
         let [first, end] = window.rows[which];

@@ -7,6 +7,7 @@ use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
+use crate::hypothesis::{KINETIC, STATIC};
 use crate::linear::{self, Linear, Normal};
 use crate::misfit::Misfit;
 use crate::simulate::Simulation;
@@ -22,10 +23,6 @@ const START_STEP: [f64; 2] = [1e-4, 1e-3];
 /// Change of a residual (deviations) that a difference aims at: far above rounding and the search
 /// for events, far below where the plant bends.
 const AIM: f64 = 0.3;
-
-/// Friction's two coefficients, of which the first is not below the second.
-const STATIC: &str = "friction_static";
-const KINETIC: &str = "friction_kinetic";
 
 /// A fit has arrived where a step brings less than this (−2 ln L).
 const ARRIVED: f64 = 0.02;

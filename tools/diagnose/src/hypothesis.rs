@@ -2,11 +2,11 @@
 //! start from.
 
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
 use slipstream_sim::CommandKind;
 
 use crate::simulate::asked;
-use crate::track::{Sensor, Track};
+use crate::track::{Driver, Sensor, Track};
 
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
@@ -63,6 +63,28 @@ impl Hypothesis {
         })
     }
 
+    /// Whether a value lies at the end of what is plausible: the fit wanted something else.
+    pub(crate) fn is_at_bound(&self) -> bool {
+        self.values.iter().any(|(name, value)| {
+            let own = self.info.parameters.iter().find(|p| p.name == *name);
+            match own.map(|p| p.domain) {
+                Some(Domain::Number { lower, upper, .. }) => {
+                    let near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs();
+                    (lower != 0.0 && near(lower)) || near(upper)
+                }
+                _ => false,
+            }
+        })
+    }
+
+    /// Static friction is not below kinetic friction.
+    pub(crate) fn keep_in_order(&mut self) {
+        let of = |name: &str| self.values.iter().position(|(known, _)| *known == name);
+        if let (Some(above), Some(below)) = (of(STATIC), of(KINETIC)) {
+            self.values[above].1 = self.values[above].1.max(self.values[below].1);
+        }
+    }
+
     /// Whether it changes little by little nowhere: a friction that is far off says nothing of which
     /// way the true one lies.
     pub(crate) fn is_abrupt(&self) -> bool {
@@ -79,6 +101,10 @@ impl Hypothesis {
 fn is_factor(name: &str) -> bool {
     name.ends_with("scale") || name == "right" || name == "left"
 }
+
+/// Friction's two coefficients, of which the first is not below the second.
+pub(crate) const STATIC: &str = "friction_static";
+pub(crate) const KINETIC: &str = "friction_kinetic";
 
 /// Effects whose start is looked for by place or time.
 pub(crate) const LOCAL: [&str; 2] = ["friction_patch", "push"];
@@ -106,12 +132,19 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
 /// Whether a track has the sensors and the drive in which an effect shows.
 fn shows(info: &Info, track: &Track) -> bool {
     let has = |sensor| track.of(sensor).is_some();
+    if track.driver == Driver::Wheels {
+        // the wheels' own motion is the input: what acts before it cannot show
+        let seen = matches!(info.place, Place::Contact | Place::Body | Place::Sensor);
+        let geometry = matches!(info.id, "wheel_radius" | "track_width");
+        if !(seen || geometry) || matches!(info.id, "encoder_scale" | "wheels_latency") {
+            return false;
+        }
+    }
     let wheels = has(Sensor::WheelAngle) || has(Sensor::WheelSpeed) || has(Sensor::Odometry);
     match info.id {
         "imu_latency" => has(Sensor::Imu),
         "pose_offset" | "pose_latency" => has(Sensor::Pose),
         "wheels_latency" => wheels && (has(Sensor::Pose) || has(Sensor::Imu)),
-        // scaled counts and a scaled radius are one where the wheels themselves drive
         "encoder_scale" => wheels,
         _ => true,
     }

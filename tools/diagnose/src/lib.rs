@@ -14,8 +14,11 @@ mod fit;
 mod force;
 mod hypothesis;
 mod limits;
+mod interval;
 mod linear;
+mod links;
 mod local;
+mod located;
 mod misfit;
 mod noise;
 mod score;
@@ -27,6 +30,8 @@ mod window;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
+use slipstream_recording::recording::Robot as Recorded;
+use slipstream_sim::CommandKind;
 
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
@@ -35,8 +40,8 @@ pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
 pub use limits::{Limit, Seen};
 
 use crate::bench::Bench;
-use crate::search::{Found, Search};
-use crate::track::Track;
+use crate::search::{Found, Outcome, Search};
+use crate::track::{Block, Track};
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -64,84 +69,181 @@ impl Unusable {
     }
 }
 
-/// Diagnoses every robot of `recording` that has commands. `model_of` gives each robot's nominal
-/// model, `excluded` names effects that are not to be tried, `progress` hears what is being done.
-///
-/// # Errors
-/// A recording in which no robot can be diagnosed, or a model that is none.
-pub fn diagnose(
-    recording: &Recording,
-    model_of: impl Fn(&str) -> Option<RobotModel>,
-    excluded: &[String],
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
-    examine(recording, model_of, excluded, progress, |_, _| ())
+/// What is asked.
+pub struct Request<'a> {
+    /// Recordings of the same machines, fitted together.
+    pub recordings: &'a [Recording],
+    /// The nominal model of each robot; without one, that of the recording.
+    pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
+    /// Effects that are not to be tried.
+    pub excluded: &'a [String],
+    /// Times (s) of which nothing is believed.
+    pub excluded_s: &'a [[f64; 2]],
+    /// Hears what is being done.
+    pub progress: &'a (dyn Fn(&str) + Sync),
 }
 
-/// The answer, each robot's improved model, and the figures of each machine.
+/// Rows of a series above which it is thinned: more say no more.
+const ROWS: usize = 9000;
+
+/// Windows that are fitted at most.
+const WINDOWS: usize = 24;
+
+/// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
+///
+/// # Errors
+/// A robot that cannot be diagnosed, or a model that is none.
+pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+    examine(request, |_, _| ())
+}
+
+/// The answer, each robot's improved model, and the figures of each machine, block by block.
 pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
 
 /// The same, with what the figures of a report show.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_with_figures(
-    recording: &Recording,
-    model_of: impl Fn(&str) -> Option<RobotModel>,
-    excluded: &[String],
-    progress: &(dyn Fn(&str) + Sync),
-) -> Result<Illustrated, Unusable> {
+pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Unusable> {
     let mut figures = Vec::new();
-    let each = |search: &Search<'_>, found: &Found| figures.push(Figures::new(search, found));
-    let (answer, improved) = examine(recording, model_of, excluded, progress, each)?;
+    let each = |bench: &Bench, found: &Found| figures.push(Figures::new(bench, found, request));
+    let (answer, improved) = examine(request, each)?;
     Ok((answer, improved, figures))
 }
 
 /// Diagnoses machine after machine; `each` sees what was found on it.
 fn examine(
-    recording: &Recording,
-    model_of: impl Fn(&str) -> Option<RobotModel>,
-    excluded: &[String],
-    progress: &(dyn Fn(&str) + Sync),
-    mut each: impl FnMut(&Search<'_>, &Found),
+    request: &Request<'_>,
+    mut each: impl FnMut(&Bench, &Found),
 ) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
     let mut answer = Answer::default();
     let mut improved = Vec::new();
-    for robot in &recording.robots {
-        let model = model_of(&robot.name)
-            .or_else(|| recording.model.clone())
-            .ok_or_else(|| {
-                Unusable::new(
-                    &robot.name,
-                    "has no model",
-                    "give one with --robot robot.toml",
-                )
-            })?;
-        let track = Track::new(recording, robot, &model)?;
-        slipstream_sim::Robot::new(&model)
-            .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
-        let windows = window::cut(&track, 0, window::WINDOW_S);
-        let tracks = vec![track];
-        let all = hypothesis::all(&model, &tracks, excluded);
-        let bench = Bench {
-            tracks,
-            windows,
-            model,
-        };
-        let search = Search {
-            bench: &bench,
-            all,
-            excluded,
-            progress: &|what| progress(&format!("{}: {what}", robot.name)),
-        };
-        let found = search.run().ok_or_else(|| {
-            let remedy = "check masses, lengths and units, and that commands are of the named kind";
-            Unusable::new(&robot.name, "cannot be simulated by its model", remedy)
-        })?;
-        answer.add(&bench, &found);
-        each(&search, &found);
-        improved.push((robot.name.clone(), answer::improved(&bench, &found)));
+    let mut courses = Vec::new();
+    for machine in machines(request.recordings) {
+        let name = &machine[0].1.name;
+        let whole = bench(request, &machine, Block::Whole)?;
+        let mut hypotheses = Vec::new();
+        for block in blocks(&whole, &machine) {
+            let part;
+            let bench = match block {
+                Block::Whole => &whole,
+                _ => {
+                    part = bench(request, &machine, block)?;
+                    &part
+                }
+            };
+            let unusable = || {
+                let remedy = "check masses, lengths and units, and the kind of the commands";
+                Unusable::new(name, "cannot be simulated by its model", remedy)
+            };
+            let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
+            let search = Search {
+                bench,
+                all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
+                excluded: request.excluded,
+                avoided: false,
+                progress: &progress,
+            };
+            let (again, bench, found);
+            match search.run().ok_or_else(unusable)? {
+                Outcome::Found(first) => (bench, found) = (search.bench, first),
+                Outcome::Slides(slides) => {
+                    again = search.bench.avoiding(&slides);
+                    bench = &again;
+                    let search = Search {
+                        bench,
+                        avoided: true,
+                        ..search
+                    };
+                    let Outcome::Found(second) = search.run().ok_or_else(unusable)? else {
+                        return Err(unusable());
+                    };
+                    found = second;
+                }
+            }
+            answer.add(bench, &found);
+            each(bench, &found);
+            courses.extend(links::Course::new(bench, &found.node));
+            hypotheses.extend(found.node.hypotheses);
+        }
+        answer.judge(&whole, &hypotheses);
+        improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
+    }
+    if let [recording] = request.recordings {
+        links::add(recording, &courses, request.excluded, &mut answer, &mut improved);
     }
     answer.conclude();
     Ok((answer, improved))
+}
+
+/// The runs of each machine: robots of one name, or all robots of a recording that says so. Single
+/// robots of several recordings are one machine whatever they are called.
+fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
+    let alone = recordings.len() > 1 && recordings.iter().all(|r| r.robots.len() == 1);
+    let mut machines: Vec<Vec<(&Recording, &Recorded)>> = Vec::new();
+    for recording in recordings {
+        for robot in &recording.robots {
+            let known = machines.iter_mut().find(|machine| {
+                let (first, other) = machine[0];
+                let runs = recording.same_robot && std::ptr::eq(first, recording);
+                alone || runs || other.name == robot.name
+            });
+            match known {
+                Some(machine) => machine.push((recording, robot)),
+                None => machines.push(vec![(recording, robot)]),
+            }
+        }
+    }
+    machines
+}
+
+/// The blocks that are diagnosed one by one. Where no mass is known, wheels turn as they are told
+/// and the floor carries them as they turn: two blocks that meet at the encoders. Else one: forces
+/// at the floor act back on the wheels.
+fn blocks(whole: &Bench, machine: &[(&Recording, &Recorded)]) -> Vec<Block> {
+    let masses = slipstream_sim::Robot::new(&whole.model)
+        .is_ok_and(|robot| robot.accepts(CommandKind::Torque).is_ok());
+    let both = machine.iter().all(|(_, robot)| {
+        robot.command.is_some() && robot.wheels.is_some() && (robot.pose.is_some() || robot.imu.is_some())
+    });
+    if both && !masses {
+        vec![Block::ToWheels, Block::FromWheels]
+    } else {
+        vec![Block::Whole]
+    }
+}
+
+fn bench(
+    request: &Request<'_>,
+    machine: &[(&Recording, &Recorded)],
+    block: Block,
+) -> Result<Bench, Unusable> {
+    let (recording, robot) = machine[0];
+    let model = (request.model_of)(&robot.name)
+        .or_else(|| recording.model.clone())
+        .ok_or_else(|| Unusable::new(&robot.name, "has no model", "give one with --robot robot.toml"))?;
+    let constants = slipstream_sim::Robot::new(&model)
+        .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+    let mut tracks = Vec::new();
+    for (recording, robot) in machine {
+        let mut track = Track::new(recording, robot, &model, block)?;
+        constants
+            .accepts(track.kind())
+            .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+        track.leave_out(request.excluded_s);
+        track.thin(ROWS);
+        tracks.push(track);
+    }
+    let runs = tracks.iter().enumerate();
+    let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S, &[]));
+    let windows = window::spread(windows.collect(), WINDOWS);
+    if windows.is_empty() {
+        let remedy = "record at least a few seconds, or exclude less";
+        return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));
+    }
+    Ok(Bench {
+        tracks,
+        windows,
+        model,
+    })
 }

@@ -17,12 +17,12 @@ use crate::track::CHANNELS;
 /// Moments that are tried for a push.
 const MOMENTS: usize = 3;
 /// Places that are tried for a patch, and how far they lie apart (m).
-const PLACES: usize = 14;
+const PLACES: usize = 10;
 const APART_M: f64 = 0.05;
 /// Patches whose promise is worth a step of the fit.
 const PATCHES: usize = 4;
-const RADII_M: [f64; 4] = [0.06, 0.12, 0.2, 0.35];
-const FRICTIONS: [f64; 4] = [0.05, 0.1, 0.15, 0.2];
+const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
+const FRICTIONS: [f64; 3] = [0.06, 0.12, 0.18];
 /// Force that is believable where nothing shows it, as a share of the weight.
 const BELIEVED: f64 = 0.05;
 

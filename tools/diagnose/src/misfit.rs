@@ -40,6 +40,17 @@ impl Misfit {
         }
     }
 
+    /// Both together.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let mut both = *self;
+        for channel in 0..CHANNELS {
+            both.squares[channel] += other.squares[channel];
+            both.counts[channel] += other.counts[channel];
+            both.memory[channel] = both.memory[channel].max(other.memory[channel]);
+        }
+        both
+    }
+
     /// Mean square of a channel, in square deviations.
     pub(crate) fn mean_square(&self, channel: usize) -> f64 {
         self.squares[channel] / self.counts[channel].max(1.0)
@@ -60,7 +71,7 @@ impl Misfit {
     /// other once.
     pub(crate) fn gain_over(&self, before: &Self) -> f64 {
         let own = (0..CHANNELS).filter(|c| self.counts[*c] > 0.0).map(|c| {
-            self.counts[c] / self.memory[c] * (before.floored(c) / self.floored(c)).ln()
+            self.counts[c] / self.memory[c].max(1.0) * (before.floored(c) / self.floored(c)).ln()
         });
         own.sum()
     }

@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
-use crate::track::CHANNELS;
 use crate::window::Window;
 
 /// Time over which a window's start is fitted (s).
@@ -19,14 +18,7 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
         .par_iter()
         .filter_map(|window| one(bench, window, hypotheses))
         .collect();
-    let mut misfit = Misfit::default();
-    for part in parts {
-        for channel in 0..CHANNELS {
-            misfit.squares[channel] += part.squares[channel];
-            misfit.counts[channel] += part.counts[channel];
-        }
-    }
-    misfit
+    parts.iter().fold(Misfit::default(), |sum, part| sum.and(part))
 }
 
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {

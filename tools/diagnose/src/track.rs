@@ -92,6 +92,18 @@ pub(crate) enum Driver {
     Wheels,
 }
 
+/// Which block of the robot is looked at. Each is driven by what was measured at its entry, so that
+/// what one block leaves out does not disturb the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Block {
+    /// From the command, or from the wheels where there is none, to everything measured.
+    Whole,
+    /// From the command to the wheels.
+    ToWheels,
+    /// From the wheels to pose and inertial sensor.
+    FromWheels,
+}
+
 /// One robot's recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
@@ -115,10 +127,11 @@ impl Track {
         recording: &Recording,
         robot: &Recorded,
         model: &RobotModel,
+        block: Block,
     ) -> Result<Self, Unusable> {
         let place = format!("{}: {}", recording.name, robot.name);
         let wheels = wheels(robot, model);
-        let told = commands(robot);
+        let told = commands(robot).filter(|_| block != Block::FromWheels);
         let driver = if told.is_some() { Driver::Command } else { Driver::Wheels };
         let driven = told.or_else(|| wheels.as_ref().and_then(driven_by));
         let commands = driven.ok_or_else(|| {
@@ -127,7 +140,9 @@ impl Track {
         })?;
         let mut series: Vec<Series> = Vec::new();
         series.extend(wheels.filter(|_| driver == Driver::Command));
-        series.extend([poses(robot), odometry(robot), imu(robot)].into_iter().flatten());
+        if block != Block::ToWheels {
+            series.extend([poses(robot), odometry(robot), imu(robot)].into_iter().flatten());
+        }
         if !matches!(commands.first(), Some((_, Command::Torque { .. } | Command::Voltage { .. }))) {
             // speeds that jump with their command have no acceleration to compare
             for series in series.iter_mut().filter(|s| s.sensor == Sensor::Imu) {
@@ -151,6 +166,25 @@ impl Track {
             tracked_ahead_m: -back,
             imu_without_weight: robot.imu_kind == Some(ImuKind::Acceleration),
         })
+    }
+
+    /// Believes nothing measured in these times (s).
+    pub(crate) fn leave_out(&mut self, times_s: &[[f64; 2]]) {
+        for series in &mut self.series {
+            series.rows.retain(|(t_s, _)| !times_s.iter().any(|[from, to]| (from..=to).contains(&t_s)));
+        }
+    }
+
+    /// Keeps every so manyth row of series that have more than `most`.
+    pub(crate) fn thin(&mut self, most: usize) {
+        for series in &mut self.series {
+            let stride = series.rows.len().div_ceil(most).max(1);
+            let mut at = 0;
+            series.rows.retain(|_| {
+                at += 1;
+                (at - 1) % stride == 0
+            });
+        }
     }
 
     /// The series of `sensor`.

@@ -3,7 +3,7 @@
 
 use slipstream_sim::{Command, CommandKind};
 
-use crate::track::{Driver, Sensor, Series, Track};
+use crate::track::{Sensor, Series, Track};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
@@ -13,6 +13,9 @@ const SEARCH_S: f64 = 1.2;
 
 /// A slide that a torque began is over this long after it (s).
 const SLIDE_S: f64 = 0.35;
+
+/// No window begins closer than this to a known slide (s).
+const AFTER_S: f64 = 0.02;
 
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
@@ -40,7 +43,9 @@ pub(crate) struct Window {
 
 /// Cuts `track`, the `run`th, into windows of about `length_s` that start where little drives the
 /// robot.
-pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
+///
+/// No window begins in one of the times `avoided` (s): what slides there is not known.
+pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]) -> Vec<Window> {
     let [begin, end] = track.span_s();
     let mut windows = Vec::new();
     let mut from_s = begin;
@@ -49,7 +54,7 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
         let to_s = if wanted + 0.3 * length_s > end {
             end
         } else {
-            gentle(track, wanted)
+            gentle(track, wanted, avoided)
         };
         windows.push(Window::new(track, run, from_s, to_s));
         from_s = to_s;
@@ -58,9 +63,19 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
     windows
 }
 
+/// At most `most` of all windows, from begin to end.
+pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
+    let count = windows.len();
+    if count <= most {
+        return windows;
+    }
+    let chosen = (0..most).map(|k| windows[k * (count - 1) / (most - 1)].clone());
+    chosen.collect()
+}
+
 /// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
 /// asked of them for a while.
-fn gentle(track: &Track, wanted_s: f64) -> f64 {
+fn gentle(track: &Track, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
     let near = track
         .commands
         .iter()
@@ -72,11 +87,12 @@ fn gentle(track: &Track, wanted_s: f64) -> f64 {
         let asked = asked.map(|(_, command)| size(command)).fold(0.0, f64::max);
         let speeds = wheels.map_or([1.0; 2], |wheels| speeds(wheels, t_s));
         let stands = speeds.iter().any(|speed| speed.abs() < 0.4);
-        (stands, asked + (t_s - wanted_s).abs() * 1e-4)
+        let slides = avoided.iter().any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s));
+        (slides, stands, asked + (t_s - wanted_s).abs() * 1e-4)
     };
     let best = near.min_by(|(a_s, _), (b_s, _)| {
         let (a, b) = (cost(*a_s), cost(*b_s));
-        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     });
     best.map_or(wanted_s, |(t_s, _)| *t_s)
 }
@@ -196,10 +212,5 @@ impl Window {
         let ahead = track.tracked_ahead_m;
         let [x, y] = [pose[0] - ahead * yaw.cos(), pose[1] - ahead * yaw.sin()];
         [x, y, yaw, u, rate, angle[0], angle[1]]
-    }
-
-    /// Whether the window's simulation is the wheels' own motion, known before.
-    pub(crate) fn is_driven_by_wheels(track: &Track) -> bool {
-        track.driver == Driver::Wheels
     }
 }

@@ -6,20 +6,10 @@
 )]
 
 use slipstream_bus::{Camera, RobotModel, Sensors};
-use slipstream_diagnose::{Answer, Verdict, diagnose};
+use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command as Told, Pose, Robot, Stream, Wheels};
-use slipstream_sim::effects::CATALOGUE;
 use slipstream_sim::{Command, Setup, World};
-
-/// Effects that are looked for here: the whole catalogue takes minutes.
-const LOOKED_FOR: [&str; 5] = [
-    "rolling_resistance",
-    "viscous_drag",
-    "yaw_scrub",
-    "motor_gain",
-    "pose_latency",
-];
 
 fn torque(t_s: f64) -> [f64; 2] {
     let t = (t_s / 0.02).floor() * 0.02;
@@ -98,17 +88,13 @@ fn record(model: &RobotModel, seed: u64) -> Recording {
 }
 
 fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, RobotModel) {
-    let ids = CATALOGUE.iter().map(|info| info.id.to_owned());
-    let excluded: Vec<String> = ids
-        .filter(|id| !LOOKED_FOR.contains(&id.as_str()))
-        .collect();
-    let recording = record(truth, seed);
-    let (answer, mut improved) = diagnose(
-        &recording,
-        |_| Some(nominal.clone()),
-        &excluded,
-        &|_| (),
-    )
+    let (answer, mut improved) = diagnose(&Request {
+        recordings: &[record(truth, seed)],
+        model_of: &|_| Some(nominal.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    })
     .unwrap();
     (answer, improved.remove(0).1)
 }

@@ -19,6 +19,8 @@ pub(crate) struct File {
 
 /// Keys of a file that are not the experiment's.
 const ASIDE: [&str; 2] = ["format", "base"];
+/// The table with the assumptions.
+const ASSUMPTIONS: &str = "assumptions";
 
 impl File {
     /// Parses the text of an experiment.
@@ -59,6 +61,31 @@ impl File {
         self.table.get("base").and_then(Value::as_str)
     }
 
+    /// What the file assumes: name, keys and reason, in order of the names.
+    pub(crate) fn assumptions(&self) -> Result<Vec<(String, Vec<String>, String)>, Unusable> {
+        let Some(table) = self.table.get(ASSUMPTIONS).and_then(Value::as_table) else {
+            return Ok(Vec::new());
+        };
+        let read = |(name, value): (&String, &Value)| {
+            let Assumed { keys, reason } = value.clone().try_into().map_err(|_| {
+                let first = self
+                    .lines
+                    .iter()
+                    .find(|(key, _)| key.starts_with(&format!("{ASSUMPTIONS}.{name}.")));
+                let line = first.map_or(1, |&(_, line)| line);
+                let place = format!("{}:{line}", self.path.display());
+                let problem = format!("{ASSUMPTIONS}.{name} is no assumption");
+                Unusable::new(
+                    place,
+                    problem,
+                    "give it keys = [\"KEY\", …] and a reason = \"…\"",
+                )
+            })?;
+            Ok((name.clone(), keys, reason))
+        };
+        table.iter().map(read).collect()
+    }
+
     /// File and line of a key.
     pub(crate) fn place(&self, key: &str) -> String {
         let line = self
@@ -74,12 +101,24 @@ impl File {
         let own = self
             .lines
             .iter()
-            .filter(|(key, _)| !ASIDE.contains(&key.as_str()));
+            .filter(|(key, _)| !ASIDE.contains(&key.as_str()) && !is_assumption(key));
         own.filter_map(|(key, line)| {
             find(&self.table, key).map(|value| (key.clone(), value.clone(), *line))
         })
         .collect()
     }
+}
+
+/// An assumption as it stands in a file.
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Assumed {
+    keys: Vec<String>,
+    reason: String,
+}
+
+fn is_assumption(key: &str) -> bool {
+    key.split('.').next() == Some(ASSUMPTIONS)
 }
 
 fn gather(table: &DeTable<'_>, prefix: &str, text: &str, lines: &mut Vec<(String, usize)>) {

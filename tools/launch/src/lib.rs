@@ -18,4 +18,4 @@ mod tape;
 pub use in_process::{Reports, RunError};
 pub use launcher::{LaunchError, Options};
 pub use outcome::{Outcome, Verdict};
-pub use resolve::{Request, Resolved, Unusable, resolve};
+pub use resolve::{Assumption, Request, Resolved, Unusable, resolve};

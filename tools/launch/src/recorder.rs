@@ -50,6 +50,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
     joined.bell.ready();
+    tracing::info!(name: "recording", file = %out.display());
     let sources = joined.experiment.robots.len() + 1;
     let lockstep = joined.experiment.settings.clock == Clock::Virtual;
     let mut order = Order::new(if lockstep { sources } else { 0 }, sink);
@@ -57,7 +58,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
         .err()
         .map(|error| error.to_string());
     for tape in read_tapes(&joined.place) {
-        trace::replay(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
+        trace::pieces(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
     }
     Ok(match order.finish() {
         Ok(records) => RecorderOutcome { records, failure },

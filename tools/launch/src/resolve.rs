@@ -40,6 +40,19 @@ pub struct Resolved {
     pub experiment: Experiment,
     /// Every key in its order, its value as TOML, and where it came from.
     pub keys: Vec<(String, String, Origin)>,
+    /// What the experiment assumes, by name.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// Something that is not known, what is taken for it, and why.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Assumption {
+    /// Its name.
+    pub name: String,
+    /// The keys that hold what is taken, with their values as TOML.
+    pub keys: BTreeMap<String, String>,
+    /// Why.
+    pub reason: String,
 }
 
 /// Where a key's value came from.
@@ -98,7 +111,15 @@ struct Tree {
     table: Table,
     base: String,
     origins: BTreeMap<String, Origin>,
+    /// Keys and reason, by name.
+    assumed: BTreeMap<String, (Vec<String>, String)>,
 }
+
+/// The files of the paper's experiments.
+const PAPERS: [(&str, &str); 2] = [
+    ("platoon", include_str!("../experiments/platoon.toml")),
+    ("single", include_str!("../experiments/single.toml")),
+];
 
 /// Resolves what is asked for.
 ///
@@ -160,6 +181,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, Unusable> {
     Ok(Resolved {
         experiment,
         keys: tree.listing(),
+        assumptions: tree.assumptions(),
     })
 }
 
@@ -179,7 +201,18 @@ impl Resolved {
             let (key, value, origin) = entry;
             let gap = " ".repeat(column.saturating_sub(width(entry)));
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{key} = {value}{gap}  # {origin}");
+            let _ = write!(text, "{key} = {value}{gap}  # {origin}");
+            // What somebody says on the command line is no assumption.
+            let said = matches!(origin, Origin::Argument(_));
+            let own = |assumption: &&Assumption| !said && assumption.keys.contains_key(key);
+            for assumption in self.assumptions.iter().filter(own) {
+                let _ = write!(text, "; assumption {}", assumption.name);
+            }
+            text.push('\n');
+        }
+        for Assumption { name, reason, .. } in &self.assumptions {
+            let reason = reason.replace('\n', " ");
+            let _ = writeln!(text, "# assumption {name}: {reason}");
         }
         text
     }
@@ -188,7 +221,7 @@ impl Resolved {
 /// The built-in experiment, or the one that a file is laid over, with the file laid over it.
 fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
     let asked = experiment.unwrap_or("platoon");
-    if let Some(tree) = Tree::built_in(asked) {
+    if let Some(tree) = Tree::built_in(asked)? {
         return Ok(tree);
     }
     let path = Path::new(asked);
@@ -198,7 +231,7 @@ fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
     })?;
     let file = keys::File::parse(path, &text)?;
     let name = file.base().unwrap_or("platoon");
-    let mut tree = Tree::built_in(name).ok_or_else(|| {
+    let mut tree = Tree::built_in(name)?.ok_or_else(|| {
         let remedy = format!("give one of {}", BUILT_IN.join(", "));
         Unusable::new(file.place("base"), format!("base is {name:?}"), remedy)
     })?;
@@ -215,11 +248,27 @@ fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
     for (key, value, line) in file.keys() {
         tree.set(&key, value, &Origin::File(path.to_owned(), line))?;
     }
+    tree.assume(&file)?;
     Ok(tree)
 }
 
 impl Tree {
-    fn built_in(name: &str) -> Option<Self> {
+    fn built_in(name: &str) -> Result<Option<Self>, Unusable> {
+        let Some(mut tree) = Self::plain(name) else {
+            return Ok(None);
+        };
+        for (_, text) in PAPERS.iter().filter(|(paper, _)| *paper == name) {
+            let file = keys::File::parse(Path::new(name), text)?;
+            for (key, value, _) in file.keys() {
+                tree.set(&key, value, &Origin::BuiltIn(name.to_owned()))?;
+            }
+            tree.assume(&file)?;
+        }
+        Ok(Some(tree))
+    }
+
+    /// The settings of a built-in experiment, before its file.
+    fn plain(name: &str) -> Option<Self> {
         let settings = match name {
             "platoon" => Settings::default(),
             "single" => Settings::single(),
@@ -233,7 +282,38 @@ impl Tree {
             table,
             base: name.to_owned(),
             origins: BTreeMap::new(),
+            assumed: BTreeMap::new(),
         })
+    }
+
+    /// Takes in what a file assumes.
+    fn assume(&mut self, file: &keys::File) -> Result<(), Unusable> {
+        for (name, keys, reason) in file.assumptions()? {
+            if let Some(key) = keys
+                .iter()
+                .find(|key| keys::find(&self.table, key).is_none())
+            {
+                let place = file.place(&format!("assumptions.{name}.keys"));
+                let remedy = match keys::nearest(&self.table, key) {
+                    Some(near) => format!("did you mean {near}? --dry-run lists all keys"),
+                    None => "--dry-run lists all keys".to_owned(),
+                };
+                return Err(Unusable::new(place, format!("{key} is no key"), remedy));
+            }
+            self.assumed.insert(name, (keys, reason));
+        }
+        Ok(())
+    }
+
+    fn assumptions(&self) -> Vec<Assumption> {
+        let value = |key: &String| keys::find(&self.table, key).map(ToString::to_string);
+        let with_value = |key: &String| Some((key.clone(), value(key)?));
+        let one = |(name, (keys, reason)): (&String, &(Vec<String>, String))| Assumption {
+            name: name.clone(),
+            keys: keys.iter().filter_map(with_value).collect(),
+            reason: reason.clone(),
+        };
+        self.assumed.iter().map(one).collect()
     }
 
     /// Sets one key; what the settings do not take is refused at once, where it stands.
@@ -390,4 +470,34 @@ fn read_model(path: &Path) -> Result<RobotModel, Unusable> {
             "check the file",
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The files say what is assumed; what the code takes where nobody says anything is the same.
+    #[test]
+    fn the_papers_files_hold_the_defaults() {
+        for (name, settings) in [
+            ("platoon", Settings::default()),
+            ("single", Settings::single()),
+        ] {
+            let request = Request {
+                experiment: Some(name.to_owned()),
+                ..Request::default()
+            };
+            let resolved = resolve(&request).unwrap();
+            assert_eq!(resolved.experiment.settings, settings);
+            assert!(resolved.assumptions.len() >= 3);
+            for assumption in &resolved.assumptions {
+                assert!(!assumption.keys.is_empty() && assumption.reason.len() > 40);
+            }
+            let text = resolved.to_toml();
+            assert!(
+                text.contains("; assumption friction") && text.contains("# assumption motor: ")
+            );
+            assert!(text.parse::<Table>().is_ok());
+        }
+    }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use slipstream_bus::message::{Position, RobotIndex, robot_name};
 use slipstream_bus::record::{Record, Recorder, State};
+use slipstream_bus::trace;
 use slipstream_bus::{Experiment, RobotModel};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
@@ -22,6 +23,8 @@ pub struct Sink {
     poses: Vec<[f64; 3]>,
     under_way: BTreeMap<(RobotIndex, u32), UnderWay>,
     records: u64,
+    /// A piece of the trace with its mark, while it is written.
+    trace: Vec<u8>,
 }
 
 /// A message whose fate is not yet known. Its two ends tell in any order.
@@ -42,8 +45,11 @@ impl Sink {
         experiment: &Experiment,
         keys: &str,
     ) -> slipstream_recording::Result<Self> {
+        let mut writer = RunWriter::create(path, &about(experiment, keys))?;
+        // Who dies soon leaves a file that says what it is.
+        writer.flush()?;
         Ok(Self {
-            writer: RunWriter::create(path, &about(experiment, keys))?,
+            writer,
             failure: None,
             names: experiment
                 .robots
@@ -53,6 +59,7 @@ impl Sink {
             poses: Vec::new(),
             under_way: BTreeMap::new(),
             records: 0,
+            trace: Vec::new(),
         })
     }
 
@@ -222,7 +229,10 @@ impl Recorder for Sink {
     fn trace(&mut self, t_ns: i64, bytes: &[u8]) {
         if self.failure.is_none() {
             self.records += 1;
-            let result = self.writer.write_trace(t_ns, bytes);
+            self.trace.clear();
+            self.trace.push(trace::FORMAT);
+            self.trace.extend_from_slice(bytes);
+            let result = self.writer.write_trace(t_ns, &self.trace);
             self.keep(result);
         }
     }

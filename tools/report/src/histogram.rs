@@ -2,6 +2,7 @@
 
 use plotters::prelude::*;
 
+use crate::range::label;
 use crate::{COLOURS, DrawError, FONT_PX, PictureError, RIGHT_PX, WIDTH};
 
 const BARS: usize = 60;
@@ -66,6 +67,7 @@ impl Histogram {
 
     fn draw(&self) -> Result<String, DrawError> {
         let (low, width, counts) = self.bars();
+        let x_label = label(&(low..low + width * BARS as f64));
         let most = counts.iter().copied().max().unwrap_or(0).max(1);
         let mut svg = String::new();
         {
@@ -84,6 +86,7 @@ impl Histogram {
                 .label_style(("sans-serif", FONT_PX))
                 .x_labels(8)
                 .y_labels(6)
+                .x_label_formatter(&x_label)
                 .x_desc(self.x.as_str())
                 .y_desc(self.y.as_str())
                 .draw()?;

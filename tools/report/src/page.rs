@@ -13,8 +13,7 @@ const STYLE: &str = "body{font-family:sans-serif;margin:2rem auto;max-width:960p
      padding:0 1rem}table{border-collapse:collapse;font-size:.9rem}th,td{border:1px solid #bbb;\
      padding:.25rem .5rem;text-align:left;vertical-align:top}svg{max-width:100%;height:auto}\
      figure{margin:1rem 0}figcaption{font-size:.9rem}pre{background:#f4f4f4;padding:.5rem;\
-     overflow-x:auto}div.wide{overflow-x:auto}@media print{figure,tr{break-inside:avoid}\
-     pre{white-space:pre-wrap;overflow-wrap:anywhere}}";
+     white-space:pre-wrap;overflow-wrap:anywhere}div.wide{overflow-x:auto}@media print{figure,tr{break-inside:avoid}}";
 
 // Writing to a string cannot fail.
 impl Page {

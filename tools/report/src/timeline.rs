@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::range::range;
+use crate::range::{label, range};
 use crate::{COLOURS, DrawError, FONT_PX, PictureError, WIDTH, width_px};
 
 const ROW_PX: u32 = 26;
@@ -52,6 +52,7 @@ impl Timeline {
         let (names, notes) = (widest(|row| &row.name), widest(|row| &row.note));
         let ends = self.rows.iter().flat_map(|row| &row.spans);
         let span = range(ends.flat_map(|(from, to)| [*from, *to]));
+        let x_label = label(&span);
         let rows = u32::try_from(self.rows.len()).unwrap_or(1).max(1);
         let mut svg = String::new();
         {
@@ -69,6 +70,7 @@ impl Timeline {
             mesh.light_line_style(TRANSPARENT)
                 .label_style(("sans-serif", FONT_PX))
                 .x_labels(8)
+                .x_label_formatter(&x_label)
                 .x_desc(self.x.as_str())
                 .draw()?;
             for (i, row) in self.rows.iter().enumerate() {

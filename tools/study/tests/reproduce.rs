@@ -5,7 +5,7 @@
     reason = "a test stops at what it does not expect"
 )]
 
-use slipstream_study::reproduce::{ASSUMPTIONS, Beyond, Row, page, reproduce};
+use slipstream_study::reproduce::{Beyond, Row, Trials, page, reproduce};
 
 #[test]
 fn every_row_is_there_and_says_why() {
@@ -42,11 +42,8 @@ fn every_row_is_there_and_says_why() {
     for row in &reproduction.rows {
         assert!(!row.note.is_empty(), "{}", row.quantity);
         for name in &row.depends_on {
-            assert!(
-                ASSUMPTIONS
-                    .iter()
-                    .any(|assumption| assumption.name == *name)
-            );
+            let mut assumed = reproduction.assumptions.iter().map(|one| &one.assumed.name);
+            assert!(assumed.any(|assumed| assumed == name), "{name}");
         }
     }
     turning(&reproduction.beyond);
@@ -55,8 +52,38 @@ fn every_row_is_there_and_says_why() {
         serde_json::to_string(&reproduce().unwrap()).unwrap(),
     );
     let page = page(&reproduction, "slipstream reproduce").unwrap();
-    assert_eq!(page.matches("<figure>").count(), 7);
+    assert_eq!(page.matches("<figure>").count(), 9);
     assert!(!page.contains("http-equiv") && !page.contains("src="));
+}
+
+/// A row that changes with an assumption's keys says so; those that are zero by symmetry up to the
+/// encoders' grain stay so within a centimetre.
+#[test]
+fn rows_name_what_they_depend_on() {
+    let before = Trials::run(&[]).unwrap().rows().unwrap();
+    let slower = "[0.0, 0.2, 0.2, 0.66, 0.66, 0.0]";
+    for (name, other) in [
+        ("profile", &[("profile.speeds_m_s", slower)][..]),
+        ("gains", &[("control.k_x", "1.3"), ("control.k_p", "0.05")]),
+        (
+            "motor",
+            &[
+                ("control.torque_max_nm", "0.11"),
+                ("open_loop.torque_nm", "0.11"),
+            ],
+        ),
+    ] {
+        let after = Trials::run(other).unwrap().rows().unwrap();
+        let mut changed = 0;
+        for (before, after) in before.iter().zip(&after) {
+            let [was, is] = [before, after].map(|row| row.computed.unwrap());
+            if (was - is).abs() > 0.01 {
+                assert!(before.depends_on.contains(&name), "{name}: {before:?} {is}");
+                changed += 1;
+            }
+        }
+        assert!(changed >= 3, "{name}: {changed}");
+    }
 }
 
 /// The turns ask for more than the floor carries: every limit makes a difference, and the law that

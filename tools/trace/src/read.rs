@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::trace::{Traced, TracedError, Value};
+use slipstream_bus::trace::{self, Traced, TracedError, Value};
 use slipstream_recording::{Result, Unusable, read_trace};
 
 use crate::answer::Names;
@@ -33,11 +33,11 @@ impl Reading {
 /// # Errors
 /// When the file cannot be read, is no MCAP file, or holds no trace that this program can read.
 pub fn read(path: &Path) -> Result<Reading> {
-    let mut records: Vec<Vec<u8>> = Vec::new();
+    let mut pieces: Vec<Vec<u8>> = Vec::new();
     let mut refused = None;
-    let file = read_trace(path, &mut |bytes| match Traced::decode(bytes) {
-        Ok(_) => {
-            records.push(bytes.to_vec());
+    let file = read_trace(path, &mut |bytes| match trace::read(bytes, |_| {}) {
+        Ok(()) => {
+            pieces.push(bytes.to_vec());
             true
         }
         Err(why) => {
@@ -55,8 +55,9 @@ pub fn read(path: &Path) -> Result<Reading> {
         return Err(Unusable::new(path, why.to_string(), remedy).into());
     }
     let mut log = Log::default();
-    for record in records.iter().flat_map(|bytes| Traced::decode(bytes)) {
-        take(&mut log, &record, &file.robots);
+    for piece in &pieces {
+        // Each was read before.
+        let _ = trace::read(piece, |record| take(&mut log, &record, &file.robots));
     }
     if log.sent.is_empty() && log.inner.is_empty() {
         let remedy = "record with RUST_LOG=slipstream=debug, or without RUST_LOG";

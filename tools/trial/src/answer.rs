@@ -46,12 +46,20 @@ pub struct Parameter {
     /// Its value.
     #[serde(default)]
     pub estimate: Option<f64>,
-    /// Where it lies with 95 % confidence.
+    /// Where it lies with 95 % confidence; a bound that is null is not known.
     #[serde(default)]
-    pub ci95: Option<[f64; 2]>,
+    pub ci95: Option<[Option<f64>; 2]>,
     /// Its value, where that is a word.
     #[serde(default)]
     pub text: Option<String>,
+}
+
+impl Parameter {
+    /// The 95 % interval, where both of its bounds are known.
+    pub fn interval(&self) -> Option<[f64; 2]> {
+        let [low, high] = self.ci95?;
+        Some([low?, high?])
+    }
 }
 
 /// Where and when a finding shows.

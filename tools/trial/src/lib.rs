@@ -8,6 +8,7 @@ mod intervals;
 pub mod label;
 pub mod maker;
 pub mod mark;
+pub mod page;
 mod parallel;
 pub mod plant;
 pub mod seal;

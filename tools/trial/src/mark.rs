@@ -284,9 +284,8 @@ impl<'a> Judge<'a> {
         // the whole turn that brings the estimate nearest to the truth, for directions
         let turn = nearest_turn(&said.name, truth, estimate);
         let error = estimate + turn - truth;
-        let covered = said
-            .ci95
-            .map(|[low, high]| low <= truth - turn && truth - turn <= high);
+        let interval = said.interval();
+        let covered = interval.map(|[low, high]| low <= truth - turn && truth - turn <= high);
         if covered != Some(true) && error.abs() > NEAR * truth.abs() {
             let words = format!(
                 "{}.{} {estimate:.6}, not {truth:.6}",
@@ -294,9 +293,7 @@ impl<'a> Judge<'a> {
             );
             self.remarks.push(words);
         }
-        let stated = said
-            .ci95
-            .map(|[low, high]| (high - low) / (2.0 * DEVIATIONS_95));
+        let stated = interval.map(|[low, high]| (high - low) / (2.0 * DEVIATIONS_95));
         let least = hidden.deviations.get(&said.name).copied();
         let ratio = |deviation: f64| (deviation > 0.0).then(|| error / deviation);
         self.parameters.push(ParameterMark {

@@ -32,6 +32,8 @@ pub struct Report {
     pub false_alarms: usize,
     /// No answer.
     pub failed: usize,
+    /// What drew the cases → outcome → how often.
+    pub kinds: BTreeMap<String, BTreeMap<&'static str, usize>>,
     /// What was there → what was named → how often.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Share of the 95 % intervals that hold the truth; null without any.
@@ -117,6 +119,7 @@ pub fn tally(each: Vec<Entry>, commitments: Vec<String>) -> Report {
         wrong: count(Outcome::Wrong),
         false_alarms: count(Outcome::FalseAlarm),
         failed: count(Outcome::Failed),
+        kinds: kinds(&each),
         confusion: confusion(&each),
         coverage95: (!covered.is_empty()).then(|| hits as f64 / covered.len() as f64),
         error_over_stated: rms(parameters().filter_map(|p| p.error_in_stated_deviations)),
@@ -131,6 +134,15 @@ pub fn tally(each: Vec<Entry>, commitments: Vec<String>) -> Report {
         commitments,
         each,
     }
+}
+
+fn kinds(each: &[Entry]) -> BTreeMap<String, BTreeMap<&'static str, usize>> {
+    let mut kinds: BTreeMap<String, BTreeMap<&str, usize>> = BTreeMap::new();
+    for entry in each {
+        let outcomes = kinds.entry(entry.kind.clone()).or_default();
+        *outcomes.entry(entry.mark.outcome.name()).or_default() += 1;
+    }
+    kinds
 }
 
 fn confusion(each: &[Entry]) -> BTreeMap<String, BTreeMap<String, usize>> {

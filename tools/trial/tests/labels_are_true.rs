@@ -149,14 +149,18 @@ fn scales_and_offsets_are_what_they_say() {
     );
     let other = sensed(Some(offset)).pose.unwrap().values;
     let pose = plain.pose.unwrap().values;
-    let yaws = [pose.yaw_rad.unwrap(), other.yaw_rad.unwrap()];
-    for at in 0..pose.x_m.len() {
+    let yaws = pose
+        .yaw_rad
+        .unwrap()
+        .into_iter()
+        .zip(other.yaw_rad.unwrap());
+    for (at, (yaw, turned)) in yaws.enumerate() {
         // the noise is the same, but the yaw's is in the heading
-        let (sin, cos) = yaws[0][at].sin_cos();
+        let (sin, cos) = yaw.sin_cos();
         let away = [other.x_m[at] - pose.x_m[at], other.y_m[at] - pose.y_m[at]];
         assert!((away[0] - 0.03 * cos - 0.02 * sin).abs() < 2e-3);
         assert!((away[1] - 0.03 * sin + 0.02 * cos).abs() < 2e-3);
-        let turns = (yaws[1][at] - yaws[0][at] - 0.05) / std::f64::consts::TAU;
+        let turns = (turned - yaw - 0.05) / std::f64::consts::TAU;
         assert!((turns - turns.round()).abs() < 1e-5);
     }
 }

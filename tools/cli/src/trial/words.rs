@@ -39,6 +39,12 @@ pub(super) fn say(report: &Report) {
             .count();
         println!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
+    for (kind, outcomes) in report.kinds.iter().filter(|(kind, _)| !kind.is_empty()) {
+        let counts = outcomes
+            .iter()
+            .map(|(name, count)| format!("{count} {}", name.replace('_', " ")));
+        println!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
+    }
     let figure = |what: &str, value: Option<f64>| {
         if let Some(value) = value {
             println!("{what} {value:.4}");

@@ -12,6 +12,9 @@ use super::trial::Trial;
 use crate::StudyError;
 
 const SOURCE: &str = "final positions, section 4";
+/// The search runs the platoon without the limit; what it finds is tried with it.
+const WITHOUT: [&str; 4] = ["profile", "gains", "motor", "friction"];
+const ALL: [&str; 5] = ["profile", "gains", "motor", "friction", "limit"];
 
 /// One way in which left and right may differ.
 struct Asymmetry {
@@ -86,7 +89,7 @@ pub(super) fn rows() -> Result<Vec<Row>, StudyError> {
     let mut rows = Vec::new();
     for asymmetry in &ASYMMETRIES {
         let size = smallest(asymmetry, without)?;
-        let found = Row::found(asymmetry.name, SOURCE, size.unwrap_or(f64::NAN));
+        let found = Row::found(asymmetry.name, SOURCE, size.unwrap_or(f64::NAN)).on(&WITHOUT);
         let Some(size) = size else {
             let most = lateral_m(asymmetry, asymmetry.most, "none")?;
             rows.push(found.note(format!(
@@ -102,7 +105,8 @@ pub(super) fn rows() -> Result<Vec<Row>, StudyError> {
             asymmetry.meaning
         )));
         let quantity = format!("lateral_error_with_limit_by_{}_m", asymmetry.name);
-        rows.push(Row::printed(quantity, SOURCE, with, limited).note(
+        let row = Row::printed(quantity, SOURCE, with, limited).on(&ALL);
+        rows.push(row.note(
             "the same asymmetry with the limit. One that needs slip is made smaller by the limit, as \
              in the paper; one that does not is not",
         ));
@@ -128,7 +132,8 @@ fn heading(lateral_m: f64) -> Result<Row, StudyError> {
         "asymmetry_start_heading_rad",
         SOURCE,
         (lateral_m / way_m).asin(),
-    );
+    )
+    .on(&ALL);
     Ok(row.note(format!(
         "a start turned by this gives the {lateral_m:.3} m that are left with the limit, and the same \
          without it: it cannot explain the difference between the two"

@@ -7,7 +7,12 @@ use super::trial::Trial;
 const FINAL: &str = "final positions, section 4";
 const SPACINGS: &str = "\"the inter-vehicular spacings are maintained better\", section 4";
 const WHICH: [&str; 2] = ["without_limit", "with_limit"];
+/// What a straight run depends on: without the limit all but the last.
 const ALL: [&str; 5] = ["profile", "gains", "motor", "friction", "limit"];
+
+fn assumptions(which: &str) -> &'static [&'static str] {
+    if which == WHICH[0] { &ALL[..4] } else { &ALL }
+}
 
 /// Final positions, then what the figures claim.
 pub(super) fn rows(trials: &[Trial; 2]) -> Vec<Row> {
@@ -41,7 +46,8 @@ fn finals(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
                 let quantity = format!("final_{name}_r{}_{by}_{which}_m", i + 1);
                 let row = Row::printed(quantity, FINAL, paper[axis], computed[axis]);
                 rows.push(if axis == 0 {
-                    row.note("the way is that of the assumed profile").on(&ALL)
+                    row.note("the way is that of the assumed profile")
+                        .on(assumptions(which))
                 } else {
                     row.note("zero by symmetry: see the rows asymmetry_…")
                         .on(&["symmetry"])
@@ -76,7 +82,7 @@ fn gaps(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
             signed.abs(),
             if signed >= 0.0 { "ahead" } else { "behind" }
         ))
-        .on(&ALL),
+        .on(assumptions(which)),
         Row::printed(
             format!("mean_gap_y_{which}_m"),
             FINAL,
@@ -96,7 +102,7 @@ fn gaps(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
              are better spaced at the end without the limit than with it, though its text says that \
              the limit maintains the spacing better",
         )
-        .on(&ALL),
+        .on(assumptions(which)),
     ]
 }
 

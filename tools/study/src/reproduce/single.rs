@@ -45,7 +45,7 @@ pub(super) fn rows(trials: &[Trial; 2]) -> Vec<Row> {
         .note(format!(
             "encoder minus camera after {way_m:.3} m: they match, as Fig. 6 says"
         ))
-        .on(&assumptions),
+        .on(&["motor", "friction", "limit"]),
         Row::printed(
             "single_speed_at_end_over_speed_when_torque_ends",
             "\"the torque is set to zero (i.e., constant velocity)\", section 3",

@@ -24,9 +24,23 @@ impl Trial {
     /// # Errors
     /// When the run fails.
     pub fn new(name: &str, torque_limit: &str) -> Result<Self, StudyError> {
+        Self::with(name, torque_limit, &[])
+    }
+
+    /// Likewise, with other keys set as well.
+    ///
+    /// # Errors
+    /// When the run fails.
+    pub fn with(
+        name: &str,
+        torque_limit: &str,
+        other: &[(&str, &str)],
+    ) -> Result<Self, StudyError> {
+        let set = [&[("control.torque_limit", torque_limit)], other].concat();
+        let own = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
         let request = Request {
             experiment: Some(name.to_owned()),
-            set: vec![("control.torque_limit".to_owned(), torque_limit.to_owned())],
+            set: set.into_iter().map(own).collect(),
             ..Request::default()
         };
         Self::run(resolve(&request)?.experiment)
@@ -82,6 +96,18 @@ impl Trial {
         self.ticks(robot)
             .map(|tick| (s_from_ns(tick.t_ns), tick.pose[axis]))
             .collect()
+    }
+
+    /// The true path of a robot: (m, m).
+    pub fn true_path(&self, robot: u32) -> Vec<(f64, f64)> {
+        let poses = self.states(robot).map(|state| state.pose);
+        poses.map(|[x_m, y_m, _]| (x_m, y_m)).collect()
+    }
+
+    /// The path of a robot by odometry: (m, m).
+    pub fn odometry_path(&self, robot: u32) -> Vec<(f64, f64)> {
+        let poses = self.ticks(robot).map(|tick| tick.pose);
+        poses.map(|[x_m, y_m, _]| (x_m, y_m)).collect()
     }
 
     /// Odometry minus truth at the end, along an axis (m).

@@ -516,3 +516,52 @@ fn nominal(wish: &Wish, speeds: bool, chance: &mut Chance) -> RobotModel {
     }
     model
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_battery_holds_every_effect_and_nothing() {
+        let plan = Plan::battery(1);
+        let holds = |id: &str| plan.wishes.iter().any(|wish| wish.effects == [id]);
+        assert!(VOCABULARY.into_iter().all(holds));
+        assert!(
+            plan.wishes
+                .iter()
+                .filter(|wish| wish.kind.starts_with("null"))
+                .count()
+                >= 20
+        );
+        let strange = plan.wishes.iter().filter_map(|wish| wish.strange);
+        assert_eq!(strange.max(), Some(STRANGE - 1));
+    }
+
+    #[test]
+    fn a_seed_is_a_plan() {
+        assert_eq!(Plan::sealed(40, 3), Plan::sealed(40, 3));
+        assert_ne!(Plan::sealed(40, 3).wishes, Plan::sealed(40, 4).wishes);
+        let names: Vec<String> = Plan::sealed(2, 3).cases().map(|case| case.name).collect();
+        assert_eq!(names, ["case-0001", "case-0002"]);
+        // a longer trial begins as a shorter one
+        assert_eq!(Plan::sealed(40, 3).wishes[..10], Plan::sealed(10, 3).wishes);
+    }
+
+    #[test]
+    fn small_cases_are_as_small_as_asked_for() {
+        let wish = Wish {
+            deviations: Some(20.0),
+            size: Some(0.5),
+            told: Some(Told::Torque),
+            control: Some(Control::Open),
+            ..Wish::new("small", &["viscous_drag"])
+        };
+        let plan = Plan {
+            seed: 1,
+            wishes: vec![wish],
+        };
+        let made = plan.cases().next().unwrap().make().unwrap();
+        let gain = made.label.effects[0].expected_gain.unwrap();
+        assert!((gain / 200.0 - 1.0).abs() < 0.2, "{gain}");
+    }
+}

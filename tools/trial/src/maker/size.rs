@@ -15,8 +15,6 @@ use crate::plant::{Physics, Plant, State, Strange};
 
 /// Step of these predictions (s).
 const STEP_S: f64 = 5e-4;
-/// Deviation of a count.
-const TICK: f64 = 1.0;
 
 /// A robot as a prediction sees it.
 struct Guess {
@@ -40,7 +38,8 @@ impl Guess {
 pub(crate) struct Sizes {
     /// Nats by which the truth beats the model without effect `i`, for each.
     pub(crate) gains: Vec<f64>,
-    /// Least deviation of each numeric parameter of each effect, all of them free together.
+    /// Least deviation of each numeric parameter of each effect, all of them free together; counts
+    /// with the deviation of their rounding.
     pub(crate) deviations: Vec<Vec<(String, f64)>>,
     /// The same gain for what the vocabulary does not hold.
     pub(crate) strange: f64,
@@ -61,12 +60,16 @@ pub(crate) fn sizes(scene: &Scene, i: usize, actor: &Actor) -> Result<Sizes, Str
         eye: scene.robots[i].eye,
     };
     let windows = look.predict(&truth, None);
-    let starts = look.starts(&truth, &windows);
-    let away = |guess: &Guess| -> Vec<DVector<f64>> {
+    let nudged: Vec<Vec<DVector<f64>>> = (0..NUDGES)
+        .map(|nudge| look.predict(&truth, Some(nudge)))
+        .collect();
+    // how much more than one count, the deviation that gains are told in, a count really says
+    let [blunt, sharp] = [1.0, 12f64.sqrt()].map(|scale| look.starts(&windows, &nudged, scale));
+    let away = |guess: &Guess, starts: &[Start]| -> Vec<DVector<f64>> {
         let other = look.predict(guess, None);
-        let pairs = windows.iter().zip(&other).zip(&starts);
+        let pairs = windows.iter().zip(&other).zip(starts);
         pairs
-            .map(|((one, other), starts)| left(&(one - other), starts))
+            .map(|((one, other), start)| start.left(one - other))
             .collect()
     };
     let half_square = |parts: &[DVector<f64>]| parts.iter().map(|p| p.norm_squared() / 2.0).sum();
@@ -74,23 +77,27 @@ pub(crate) fn sizes(scene: &Scene, i: usize, actor: &Actor) -> Result<Sizes, Str
     let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
     for effect in hidden {
         let without = swapped(&model, effect, listed(&scene.nominal, effect));
-        gains.push(half_square(&away(&Guess::new(scene, &without, strange)?)));
+        gains.push(half_square(&away(
+            &Guess::new(scene, &without, strange)?,
+            &blunt,
+        )));
         for (at, (_, value)) in effect.parameters.iter().enumerate() {
             if let Parameter::Number(number) = value {
                 let by = 1e-3 * number.abs().max(1e-2);
                 let other = swapped(&model, effect, Some(&moved(effect, at, number + by)));
-                let column = away(&Guess::new(scene, &other, strange)?);
+                let column = away(&Guess::new(scene, &other, strange)?, &sharp);
                 columns.push(column.into_iter().map(|part| part / by).collect());
             }
         }
     }
     let strange = match strange {
         None => 0.0,
-        Some(_) => half_square(&away(&Guess::new(scene, &model, None)?)),
+        Some(_) => half_square(&away(&Guess::new(scene, &model, None)?, &blunt)),
     };
+    let deviations = named(hidden, &least(&columns));
     Ok(Sizes {
         gains,
-        deviations: named(hidden, &least(&columns)),
+        deviations,
         strange,
     })
 }
@@ -166,9 +173,20 @@ fn least(columns: &[Vec<DVector<f64>>]) -> Vec<f64> {
         .collect()
 }
 
-/// What no other start explains.
-fn left(residual: &DVector<f64>, starts: &DMatrix<f64>) -> DVector<f64> {
-    residual - starts * (starts.transpose() * residual)
+/// What other starts of one window do.
+struct Start {
+    /// Factor on each row: what a count says.
+    scale: DVector<f64>,
+    /// An orthonormal basis.
+    basis: DMatrix<f64>,
+}
+
+impl Start {
+    /// What no other start explains.
+    fn left(&self, residual: DVector<f64>) -> DVector<f64> {
+        let residual = residual.component_mul(&self.scale);
+        &residual - &self.basis * (self.basis.transpose() * &residual)
+    }
 }
 
 /// One robot's looks, as predictions are compared at them.
@@ -199,25 +217,33 @@ impl Look<'_> {
         kept.iter().zip(ends)
     }
 
-    /// An orthonormal basis of what other starts of each window do, and other phases of the counts.
-    fn starts(&self, truth: &Guess, windows: &[DVector<f64>]) -> Vec<DMatrix<f64>> {
-        let nudged: Vec<Vec<DVector<f64>>> = (0..NUDGES)
-            .map(|nudge| self.predict(truth, Some(nudge)))
-            .collect();
+    /// What other starts of each window do, and other phases of the counts.
+    fn starts(
+        &self,
+        windows: &[DVector<f64>],
+        nudged: &[Vec<DVector<f64>>],
+        count: f64,
+    ) -> Vec<Start> {
         let bounds: Vec<[f64; 2]> = self
             .windows()
             .map(|(start, end_s)| [start.t_s, end_s])
             .collect();
-        let basis = |(at, window): (usize, &DVector<f64>)| {
+        let start = |(at, window): (usize, &DVector<f64>)| {
             let wheels = 2 * self.due(Stream::Wheels, bounds[at]).count();
-            let phase = |wheel: usize| {
-                let here = |row: usize| f64::from(u8::from(row < wheels && row % 2 == wheel));
-                DVector::from_iterator(window.len(), (0..window.len()).map(here))
+            let rows = |value: &dyn Fn(usize) -> f64| {
+                DVector::from_iterator(window.len(), (0..window.len()).map(value))
             };
-            let moved = nudged.iter().map(|nudged| &nudged[at] - window);
-            orthonormal(moved.chain([phase(0), phase(1)]), window.len())
+            let phase =
+                |wheel: usize| rows(&|row| f64::from(u8::from(row < wheels && row % 2 == wheel)));
+            let scale = rows(&|row| if row < wheels { count } else { 1.0 });
+            let moved = nudged
+                .iter()
+                .map(|nudged| (&nudged[at] - window).component_mul(&scale));
+            let columns: Vec<DVector<f64>> = moved.chain([phase(0), phase(1)]).collect();
+            let basis = orthonormal(columns.into_iter(), window.len());
+            Start { scale, basis }
         };
-        windows.iter().enumerate().map(basis).collect()
+        windows.iter().enumerate().map(start).collect()
     }
 
     /// Which looks of a stream belong to a window. The first of it are left out: by another clock
@@ -278,7 +304,7 @@ impl Look<'_> {
         match stream {
             0 => {
                 let angles = guess.sensors.angles(state);
-                rows.extend(angles.map(|angle| angle * self.counts / TAU / TICK));
+                rows.extend(angles.map(|angle| angle * self.counts / TAU));
             }
             1 => {
                 let [x, y, yaw] = guess.sensors.pose(state);
@@ -331,7 +357,11 @@ mod tests {
         ];
         let basis = orthonormal(columns.into_iter(), 3);
         assert_eq!(basis.ncols(), 1);
-        let rest = left(&DVector::from_vec(vec![3.0, 3.0, 4.0]), &basis);
+        let start = Start {
+            scale: DVector::from_element(3, 1.0),
+            basis,
+        };
+        let rest = start.left(DVector::from_vec(vec![3.0, 3.0, 4.0]));
         assert!((rest.norm_squared() - 16.0).abs() < 1e-12);
     }
 

@@ -73,8 +73,11 @@ fn times(matrix: &[Velocity; N], row: &Velocity) -> Velocity {
 }
 
 impl Rolling {
-    /// Rolling of a robot that never slips.
+    /// Rolling of a robot that never slips; `None` for one that can.
     pub(crate) fn new(physics: &Physics, body: &Body) -> Option<Self> {
+        if physics.grip.is_some() || !physics.patches.is_empty() {
+            return None;
+        }
         let rows = slip_rows(physics);
         let answers = rows.map(|row| times(&body.inverse, &row));
         let stiffness = Matrix3::from_fn(|i, j| dot(&rows[i], &answers[j]));

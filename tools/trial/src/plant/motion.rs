@@ -26,9 +26,7 @@ impl Plant {
     /// A robot under commands of this quantity, in steps of `step_s` at most.
     pub fn new(physics: Physics, quantity: Quantity, step_s: f64) -> Self {
         let body = Body::new(&physics, quantity == Quantity::Speed);
-        let rolling = Rolling::is_held(&physics)
-            .then(|| Rolling::new(&physics, &body))
-            .flatten();
+        let rolling = Rolling::new(&physics, &body);
         let contacts = contacts(&physics, &body, rolling.as_ref());
         Self {
             physics,
@@ -214,5 +212,102 @@ impl Plant {
                 away < patch.radius
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipstream_bus::RobotModel;
+
+    /// After `over_s` under a torque on both wheels.
+    fn driven(model: &RobotModel, torque_nm: f64, over_s: f64) -> (Plant, State) {
+        let plant = Plant::new(Physics::new(model).unwrap(), Quantity::Torque, 1e-4);
+        let rows = vec![(0.0, [torque_nm; 2])];
+        let commands = Commands {
+            quantity: Quantity::Torque,
+            rows,
+        };
+        let mut state = plant.start([0.0; 3]);
+        plant.advance(&commands, &mut state, over_s, |_, _| {});
+        (plant, state)
+    }
+
+    fn slipping(hold: f64, slide: f64) -> RobotModel {
+        let friction = [("friction_static", hold), ("friction_kinetic", slide)];
+        RobotModel::default().with("wheel_slip", &friction)
+    }
+
+    #[test]
+    fn rolling_accelerates_as_equation_8_says() {
+        let (_, state) = driven(&RobotModel::default(), 0.05, 1.0);
+        let (m, r, spin) = (1.628, 0.0365, 0.001_168);
+        // twice the force of Eq. 8 on the whole mass
+        let expected = 2.0 * 0.05 * r / (m * r * r + 2.0 * spin);
+        assert!(
+            (state.velocity[0] - expected).abs() < 1e-11,
+            "{:?}",
+            state.velocity
+        );
+    }
+
+    #[test]
+    fn sliding_accelerates_by_kinetic_friction() {
+        let (plant, state) = driven(&slipping(0.241, 0.2), 0.2, 0.5);
+        let [right, left, _] = plant.body.normal(0.0, 0.0);
+        let expected = 0.2 * (right + left) / 1.628 * 0.5;
+        assert!(
+            (state.velocity[0] - expected).abs() < 1e-5,
+            "{:?}",
+            state.velocity
+        );
+        assert!(state.slip_m_s[0] > 0.1);
+    }
+
+    #[test]
+    fn what_friction_holds_stands_still() {
+        let slope = [("grade", 0.02), ("downhill_rad", 0.7)];
+        let model = slipping(0.3, 0.25)
+            .with("floor_slope", &slope)
+            .with("axle_friction", &[("torque_nm", 0.01)]);
+        let (_, state) = driven(&model, 0.0, 2.0);
+        // rounding, and nothing that grows
+        assert!(
+            state.pose.iter().all(|value| value.abs() < 1e-12),
+            "{:?}",
+            state.pose
+        );
+    }
+
+    #[test]
+    fn a_coasting_robot_keeps_its_energy_unless_it_slides() {
+        let model = slipping(0.2, 0.2);
+        let plant = Plant::new(Physics::new(&model).unwrap(), Quantity::Torque, 1e-4);
+        let commands = Commands {
+            quantity: Quantity::Torque,
+            rows: Vec::new(),
+        };
+        let mut state = plant.start([0.0; 3]);
+        // rolls, turns and slides sideways
+        state.velocity = [0.6, 0.3, 4.0, 20.0, 5.0, 20.0, 5.0];
+        state.stuck = [false; super::super::state::CONTACTS];
+        let energy = |state: &State| {
+            let [u, v, w, right, left, ..] = state.velocity;
+            let [sx, sy] = plant.body.moment;
+            let inertia =
+                0.009_753 + 2.0 * 0.000_584 + 0.128 * (0.105f64.powi(2) + 0.055f64.powi(2));
+            plant.body.mass * (u * u + v * v) / 2.0
+                + w * (sx * v - sy * u)
+                + inertia * w * w / 2.0
+                + 0.001_168 * (right * right + left * left) / 2.0
+        };
+        let mut last = energy(&state);
+        for k in 1..200 {
+            plant.advance(&commands, &mut state, f64::from(k) * 0.005, |_, _| {});
+            let now = energy(&state);
+            assert!(now <= last + 1e-9, "{now} after {last}");
+            last = now;
+        }
+        assert_eq!(state.slip_m_s.map(|slip| slip < 1e-9), [true; 2]);
     }
 }

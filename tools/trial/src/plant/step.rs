@@ -1,6 +1,6 @@
 //! One step: smooth forces at its middle, dry friction as impulses over it.
 
-use super::contact::{Contact, Law, Rolling, add, dot};
+use super::contact::{Contact, Law, add, dot};
 use super::drive::Commands;
 use super::motion::Plant;
 use super::state::{CONTACTS, N, State, Velocity};
@@ -350,11 +350,4 @@ fn largest(one: &Velocity, other: &Velocity) -> f64 {
         .zip(other)
         .map(|(a, b)| (a - b).abs())
         .fold(0.0, f64::max)
-}
-
-impl Rolling {
-    /// Whether a robot with this physics never slips.
-    pub(crate) fn is_held(physics: &super::Physics) -> bool {
-        physics.grip.is_none() && physics.patches.is_empty()
-    }
 }

@@ -1,0 +1,81 @@
+//! How sure a parameter is: its interval of 95 %.
+
+use rayon::prelude::*;
+
+use crate::bench::{Bench, Node};
+use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
+use crate::misfit::Misfit;
+
+/// Δ(−2 ln L) at the ends of an interval of 95 % for one parameter (Wilks, 1938).
+const WILKS: f64 = 3.841;
+/// Deviations on either side of the estimate for 95 %.
+const SIDES: f64 = 1.96;
+/// Times that an end is looked for further out, each twice as far.
+const DOUBLINGS: i32 = 14;
+
+/// The interval of each parameter of effect `which`, by the larger of the plain deviation and the
+/// one that windows show among each other; by the likelihood itself where a parameter has no
+/// derivative.
+pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
+    let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
+    let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
+    let own = &node.hypotheses[which];
+    (0..own.values.len())
+        .into_par_iter()
+        .map(|i| {
+            let value = own.values[i].1;
+            if own.is_threshold() {
+                return between_sizes(bench, value);
+            }
+            let deviation = node.fit.deviations[first + i];
+            if deviation.is_finite() && own.values[i].0 != STATIC {
+                return [value - SIDES * deviation, value + SIDES * deviation];
+            }
+            [-1.0, 1.0].map(|side| end(bench, node, which, i, side))
+        })
+        .collect()
+}
+
+/// Commands around a threshold: the largest that does nothing and the smallest that acts.
+fn between_sizes(bench: &Bench, value: f64) -> [f64; 2] {
+    let sizes = bench.tracks.first().map_or(Vec::new(), |track| all_sizes(track, &bench.model));
+    let next = sizes.partition_point(|size| *size < value);
+    let below = if next == 0 { 0.0 } else { sizes[next - 1] };
+    [below, sizes.get(next).copied().unwrap_or(value)]
+}
+
+/// Where, away from the estimate, the likelihood has fallen. The other parameters stay.
+fn end(bench: &Bench, node: &Node, which: usize, i: usize, side: f64) -> f64 {
+    let own = &node.hypotheses[which];
+    let value = own.values[i].1;
+    let least = own.values.iter().find(|(name, _)| *name == KINETIC).map_or(f64::NEG_INFINITY, |k| k.1);
+    let limit = |at: f64| if own.values[i].0 == STATIC { at.max(least) } else { at };
+    let best = node.fit.misfit.deviance();
+    let falls = |at: f64| {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses[which].values[i].1 = at;
+        let deviance = bench.posed(&hypotheses, &bench.windows, |problem, values| {
+            let residuals = problem.residuals(values, &node.fit.starts)?;
+            Some(Misfit::new(&bench.windows, &residuals).deviance())
+        });
+        deviance.is_none_or(|deviance| deviance > best + WILKS)
+    };
+    let unit = 1e-4 * value.abs().max(1e-3);
+    let mut inside = value;
+    for k in 0..DOUBLINGS {
+        let at = limit(value + side * unit * 2_f64.powi(k));
+        if falls(at) {
+            let mut outside = at;
+            for _ in 0..6 {
+                let middle = 0.5 * (inside + outside);
+                if falls(middle) { outside = middle } else { inside = middle }
+            }
+            return inside;
+        }
+        if at == inside {
+            return inside;
+        }
+        inside = at;
+    }
+    inside
+}

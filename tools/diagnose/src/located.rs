@@ -1,0 +1,104 @@
+//! When an effect is at work, and under which condition.
+
+use slipstream_bus::RobotModel;
+use slipstream_sim::GRAVITY_M_S2;
+
+use crate::bench::{Bench, Node};
+use crate::hypothesis::{Hypothesis, STATIC};
+
+/// Speed at which a contact counts as sliding (m/s).
+const SLIDING_M_S: f64 = 3e-3;
+/// Gaps shorter than this do not part an interval (s).
+const GAP_S: f64 = 0.021;
+
+/// When the effect `which` of `node` is at work (s): while a wheel slides, during a push, always.
+pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
+    let own = &node.hypotheses[which];
+    match own.info.id {
+        "wheel_slip" => sliding(bench, node, None),
+        "friction_patch" => sliding(bench, node, Some(own)),
+        "push" => {
+            let t_s = own.values.iter().find(|(name, _)| *name == "t_s").map_or(0.0, |v| v.1);
+            vec![[t_s, t_s + 0.06]]
+        }
+        _ => {
+            let [from, to] = bench.tracks[0].span_s();
+            vec![[from, to]]
+        }
+    }
+}
+
+/// When a wheel of the fitted model slides, or only on a patch.
+pub(crate) fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
+    let value = |name: &str| patch.and_then(|p| p.values.iter().find(|(known, _)| *known == name)).map_or(0.0, |v| v.1);
+    let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
+    let body = &bench.model.robot;
+    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+    let found = bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
+        let robots = problem.robots(values).ok()?;
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for (window, start) in bench.windows.iter().zip(&node.fit.starts).filter(|(w, _)| w.run == 0) {
+            let robot = &robots[window.run];
+            let mut last = window.from_s;
+            problem.simulation(window, &robots).watched(start, |t_s, state| {
+                let [right, left, across] = robot.slip_m_s(state);
+                let slides = state.slides();
+                let [x, y, yaw] = state.pose();
+                let (sin, cos) = yaw.sin_cos();
+                let on_patch = |side: f64| {
+                    let place = [x - d * cos + side * sin, y - d * sin - side * cos];
+                    patch.is_none() || (place[0] - px).hypot(place[1] - py) < radius
+                };
+                let fast = |i: usize, along: f64, side: f64| {
+                    slides[i] && along.hypot(across) > SLIDING_M_S && on_patch(side)
+                };
+                if t_s <= window.to_s && (fast(0, right, b) || fast(1, left, -b)) {
+                    match intervals.last_mut() {
+                        Some(own) if last - own[1] < GAP_S => own[1] = t_s,
+                        _ => intervals.push([last, t_s]),
+                    }
+                }
+                last = t_s;
+            });
+        }
+        Some(intervals)
+    });
+    found.unwrap_or_default()
+}
+
+/// Under which condition an effect is at work, for a person.
+pub(crate) fn condition(bench: &Bench, own: &Hypothesis) -> String {
+    let value = |name: &str| own.values.iter().find(|(known, _)| *known == name).map_or(0.0, |v| v.1);
+    match own.info.id {
+        "wheel_slip" => match breakaway_nm(&bench.model, value(STATIC)) {
+            Some(torque) => format!("drive torque of both wheels above {torque:.3} N m"),
+            None => "whenever traction exceeds friction".to_owned(),
+        },
+        "friction_patch" => format!(
+            "a wheel within {:.2} m of ({:.2}, {:.2}) m",
+            value("radius_m"), value("x_m"), value("y_m")
+        ),
+        "push" => format!("at {:.2} s", value("t_s")),
+        "floor_slope" => format!("downhill towards {:.0} degrees", value("downhill_rad").to_degrees()),
+        "yaw_scrub" | "track_width" => "whenever it turns".to_owned(),
+        "rolling_resistance" | "viscous_drag" | "quadratic_drag" | "caster_drag" | "axle_friction" => {
+            "whenever it moves".to_owned()
+        }
+        "command_dead_band" => "whenever little is commanded".to_owned(),
+        "command_saturation" => "whenever much is commanded".to_owned(),
+        "backlash" => "whenever the drive torque changes sign".to_owned(),
+        "torque_speed_droop" => "the more, the faster the wheels turn".to_owned(),
+        "actuator_delay" | "actuator_lag" => "whenever the command changes".to_owned(),
+        _ => "always".to_owned(),
+    }
+}
+
+/// The torque at which both wheels break away when they drive straight ahead (Eq. 11, without
+/// payload): F (r + 2 I_wy / (m_t r)) with F the friction at one wheel.
+fn breakaway_nm(model: &RobotModel, friction: f64) -> Option<f64> {
+    let body = &model.robot;
+    let mass = body.body_mass_kg? + 2.0 * body.wheel_mass_kg?;
+    let (d, e, r) = (body.com_to_axle_m?, body.com_to_caster_m?, body.wheel_radius_m);
+    let normal = mass * GRAVITY_M_S2 * e / (d + e) / 2.0;
+    Some(friction * normal * (r + 2.0 * body.wheel_spin_inertia_kg_m2? / (mass * r)))
+}
