@@ -42,9 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let report = slipstream_recording::check(&import.recording, model.as_ref());
     print!("{report}");
     if let Some(path) = &arguments.json {
-        let failed = |e: String| Error::Failed(format!("{}: {e}", path.display()));
-        let json = serde_json::to_string_pretty(&report).map_err(|e| failed(e.to_string()))?;
-        std::fs::write(path, json + "\n").map_err(|e| failed(e.to_string()))?;
+        crate::file::write_json(path, &report)?;
     }
     Ok(Exit::Done)
 }

@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
     let failed = |e: String| Error::Failed(format!("{}: {e}", arguments.report.display()));
     let page = page(&import.recording.name, &channels).map_err(|e| failed(e.to_string()))?;
-    std::fs::write(&arguments.report, page).map_err(|e| failed(e.to_string()))?;
+    crate::file::write(&arguments.report, &page)?;
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
         match channel.rms_difference() {

@@ -1,13 +1,20 @@
 //! `slipstream diagnose`: what the model leaves out, where, how much, how sure.
 
+mod page;
+mod points;
+mod words;
+
 use std::io::{IsTerminal, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_diagnose::{
+    Answer, Illustrated, Request, Unusable, diagnose, diagnose_with_figures,
+};
 use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
+use crate::file;
 use crate::models::Models;
 
 /// Find what a robot's model leaves out, from a recording
@@ -28,6 +35,9 @@ pub(crate) struct Arguments {
     /// Write the answer to a file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Write a page that shows the answer in figures.
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
     /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
@@ -64,21 +74,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
         }
     };
-    let done = diagnose(&Request {
+    let request = Request {
         recordings: &recordings,
         model_of: &|robot| models.of(robot),
         excluded: &arguments.without,
         excluded_s: &arguments.exclude_time,
         progress: &progress,
-    });
+    };
+    let done = examine(&request, arguments.report.is_some());
     if live {
         eprint!("\r\x1b[K");
     }
-    let (answer, improved) = done.map_err(|why| Error::Input(why.to_string()))?;
+    let (answer, improved, figures) = done.map_err(|why| Error::Input(why.to_string()))?;
     if let Some(file) = &arguments.json {
-        let text = serde_json::to_string_pretty(&answer)
-            .map_err(|error| Error::Failed(format!("{}: {error}", file.display())))?;
-        write(file, &(text + "\n"))?;
+        file::write_json(file, &answer)?;
+    }
+    if let Some(file) = &arguments.report {
+        let names: Vec<&str> = recordings
+            .iter()
+            .map(|recording| recording.name.as_str())
+            .collect();
+        let page = page::page(&names.join(", "), &answer, &figures);
+        let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
+        file::write(file, &page)?;
     }
     if let Some(file) = &arguments.improved {
         for (name, model) in &improved {
@@ -87,7 +105,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             } else {
                 file.with_extension(format!("{name}.toml"))
             };
-            robot_toml::write(model, &file)?;
+            file::write(&file, &robot_toml::to_text(model))?;
         }
     }
     say(&answer);
@@ -103,18 +121,18 @@ fn time_span(text: &str) -> Result<[f64; 2], String> {
         .ok_or_else(|| "give two times in seconds, as 12.5:14".to_owned())
 }
 
-fn write(file: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(file, text)
-        .map_err(|error| Error::Failed(format!("{}: cannot be written: {error}", file.display())))
+/// The diagnosis, with figures where a page is wanted.
+fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unusable> {
+    if with_figures {
+        return diagnose_with_figures(request);
+    }
+    let (answer, improved) = diagnose(request)?;
+    Ok((answer, improved, Vec::new()))
 }
 
 fn say(answer: &Answer) {
     let held = &answer.held_out;
-    match answer.verdict {
-        Verdict::Match => println!("The model matches the recording: nothing beyond the noise."),
-        Verdict::Explained => println!("What the model leaves out explains the recording:"),
-        Verdict::Unexplained => println!("Something remains that the catalogue does not explain."),
-    }
+    println!("{}.", words::verdict(answer.verdict));
     for finding in &answer.findings {
         println!("\n{}", finding.statement);
         for parameter in &finding.parameters {

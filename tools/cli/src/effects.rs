@@ -34,9 +34,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(file) = &arguments.json {
         let effects: Vec<Value> = chosen.iter().map(|info| as_json(info)).collect();
         let answer = json!({"format": 1, "effects": effects});
-        std::fs::write(file, format!("{answer:#}\n")).map_err(|error| {
-            Error::Failed(format!("{}: cannot be written: {error}", file.display()))
-        })?;
+        crate::file::write_json(file, &answer)?;
     }
     for info in chosen {
         println!("{}", in_words(info));

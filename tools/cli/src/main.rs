@@ -7,6 +7,7 @@ mod diagnose;
 mod effects;
 mod exit;
 mod export;
+mod file;
 mod import;
 mod models;
 mod reproduce;

@@ -6,7 +6,8 @@ use clap::Args;
 use slipstream_study::reproduce::{self, Row};
 
 use crate::exit::{Error, Exit};
-use crate::study::{command_line, write, write_json};
+use crate::file::{write, write_json};
+use crate::study::command_line;
 
 /// Run the paper's experiments and set every number that it prints beside what comes out
 #[derive(Debug, Args)]

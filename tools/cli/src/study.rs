@@ -1,16 +1,16 @@
 //! `slipstream study`: questions answered by many runs.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::{Args, Subcommand};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
-use slipstream_launch::Unusable;
 use slipstream_study::delay::{self, Grid, Shard, Study};
 
 use crate::exit::{Error, Exit};
+use crate::file::{write, write_json};
 
 /// Answer a question by many runs
 #[derive(Debug, Args)]
@@ -163,19 +163,4 @@ impl Output {
 pub(crate) fn command_line() -> String {
     let words = std::env::args().skip(1);
     words.fold("slipstream".to_owned(), |line, word| line + " " + &word)
-}
-
-/// Writes an answer as JSON.
-pub(crate) fn write_json(path: &Path, answer: &impl serde::Serialize) -> Result<(), Error> {
-    let text = serde_json::to_string_pretty(answer)
-        .map_err(|error| Error::Failed(format!("{}: {error}", path.display())))?;
-    write(path, &(text + "\n"))
-}
-
-/// Writes a file that somebody named.
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(path, text).map_err(|error| {
-        let problem = format!("cannot be written: {error}");
-        Unusable::new(path.display().to_string(), problem, "give another file").into()
-    })
 }

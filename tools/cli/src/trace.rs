@@ -10,6 +10,7 @@ use clap::Args;
 use slipstream_trace::{Age, Answer, Figures, Hop, HopChange, Incomplete, Reading};
 
 use crate::exit::{Error, Exit};
+use crate::file;
 
 /// Show where the time of each position between robots went, from the encoder sample to the torque
 ///
@@ -46,11 +47,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         answer.against = Some(changes);
     }
     if let Some(file) = &arguments.json {
-        write(file, &answer)?;
+        file::write_json(file, &answer)?;
     }
     if let Some(file) = &arguments.perfetto {
         let timeline = slipstream_trace::timeline(&reading.log, &reading.robots);
-        write(file, &timeline)?;
+        file::write_json(file, &timeline)?;
     }
     if let Some(file) = &arguments.rtt {
         write_round_trips(file, &reading)?;
@@ -58,24 +59,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(file) = &arguments.report {
         let page = page::page(&arguments.recording, &answer, &reading);
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
-        write_text(file, &page)?;
+        file::write(file, &page)?;
     }
     // Who has closed the pipe does not want it.
     let _ = std::io::stdout().write_all(table(&answer).as_bytes());
     Ok(Exit::Done)
-}
-
-fn write(file: &Path, value: &impl serde::Serialize) -> Result<(), Error> {
-    let json = serde_json::to_string_pretty(value).map_err(|e| failed(file, &e))?;
-    write_text(file, &(json + "\n"))
-}
-
-fn write_text(file: &Path, text: &str) -> Result<(), Error> {
-    std::fs::write(file, text).map_err(|e| failed(file, &e))
-}
-
-fn failed(file: &Path, error: &dyn std::error::Error) -> Error {
-    Error::Failed(format!("{}: cannot be written: {error}", file.display()))
 }
 
 fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
@@ -83,7 +71,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
     for link in &links {
         let [from, to] = [link.from, link.to].map(|robot| reading.name_of(robot));
         let own = file.with_extension(format!("{from}-{to}.csv"));
-        write_text(if links.len() == 1 { file } else { &own }, &link.csv)?;
+        file::write(if links.len() == 1 { file } else { &own }, &link.csv)?;
     }
     Ok(())
 }

@@ -20,7 +20,8 @@ use slipstream_trial::maker::Plan;
 use slipstream_trial::tally::{Report, tally};
 
 use crate::exit::{Error, Exit};
-use crate::study::{command_line, write, write_json};
+use crate::file::{write, write_json};
+use crate::study::command_line;
 
 /// Try the diagnosis on recordings whose truth is concealed from it
 ///

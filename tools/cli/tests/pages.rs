@@ -102,6 +102,78 @@ fn every_report_is_in_order() {
     }
 }
 
+/// A robot that slips, diagnosed: the answer in words, then every kind of figure; and no file but
+/// those that were asked for.
+#[test]
+fn a_diagnosis_is_in_order() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        "run single --out single.mcap",
+        "diagnose single.mcap --report page.html --json page.json --improved better.toml",
+    ] {
+        let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {words}");
+    }
+    let page = folder.path().join("page.html");
+    assert_in_order(&mut browser, &page, 14);
+    let text = browser.evaluate("document.body.innerText").to_string();
+    for what in [
+        "Prediction error over 5 s",
+        "Residuals before and after",
+        "When it is at work",
+        "missing force along the body (N)",
+        "wheels faster than the body",
+        "The path against the camera",
+        "friction_kinetic",
+        "Prediction over 5 s, channel by channel",
+        "What was ruled out",
+        "What cannot be told apart here",
+        "slipstream diagnose single.mcap",
+    ] {
+        assert!(text.contains(what), "{what}");
+    }
+    let mut names: Vec<String> = std::fs::read_dir(folder.path())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(
+        names,
+        ["better.toml", "page.html", "page.json", "single.mcap"]
+    );
+}
+
+/// Pages of the practice recordings, where they are: a robot that is told a twist, and three robots.
+#[test]
+fn diagnoses_of_practice_are_in_order() {
+    let practice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/practice");
+    if !practice.exists() {
+        println!("skipped: {} is not there", practice.display());
+        return;
+    }
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    for (name, figures) in [("practice-08", 4), ("practice-07", 20)] {
+        let recording = practice.join(name).display().to_string();
+        let model = practice
+            .join(format!("robots/{name}.toml"))
+            .display()
+            .to_string();
+        let page = format!("{name}.html");
+        let arguments = ["diagnose", &recording, "--robot", &model, "--report", &page];
+        let output = slipstream(folder.path(), &arguments);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name}: {words}");
+        assert_in_order(&mut browser, &folder.path().join(page), figures);
+    }
+}
+
 /// The look at a page sees what it should.
 #[test]
 fn what_is_wrong_is_seen() {

@@ -73,7 +73,8 @@ fn at(series: &Series, t_s: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * share)
 }
 
-fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
+/// How fast the values of a series change around `t_s`, over `about_s` to both sides.
+pub(crate) fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
     let (a, b) = (at(series, t_s - about_s), at(series, t_s + about_s));
     [0, 1, 2].map(|i| (b[i] - a[i]) / (2.0 * about_s))
 }
@@ -128,6 +129,8 @@ enum Basis {
 
 /// Hats over a variable.
 const HATS: usize = 9;
+/// The same for a place with edges.
+const FINE: usize = 27;
 /// Cells over the longer side of the floor.
 const CELLS: f64 = 6.0;
 
@@ -135,23 +138,24 @@ impl Driver {
     /// The drivers that `samples` cover.
     pub(crate) fn all(samples: &[Vec<Sampled>]) -> Vec<Self> {
         let flat: Vec<&Sampled> = samples.iter().flatten().collect();
-        let hats = |name: &'static str, unit: &'static str, of: fn(&Sampled) -> f64| {
-            let mut values: Vec<f64> = flat
-                .iter()
-                .map(|s| of(s))
-                .filter(|v| v.is_finite())
-                .collect();
-            values.sort_by(f64::total_cmp);
-            let (low, high) = (*values.first()?, *values.last()?);
-            let knots: Vec<f64> = (0..HATS)
-                .map(|k| low + (high - low) * k as f64 / (HATS - 1) as f64)
-                .collect();
-            (high - low > 1e-6).then_some(Self {
-                name,
-                unit,
-                basis: Basis::Hats(knots),
-            })
-        };
+        let hats =
+            |name: &'static str, unit: &'static str, count: usize, of: fn(&Sampled) -> f64| {
+                let mut values: Vec<f64> = flat
+                    .iter()
+                    .map(|s| of(s))
+                    .filter(|v| v.is_finite())
+                    .collect();
+                values.sort_by(f64::total_cmp);
+                let (low, high) = (*values.first()?, *values.last()?);
+                let knots: Vec<f64> = (0..count)
+                    .map(|k| low + (high - low) * k as f64 / (count - 1) as f64)
+                    .collect();
+                (high - low > 1e-6).then_some(Self {
+                    name,
+                    unit,
+                    basis: Basis::Hats(knots),
+                })
+            };
         let waves = |name: &'static str, count: usize, there: bool| {
             there.then_some(Self {
                 name,
@@ -163,16 +167,20 @@ impl Driver {
         let yaw = flat.iter().any(|s| s.pose[2].is_finite());
         let angle = flat.iter().any(|s| s.angle[0].is_finite());
         [
-            hats("t", "s", |s| s.t_s),
-            hats("v", "m/s", |s| s.v),
-            hats("w", "rad/s", |s| s.w),
-            hats("torque", "of the command", |s| s.asked[0] + s.asked[1]),
+            hats("t", "s", HATS, |s| s.t_s),
+            hats("v", "m/s", HATS, |s| s.v),
+            hats("w", "rad/s", HATS, |s| s.w),
+            hats("torque", "of the command", HATS, |s| {
+                s.asked[0] + s.asked[1]
+            }),
             waves("wheel_angle", 3, angle),
             waves("heading", 2, yaw),
-            hats("x", "m", |s| s.pose[0]).filter(|_| pose),
-            hats("y", "m", |s| s.pose[1]).filter(|_| pose),
+            hats("x", "m", HATS, |s| s.pose[0]).filter(|_| pose),
+            hats("x", "m", FINE, |s| s.pose[0]).filter(|_| pose),
+            hats("y", "m", FINE, |s| s.pose[1]).filter(|_| pose),
+            hats("y", "m", HATS, |s| s.pose[1]).filter(|_| pose),
             grid(&flat).filter(|_| pose),
-            hats("time_at_rest", "s", |s| s.rested_s),
+            hats("time_at_rest", "s", HATS, |s| s.rested_s),
         ]
         .into_iter()
         .flatten()

@@ -9,10 +9,12 @@
 mod answer;
 mod bench;
 mod drivers;
+mod figures;
 mod fit;
 mod force;
 mod hypothesis;
 mod interval;
+mod limits;
 mod linear;
 mod links;
 mod local;
@@ -34,9 +36,11 @@ use slipstream_sim::CommandKind;
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
+pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
+pub use limits::{Limit, Seen};
 
 use crate::bench::Bench;
-use crate::search::{Outcome, Search};
+use crate::search::{Found, Outcome, Search};
 use crate::track::{Block, Track};
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
@@ -90,6 +94,28 @@ const WINDOWS: usize = 24;
 /// # Errors
 /// A robot that cannot be diagnosed, or a model that is none.
 pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+    examine(request, |_, _| ())
+}
+
+/// The answer, each robot's improved model, and the figures of each machine, block by block.
+pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
+
+/// The same, with what the figures of a report show.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Unusable> {
+    let mut figures = Vec::new();
+    let each = |bench: &Bench, found: &Found| figures.push(Figures::new(bench, found, request));
+    let (answer, improved) = examine(request, each)?;
+    Ok((answer, improved, figures))
+}
+
+/// Diagnoses machine after machine; `each` sees what was found on it.
+fn examine(
+    request: &Request<'_>,
+    mut each: impl FnMut(&Bench, &Found),
+) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
     let mut answer = Answer::default();
     let mut improved = Vec::new();
     let mut courses = Vec::new();
@@ -136,6 +162,7 @@ pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotMode
                 }
             }
             answer.add(bench, &found);
+            each(bench, &found);
             courses.extend(links::Course::new(bench, &found.node));
             hypotheses.extend(found.node.hypotheses);
         }

@@ -107,8 +107,8 @@ impl Linear {
                     continue;
                 }
                 normal.own_slope[a] += scaled * residual;
-                for b in 0..=a {
-                    normal.own[(a, b)] += scaled * row[b];
+                for (b, cell) in row[..=a].iter().enumerate() {
+                    normal.own[(a, b)] += scaled * cell;
                 }
                 for b in 0..count {
                     normal.cross[(a, b)] += scaled * row[LOCALS + b];

@@ -177,47 +177,73 @@ pub(crate) fn add(
             if !found {
                 continue;
             }
-            let times = link.sent.iter().map(|(t_s, _)| *t_s);
-            let span = [
-                times.clone().fold(f64::INFINITY, f64::min),
-                times.fold(0.0, f64::max),
-            ];
-            answer.findings.push(Finding {
-                robot: receiver.clone(),
-                effect: info.id.to_owned(),
-                statement: format!(
-                    "Robot {receiver}, link from {}: the positions it receives are {:.1} ms older than their stamps say (95 % between {:.1} and {:.1} ms).",
-                    course.robot,
-                    1e3 * delay_s,
-                    1e3 * (delay_s - 1.96 * deviation),
-                    1e3 * (delay_s + 1.96 * deviation)
-                ),
-                parameters: vec![ParameterEstimate {
-                    name: "delay_s".to_owned(),
-                    unit: "s".to_owned(),
-                    nominal: known,
-                    estimate: Some(delay_s),
-                    ci95: Some([delay_s - 1.96 * deviation, delay_s + 1.96 * deviation]),
-                    text: None,
-                }],
-                place: Place {
-                    channel: "link".to_owned(),
-                    intervals_s: vec![span],
-                    condition: "every message".to_owned(),
-                },
-                confused_with: Vec::new(),
-                evidence: Evidence {
-                    log_likelihood_gain: gain,
-                    p_value: (-gain).exp().min(1.0),
-                },
-                shape: None,
-                driver: None,
-            });
+            let late = Late {
+                receiver,
+                sender: &course.robot,
+                known,
+                delay_s,
+                deviation,
+                gain,
+            };
+            answer.findings.push(late.finding(&link));
             let spec = EffectSpec::new(info.id, &[("delay_s", delay_s)]);
             match listed {
                 Some(at) => model.effects[at] = spec,
                 None => model.effects.push(spec),
             }
+        }
+    }
+}
+
+/// Messages that are older than they say.
+struct Late<'a> {
+    receiver: &'a str,
+    sender: &'a str,
+    /// What the receiver's model says (s).
+    known: Option<f64>,
+    delay_s: f64,
+    deviation: f64,
+    /// ln L that the delay brings.
+    gain: f64,
+}
+
+impl Late<'_> {
+    fn finding(&self, link: &Link<'_>) -> Finding {
+        let times = link.sent.iter().map(|(t_s, _)| *t_s);
+        let span = [
+            times.clone().fold(f64::INFINITY, f64::min),
+            times.fold(0.0, f64::max),
+        ];
+        let ci95 = [-1.96, 1.96].map(|side| self.delay_s + side * self.deviation);
+        let (receiver, sender) = (self.receiver, self.sender);
+        let [delay, low, high] = [self.delay_s, ci95[0], ci95[1]].map(|s| 1e3 * s);
+        Finding {
+            robot: receiver.to_owned(),
+            effect: "link_delay".to_owned(),
+            statement: format!(
+                "Robot {receiver}, link from {sender}: the positions it receives are {delay:.1} ms \
+                 older than their stamps say (95 % between {low:.1} and {high:.1} ms)."
+            ),
+            parameters: vec![ParameterEstimate {
+                name: "delay_s".to_owned(),
+                unit: "s".to_owned(),
+                nominal: self.known,
+                estimate: Some(self.delay_s),
+                ci95: Some(ci95),
+                text: None,
+            }],
+            place: Place {
+                channel: "link".to_owned(),
+                intervals_s: vec![span],
+                condition: "every message".to_owned(),
+            },
+            confused_with: Vec::new(),
+            evidence: Evidence {
+                log_likelihood_gain: self.gain,
+                p_value: (-self.gain).exp().min(1.0),
+            },
+            shape: None,
+            driver: None,
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::force::{self, Answers, PULSE_S};
 use crate::hypothesis::{Hypothesis, LOCAL};
 use crate::linear;
 use crate::misfit::Misfit;
+use crate::track::CHANNELS;
 
 /// Moments that are tried for a push.
 const MOMENTS: usize = 3;
@@ -148,7 +149,10 @@ fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
     let body = &bench.model.robot;
     let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
     let mut moments: Vec<(f64, usize, f64)> = Vec::new();
-    for (w, forces) in over_time(bench, node, answers).into_iter().enumerate() {
+    for (w, forces) in over_time(bench, node, answers, &node.fit.misfit.weights())
+        .into_iter()
+        .enumerate()
+    {
         for (k, [along, about]) in forces.into_iter().enumerate() {
             moments.push((along.abs().max(about.abs() / b), w, answers[w].at_s[k]));
         }
@@ -171,18 +175,23 @@ fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
 }
 
 /// The missing force along (N) and moment about (N m) at every pulse, kept small where nothing shows
-/// it (ridge regression; Hoerl and Kennard, 1970).
-pub(crate) fn over_time(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Vec<[f64; 2]>> {
+/// it (ridge regression; Hoerl and Kennard, 1970). `weights` of the channels: 1 believes them as far
+/// as their noise goes.
+pub(crate) fn over_time(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    weights: &[f64; CHANNELS],
+) -> Vec<Vec<[f64; 2]>> {
     let body = &bench.model.robot;
     let weight = 9.81 * body.body_mass_kg.unwrap_or(1.0);
     let believed = [BELIEVED * weight, BELIEVED * weight * body.half_track_m];
-    let weights = node.fit.misfit.weights();
     let windows = answers.par_iter().enumerate();
     let forces = windows.map(|(w, answers)| {
         let linear = node.fit.linear[w].without_globals();
         let columns = answers.along.iter().chain(&answers.about);
         let more: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
-        let mut normal = linear.normal(&bench.windows[w], &weights, &linear.residuals, &more);
+        let mut normal = linear.normal(&bench.windows[w], weights, &linear.residuals, &more);
         let count = answers.at_s.len();
         normal.believe(|i| 1.0 / believed[usize::from(i >= count)].powi(2));
         let step = linear::step(std::slice::from_ref(&normal), 1e-9, |_, step| step);

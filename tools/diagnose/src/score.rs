@@ -24,25 +24,32 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
 }
 
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {
+    let mut residuals = predicted(bench, window, hypotheses)?;
+    for (residual, stamp_s) in residuals.iter_mut().zip(&window.stamps_s) {
+        if *stamp_s < window.from_s + FITTED_S {
+            *residual = f64::NAN;
+        }
+    }
+    Some(Misfit::new(std::slice::from_ref(window), &[residuals]))
+}
+
+/// Residuals (deviations) of the prediction of one window, its first half second included.
+pub(crate) fn predicted(
+    bench: &Bench,
+    window: &Window,
+    hypotheses: &[Hypothesis],
+) -> Option<Vec<f64>> {
     let track = &bench.tracks[window.run];
     let mut head = window.head(track, FITTED_S);
     head.free = window.free;
     let body = &bench.model.robot;
     let guess = window.guess(track, body.wheel_radius_m, body.half_track_m);
-    let fixed: Vec<Hypothesis> = hypotheses.to_vec();
     let heads = [head];
-    bench.posed(&fixed, &heads, |problem, values| {
+    bench.posed(hypotheses, &heads, |problem, values| {
         let still = problem.with_free(&[]);
         let start = still.fit(&[], &[guess], 20)?.starts;
         let own = [window.clone()];
-        let whole = problem.over(&own);
-        let mut residuals = whole.residuals(values, &start)?;
-        for (residual, stamp_s) in residuals[0].iter_mut().zip(&window.stamps_s) {
-            if *stamp_s < window.from_s + FITTED_S {
-                *residual = f64::NAN;
-            }
-        }
-        Some(Misfit::new(&own, &residuals))
+        problem.over(&own).residuals(values, &start)?.pop()
     })
 }
 

@@ -23,6 +23,8 @@ const MOST: usize = 5;
 
 /// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
 const PAY: [f64; 2] = [24.0, 6.0];
+/// Pushes at most: a force that acts again and again is no push.
+const PUSHES: usize = 2;
 /// The same for an effect whose place or time was searched.
 const PAY_LOCAL: f64 = 40.0;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
@@ -306,7 +308,8 @@ impl Search<'_> {
         let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
         let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
         let own = &node.hypotheses[which];
-        if own.is_at_bound() {
+        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        if own.is_at_bound() || pushes.count() > PUSHES {
             return false;
         }
         own.is_threshold()
