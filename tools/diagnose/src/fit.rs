@@ -313,12 +313,11 @@ impl<'a> Problem<'a> {
                 break;
             }
         }
-        let covariance = linear::covariance(&self.normals(&linear, &place.misfit));
-        let deviations = (0..self.free.len()).map(|i| covariance[(i, i)].max(0.0).sqrt());
         let residuals: Vec<&[f64]> = place.residuals.iter().map(Vec::as_slice).collect();
         place.misfit.remember(self.windows, &residuals);
+        let normals = self.normals(&linear, &place.misfit);
         Some(Fit {
-            deviations: deviations.collect(),
+            deviations: linear::deviations(&normals, place.misfit.excess()),
             values: place.values,
             starts: place.starts,
             misfit: place.misfit,

@@ -262,6 +262,26 @@ fn solve_fixed(
 /// Share of its own size that a parameter's effect must keep beside everything else that is free.
 const DETERMINED: f64 = 1e-7;
 
+/// Deviations of the shared parameters: the larger of what the noise of each residual gives, `excess`
+/// times, and what the windows show among each other (the sandwich of Huber, 1967, window by
+/// window).
+pub(crate) fn deviations(normals: &[Normal], excess: f64) -> Vec<f64> {
+    let plain = covariance(normals);
+    let count = plain.nrows();
+    let mut spread = DMatrix::zeros(count, count);
+    for normal in normals.iter().filter(|_| count > 0) {
+        let lever = normal.cross.transpose() * damped(&normal.own, 0.0);
+        let slope = &normal.global_slope - lever * normal.own_slope;
+        spread += &slope * slope.transpose();
+    }
+    let windows = normals.len() as f64;
+    let free = (windows - count as f64).max(1.0);
+    let known = plain.map(|v| if v.is_finite() { v } else { 0.0 });
+    let sandwich = &known * spread * &known * (windows / free);
+    let deviation = |i: usize| (plain[(i, i)] * excess * excess).max(sandwich[(i, i)]).max(0.0);
+    (0..count).map(|i| deviation(i).sqrt()).collect()
+}
+
 /// Covariance of the shared parameters; infinite variance for one that is not determined.
 pub(crate) fn covariance(normals: &[Normal]) -> DMatrix<f64> {
     let (matrix, _) = reduced(normals, 0.0);
