@@ -497,7 +497,8 @@ fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2]
     let series = &track.series[which];
     let windows = cut(track, run, WINDOW_S, &[]);
     let pieces = windows.par_iter().map(|window| {
-        let residuals = score::predicted(bench, window, hypotheses).unwrap_or_default();
+        let predicted = score::predicted(bench, window, hypotheses);
+        let (residuals, _) = predicted.unwrap_or_default();
         let [first, end] = window.rows[which];
         let rows = series.rows[first..end].iter().enumerate();
         let (seen, predicted): (Vec<Point>, Vec<Point>) = rows

@@ -6,10 +6,14 @@ use rayon::prelude::*;
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
+use crate::track::Sensor;
 use crate::window::Window;
 
-/// Time over which a window's start is fitted (s).
+/// Time over which a window's start is fitted (s), and up to how much more where the pose was seen
+/// less often than `SEEN` times in it.
 const FITTED_S: f64 = 0.5;
+const AT_MOST: u32 = 5;
+const SEEN: usize = 5;
 
 /// Misfit of the prediction of `windows` by the model with `hypotheses`, without their first half
 /// second.
@@ -24,33 +28,51 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
 }
 
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {
-    let mut residuals = predicted(bench, window, hypotheses)?;
+    let (mut residuals, fitted_s) = predicted(bench, window, hypotheses)?;
     for (residual, stamp_s) in residuals.iter_mut().zip(&window.stamps_s) {
-        if *stamp_s < window.from_s + FITTED_S {
+        if *stamp_s < window.from_s + fitted_s {
             *residual = f64::NAN;
         }
     }
     Some(Misfit::new(std::slice::from_ref(window), &[residuals]))
 }
 
-/// Residuals (deviations) of the prediction of one window, its first half second included.
+/// Residuals (deviations) of the prediction of one window, what its start was fitted to included,
+/// and how long that is (s).
 pub(crate) fn predicted(
     bench: &Bench,
     window: &Window,
     hypotheses: &[Hypothesis],
-) -> Option<Vec<f64>> {
+) -> Option<(Vec<f64>, f64)> {
     let track = &bench.tracks[window.run];
-    let mut head = window.head(track, FITTED_S);
-    head.free = window.free;
     let body = &bench.model.robot;
     let guess = window.guess(track, body.wheel_radius_m, body.half_track_m);
-    let heads = [head];
-    bench.posed(hypotheses, &heads, |problem, values| {
-        let still = problem.with_free(&[]);
-        let start = still.fit(&[], &[guess], 20)?.starts;
-        let own = [window.clone()];
-        problem.over(&own).residuals(values, &start)?.pop()
+    (1..=AT_MOST).find_map(|times| {
+        let fitted_s = FITTED_S * f64::from(times);
+        let mut head = window.head(track, fitted_s);
+        head.free = window.free;
+        let heads = [head];
+        bench.posed(hypotheses, &heads, |problem, values| {
+            let still = problem.with_free(&[]);
+            let seen = still.residuals(&[], &[guess])?.pop()?;
+            if times < AT_MOST && window.free[0] && poses(&heads[0], &seen) < SEEN {
+                return None;
+            }
+            let start = still.fit(&[], &[guess], 20)?.starts;
+            let own = [window.clone()];
+            let residuals = problem.over(&own).residuals(values, &start)?.pop()?;
+            Some((residuals, fitted_s))
+        })
     })
+}
+
+/// How many poses were compared.
+fn poses(window: &Window, residuals: &[f64]) -> usize {
+    let first = Sensor::Pose.channel();
+    let pairs = window.channels.iter().zip(residuals);
+    pairs
+        .filter(|(c, r)| usize::from(**c) == first && r.is_finite())
+        .count()
 }
 
 /// Root mean square of a channel, `None` where nothing was measured.
