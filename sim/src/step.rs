@@ -38,7 +38,7 @@ impl Care {
     pub(crate) const COARSE: Self = Self {
         depth: 10,
         events: 2,
-        stiff_depth: 1,
+        stiff_depth: 4,
         sweeps: 60,
         rounds: 6,
     };

@@ -9,6 +9,7 @@ use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
+use crate::start;
 use crate::track::{CHANNELS, Track};
 use crate::window::{LOCALS, WINDOW_S, Window, cut, spread};
 
@@ -23,6 +24,11 @@ const NOISE_UNDECLARED: f64 = 1.5;
 
 /// Static over kinetic friction where a search for the former begins.
 const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
+
+/// How far a candidate may move what is measured, over what is unexplained, where that makes it
+/// worse; and by how much (−2 ln L) it has to.
+const BESIDE: f64 = 3.0;
+const ARRIVED: f64 = 1.0;
 
 /// Rounds of a fit to a part of the windows, from the fit to all.
 const HELD_OUT: usize = 6;
@@ -173,16 +179,12 @@ impl Bench {
         }
     }
 
-    /// Guesses of all windows' starts from the measurements.
-    pub(crate) fn guesses(&self) -> Vec<[f64; LOCALS]> {
-        let [r, b] = [
-            self.model.robot.wheel_radius_m,
-            self.model.robot.half_track_m,
-        ];
-        let windows = self.windows.iter();
-        windows
-            .map(|w| w.guess(&self.tracks[w.run], r, b))
-            .collect()
+    /// Guesses of all windows' starts under the nominal model.
+    pub(crate) fn guesses(&self) -> Option<Vec<[f64; LOCALS]>> {
+        self.posed(&[], &self.windows, |problem, values| {
+            let windows = self.windows.par_iter();
+            Some(windows.map(|w| start::guess(problem, values, w)).collect())
+        })
     }
 
     /// Fits the nominal model with `hypotheses`.
@@ -255,18 +257,48 @@ impl Bench {
         promises
     }
 
+    /// The candidate, made so small that it moves what is measured no more than what is unexplained
+    /// where it would make it worse. What is smaller than its probe may not show from there: what
+    /// rests under a large friction says nothing of a small one.
+    fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Hypothesis> {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses.push(candidate.clone());
+        let starts = &node.fit.starts;
+        let base = self.posed(&hypotheses, &self.windows, |problem, values| {
+            problem.residuals(values, starts)
+        })?;
+        let mut sized = candidate.clone();
+        let worse =
+            Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() + ARRIVED;
+        if candidate.is_abrupt() {
+            return (!worse).then_some(sized);
+        }
+        if candidate.is_threshold() || !worse {
+            return Some(sized);
+        }
+        let pairs = base.iter().zip(&node.fit.linear);
+        let moved = pairs.map(|(base, linear)| {
+            let pairs = base.iter().zip(&linear.residuals);
+            pairs.map(|(after, before)| after - before).collect()
+        });
+        let moved = Misfit::new(&self.windows, &moved.collect::<Vec<Vec<f64>>>())
+            .worst()
+            .1;
+        let wanted = BESIDE * node.fit.misfit.worst().1.max(1.0);
+        let (name, size) = &mut sized.values[0];
+        let nothing = candidate.nothing(&self.model, name);
+        *size = nothing + (*size - nothing) * (wanted / moved.max(1e-9)).min(1.0);
+        Some(sized)
+    }
+
     /// One step of the fit from the candidate's own values.
     fn promise(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
+        let candidate = &self.sized(node, candidate)?;
         let mut hypotheses = node.hypotheses.clone();
         hypotheses.push(candidate.clone());
         self.posed(&hypotheses, &self.windows, |problem, values| {
             let (known, starts) = (node.fit.values.len(), &node.fit.starts);
             let base = problem.residuals(values, starts)?;
-            if candidate.is_abrupt()
-                && Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance()
-            {
-                return None;
-            }
             let mut steps = problem.first_steps(values);
             let columns = problem.columns(values, starts, &base, &mut steps, known)?;
             let more = |w: usize| columns.iter().map(|c| c[w].as_slice()).collect::<Vec<_>>();

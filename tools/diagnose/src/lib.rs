@@ -24,6 +24,7 @@ mod noise;
 mod score;
 mod search;
 mod simulate;
+mod start;
 mod track;
 mod unknown;
 mod window;

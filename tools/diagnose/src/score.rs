@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
+use crate::start;
 use crate::track::Sensor;
 use crate::window::Window;
 
@@ -45,8 +46,6 @@ pub(crate) fn predicted(
     hypotheses: &[Hypothesis],
 ) -> Option<(Vec<f64>, f64)> {
     let track = &bench.tracks[window.run];
-    let body = &bench.model.robot;
-    let guess = window.guess(track, body.wheel_radius_m, body.half_track_m);
     (1..=AT_MOST).find_map(|times| {
         let fitted_s = FITTED_S * f64::from(times);
         let mut head = window.head(track, fitted_s);
@@ -54,6 +53,7 @@ pub(crate) fn predicted(
         let heads = [head];
         bench.posed(hypotheses, &heads, |problem, values| {
             let still = problem.with_free(&[]);
+            let guess = start::guess(&still, &[], &heads[0]);
             let seen = still.residuals(&[], &[guess])?.pop()?;
             if times < AT_MOST && window.free[0] && poses(&heads[0], &seen) < SEEN {
                 return None;

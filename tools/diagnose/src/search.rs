@@ -27,6 +27,9 @@ const PAY: [f64; 2] = [24.0, 6.0];
 const PUSHES: usize = 2;
 /// The same for an effect whose place or time was searched.
 const PAY_LOCAL: f64 = 40.0;
+/// Share of the gain so far that one more effect has to bring where noise is reached: less is what
+/// integrators differ by.
+const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
 const HELD_OUT: f64 = 18.0;
@@ -89,7 +92,7 @@ impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
     pub(crate) fn run(&self) -> Option<Outcome> {
         (self.progress)("nominal model");
-        let nominal = self.bench.fit(&[], &self.bench.guesses(), FULL)?;
+        let nominal = self.bench.fit(&[], &self.bench.guesses()?, FULL)?;
         let mut best = nominal.clone();
         let mut nodes = vec![nominal.clone()];
         let mut looked_at = 0;
@@ -103,7 +106,7 @@ impl Search<'_> {
                 seen.push(node.clone());
                 let candidates = self.candidates(node);
                 looked_at += candidates.len();
-                next.extend(self.extended(node, &candidates, rank == 0));
+                next.extend(self.extended(&nominal, node, &candidates, rank == 0));
             }
             if seen.len() == 1 && !next.iter().any(|node| self.bench.is_noise(node)) {
                 next.extend(self.beside_slip(&nominal));
@@ -160,7 +163,9 @@ impl Search<'_> {
     /// When the wheels slide in a model that slips and does not yet reach the noise, unless that is
     /// known already.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
-        let slips = node.hypotheses.iter().any(|h| h.info.id == "wheel_slip");
+        let found = node.hypotheses.iter().any(|h| h.info.id == "wheel_slip");
+        let mut known = self.bench.model.effects.iter();
+        let slips = found || known.any(|e| e.effect == "wheel_slip");
         (slips && !self.avoided && !self.bench.is_noise(node))
             .then(|| located::sliding(self.bench, node, None))
     }
@@ -174,7 +179,13 @@ impl Search<'_> {
     }
 
     /// The extensions by one effect that pay, best first.
-    fn extended(&self, node: &Node, candidates: &[Hypothesis], locally: bool) -> Vec<Node> {
+    fn extended(
+        &self,
+        nominal: &Node,
+        node: &Node,
+        candidates: &[Hypothesis],
+        locally: bool,
+    ) -> Vec<Node> {
         let ids: Vec<&str> = node.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!(
             "{} effects beside [{}]",
@@ -186,7 +197,7 @@ impl Search<'_> {
             let local = local::candidates(self.bench, node, self.excluded);
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }
-        followed.retain(|next| self.pays(node, next));
+        followed.retain(|next| self.pays(nominal, node, next));
         followed
     }
 
@@ -289,11 +300,15 @@ impl Search<'_> {
         full
     }
 
-    fn pays(&self, before: &Node, after: &Node) -> bool {
+    fn pays(&self, nominal: &Node, before: &Node, after: &Node) -> bool {
         let Some(own) = after.hypotheses.last() else {
             return false;
         };
         let gain = after.fit.misfit.gain_over(&before.fit.misfit);
+        let so_far = before.fit.misfit.gain_over(&nominal.fit.misfit);
+        if self.bench.is_noise(before) && gain < SHARE * so_far {
+            return false;
+        }
         if gain <= due(own) || !self.is_clear(after, after.hypotheses.len() - 1) {
             return false;
         }
