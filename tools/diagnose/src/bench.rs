@@ -24,6 +24,12 @@ const NOISE_UNDECLARED: f64 = 1.5;
 
 /// Static over kinetic friction where a search for the former begins.
 const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
+/// Shares of what it is above, around the best so far, that are tried next.
+const STATIC_CLOSER: [[f64; 4]; 3] = [
+    [0.5, 0.7, 1.4, 2.0],
+    [0.8, 0.9, 1.1, 1.25],
+    [0.94, 0.97, 1.03, 1.06],
+];
 
 /// How far a candidate may move what is measured, over what is unexplained, where that makes it
 /// worse; and by how much (−2 ln L) it has to.
@@ -370,7 +376,27 @@ impl Bench {
         let Some(slip) = slip.filter(|_| !self.is_noise(&node)) else {
             return node;
         };
-        let tried = STATIC_OVER_KINETIC.par_iter().filter_map(|ratio| {
+        let mut best = self.with_static(&node, slip, &STATIC_OVER_KINETIC);
+        for closer in STATIC_CLOSER {
+            let of = |name: &str| {
+                let mut values = best.hypotheses[slip].values.iter();
+                values.find(|(known, _)| *known == name).map(|v| v.1)
+            };
+            let (Some(above), Some(kinetic)) = (of(STATIC), of(KINETIC)) else {
+                break;
+            };
+            if self.is_noise(&best) {
+                break;
+            }
+            let over = above / kinetic - 1.0;
+            best = self.with_static(&best, slip, &closer.map(|share| 1.0 + over * share));
+        }
+        best
+    }
+
+    /// The best of the node and of fits that begin with these ratios of static to kinetic friction.
+    fn with_static(&self, node: &Node, slip: usize, ratios: &[f64]) -> Node {
+        let tried = ratios.par_iter().filter_map(|ratio| {
             let mut hypotheses = node.hypotheses.clone();
             let values = &mut hypotheses[slip].values;
             let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
@@ -381,12 +407,11 @@ impl Bench {
             self.fit(&hypotheses, &node.fit.starts, HELD_OUT)
         });
         let tried: Vec<Node> = tried.collect();
-        let fallback = node.clone();
         let better = tried
             .into_iter()
-            .chain([node])
             .min_by(|a, b| a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance()));
-        better.unwrap_or(fallback)
+        let better = better.filter(|b| b.fit.misfit.deviance() < node.fit.misfit.deviance());
+        better.unwrap_or_else(|| node.clone())
     }
 
     /// Tries the sizes of commands around a threshold until none fits better.
