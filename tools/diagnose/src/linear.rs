@@ -278,7 +278,11 @@ pub(crate) fn deviations(normals: &[Normal], excess: f64) -> Vec<f64> {
     let free = (windows - count as f64).max(1.0);
     let known = plain.map(|v| if v.is_finite() { v } else { 0.0 });
     let sandwich = &known * spread * &known * (windows / free);
-    let deviation = |i: usize| (plain[(i, i)] * excess * excess).max(sandwich[(i, i)]).max(0.0);
+    let deviation = |i: usize| {
+        (plain[(i, i)] * excess * excess)
+            .max(sandwich[(i, i)])
+            .max(0.0)
+    };
     (0..count).map(|i| deviation(i).sqrt()).collect()
 }
 

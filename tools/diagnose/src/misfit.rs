@@ -78,8 +78,12 @@ impl Misfit {
 
     /// How much wider than for white noise a deviation is: the root of the mean memory.
     pub(crate) fn excess(&self) -> f64 {
-        let sum: f64 = (0..CHANNELS).map(|c| self.counts[c] * self.memory[c].max(1.0)).sum();
-        (sum / self.counts.iter().sum::<f64>().max(1.0)).sqrt().max(1.0)
+        let sum: f64 = (0..CHANNELS)
+            .map(|c| self.counts[c] * self.memory[c].max(1.0))
+            .sum();
+        (sum / self.counts.iter().sum::<f64>().max(1.0))
+            .sqrt()
+            .max(1.0)
     }
 
     /// Weights of the channels in a least-squares fit.
