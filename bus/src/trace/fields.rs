@@ -3,12 +3,15 @@
 use std::borrow::Cow;
 use std::fmt::{Debug, Write as _};
 
+use serde::Serialize;
 use tracing::field::{Field, Visit};
 
 use super::piece::Value;
 
 /// No text in a record is longer (bytes).
 pub(super) const LONGEST: usize = 512;
+/// Numbers are shorter, alone or a record's head of them (bytes).
+const SHORT: usize = 48;
 
 /// Fields, encoded one after the other.
 #[derive(Debug, Default)]
@@ -28,9 +31,18 @@ impl Fields {
     }
 
     fn put(&mut self, field: &Field, value: &Value<'_>) {
-        // Writing to memory cannot fail.
-        let _ = postcard::to_io(&(field.index() as u32, value), &mut self.bytes);
+        encode(&(field.index() as u32, value), &mut self.bytes);
         self.count += 1;
+    }
+}
+
+/// Puts a value's postcard behind `bytes`: what is short, which is almost all, in one go.
+pub(super) fn encode(value: &impl Serialize, bytes: &mut Vec<u8>) {
+    if let Ok(short) = postcard::to_slice(value, &mut [0; SHORT]) {
+        bytes.extend_from_slice(short);
+    } else {
+        // Writing to memory cannot fail.
+        let _ = postcard::to_io(value, bytes);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use tracing::{Level, Metadata};
 
-use super::fields::Fields;
+use super::fields::{Fields, encode};
 use super::piece::{KIND, TOLD};
 
 /// Bytes that wait on a tape before records are dropped.
@@ -75,9 +75,9 @@ impl Tape {
         let (before, known) = (self.bytes.len(), self.kinds.len());
         let kind = self.kind(&told);
         let after_ns = told.begin_ns.wrapping_sub(self.last_ns);
-        // As an `Entry::Told`, whose fields are encoded already. Writing to memory cannot fail.
+        // As an `Entry::Told`, whose fields are encoded already.
         let head = (TOLD, kind, after_ns, told.took_ns, told.fields.count);
-        let _ = postcard::to_io(&head, &mut self.bytes);
+        encode(&head, &mut self.bytes);
         self.bytes.extend_from_slice(&told.fields.bytes);
         let length = self.bytes.len() - self.piece - PREFIX;
         if length > PIECE {
@@ -114,9 +114,9 @@ impl Tape {
             metadata.name(),
             fields.len() as u32,
         );
-        let _ = postcard::to_io(&head, &mut self.bytes);
+        encode(&head, &mut self.bytes);
         for field in fields {
-            let _ = postcard::to_io(field.name(), &mut self.bytes);
+            encode(&field.name(), &mut self.bytes);
         }
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn measure() {
         ("in one process", &["--in-process"]),
     ] {
         let pairs: Vec<[Cost; 2]> = (0..PAIRS).map(|k| pair(folder.path(), place, k)).collect();
-        let table: [(&str, fn(&Cost) -> f64); 2] = [
+        let table: [(&str, Part); 2] = [
             ("loop, wall time", |cost| cost.loop_ms),
             ("command, CPU time", |cost| cost.cpu_ms),
         ];
@@ -47,6 +47,9 @@ pub(crate) fn measure() {
     }
 }
 
+/// A part of what a run took.
+type Part = fn(&Cost) -> f64;
+
 /// What a run took.
 struct Cost {
     loop_ms: f64,
@@ -58,7 +61,12 @@ struct Cost {
 /// With the trace and without, one right after the other so that both see the same neighbours on the
 /// machine, and each as often first.
 fn pair(folder: &Path, place: &[&str], k: usize) -> [Cost; 2] {
-    let cost = |key| cost(folder, &[&["--set", DURATION, "--set", key], place].concat());
+    let cost = |key| {
+        cost(
+            folder,
+            &[&["--set", DURATION, "--set", key], place].concat(),
+        )
+    };
     let keys = ["recording.trace=true", "recording.trace=false"];
     if k.is_multiple_of(2) {
         keys.map(cost)
