@@ -9,6 +9,7 @@ mod fields;
 mod piece;
 mod subscriber;
 mod tape;
+mod varint;
 
 use tracing::subscriber::DefaultGuard;
 pub use tracing_subscriber::EnvFilter;

@@ -3,15 +3,13 @@
 use std::borrow::Cow;
 use std::fmt::{Debug, Write as _};
 
-use serde::Serialize;
 use tracing::field::{Field, Visit};
 
-use super::piece::Value;
+use super::piece::{INT, Value};
+use super::varint;
 
 /// No text in a record is longer (bytes).
 pub(super) const LONGEST: usize = 512;
-/// Numbers are shorter, alone or a record's head of them (bytes).
-const SHORT: usize = 48;
 
 /// Fields, encoded one after the other.
 #[derive(Debug, Default)]
@@ -31,18 +29,17 @@ impl Fields {
     }
 
     fn put(&mut self, field: &Field, value: &Value<'_>) {
-        encode(&(field.index() as u32, value), &mut self.bytes);
+        // Writing to memory cannot fail.
+        let _ = postcard::to_io(&(field.index() as u32, value), &mut self.bytes);
         self.count += 1;
     }
-}
 
-/// Puts a value's postcard behind `bytes`: what is short, which is almost all, in one go.
-pub(super) fn encode(value: &impl Serialize, bytes: &mut Vec<u8>) {
-    if let Ok(short) = postcard::to_slice(value, &mut [0; SHORT]) {
-        bytes.extend_from_slice(short);
-    } else {
-        // Writing to memory cannot fail.
-        let _ = postcard::to_io(value, bytes);
+    /// As `put` of a [`Value::Int`], which most are.
+    fn put_int(&mut self, field: &Field, value: i64) {
+        varint::unsigned(field.index() as u64, &mut self.bytes);
+        self.bytes.push(INT);
+        varint::signed(value, &mut self.bytes);
+        self.count += 1;
     }
 }
 
@@ -51,11 +48,11 @@ impl Visit for Fields {
         if field.name() == "t_ns" {
             self.t_ns = Some(value);
         }
-        self.put(field, &Value::Int(value));
+        self.put_int(field, value);
     }
 
     fn record_u64(&mut self, field: &Field, value: u64) {
-        self.put(field, &Value::Int(i64::try_from(value).unwrap_or(i64::MAX)));
+        self.put_int(field, i64::try_from(value).unwrap_or(i64::MAX));
     }
 
     fn record_f64(&mut self, field: &Field, value: f64) {

@@ -39,6 +39,9 @@ pub enum Value<'a> {
     Text(#[serde(borrow)] Cow<'a, str>),
 }
 
+/// The place of [`Value::Int`] among the values, for who writes it in parts.
+pub(super) const INT: u8 = 0;
+
 /// What a piece is made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) enum Entry<'a> {
@@ -51,7 +54,7 @@ pub(super) enum Entry<'a> {
 /// The place of [`Entry::Kind`] among the entries, for who writes it in parts.
 pub(super) const KIND: u32 = 0;
 /// The place of [`Entry::Told`].
-pub(super) const TOLD: u32 = 1;
+pub(super) const TOLD: u8 = 1;
 
 /// What records of one place in the program have in common.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -2,13 +2,16 @@
 
 use tracing::{Level, Metadata};
 
-use super::fields::{Fields, encode};
+use super::fields::Fields;
 use super::piece::{KIND, TOLD};
+use super::varint;
 
 /// Bytes that wait on a tape before records are dropped.
 pub(super) const ROOM: usize = 1 << 20;
 /// No piece is longer (bytes), and so no record.
 pub(super) const PIECE: usize = 3 << 10;
+/// Kinds that there is room for from the start.
+const KINDS: usize = 32;
 /// Before each piece: the time of its first record (8 bytes) and its length (4).
 const PREFIX: usize = 12;
 
@@ -65,6 +68,8 @@ impl Tape {
     fn begin_piece(&mut self, begin_ns: i64) {
         self.piece = self.bytes.len();
         self.kinds.clear();
+        // Once: no loop tells of more kinds.
+        self.kinds.reserve(KINDS);
         self.last_ns = 0;
         self.bytes.extend_from_slice(&begin_ns.to_le_bytes());
         self.bytes.extend_from_slice(&[0; PREFIX - 8]);
@@ -76,8 +81,15 @@ impl Tape {
         let kind = self.kind(&told);
         let after_ns = told.begin_ns.wrapping_sub(self.last_ns);
         // As an `Entry::Told`, whose fields are encoded already.
-        let head = (TOLD, kind, after_ns, told.took_ns, told.fields.count);
-        encode(&head, &mut self.bytes);
+        let bytes = &mut self.bytes;
+        bytes.push(TOLD);
+        varint::unsigned(kind.into(), bytes);
+        varint::signed(after_ns, bytes);
+        bytes.push(told.took_ns.is_some().into());
+        if let Some(took_ns) = told.took_ns {
+            varint::signed(took_ns, bytes);
+        }
+        varint::unsigned(told.fields.count.into(), bytes);
         self.bytes.extend_from_slice(&told.fields.bytes);
         let length = self.bytes.len() - self.piece - PREFIX;
         if length > PIECE {
@@ -104,7 +116,7 @@ impl Tape {
         kind as u32
     }
 
-    /// As an `Entry::Kind`, in parts.
+    /// As an `Entry::Kind`, in parts. Writing to memory cannot fail.
     fn write_kind(&mut self, told: &Telling<'_>) {
         let (metadata, fields) = (told.metadata, told.metadata.fields());
         let head = (
@@ -114,9 +126,9 @@ impl Tape {
             metadata.name(),
             fields.len() as u32,
         );
-        encode(&head, &mut self.bytes);
+        let _ = postcard::to_io(&head, &mut self.bytes);
         for field in fields {
-            encode(&field.name(), &mut self.bytes);
+            let _ = postcard::to_io(field.name(), &mut self.bytes);
         }
     }
 }
