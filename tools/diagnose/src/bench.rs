@@ -113,7 +113,7 @@ impl Bench {
     fn step_s(&self, list: &[Listed<f64>]) -> f64 {
         let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
         let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
-        let lags = has(&["actuator_lag"]);
+        let lags = has(&["actuator_lag", "actuator_delay"]);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
         if is_exact_at_any_step(kind, slips, lags) {
             LONG_STEP_S

@@ -151,7 +151,7 @@ impl Search<'_> {
             });
             nodes = kept
                 .into_iter()
-                .map(|node| self.bench.settle_static(self.pruned(node)))
+                .map(|node| self.bench.settle_static(self.pruned(&nominal, node)))
                 .collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if let Some(slides) = self.slides(&nodes[0]) {
@@ -385,18 +385,21 @@ impl Search<'_> {
     }
 
     /// Takes out what no longer pays beside what came later.
-    fn pruned(&self, mut node: Node) -> Node {
+    fn pruned(&self, nominal: &Node, mut node: Node) -> Node {
+        let share = SHARE * node.fit.misfit.gain_over(&nominal.fit.misfit);
         let mut at = 0;
         while node.hypotheses.len() > 1 && at < node.hypotheses.len() {
             let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
             (self.progress)(&format!("without {}", removed.info.id));
-            match self.bench.fit(&without, &node.fit.starts, FULL) {
-                Some(less) if node.fit.misfit.gain_over(&less.fit.misfit) < due(&removed) => {
-                    node = less;
-                    at = 0;
-                }
-                _ => at += 1,
+            let less = self.bench.fit(&without, &node.fit.starts, FULL);
+            let idle = |less: &Node| {
+                let gain = node.fit.misfit.gain_over(&less.fit.misfit);
+                gain < due(&removed) || self.bench.is_noise(less) && gain < share
+            };
+            match less.filter(idle) {
+                Some(less) => (node, at) = (less, 0),
+                None => at += 1,
             }
         }
         node
