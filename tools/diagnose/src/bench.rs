@@ -36,6 +36,9 @@ const STATIC_CLOSER: [[f64; 4]; 3] = [
 const BESIDE: f64 = 3.0;
 const ARRIVED: f64 = 1.0;
 
+/// Heads of the windows that are fitted before the whole (s).
+const HORIZONS_S: [f64; 3] = [1.0, 1.8, 3.2];
+
 /// Rounds of a fit to a part of the windows, from the fit to all.
 const HELD_OUT: usize = 6;
 
@@ -151,6 +154,13 @@ impl Bench {
             windows: spread(windows.collect(), self.windows.len().max(1)),
             model: self.model.clone(),
         }
+    }
+
+    /// Whether all windows begin as those of `other` do.
+    pub(crate) fn begins_as(&self, other: &Self) -> bool {
+        let begins =
+            |bench: &Self| -> Vec<f64> { bench.windows.iter().map(|w| w.from_s).collect() };
+        begins(self) == begins(other)
     }
 
     /// Whether what `node` leaves is noise in every channel.
@@ -388,6 +398,28 @@ impl Bench {
             return Some(self.settle_threshold(next));
         }
         Some(next)
+    }
+
+    /// Fits anew over ever longer heads of the windows, where a model does not reach the noise: over
+    /// a long time the misfit of what slides and sticks has many valleys.
+    pub(crate) fn grown(&self, node: Node) -> Node {
+        if self.is_noise(&node) {
+            return node;
+        }
+        let grow = || {
+            let (mut hypotheses, mut starts) = (node.hypotheses.clone(), self.guesses()?);
+            for over_s in HORIZONS_S {
+                let heads = self.windows.iter();
+                let heads: Vec<Window> = heads
+                    .map(|window| window.head(&self.tracks[window.run], over_s))
+                    .collect();
+                let short = self.fit_on(&heads, &hypotheses, &starts, HELD_OUT)?;
+                (hypotheses, starts) = (short.hypotheses, short.fit.starts);
+            }
+            self.fit(&hypotheses, &starts, FULL)
+        };
+        let better = |grown: &Node| grown.fit.misfit.deviance() < node.fit.misfit.deviance();
+        grow().filter(better).unwrap_or(node)
     }
 
     /// Tries static frictions above the kinetic one: from below it nothing shows the way.

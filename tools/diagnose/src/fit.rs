@@ -24,8 +24,10 @@ const START_STEP: [f64; 2] = [1e-4, 1e-3];
 /// for events, far below where the plant bends.
 const AIM: f64 = 0.3;
 
-/// A fit has arrived where a step brings less than this (−2 ln L).
+/// A fit has arrived where a step brings less than this (−2 ln L), or less than this share of what is
+/// left.
 const ARRIVED: f64 = 0.02;
+const SHARE: f64 = 1e-4;
 
 /// A model fitted to tracks.
 #[derive(Debug, Clone)]
@@ -293,7 +295,7 @@ impl<'a> Problem<'a> {
             let normals = self.normals(&linear, &place.misfit);
             let before = place.misfit.deviance();
             let mut next = None;
-            for _ in 0..8 {
+            for _ in 0..6 {
                 let (values, starts) = self.stepped(&normals, &place, damping);
                 next = self
                     .place(values, starts)
@@ -307,7 +309,7 @@ impl<'a> Problem<'a> {
             let Some(next) = next else { break };
             let gained = before - next.misfit.deviance();
             place = next;
-            let done = gained < ARRIVED || round + 1 == rounds;
+            let done = gained < ARRIVED.max(SHARE * before) || round + 1 == rounds;
             linear = self.linear(&place, &mut steps)?;
             if done {
                 break;

@@ -87,6 +87,9 @@ pub struct Request<'a> {
 /// Rows of a series above which it is thinned: more say no more.
 const ROWS: usize = 9000;
 
+/// How often windows are cut anew, so that none begins in a slide.
+const CUTS: u32 = 4;
+
 /// Windows that are fitted at most.
 const WINDOWS: usize = 24;
 
@@ -138,30 +141,33 @@ fn examine(
                 Unusable::new(name, "cannot be simulated by its model", remedy)
             };
             let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-            let search = Search {
-                bench,
-                all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
-                excluded: request.excluded,
-                avoided: None,
-                progress: &progress,
-            };
-            let (again, bench, found);
-            match search.run().ok_or_else(unusable)? {
-                Outcome::Found(first) => (bench, found) = (search.bench, first),
-                Outcome::Slides(slides, slipping) => {
-                    again = search.bench.avoiding(&slides);
-                    bench = &again;
-                    let search = Search {
-                        bench,
-                        avoided: Some(slipping),
-                        ..search
-                    };
-                    let Outcome::Found(second) = search.run().ok_or_else(unusable)? else {
-                        return Err(unusable());
-                    };
-                    found = second;
+            let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
+            let mut cuts = 0;
+            let found = loop {
+                let bench = again.as_ref().unwrap_or(bench);
+                let search = Search {
+                    bench,
+                    all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
+                    excluded: request.excluded,
+                    known,
+                    cuts: cuts < CUTS,
+                    progress: &progress,
+                };
+                match search.run().ok_or_else(unusable)? {
+                    Outcome::Found(found) => break found,
+                    Outcome::Slides(more, found) => {
+                        slides.extend(more);
+                        let next = bench.avoiding(&slides);
+                        cuts = if next.begins_as(bench) {
+                            CUTS
+                        } else {
+                            cuts + 1
+                        };
+                        (known, again) = (found, Some(next));
+                    }
                 }
-            }
+            };
+            let bench = again.as_ref().unwrap_or(bench);
             answer.add(bench, &found);
             each(bench, &found);
             courses.extend(links::Course::new(bench, &found.node));

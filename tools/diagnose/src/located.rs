@@ -5,6 +5,7 @@ use slipstream_sim::GRAVITY_M_S2;
 
 use crate::bench::{Bench, Node};
 use crate::hypothesis::{Hypothesis, STATIC};
+use crate::window::Window;
 
 /// Speed at which a contact counts as sliding (m/s).
 const SLIDING_M_S: f64 = 3e-3;
@@ -15,8 +16,8 @@ const GAP_S: f64 = 0.021;
 pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
     let own = &node.hypotheses[which];
     match own.info.id {
-        "wheel_slip" => sliding(bench, node, None),
-        "friction_patch" => sliding(bench, node, Some(own)),
+        "wheel_slip" => sliding(bench, node, None, 0.0),
+        "friction_patch" => sliding(bench, node, Some(own), 0.0),
         "push" => {
             let t_s = own
                 .values
@@ -32,8 +33,14 @@ pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2
     }
 }
 
-/// When a wheel of the fitted model slides, or only on a patch.
-pub(crate) fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
+/// When a wheel of the fitted model slides, or only on a patch, each window followed for `beyond_s`
+/// into the next.
+pub(crate) fn sliding(
+    bench: &Bench,
+    node: &Node,
+    patch: Option<&Hypothesis>,
+    beyond_s: f64,
+) -> Vec<[f64; 2]> {
     let value = |name: &str| {
         patch
             .and_then(|p| p.values.iter().find(|(known, _)| *known == name))
@@ -53,8 +60,16 @@ pub(crate) fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) ->
         {
             let robot = &robots[window.run];
             let mut last = window.from_s;
+            let until_s = window.to_s + beyond_s;
+            let mut longer = Window::new(
+                &bench.tracks[window.run],
+                window.run,
+                window.from_s,
+                until_s,
+            );
+            longer.free = window.free;
             problem
-                .simulation(window, &robots)
+                .simulation(&longer, &robots)
                 .watched(start, |t_s, state| {
                     let [right, left, across] = robot.slip_m_s(state);
                     let slides = state.slides();
@@ -67,7 +82,7 @@ pub(crate) fn sliding(bench: &Bench, node: &Node, patch: Option<&Hypothesis>) ->
                     let fast = |i: usize, along: f64, side: f64| {
                         slides[i] && along.hypot(across) > SLIDING_M_S && on_patch(side)
                     };
-                    if t_s <= window.to_s && (fast(0, right, b) || fast(1, left, -b)) {
+                    if t_s <= until_s && (fast(0, right, b) || fast(1, left, -b)) {
                         match intervals.last_mut() {
                             Some(own) if last - own[1] < GAP_S => own[1] = t_s,
                             _ => intervals.push([last, t_s]),

@@ -5,7 +5,7 @@ use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
 use crate::unknown::{self, Unknown};
-use crate::window::Window;
+use crate::window::{AFTER_S, Window};
 
 use rayon::prelude::*;
 
@@ -17,6 +17,8 @@ const GLANCE: usize = 2;
 /// first look, to be fitted beside it.
 const NEAR: f64 = 0.7;
 const CLOSE: f64 = 0.95;
+/// How long the end of a slide is looked for beyond the window that it began in (s).
+const BEYOND_S: f64 = 0.6;
 /// Share of the level at first below which an effect is on the way: no pairs are tried then.
 const HALFWAY: f64 = 0.6;
 /// Models that are kept side by side while none reaches the noise.
@@ -70,9 +72,10 @@ pub(crate) struct Search<'a> {
     pub(crate) bench: &'a Bench,
     pub(crate) all: Vec<Hypothesis>,
     pub(crate) excluded: &'a [String],
-    /// Slides were avoided already where the windows begin, which were those of a model with these
-    /// effects.
-    pub(crate) avoided: Option<Vec<Hypothesis>>,
+    /// Effects found before the windows were cut anew.
+    pub(crate) known: Vec<Hypothesis>,
+    /// Whether windows can be cut anew.
+    pub(crate) cuts: bool,
     pub(crate) progress: &'a (dyn Fn(&str) + Sync),
 }
 
@@ -100,9 +103,13 @@ impl Search<'_> {
     pub(crate) fn run(&self) -> Option<Outcome> {
         (self.progress)("nominal model");
         let nominal = self.bench.fit(&[], &self.bench.guesses()?, FULL)?;
+        let nominal = self.bench.grown(nominal);
+        if let Some(slides) = self.slides(&nominal) {
+            return Some(Outcome::Slides(slides, Vec::new()));
+        }
         let mut best = nominal.clone();
         let mut nodes = vec![nominal.clone()];
-        let known = self.avoided.as_ref().filter(|known| !known.is_empty());
+        let known = (!self.known.is_empty()).then_some(&self.known);
         let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
         let known = known.map(|node| self.bench.settle_static(node));
         if let Some(known) = known.filter(|known| score(known) < score(&nominal)) {
@@ -128,12 +135,9 @@ impl Search<'_> {
                 looked_at += candidates.len();
                 next.extend(self.extended(&nominal, node, &candidates, rank == 0));
             }
-            let worst = |node: &Node| self.bench.worst(node).1;
-            if seen.len() == 1
-                && !next
-                    .iter()
-                    .any(|node| worst(node) < HALFWAY * worst(&nominal))
-            {
+            let far = HALFWAY * self.bench.worst(&nominal).1;
+            let near = |n: &Node| self.bench.is_noise(n) || self.bench.worst(n).1 < far;
+            if seen.len() == 1 && !next.iter().any(near) {
                 next.extend(self.beside_slip(&nominal));
             }
             next.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -151,7 +155,10 @@ impl Search<'_> {
             });
             nodes = kept
                 .into_iter()
-                .map(|node| self.bench.settle_static(self.pruned(&nominal, node)))
+                .map(|node| {
+                    self.bench
+                        .settle_static(self.bench.grown(self.pruned(&nominal, node)))
+                })
                 .collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if let Some(slides) = self.slides(&nodes[0]) {
@@ -193,13 +200,13 @@ impl Search<'_> {
         let found = found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"));
         let mut known = self.bench.model.effects.iter();
         let slips = found || known.any(|e| e.effect == "wheel_slip");
-        if !slips || self.avoided.is_some() || self.bench.is_noise(node) {
+        if !slips || !self.cuts || self.bench.is_noise(node) {
             return None;
         }
-        let slides = located::sliding(self.bench, node, None);
+        let slides = located::sliding(self.bench, node, None, BEYOND_S);
         let begins = |window: &Window| {
             let mut slides = slides.iter();
-            slides.any(|[from, to]| window.from_s > *from && window.from_s < *to)
+            slides.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
         };
         self.bench.windows.iter().any(begins).then_some(slides)
     }
@@ -330,8 +337,21 @@ impl Search<'_> {
             let least = (before - CLOSE * (before - first)).max(first + 60.0);
             glances.retain(|glance| deviance(glance) < least);
         }
-        glances.truncate(FOLLOWED[1]);
-        let full = glances.par_iter().filter_map(|glance| {
+        let mut different: Vec<Node> = Vec::new();
+        for glance in glances {
+            let twin = |known: &Node| {
+                let own = |node: &Node| node.hypotheses.last().cloned();
+                let like = own(known)
+                    .zip(own(&glance))
+                    .is_some_and(|(a, b)| a.is_like(&b));
+                like && (deviance(known) - deviance(&glance)).abs() < 1.0
+            };
+            if !different.iter().any(twin) {
+                different.push(glance);
+            }
+        }
+        different.truncate(FOLLOWED[1]);
+        let full = different.par_iter().filter_map(|glance| {
             let full = self
                 .bench
                 .fit(&glance.hypotheses, &glance.fit.starts, FULL)?;

@@ -15,7 +15,7 @@ const SEARCH_S: f64 = 1.2;
 const SLIDE_S: f64 = 0.35;
 
 /// No window begins closer than this to a known slide (s).
-const AFTER_S: f64 = 0.02;
+pub(crate) const AFTER_S: f64 = 0.02;
 
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
