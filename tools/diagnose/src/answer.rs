@@ -10,7 +10,7 @@ use crate::score;
 use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
-use crate::window::{WINDOW_S, cut, spread};
+use crate::window::Window;
 use crate::{interval, located};
 
 /// The answer of a diagnosis.
@@ -146,9 +146,6 @@ pub struct Unexplained {
     pub shape: String,
 }
 
-/// Windows that are predicted at most.
-const JUDGED: usize = 60;
-
 /// Level of the worst channel (deviations) from which on residuals that nothing explains are said
 /// to be unexplained; below, they may be forces without pattern.
 const GROSS: f64 = 3.0;
@@ -165,11 +162,8 @@ impl Answer {
 
     /// Adds how well one machine is predicted before and after.
     pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
-        let runs = bench.tracks.iter().enumerate();
-        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, &[]));
-        let windows = spread(windows.collect(), JUDGED);
-        let before = score::prediction(bench, &windows, &[]);
-        let after = score::prediction(bench, &windows, hypotheses);
+        let before = score::prediction(bench, &bench.windows, &[]);
+        let after = held_out(bench, &bench.windows, hypotheses);
         self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 
@@ -246,6 +240,22 @@ impl HeldOut {
         self.nrmse_before = self.nrmse_before.max(total(before));
         self.nrmse_after = self.nrmse_after.max(total(after));
     }
+}
+
+/// Misfit of the prediction of every window by effects fitted to every other one, in turn. A single
+/// window is predicted by what was fitted to it.
+fn held_out(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
+    if windows.len() < 2 || hypotheses.is_empty() {
+        return score::prediction(bench, windows, hypotheses);
+    }
+    let half =
+        |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
+    let folds = (0..2).map(|fold| {
+        let learnt = bench.refitted(&half(fold), hypotheses);
+        let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
+        score::prediction(bench, &half(1 - fold), &learnt)
+    });
+    folds.fold(Misfit::default(), |sum, part| sum.and(&part))
 }
 
 fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> Finding {

@@ -22,6 +22,9 @@ const LONG_STEP_S: f64 = 0.02;
 const NOISE: f64 = 1.12;
 const NOISE_UNDECLARED: f64 = 1.5;
 
+/// Growth of the level of a channel that spoils it.
+const SPOILT: f64 = 1.15;
+
 /// Static over kinetic friction where a search for the former begins.
 const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
 /// Shares of what it is above, around the best so far, that are tried next.
@@ -178,21 +181,32 @@ impl Bench {
 
     /// Level of a channel over what still counts as noise: more where the noise is not declared.
     fn excess(&self, node: &Node, channel: usize) -> f64 {
-        let misfit = &node.fit.misfit;
-        let level = misfit.mean_square(channel).sqrt();
-        let declared = self
-            .tracks
-            .iter()
-            .flat_map(|track| &track.series)
-            .all(|series| {
-                let first = series.sensor.channel();
-                !(first..first + series.sensor.width()).contains(&channel) || series.declared
-            });
-        if declared {
+        let level = node.fit.misfit.mean_square(channel).sqrt();
+        if self.is_declared(channel) {
             level / NOISE
         } else {
             level / NOISE_UNDECLARED
         }
+    }
+
+    /// Whether the recording says how noisy a channel is.
+    fn is_declared(&self, channel: usize) -> bool {
+        let mut series = self.tracks.iter().flat_map(|track| &track.series);
+        series.all(|series| {
+            let first = series.sensor.channel();
+            !(first..first + series.sensor.width()).contains(&channel) || series.declared
+        })
+    }
+
+    /// Whether a channel of unknown noise is much further off in `after` than in `before`: where no
+    /// model reaches the noise, the sum over channels may buy one with another.
+    pub(crate) fn spoils(&self, before: &Node, after: &Node) -> bool {
+        let level = |node: &Node, channel: usize| {
+            let level = node.fit.misfit.mean_square(channel).sqrt();
+            level.max(NOISE_UNDECLARED)
+        };
+        let worse = |c: usize| level(after, c) > SPOILT * level(before, c);
+        (0..CHANNELS).any(|channel| !self.is_declared(channel) && worse(channel))
     }
 
     /// Guesses of all windows' starts under the nominal model.
@@ -232,6 +246,25 @@ impl Bench {
             hypothesis.keep_in_order();
         }
         Some(Node { hypotheses, fit })
+    }
+
+    /// Effects fitted to these windows alone, from the values that they have. What the windows say
+    /// nothing of keeps its value.
+    pub(crate) fn refitted(
+        &self,
+        windows: &[Window],
+        hypotheses: &[Hypothesis],
+    ) -> Option<Vec<Hypothesis>> {
+        let starts = self.posed(&[], windows, |problem, values| {
+            let windows = windows.par_iter();
+            Some(
+                windows
+                    .map(|w| start::guess(problem, values, w))
+                    .collect::<Vec<_>>(),
+            )
+        })?;
+        let fitted = self.fit_on(windows, hypotheses, &starts, HELD_OUT)?;
+        Some(fitted.hypotheses)
     }
 
     /// How much better (−2 ln L) `after` predicts windows that its parameters were not fitted to

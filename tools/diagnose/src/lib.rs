@@ -127,6 +127,7 @@ fn examine(
         let name = &machine[0].1.name;
         let whole = bench(request, &machine, Block::Whole)?;
         let mut hypotheses = Vec::new();
+        let mut judged = None;
         for block in blocks(&whole, &machine) {
             let part;
             let bench = match block {
@@ -172,8 +173,11 @@ fn examine(
             each(bench, &found);
             courses.extend(links::Course::new(bench, &found.node));
             hypotheses.extend(found.node.hypotheses);
+            if let Block::Whole = block {
+                judged = again;
+            }
         }
-        answer.judge(&whole, &hypotheses);
+        answer.judge(judged.as_ref().unwrap_or(&whole), &hypotheses);
         improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
     }
     if let [recording] = request.recordings {

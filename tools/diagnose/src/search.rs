@@ -379,7 +379,10 @@ impl Search<'_> {
         if self.bench.is_noise(before) && gain < SHARE * so_far {
             return false;
         }
-        if gain <= due(own) || !self.is_clear(after, after.hypotheses.len() - 1) {
+        if gain <= due(own)
+            || self.bench.spoils(before, after)
+            || !self.is_clear(after, after.hypotheses.len() - 1)
+        {
             return false;
         }
         // where forces without pattern are left, what repeats in every fit may be one of them
