@@ -21,6 +21,7 @@ mod local;
 mod located;
 mod misfit;
 mod noise;
+mod predict;
 mod score;
 mod search;
 mod simulate;
@@ -39,6 +40,7 @@ pub use answer::{
 };
 pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
 pub use limits::{Limit, Seen};
+pub use predict::{Prediction, predict};
 
 use crate::bench::Bench;
 use crate::search::{Found, Outcome, Search};
