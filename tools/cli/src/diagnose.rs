@@ -133,6 +133,9 @@ fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unu
 fn say(answer: &Answer) {
     let held = &answer.held_out;
     println!("{}.", words::verdict(answer.verdict));
+    for warning in &answer.warnings {
+        println!("Warning: {}.", words::warning(warning));
+    }
     for finding in &answer.findings {
         println!("\n{}", finding.statement);
         for parameter in &finding.parameters {

@@ -5,6 +5,7 @@ use slipstream_sim::effects::Info;
 
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
+use crate::input::Warning;
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
@@ -26,6 +27,8 @@ pub struct Answer {
     pub held_out: HeldOut,
     /// What remains.
     pub unexplained: Vec<Unexplained>,
+    /// What about the recordings makes the answer poorer.
+    pub warnings: Vec<Warning>,
 }
 
 /// What a diagnosis comes to.

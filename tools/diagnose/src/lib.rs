@@ -13,6 +13,7 @@ mod figures;
 mod fit;
 mod force;
 mod hypothesis;
+mod input;
 mod interval;
 mod limits;
 mod linear;
@@ -39,6 +40,7 @@ pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
 pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
+pub use input::Warning;
 pub use limits::{Limit, Seen};
 pub use predict::{Prediction, predict};
 
@@ -119,7 +121,10 @@ fn examine(
     request: &Request<'_>,
     mut each: impl FnMut(&Bench, &Found),
 ) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
-    let mut answer = Answer::default();
+    let mut answer = Answer {
+        warnings: input::warnings(request)?,
+        ..Answer::default()
+    };
     let mut improved = Vec::new();
     let mut courses = Vec::new();
     for machine in machines(request.recordings) {

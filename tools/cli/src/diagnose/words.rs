@@ -1,6 +1,6 @@
 //! Words of a diagnosis.
 
-use slipstream_diagnose::Verdict;
+use slipstream_diagnose::{Verdict, Warning};
 
 /// The verdict as a sentence.
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
@@ -9,6 +9,13 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Explained => "What the model leaves out explains the recording",
         Verdict::Unexplained => "Something remains that the catalogue does not explain",
     }
+}
+
+/// What about a recording makes the answer poorer, in one line.
+pub(super) fn warning(warning: &Warning) -> String {
+    let robot = warning.robot.as_deref().unwrap_or("all robots");
+    let (name, what, remedy) = (&warning.recording, &warning.statement, &warning.remedy);
+    format!("{name}, {robot}: {what}; {remedy}")
 }
 
 /// A number with four digits that count.
