@@ -120,20 +120,26 @@ impl<S: Scalar> Robot<S> {
     /// The operator for `key`. Damping enters implicitly, with the weight that keeps it stable:
     /// half of the step where it is slow against the step, more where it is fast.
     pub(crate) fn operator(&self, key: &OperatorKey) -> Operator<S> {
-        let mut matrix = self.inertia_matrix(self.wheel_inertias(key.gear));
-        if key.over_s > 0.0 {
-            let damping = self.damping(key.kind, key.gear);
-            for i in 0..damping.len() {
-                let own = matrix[(i, i)];
-                matrix[(i, i)] += damping[i] * implicit_span(damping[i] / own, key.over_s);
-            }
-        }
+        let matrix = self.matrix(key.kind, key.gear, key.over_s);
         let rigid = key.kind == CommandKind::Speed;
         let axles = Element::AXLES.into_iter().zip(key.gear);
         let held = axles
             .filter(|(_, gear)| rigid && gear.is_engaged())
             .fold(key.held, |held, (axle, _)| held.with(axle));
         Operator::new(self, inverse(&matrix), held)
+    }
+
+    /// Inertia, and what damping adds to it over a step.
+    fn matrix(&self, kind: CommandKind, gear: [Gear; 2], over_s: f64) -> Matrix<S> {
+        let mut matrix = self.inertia_matrix(self.wheel_inertias(gear));
+        if over_s > 0.0 {
+            let damping = self.damping(kind, gear);
+            for i in 0..damping.len() {
+                let own = matrix[(i, i)];
+                matrix[(i, i)] += damping[i] * implicit_span(damping[i] / own, over_s);
+            }
+        }
+        matrix
     }
 
     /// What turns with each wheel: with play, the motor's share only while it is engaged.
@@ -207,19 +213,22 @@ impl<S: Scalar> Robot<S> {
                 *torque = S::constant(0.0);
             }
         }
-        let forced = self.forced(state, over_s, supply);
+        let forced = self.forced(&state.operator, &state.made_for, over_s, supply);
         let damped = self.is_damped(kind).then(|| self.damping(kind, mode.gear));
         let loss = damped.map(|damping| damping.component_mul(&from.nu));
         let applied = |nu: &Vector<S>, yaw: S| {
             let applied = self.applied(nu, yaw, span, at_wheel);
             let applied = loss.map_or(applied, |loss| applied - loss);
+            let applied = forced.map_or(applied, |[_, taken]| applied - taken);
             state.load.map_or(applied, |load| applied + load)
         };
+        let forced = forced.map_or(Vector::zeros(), |[forced, _]| forced);
         let first = self.balance(
             mode,
             &state.operator,
             &from.nu,
             applied(&from.nu, from.pose[2]),
+            forced[0],
         );
         let margin = self.margin(mode, &state.operator, &first);
         let broken = margin.map_or(Elements::default(), |margin| margin.broken);
@@ -240,7 +249,7 @@ impl<S: Scalar> Robot<S> {
         let start = operator.accelerate(&first.force) + forced;
         let guess = from.nu + start * S::constant(over_s);
         let yaw = from.pose[2] + (from.nu[2] + guess[2]) * (0.5 * over_s);
-        let second = self.balance(mode, operator, &guess, applied(&guess, yaw));
+        let second = self.balance(mode, operator, &guess, applied(&guess, yaw), forced[0]);
         let end = operator.accelerate(&second.force) + forced;
         let mut body = *from;
         body.nu = match &stiff {
@@ -265,16 +274,28 @@ impl<S: Scalar> Robot<S> {
         Attempt { body, verdict }
     }
 
-    /// Acceleration that exact wheel speeds force on the robot while their lag changes them.
-    fn forced(&self, state: &State<S>, over_s: f64, supply: &Supply<S>) -> Vector<S> {
-        let mut forced = Vector::from([S::constant(0.0); 5]);
-        if state.mode.kind == CommandKind::Speed && self.drive.lag_s.is_some() {
-            for (i, axle) in Element::AXLES.into_iter().enumerate() {
-                let rate = (supply.end[i] - supply.start[i]) / over_s;
-                forced += state.operator.response(axle.rows()[0], rate);
-            }
+    /// Acceleration f that exact wheel speeds force on the robot while their lag changes them, and M f.
+    ///
+    /// With a = a' + f, M a = F + Jᵀ λ says M a' = (F − M f) + Jᵀ λ, where a' is zero in all held rows:
+    /// the multipliers of F − M f are those of the whole motion. M f, which multipliers alone give,
+    /// moves nothing itself. `made_for` is what `operator` was made for.
+    pub(crate) fn forced(
+        &self,
+        operator: &Operator<S>,
+        made_for: &OperatorKey,
+        over_s: f64,
+        supply: &Supply<S>,
+    ) -> Option<[Vector<S>; 2]> {
+        let OperatorKey { kind, gear, .. } = *made_for;
+        if kind != CommandKind::Speed || self.drive.lag_s.is_none() || over_s <= 0.0 {
+            return None;
         }
-        forced
+        let mut forced = Vector::zeros();
+        for (i, axle) in Element::AXLES.into_iter().enumerate() {
+            let rate = (supply.end[i] - supply.start[i]) / over_s;
+            forced += operator.response(axle.rows()[0], rate);
+        }
+        Some([forced, self.matrix(kind, gear, made_for.over_s) * forced])
     }
 
     /// Sets what a rolling wheel leaves no choice, so that Eq. 1 holds to the last digit.
@@ -409,7 +430,7 @@ impl<S: Scalar> Robot<S> {
                     (limits[i] * limits[i] - contact.along_n[i] * contact.along_n[i]).sqrt()
                 });
                 let across = share(spare[0] + spare[1], contact.across_n.abs());
-                Some(margin.and(across, Elements::WHEELS))
+                Some(margin.and(across, first_to_break(mode, spare)))
             }
             [Some(own), None] => Some(Margin::new(share(own, alone(0)), Element::WheelRight)),
             [None, Some(own)] => Some(Margin::new(share(own, alone(1)), Element::WheelLeft)),
@@ -478,6 +499,21 @@ impl<S: Scalar> Robot<S> {
             return Verdict::Event(event);
         }
         verdict
+    }
+}
+
+/// Which wheels break away when what goes across is too much for both together. Where friction
+/// weakens, that is the one with less `room` (N) beside its longitudinal force: the other then has to
+/// hold what is across under static friction, and may.
+fn first_to_break<S: Scalar>(mode: &Mode<S>, room: Pair<S>) -> Elements {
+    let [right, left] = room.map(|room| room.value());
+    let first = usize::from(left < right);
+    let weakens = mode.grip[first]
+        .is_some_and(|grip| grip.friction_static.value() > grip.friction_kinetic.value());
+    if weakens && right != left {
+        Elements::default().with(Element::WHEELS[first])
+    } else {
+        Elements::WHEELS
     }
 }
 

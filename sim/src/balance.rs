@@ -74,7 +74,8 @@ impl<S: Scalar> Robot<S> {
         self.effects.force(&motion, wrench);
     }
 
-    /// Adds dry friction of moving elements and the forces at the driven wheels to `applied`.
+    /// Adds dry friction of moving elements and the forces at the driven wheels to `applied`. `forced`
+    /// is the surge acceleration that no force of these gives (m/s²).
     #[inline]
     pub(crate) fn balance(
         &self,
@@ -82,20 +83,21 @@ impl<S: Scalar> Robot<S> {
         operator: &Operator<S>,
         nu: &Vector<S>,
         applied: Vector<S>,
+        forced: S,
     ) -> Balance<S> {
         if self.dry.elements.is_empty() {
-            return self.at_wheels(mode, operator, nu, applied);
+            return self.at_wheels(mode, operator, nu, applied, forced);
         }
         if self.load.transfer.is_none() {
             let caster = self.load.total - self.load.driven;
             let force = self.with_dry(mode, nu, applied, caster);
-            return self.at_wheels(mode, operator, nu, force);
+            return self.at_wheels(mode, operator, nu, force, forced);
         }
         // Caster friction and load transfer act on each other: a contraction by about μ h / (d + e)
         let mut caster = self.load.total - self.load.driven;
         loop {
             let force = self.with_dry(mode, nu, applied, caster);
-            let balance = self.at_wheels(mode, operator, nu, force);
+            let balance = self.at_wheels(mode, operator, nu, force, forced);
             let [right, left] = balance.contact.normal_n;
             let next = self.load.total - right - left;
             let change = (next - caster).value().abs();
@@ -150,6 +152,7 @@ impl<S: Scalar> Robot<S> {
         operator: &Operator<S>,
         nu: &Vector<S>,
         force: Vector<S>,
+        forced: S,
     ) -> Balance<S> {
         let zero = S::constant(0.0);
         let held = !mode.held.both(Elements::WHEELS).is_empty();
@@ -199,7 +202,7 @@ impl<S: Scalar> Robot<S> {
             let rate = |f: &Vector<S>| operator.acceleration.row(0).transpose().dot(f);
             (
                 transfer,
-                rate(&force) - nu[1] * nu[2],
+                forced + rate(&force) - nu[1] * nu[2],
                 [rate(&pull[0]), rate(&pull[1])],
             )
         });

@@ -19,6 +19,19 @@ pub(crate) struct Supply<S> {
     pub(crate) lagged: Pair<S>,
 }
 
+impl<S: Scalar> Supply<S> {
+    /// No command, now and always.
+    pub(crate) fn none() -> Self {
+        let zero = [S::constant(0.0); 2];
+        Self {
+            start: zero,
+            mean: zero,
+            end: zero,
+            lagged: zero,
+        }
+    }
+}
+
 impl<S: Scalar> Drive<S> {
     /// Whether a torque reaches the motors as it is told.
     pub(crate) fn is_direct(&self) -> bool {

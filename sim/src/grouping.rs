@@ -25,6 +25,8 @@ pub(crate) struct Standing<'a, S> {
     pub(crate) mobility: Matrix<f64>,
     /// Force without dry friction of loose elements.
     pub(crate) applied: Vector<f64>,
+    /// Acceleration that exact wheel speeds force on the robot.
+    pub(crate) forced: Vector<f64>,
     /// Velocities.
     pub(crate) nu: Vector<f64>,
     /// Loose elements that stand: they may stick or begin to slide.
@@ -155,7 +157,7 @@ impl<S: Scalar> Standing<'_, S> {
     /// Each candidate's best answer to the others', until none changes.
     fn sweep(&self, limits: &[f64; ELEMENTS], force: &mut [Pair<f64>; ELEMENTS]) -> Vector<f64> {
         let total = self.total(limits, force);
-        let mut acceleration = self.mobility * total;
+        let mut acceleration = self.mobility * total + self.forced;
         let scale = self.mobility_scale();
         for _ in 0..self.robot.care.sweeps {
             let mut change: f64 = 0.0;

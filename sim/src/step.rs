@@ -4,6 +4,7 @@ use crate::attempt::{Event, MOTOR_SHARE, Verdict};
 use crate::command::{Command, CommandKind};
 use crate::drive::Supply;
 use crate::grouping::Standing;
+use crate::operator::Operator;
 use crate::robot::Robot;
 use crate::rows::{ACROSS, Element, Elements};
 use crate::scalar::{Pair, Scalar, Vector, heading};
@@ -84,7 +85,7 @@ impl<S: Scalar> Robot<S> {
         }
         if kind != state.mode.kind {
             state.mode.kind = kind;
-            self.regroup(state, [t_s, dt_s], [S::constant(0.0); 2], Change::default());
+            self.regroup(state, [t_s, dt_s], &Supply::none(), Change::default());
         }
         self.remember(state, t_s, command);
         let mut from = t_s;
@@ -126,7 +127,7 @@ impl<S: Scalar> Robot<S> {
             stopped: standing,
             ..Change::default()
         };
-        self.regroup(state, [0.0, 0.0], [S::constant(0.0); 2], change);
+        self.regroup(state, [0.0, 0.0], &Supply::none(), change);
         state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
     }
 
@@ -240,7 +241,7 @@ impl<S: Scalar> Robot<S> {
         }
         state.body.nu += moved;
         if slips {
-            self.regroup(state, piece.span, supply.mean, Change::default());
+            self.regroup(state, piece.span, &supply, Change::default());
         }
     }
 
@@ -268,7 +269,7 @@ impl<S: Scalar> Robot<S> {
                         broken,
                         ..Change::default()
                     };
-                    self.regroup(state, piece.span, supply.mean, change);
+                    self.regroup(state, piece.span, &supply, change);
                     continue;
                 }
                 Verdict::Broken(_) => self.give_way(state, &piece, &supply),
@@ -317,11 +318,10 @@ impl<S: Scalar> Robot<S> {
     /// Makes the operator for the mode and the length of this piece, unless it is there.
     fn prepare(&self, state: &mut State<S>, span: Pair<f64>, supply: &Supply<S>) {
         if state.operator.redundant {
-            let force = self
-                .applied_now(state, span, supply.mean)
+            let force = self.applied_now(state, &state.operator, &state.made_for, span, supply)[0]
                 .map(|f| f.value());
             if state.held_under != Some(force) {
-                self.regroup(state, span, supply.mean, Change::default());
+                self.regroup(state, span, supply, Change::default());
                 state.held_under = Some(force);
             }
         }
@@ -363,7 +363,7 @@ impl<S: Scalar> Robot<S> {
         let Event {
             stopped, broken, ..
         } = *event;
-        self.regroup(state, end, supply.mean, Change { stopped, broken });
+        self.regroup(state, end, supply, Change { stopped, broken });
         if S::NDERIV > 0 {
             let after = self.acceleration_now(state, end, supply);
             self.glide(state, supply, &after, -shift);
@@ -400,15 +400,24 @@ impl<S: Scalar> Robot<S> {
         supply: &Supply<S>,
     ) -> Vector<S> {
         self.prepare(state, span, supply);
-        let applied = self.applied_now(state, span, supply.mean);
-        let balance = self.balance(&state.mode, &state.operator, &state.body.nu, applied);
-        state.operator.accelerate(&balance.force)
+        let (operator, nu) = (&state.operator, &state.body.nu);
+        let [applied, forced] = self.applied_now(state, operator, &state.made_for, span, supply);
+        let balance = self.balance(&state.mode, operator, nu, applied, forced[0]);
+        operator.accelerate(&balance.force) + forced
     }
 
-    /// Forces at this instant that do not depend on what sticks.
-    fn applied_now(&self, state: &State<S>, span: Pair<f64>, mean: Pair<S>) -> Vector<S> {
+    /// Forces at this instant that do not depend on what sticks, and the acceleration that exact wheel
+    /// speeds force on the robot under `operator`.
+    fn applied_now(
+        &self,
+        state: &State<S>,
+        operator: &Operator<S>,
+        made_for: &OperatorKey,
+        span: Pair<f64>,
+        supply: &Supply<S>,
+    ) -> [Vector<S>; 2] {
         let body = &state.body;
-        let mut torque = self.motor_torque(state.mode.kind, mean);
+        let mut torque = self.motor_torque(state.mode.kind, supply.mean);
         let loss = self.motor_damping(state.mode.kind);
         for (i, torque) in torque.iter_mut().enumerate() {
             let engaged = state.mode.gear[i].is_engaged();
@@ -422,11 +431,15 @@ impl<S: Scalar> Robot<S> {
         for i in 0..2 {
             applied[i] -= self.damping[i] * body.nu[i];
         }
-        state.load.map_or(applied, |load| applied + load)
+        let applied = state.load.map_or(applied, |load| applied + load);
+        let forced = self.forced(operator, made_for, span[1], supply);
+        forced.map_or([applied, Vector::zeros()], |[forced, taken]| {
+            [applied - taken, forced]
+        })
     }
 
     /// Decides anew what sticks among all elements that stand, and takes from those that do what rounding has left of their motion.
-    fn regroup(&self, state: &mut State<S>, span: Pair<f64>, mean: Pair<S>, change: Change) {
+    fn regroup(&self, state: &mut State<S>, span: Pair<f64>, supply: &Supply<S>, change: Change) {
         state.held_under = None;
         let stands = |element: &Element| {
             let slides = state.mode.slides(*element);
@@ -442,17 +455,20 @@ impl<S: Scalar> Robot<S> {
         state.mode.grip = grip;
         state.mode.loose = loose;
         let (kind, gear) = (state.mode.kind, state.mode.gear);
-        let base = self.operator(&OperatorKey {
+        let key = OperatorKey {
             held: rigid,
             gear,
             kind,
             over_s: 0.0,
-        });
+        };
+        let base = self.operator(&key);
+        let [applied, forced] = self.applied_now(state, &base, &key, span, supply);
         let standing = Standing {
             robot: self,
             mode: &state.mode,
             mobility: base.acceleration.map(|entry| entry.value()),
-            applied: self.applied_now(state, span, mean).map(|f| f.value()),
+            applied: applied.map(|f| f.value()),
+            forced: forced.map(|a| a.value()),
             nu: state.body.nu.map(|v| v.value()),
             candidates,
             across: base.multiplier_vector(ACROSS).map(|entry| entry.value()),

@@ -6,6 +6,7 @@ use clap::Args;
 use slipstream_recording::{TopicMap, robot_toml};
 
 use crate::exit::{Error, Exit};
+use crate::say::{self, complain};
 
 /// Look a recording over before any diagnosis: rates, gaps, units, swapped wheels, clocks.
 #[derive(Debug, Args)]
@@ -37,10 +38,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .map(robot_toml::read)
         .transpose()?;
     for warning in &import.warnings {
-        eprintln!("{warning}");
+        complain!("{warning}");
     }
     let report = slipstream_recording::check(&import.recording, model.as_ref());
-    print!("{report}");
+    say::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {
         crate::file::write_json(path, &report)?;
     }

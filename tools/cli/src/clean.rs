@@ -3,6 +3,7 @@
 use slipstream_bus::place;
 
 use crate::exit::{Error, Exit};
+use crate::say::say;
 
 /// Removes it, and says what it did.
 pub(crate) fn run() -> Result<Exit, Error> {
@@ -20,13 +21,13 @@ pub(crate) fn run() -> Result<Exit, Error> {
         run.remove().map_err(failed)?;
     }
     match own.len() {
-        0 => println!("Nothing to clean."),
-        1 => println!("Removed what 1 dead run had left."),
-        n => println!("Removed what {n} dead runs had left."),
+        0 => say!("Nothing to clean."),
+        1 => say!("Removed what 1 dead run had left."),
+        n => say!("Removed what {n} dead runs had left."),
     }
     if !foreign.is_empty() {
         let n = foreign.len();
-        println!("Left alone: {n} of another user, who can remove them with slipstream clean.");
+        say!("Left alone: {n} of another user, who can remove them with slipstream clean.");
     }
     Ok(Exit::Done)
 }

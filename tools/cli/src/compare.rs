@@ -8,6 +8,7 @@ use slipstream_report::{Chart, Line, Page, PictureError};
 
 use crate::exit::{Error, Exit};
 use crate::models::Models;
+use crate::say::{complain, say};
 use crate::study::command_line;
 
 /// Show the simulation of the recorded commands over the recording: one picture per channel, no
@@ -28,7 +29,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
-        eprintln!("{warning}");
+        complain!("{warning}");
     }
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
@@ -39,11 +40,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
         match channel.rms_difference() {
-            Some(rms) => println!("{robot:12} {name:12} rms difference {rms:.4} {unit}"),
-            None => println!("{robot:12} {name:12} nothing to compare"),
+            Some(rms) => say!("{robot:12} {name:12} rms difference {rms:.4} {unit}"),
+            None => say!("{robot:12} {name:12} nothing to compare"),
         }
     }
-    println!("{}", arguments.report.display());
+    say!("{}", arguments.report.display());
     Ok(Exit::Done)
 }
 

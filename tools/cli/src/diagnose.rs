@@ -16,6 +16,7 @@ use slipstream_recording::robot_toml;
 use crate::exit::{Error, Exit};
 use crate::file;
 use crate::models::Models;
+use crate::say::{self, complain, say};
 
 /// Find what a robot's model leaves out, from a recording
 ///
@@ -62,7 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for path in &arguments.recording {
         let import = slipstream_recording::read(path)?;
         for warning in &import.warnings {
-            eprintln!("{warning}");
+            complain!("{warning}");
         }
         recordings.push(import.recording);
     }
@@ -83,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     };
     let done = examine(&request, arguments.report.is_some());
     if live {
-        eprint!("\r\x1b[K");
+        say::err(format_args!("\r\x1b[K"));
     }
     let (answer, improved, figures) = done.map_err(|why| Error::Input(why.to_string()))?;
     if let Some(file) = &arguments.json {
@@ -132,30 +133,31 @@ fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unu
 
 fn say(answer: &Answer) {
     let held = &answer.held_out;
-    println!("{}.", words::verdict(answer.verdict));
+    say!("{}.", words::verdict(answer.verdict));
     for warning in &answer.warnings {
-        println!("Warning: {}.", words::warning(warning));
+        say!("Warning: {}.", words::warning(warning));
     }
     for finding in &answer.findings {
-        println!("\n{}", finding.statement);
+        say!("\n{}", finding.statement);
         for parameter in &finding.parameters {
             if let (Some(estimate), Some([low, high])) = (parameter.estimate, parameter.ci95) {
                 let (name, unit) = (&parameter.name, &parameter.unit);
-                println!("  {name} {estimate:.5} {unit}  (95 % between {low:.5} and {high:.5})");
+                say!("  {name} {estimate:.5} {unit}  (95 % between {low:.5} and {high:.5})");
             }
         }
         if !finding.confused_with.is_empty() {
-            println!(
+            say!(
                 "  cannot be told from {} here",
                 finding.confused_with.join(", ")
             );
         }
     }
     for left in &answer.unexplained {
-        println!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
+        say!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
     }
-    println!(
+    say!(
         "\nPrediction error over 5 s: {:.2} standard deviations before, {:.2} after.",
-        held.nrmse_before, held.nrmse_after
+        held.nrmse_before,
+        held.nrmse_after
     );
 }

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
 
 use crate::exit::{Error, Exit};
+use crate::say::say;
 
 /// List the effects: what each is, its equation, its parameters and where it shows
 ///
@@ -37,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         crate::file::write_json(file, &answer)?;
     }
     for info in chosen {
-        println!("{}", in_words(info));
+        say!("{}", in_words(info));
     }
     Ok(Exit::Done)
 }

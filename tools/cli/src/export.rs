@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::exit::{Error, Exit};
+use crate::say::{complain, say};
 
 /// Turn a recording into a folder of CSV files, to the digit.
 #[derive(Debug, Args)]
@@ -20,12 +21,12 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
-        eprintln!("{warning}");
+        complain!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        eprintln!("{topic}: {messages} messages have no place in the CSV format; left out");
+        complain!("{topic}: {messages} messages have no place in the CSV format; left out");
     }
     slipstream_recording::write_folder(&import.recording, &arguments.out)?;
-    println!("{}", arguments.out.display());
+    say!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

@@ -6,6 +6,7 @@ use clap::Args;
 use slipstream_recording::TopicMap;
 
 use crate::exit::{Error, Exit};
+use crate::say::{complain, say};
 
 /// Turn a recording (a folder of CSV files, or a robot's ROS 2 bag) into one MCAP file.
 #[derive(Debug, Args)]
@@ -29,12 +30,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .transpose()?;
     let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
     for warning in &import.warnings {
-        eprintln!("{warning}");
+        complain!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        eprintln!("{topic}: {messages} messages are of no stream of the format; left out");
+        complain!("{topic}: {messages} messages are of no stream of the format; left out");
     }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
-    println!("{}", arguments.out.display());
+    say!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

@@ -12,6 +12,7 @@ mod import;
 mod models;
 mod reproduce;
 mod run;
+mod say;
 mod study;
 mod summary;
 mod trace;
@@ -23,6 +24,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::exit::Exit;
+use crate::say::complain;
 
 /// Robots in formation on real floors: run them, measure them, find the physics a model leaves out.
 ///
@@ -78,7 +80,7 @@ fn main() -> ExitCode {
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("slipstream: {error}");
+        complain!("slipstream: {error}");
         error.exit()
     })
     .into()

@@ -7,6 +7,7 @@ use slipstream_study::reproduce::{self, Row};
 
 use crate::exit::{Error, Exit};
 use crate::file::{write, write_json};
+use crate::say::say;
 use crate::study::command_line;
 
 /// Run the paper's experiments and set every number that it prints beside what comes out
@@ -29,23 +30,25 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(path) = &arguments.report {
         write(path, &reproduce::page(&reproduction, &command_line())?)?;
     }
-    println!(
+    say!(
         "{:<62} {:>9} {:>9}  agrees",
-        "quantity", "paper", "computed"
+        "quantity",
+        "paper",
+        "computed"
     );
     for row in &reproduction.rows {
-        println!("{}", line(row));
+        say!("{}", line(row));
     }
     let printed = reproduction.rows.iter().filter_map(|row| row.agrees);
     let (yes, all) = printed.fold((0, 0), |(yes, all), agrees| {
         (yes + u32::from(agrees), all + 1)
     });
-    println!("{yes} of {all} agree; --json and --report say why the others do not");
-    println!(
+    say!("{yes} of {all} agree; --json and --report say why the others do not");
+    say!(
         "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry off (m)"
     );
     for beyond in &reproduction.beyond {
-        println!(
+        say!(
             "{:<21} {:<15} {:<10} {:>8.3} {:>18.3} {:>17.3}",
             beyond.experiment,
             beyond.law,

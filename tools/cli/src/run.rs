@@ -1,6 +1,6 @@
 //! `slipstream run`: one experiment.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use slipstream_bus::experiment::Clock;
@@ -8,6 +8,7 @@ use slipstream_launch::launcher::{self, Options};
 use slipstream_launch::{Outcome, Request, Resolved, Unusable, Verdict, in_process, resolve};
 
 use crate::exit::{Error, Exit};
+use crate::say::{self, complain};
 use crate::summary;
 
 /// What `run` is told.
@@ -57,7 +58,7 @@ enum ClockName {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let resolved = resolve(&arguments.request()?)?;
     if arguments.dry_run {
-        say(&resolved.to_toml());
+        say::out(format_args!("{}", resolved.to_toml()));
         return Ok(Exit::Done);
     }
     let outcome = if arguments.in_process {
@@ -75,20 +76,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             )
         })?;
     }
-    say(&summary::text(&outcome, &resolved.experiment));
+    say::out(format_args!(
+        "{}",
+        summary::text(&outcome, &resolved.experiment)
+    ));
     Ok(match outcome.verdict {
         Verdict::Done => Exit::Done,
         Verdict::Interrupted => Exit::Interrupted,
         Verdict::Failed(reason) => {
-            eprintln!("slipstream: {reason}");
+            complain!("slipstream: {reason}");
             Exit::Failed
         }
     })
-}
-
-/// Prints text; who has closed the pipe does not want it.
-fn say(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 impl Arguments {

@@ -11,6 +11,7 @@ use slipstream_study::delay::{self, Grid, Shard, Study};
 
 use crate::exit::{Error, Exit};
 use crate::file::{write, write_json};
+use crate::say::say;
 
 /// Answer a question by many runs
 #[derive(Debug, Args)]
@@ -147,13 +148,13 @@ impl Output {
             write(path, &delay::page(study, &command_line())?)?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
-        println!("{} points, {runs} runs", study.points.len());
+        say!("{} points, {runs} runs", study.points.len());
         if study.interrupted {
-            println!("interrupted: the other points are missing");
+            say!("interrupted: the other points are missing");
             return Ok(Exit::Interrupted);
         }
         for answer in &study.answers {
-            println!("\n{}\n{}", answer.question, answer.answer);
+            say!("\n{}\n{}", answer.question, answer.answer);
         }
         Ok(Exit::Done)
     }

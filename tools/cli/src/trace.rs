@@ -3,7 +3,6 @@
 mod page;
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -11,6 +10,7 @@ use slipstream_trace::{Age, Answer, Figures, Hop, HopChange, Incomplete, Reading
 
 use crate::exit::{Error, Exit};
 use crate::file;
+use crate::say::{self, complain};
 
 /// Show where the time of each position between robots went, from the encoder sample to the torque
 ///
@@ -61,8 +61,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
         file::write(file, &page)?;
     }
-    // Who has closed the pipe does not want it.
-    let _ = std::io::stdout().write_all(table(&answer).as_bytes());
+    say::out(format_args!("{}", table(&answer)));
     Ok(Exit::Done)
 }
 
@@ -79,7 +78,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
 fn read(recording: &Path) -> Result<Reading, Error> {
     let reading = slipstream_trace::read(recording)?;
     for warning in &reading.warnings {
-        eprintln!("{warning}");
+        complain!("{warning}");
     }
     Ok(reading)
 }

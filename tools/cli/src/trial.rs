@@ -21,6 +21,7 @@ use slipstream_trial::tally::{Report, tally};
 
 use crate::exit::{Error, Exit};
 use crate::file::{write, write_json};
+use crate::say::say;
 use crate::study::command_line;
 
 /// Try the diagnosis on recordings whose truth is concealed from it
@@ -148,7 +149,7 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<Report>, Err
     let trial = trial?;
     if arguments.make_only {
         let labels = trial.open()?;
-        println!(
+        say!(
             "{} cases with their labels: {}",
             labels.len(),
             folder.display()

@@ -113,7 +113,7 @@ impl Bench {
     fn step_s(&self, list: &[Listed<f64>]) -> f64 {
         let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
         let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
-        let lags = has(&["actuator_lag"]);
+        let lags = has(&["actuator_lag", "actuator_delay"]);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
         if is_exact_at_any_step(kind, slips, lags) {
             LONG_STEP_S
@@ -263,6 +263,25 @@ impl Bench {
         promises
     }
 
+    /// −2 ln L with these hypotheses at their values and with the starts of `node`, moved to first
+    /// order to where they fit best.
+    pub(crate) fn started(&self, node: &Node, hypotheses: &[Hypothesis]) -> Option<f64> {
+        self.posed(hypotheses, &self.windows, |problem, values| {
+            let base = problem.residuals(values, &node.fit.starts)?;
+            let weights = Misfit::new(&self.windows, &base).weights();
+            let windows = self.windows.iter().zip(&node.fit.linear).zip(&base);
+            let predicted: Vec<Vec<f64>> = windows
+                .map(|((window, linear), base)| {
+                    let own = linear.without_globals();
+                    let normal = own.normal(window, &weights, base, &[]);
+                    let step = linear::step(&[normal], 1e-9, |_, step| step);
+                    own.predicted(base, &[], &step.locals[0], &[])
+                })
+                .collect();
+            Some(Misfit::new(&self.windows, &predicted).deviance())
+        })
+    }
+
     /// The candidate, made so small that it moves what is measured no more than what is unexplained
     /// where it would make it worse. What is smaller than its probe may not show from there: what
     /// rests under a large friction says nothing of a small one.
@@ -276,10 +295,10 @@ impl Bench {
         let mut sized = candidate.clone();
         let worse =
             Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() + ARRIVED;
-        if candidate.is_abrupt() {
+        if candidate.is_abrupt() && !candidate.is_placed() {
             return (!worse).then_some(sized);
         }
-        if candidate.is_threshold() || !worse {
+        if candidate.is_threshold() || candidate.is_placed() || !worse {
             return Some(sized);
         }
         let pairs = base.iter().zip(&node.fit.linear);
@@ -319,6 +338,10 @@ impl Bench {
                     })
                     .collect();
                 let step = linear::step(&normals, 1e-9, |i, step| {
+                    // where a place ends is no matter of first order
+                    if candidate.is_placed() && i >= known {
+                        return 0.0;
+                    }
                     problem.bounded(i, values[i], step)
                 });
                 let predicted: Vec<Vec<f64>> = node

@@ -94,6 +94,11 @@ impl Hypothesis {
         self.replaces.is_none() && matches!(self.info.id, "wheel_slip" | "friction_patch")
     }
 
+    /// Whether it acts at one place alone.
+    pub(crate) fn is_placed(&self) -> bool {
+        self.info.id == "friction_patch"
+    }
+
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {

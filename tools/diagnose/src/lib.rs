@@ -149,18 +149,18 @@ fn examine(
                 bench,
                 all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
                 excluded: request.excluded,
-                avoided: false,
+                avoided: None,
                 progress: &progress,
             };
             let (again, bench, found);
             match search.run().ok_or_else(unusable)? {
                 Outcome::Found(first) => (bench, found) = (search.bench, first),
-                Outcome::Slides(slides) => {
+                Outcome::Slides(slides, slipping) => {
                     again = search.bench.avoiding(&slides);
                     bench = &again;
                     let search = Search {
                         bench,
-                        avoided: true,
+                        avoided: Some(slipping),
                         ..search
                     };
                     let Outcome::Found(second) = search.run().ok_or_else(unusable)? else {

@@ -11,16 +11,17 @@ use crate::drivers::Sampled;
 use crate::force::{self, Answers, PULSE_S};
 use crate::hypothesis::{Hypothesis, LOCAL};
 use crate::linear;
-use crate::misfit::Misfit;
 use crate::track::CHANNELS;
 
 /// Moments that are tried for a push.
 const MOMENTS: usize = 3;
 /// Places that are tried for a patch, and how far they lie apart (m).
-const PLACES: usize = 10;
+const PLACES: usize = 16;
 const APART_M: f64 = 0.05;
-/// Patches whose promise is worth a step of the fit.
-const PATCHES: usize = 4;
+/// Patches that are fitted a few rounds, and how many of them at one place.
+const PATCHES: usize = 16;
+const A_PLACE: usize = 2;
+const FITTED: usize = 8;
 const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
 const FRICTIONS: [f64; 3] = [0.06, 0.12, 0.18];
 /// Force that is believable where nothing shows it, as a share of the weight.
@@ -131,17 +132,33 @@ fn patches(
         }
     }
     let judged = tried.into_par_iter().filter_map(|hypothesis| {
-        let mut hypotheses = node.hypotheses.clone();
-        hypotheses.push(hypothesis.clone());
-        let deviance = bench.posed(&hypotheses, &bench.windows, |problem, values| {
-            let residuals = problem.residuals(values, &node.fit.starts)?;
-            Some(Misfit::new(&bench.windows, &residuals).deviance())
-        })?;
+        let deviance = judge(bench, node, &hypothesis)?;
         Some((deviance, hypothesis))
     });
     let mut judged: Vec<(f64, Hypothesis)> = judged.collect();
     judged.sort_by(|a, b| a.0.total_cmp(&b.0));
-    judged.into_iter().take(PATCHES).map(|(_, h)| h).collect()
+    let mut chosen: Vec<Hypothesis> = Vec::new();
+    for (_, patch) in judged {
+        let here = |known: &&Hypothesis| known.values[..2] == patch.values[..2];
+        if chosen.len() < PATCHES && chosen.iter().filter(here).count() < A_PLACE {
+            chosen.push(patch);
+        }
+    }
+    let fitted = chosen.into_par_iter().filter_map(|patch| {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses.push(patch);
+        let mut fitted = bench.fit(&hypotheses, &node.fit.starts, FITTED)?;
+        Some((fitted.fit.misfit.deviance(), fitted.hypotheses.pop()?))
+    });
+    let mut fitted: Vec<(f64, Hypothesis)> = fitted.collect();
+    fitted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    fitted.into_iter().take(MOMENTS).map(|(_, h)| h).collect()
+}
+
+fn judge(bench: &Bench, node: &Node, hypothesis: &Hypothesis) -> Option<f64> {
+    let mut hypotheses = node.hypotheses.clone();
+    hypotheses.push(hypothesis.clone());
+    bench.started(node, &hypotheses)
 }
 
 /// Contacts of both wheels at the moments of the largest missing force, largest first.

@@ -5,6 +5,7 @@ use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
 use crate::unknown::{self, Unknown};
+use crate::window::Window;
 
 use rayon::prelude::*;
 
@@ -16,8 +17,12 @@ const GLANCE: usize = 2;
 /// first look, to be fitted beside it.
 const NEAR: f64 = 0.7;
 const CLOSE: f64 = 0.95;
+/// Share of the level at first below which an effect is on the way: no pairs are tried then.
+const HALFWAY: f64 = 0.6;
 /// Models that are kept side by side while none reaches the noise.
 const SIDE_BY_SIDE: usize = 3;
+/// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
+const UNFINISHED: f64 = 50.0;
 /// Effects at most.
 const MOST: usize = 5;
 
@@ -55,8 +60,9 @@ pub(crate) struct Found {
 /// What a search comes to.
 pub(crate) enum Outcome {
     Found(Box<Found>),
-    /// Wheels slide at these times (s): no window should begin in one of them.
-    Slides(Vec<[f64; 2]>),
+    /// Wheels slide at these times (s), in which no window should begin, in a model with these
+    /// effects.
+    Slides(Vec<[f64; 2]>, Vec<Hypothesis>),
 }
 
 /// The search over one bench.
@@ -64,8 +70,9 @@ pub(crate) struct Search<'a> {
     pub(crate) bench: &'a Bench,
     pub(crate) all: Vec<Hypothesis>,
     pub(crate) excluded: &'a [String],
-    /// Slides were avoided already where the windows begin.
-    pub(crate) avoided: bool,
+    /// Slides were avoided already where the windows begin, which were those of a model with these
+    /// effects.
+    pub(crate) avoided: Option<Vec<Hypothesis>>,
     pub(crate) progress: &'a (dyn Fn(&str) + Sync),
 }
 
@@ -95,12 +102,25 @@ impl Search<'_> {
         let nominal = self.bench.fit(&[], &self.bench.guesses()?, FULL)?;
         let mut best = nominal.clone();
         let mut nodes = vec![nominal.clone()];
+        let known = self.avoided.as_ref().filter(|known| !known.is_empty());
+        let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
+        let known = known.map(|node| self.bench.settle_static(node));
+        if let Some(known) = known.filter(|known| score(known) < score(&nominal)) {
+            best = known.clone();
+            if self.bench.is_noise(&known) {
+                nodes.clear();
+            }
+            nodes.insert(0, known);
+        }
         let mut looked_at = 0;
         let mut seen: Vec<Node> = Vec::new();
         for _ in 0..MOST {
             let mut next: Vec<Node> = Vec::new();
             for (rank, node) in nodes.iter().enumerate() {
-                if seen.iter().any(|known| same(known, node)) {
+                if seen
+                    .iter()
+                    .any(|known| same(known, node) && score(known) < score(node) + 1.0)
+                {
                     continue;
                 }
                 seen.push(node.clone());
@@ -108,7 +128,12 @@ impl Search<'_> {
                 looked_at += candidates.len();
                 next.extend(self.extended(&nominal, node, &candidates, rank == 0));
             }
-            if seen.len() == 1 && !next.iter().any(|node| self.bench.is_noise(node)) {
+            let worst = |node: &Node| self.bench.worst(node).1;
+            if seen.len() == 1
+                && !next
+                    .iter()
+                    .any(|node| worst(node) < HALFWAY * worst(&nominal))
+            {
                 next.extend(self.beside_slip(&nominal));
             }
             next.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -126,11 +151,12 @@ impl Search<'_> {
             });
             nodes = kept
                 .into_iter()
-                .map(|node| self.bench.settle_static(self.pruned(node)))
+                .map(|node| self.bench.settle_static(self.pruned(&nominal, node)))
                 .collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
             if let Some(slides) = self.slides(&nodes[0]) {
-                return Some(Outcome::Slides(slides));
+                let slipping = nodes.swap_remove(0).hypotheses;
+                return Some(Outcome::Slides(slides, slipping));
             }
             if score(&nodes[0]) < score(&best) {
                 best = nodes[0].clone();
@@ -160,14 +186,22 @@ impl Search<'_> {
         Some(Outcome::Found(Box::new(found)))
     }
 
-    /// When the wheels slide in a model that slips and does not yet reach the noise, unless that is
-    /// known already.
+    /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
+    /// begins there, unless that is known already.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
-        let found = node.hypotheses.iter().any(|h| h.info.id == "wheel_slip");
+        let mut found = node.hypotheses.iter();
+        let found = found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"));
         let mut known = self.bench.model.effects.iter();
         let slips = found || known.any(|e| e.effect == "wheel_slip");
-        (slips && !self.avoided && !self.bench.is_noise(node))
-            .then(|| located::sliding(self.bench, node, None))
+        if !slips || self.avoided.is_some() || self.bench.is_noise(node) {
+            return None;
+        }
+        let slides = located::sliding(self.bench, node, None);
+        let begins = |window: &Window| {
+            let mut slides = slides.iter();
+            slides.any(|[from, to]| window.from_s > *from && window.from_s < *to)
+        };
+        self.bench.windows.iter().any(begins).then_some(slides)
     }
 
     fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
@@ -197,8 +231,24 @@ impl Search<'_> {
             let local = local::candidates(self.bench, node, self.excluded);
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }
+        let freed = self.freed(node, &followed);
         followed.retain(|next| self.pays(nominal, node, next));
+        followed.extend(freed);
         followed
+    }
+
+    /// The node itself from where a further effect that is none led it: a fit that had not come to
+    /// its end.
+    fn freed(&self, node: &Node, followed: &[Node]) -> Option<Node> {
+        let best = followed.first()?;
+        let own = best.hypotheses.len().checked_sub(1)?;
+        if own == 0 || self.is_clear(best, own) || score(best) > score(node) - UNFINISHED {
+            return None;
+        }
+        let freed = self
+            .bench
+            .fit(&best.hypotheses[..own], &best.fit.starts, FULL)?;
+        (score(&freed) < score(node) - UNFINISHED).then_some(freed)
     }
 
     /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
@@ -335,18 +385,21 @@ impl Search<'_> {
     }
 
     /// Takes out what no longer pays beside what came later.
-    fn pruned(&self, mut node: Node) -> Node {
+    fn pruned(&self, nominal: &Node, mut node: Node) -> Node {
+        let share = SHARE * node.fit.misfit.gain_over(&nominal.fit.misfit);
         let mut at = 0;
         while node.hypotheses.len() > 1 && at < node.hypotheses.len() {
             let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
             (self.progress)(&format!("without {}", removed.info.id));
-            match self.bench.fit(&without, &node.fit.starts, FULL) {
-                Some(less) if node.fit.misfit.gain_over(&less.fit.misfit) < due(&removed) => {
-                    node = less;
-                    at = 0;
-                }
-                _ => at += 1,
+            let less = self.bench.fit(&without, &node.fit.starts, FULL);
+            let idle = |less: &Node| {
+                let gain = node.fit.misfit.gain_over(&less.fit.misfit);
+                gain < due(&removed) || self.bench.is_noise(less) && gain < share
+            };
+            match less.filter(idle) {
+                Some(less) => (node, at) = (less, 0),
+                None => at += 1,
             }
         }
         node

@@ -1,6 +1,6 @@
 //! A run of real processes: started, watched, stopped, cleaned up after.
 
-use std::io::Read;
+use std::io::{Read, Write as _};
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
@@ -429,10 +429,9 @@ impl Drop for Run<'_> {
             let _ = member.child.wait();
         }
         if let Err(error) = self.place.remove() {
-            eprintln!(
-                "{}: {error}; slipstream clean",
-                self.place.folder().display()
-            );
+            let folder = self.place.folder().display();
+            // Where standard error is closed there is nobody to tell.
+            let _ = writeln!(std::io::stderr(), "{folder}: {error}; slipstream clean");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The program in its roles: what the launcher starts, named by the first argument.
 
 use std::ffi::OsString;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser};
@@ -81,7 +82,7 @@ pub fn play(arguments: &[OsString]) -> bool {
     let filter = match membership.trace.then(trace::filter).transpose() {
         Ok(filter) => filter,
         Err(problem) => {
-            eprintln!("slipstream {}: {}: {problem}", role.name(), trace::VARIABLE);
+            complain(&role, &format!("{}: {problem}", trace::VARIABLE));
             return false;
         }
     };
@@ -93,10 +94,15 @@ pub fn play(arguments: &[OsString]) -> bool {
     match played {
         Ok(()) | Err(BusError::Stopped) => true,
         Err(error) => {
-            eprintln!("slipstream {}: {error}", role.name());
+            complain(&role, &error.to_string());
             false
         }
     }
+}
+
+/// Where standard error is closed there is nobody to tell.
+fn complain(role: &Role, problem: &str) {
+    let _ = writeln!(std::io::stderr(), "slipstream {}: {problem}", role.name());
 }
 
 impl Role {

@@ -1,5 +1,6 @@
 //! What a trial says on the terminal.
 
+use crate::say::say;
 use slipstream_trial::examine::Examined;
 use slipstream_trial::hold::Question;
 use slipstream_trial::mark::Outcome;
@@ -18,18 +19,19 @@ pub(super) fn say_answer(question: &Question, examined: &Examined) {
         }
         Err(why) => why.clone(),
     };
-    println!("{}  {:6.1} s  {said}", question.name, examined.seconds);
+    say!("{}  {:6.1} s  {said}", question.name, examined.seconds);
 }
 
 /// The scores.
 pub(super) fn say(report: &Report) {
-    println!();
+    say!("");
     for entry in &report.each {
         say_case(entry);
     }
-    println!(
+    say!(
         "\n{} cases, {} of them with nothing concealed",
-        report.cases, report.nulls
+        report.cases,
+        report.nulls
     );
     for outcome in Outcome::ALL {
         let count = report
@@ -37,17 +39,17 @@ pub(super) fn say(report: &Report) {
             .iter()
             .filter(|entry| entry.mark.outcome == outcome)
             .count();
-        println!("  {:<12} {count}", outcome.name().replace('_', " "));
+        say!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
     for (kind, outcomes) in report.kinds.iter().filter(|(kind, _)| !kind.is_empty()) {
         let counts = outcomes
             .iter()
             .map(|(name, count)| format!("{count} {}", name.replace('_', " ")));
-        println!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
+        say!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
     }
     let figure = |what: &str, value: Option<f64>| {
         if let Some(value) = value {
-            println!("{what} {value:.4}");
+            say!("{what} {value:.4}");
         }
     };
     figure(
@@ -71,13 +73,17 @@ pub(super) fn say(report: &Report) {
         report.held_out_ratio,
     );
     let [median, most] = report.seconds;
-    println!("time for one diagnosis: {median:.1} s (median), {most:.1} s (most)");
+    say!("time for one diagnosis: {median:.1} s (median), {most:.1} s (most)");
     if !report.detection.is_empty() {
-        println!("\nsize, in nats    effects   named   look-alike   missed");
+        say!("\nsize, in nats    effects   named   look-alike   missed");
         for step in &report.detection {
-            println!(
+            say!(
                 "from {:<12.0}{:6}{:9}{:11}{:10}",
-                step.from_gain, step.effects, step.named, step.look_alike, step.missed
+                step.from_gain,
+                step.effects,
+                step.named,
+                step.look_alike,
+                step.missed
             );
         }
     }
@@ -89,8 +95,8 @@ fn say_case(entry: &Entry) {
     let pairs: Vec<String> = pairs
         .map(|[truth, said]| format!("{truth} → {said}"))
         .collect();
-    println!("{name}  {outcome:<12} {}", pairs.join(", "));
+    say!("{name}  {outcome:<12} {}", pairs.join(", "));
     for remark in &entry.mark.remarks {
-        println!("    {remark}");
+        say!("    {remark}");
     }
 }

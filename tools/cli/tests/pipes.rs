@@ -1,0 +1,77 @@
+//! Whoever reads may stop reading: `slipstream effects | head -1` once ended in a panic.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test stops at what it does not expect"
+)]
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipstream"));
+    command.current_dir(folder).args(arguments);
+    command
+}
+
+/// An end of a pipe whose other end is closed.
+fn closed() -> Stdio {
+    std::io::pipe().unwrap().1.into()
+}
+
+#[test]
+fn a_closed_pipe_ends_the_words_and_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = [
+        "run",
+        "--in-process",
+        "--set",
+        "duration_s=1",
+        "--out",
+        "a.mcap",
+    ];
+    for arguments in [
+        &["effects"][..],
+        &run,
+        &["check", "a.mcap"],
+        &["trace", "a.mcap", "--json", "trace.json"],
+        &["--help"],
+    ] {
+        let output = command(folder.path(), arguments)
+            .stdout(closed())
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(
+            (output.status.code(), &*words),
+            (Some(0), ""),
+            "{arguments:?}"
+        );
+        let both = command(folder.path(), arguments)
+            .stdout(closed())
+            .stderr(closed())
+            .status();
+        assert_eq!(both.unwrap().code(), Some(0), "{arguments:?}");
+    }
+    assert!(folder.path().join("trace.json").exists());
+    let refused = command(folder.path(), &["trace", "nothing"])
+        .stderr(closed())
+        .status();
+    assert_eq!(refused.unwrap().code(), Some(2));
+}
+
+#[test]
+fn a_full_disk_is_no_closed_pipe() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = File::options().write(true).open("/dev/full").unwrap();
+    let output = command(folder.path(), &["effects"])
+        .stdout(full)
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        words.starts_with("slipstream: standard output: cannot be written: "),
+        "{words}"
+    );
+}
