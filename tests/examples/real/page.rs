@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use slipstream_diagnose::{ParameterEstimate, Prediction};
+use slipstream_diagnose::{ParameterEstimate, Prediction, in_digits};
 use toml::Value;
 
 use crate::agreement::{Agreement, Estimate, agree};
@@ -188,15 +188,9 @@ fn value(parameter: &ParameterEstimate) -> String {
     }
 }
 
-fn with_interval((estimate, [low, high]): Estimate) -> String {
-    // as many digits as the interval is wide
-    let digits = (-(high - low).abs().max(1e-9).log10()).ceil() + 1.0;
-    let digits = if digits.is_finite() {
-        digits.clamp(0.0, 8.0) as usize
-    } else {
-        3
-    };
-    format!("{estimate:.digits$} ({low:.digits$} … {high:.digits$})")
+fn with_interval((estimate, interval): Estimate) -> String {
+    let [estimate, low, high] = in_digits(estimate, interval);
+    format!("{estimate} ({low} … {high})")
 }
 
 fn of_agreements(agreements: &[Agreement]) -> String {

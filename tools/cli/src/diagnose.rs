@@ -139,18 +139,6 @@ fn say(answer: &Answer) {
     }
     for finding in &answer.findings {
         say!("\n{}", finding.statement);
-        for parameter in &finding.parameters {
-            if let (Some(estimate), Some([low, high])) = (parameter.estimate, parameter.ci95) {
-                let (name, unit) = (&parameter.name, &parameter.unit);
-                say!("  {name} {estimate:.5} {unit}  (95 % between {low:.5} and {high:.5})");
-            }
-        }
-        if !finding.confused_with.is_empty() {
-            say!(
-                "  cannot be told from {} here",
-                finding.confused_with.join(", ")
-            );
-        }
     }
     for left in &answer.unexplained {
         say!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
