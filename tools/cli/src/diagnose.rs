@@ -140,7 +140,13 @@ fn say(answer: &Answer) {
     for finding in &answer.findings {
         say!("\n{}", finding.statement);
     }
-    for left in &answer.unexplained {
+    let said = |shape: &str| {
+        answer
+            .findings
+            .iter()
+            .any(|f| f.shape.as_deref() == Some(shape))
+    };
+    for left in answer.unexplained.iter().filter(|left| !said(&left.shape)) {
         say!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
     }
     say!(
