@@ -111,7 +111,10 @@ fn overview(studies: &[Study<'_>]) -> String {
 /// Position and heading before and after, and by which factor each is better.
 fn both(before: &Prediction, after: &Prediction) -> String {
     let factor = |before: Option<f64>, after: Option<f64>| match (before, after) {
-        (Some(before), Some(after)) if after > 0.0 => format!("÷ {:.1}", before / after),
+        (Some(before), Some(after)) if after > before => {
+            format!("**worse, × {:.1}**", after / before)
+        }
+        (Some(before), Some(after)) => format!("÷ {:.1}", before / after),
         _ => String::new(),
     };
     format!(

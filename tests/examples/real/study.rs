@@ -99,7 +99,10 @@ impl<'a> Study<'a> {
     pub(crate) fn ends(&self, robot: &str) -> Option<[&Prediction; 2]> {
         let mut own = self.steps.iter().filter(|step| step.robot == robot);
         let first = own.next()?;
-        Some([&first.prediction, &own.last().unwrap_or(first).prediction])
+        Some([
+            &first.prediction,
+            &own.next_back().unwrap_or(first).prediction,
+        ])
     }
 }
 

@@ -59,7 +59,7 @@ pub(crate) fn transfers(
             continue;
         };
         let place = |robot: &&str| recording.robots.iter().position(|r| r.name == **robot);
-        let learnt: Option<Vec<usize>> = from.iter().map(|robot| place(&robot)).collect();
+        let learnt: Option<Vec<usize>> = from.iter().map(place).collect();
         if let (Some(learnt), Some(to)) = (learnt, place(&to)) {
             let mut together = alone(recording, &learnt);
             together.same_robot = true;
