@@ -119,9 +119,12 @@ impl Piece {
         for (t_s, pose, base) in rows(track, window, which) {
             let error = [0, 1, 2].map(|i| residuals[base + i] * deviation[i]);
             self.seen.push((pose[0], pose[1]));
-            self.predicted
-                .push((pose[0] + error[0], pose[1] + error[1]));
             let square_m2 = error[0] * error[0] + error[1] * error[1];
+            // what a late stamp puts before the window is not simulated
+            if square_m2.is_finite() {
+                let place = (pose[0] + error[0], pose[1] + error[1]);
+                self.predicted.push(place);
+            }
             if t_s >= from_s && square_m2.is_finite() {
                 self.squares_m2.push(square_m2);
             }
