@@ -23,3 +23,7 @@ fuzz:
 battery:
     cargo build --release -p slipstream
     target/release/slipstream trial --plan battery --json target/battery.json --report target/battery.html
+
+# The page of results on real robots, tests/real_robots (some minutes): RECORDINGS holds their folders.
+real RECORDINGS="../shared/recordings":
+    cargo run --release -p slipstream-tests --example real -- {{RECORDINGS}}

@@ -134,22 +134,19 @@ fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unu
 fn say(answer: &Answer) {
     let held = &answer.held_out;
     say!("{}.", words::verdict(answer.verdict));
+    for warning in &answer.warnings {
+        say!("Warning: {}.", words::warning(warning));
+    }
     for finding in &answer.findings {
         say!("\n{}", finding.statement);
-        for parameter in &finding.parameters {
-            if let (Some(estimate), Some([low, high])) = (parameter.estimate, parameter.ci95) {
-                let (name, unit) = (&parameter.name, &parameter.unit);
-                say!("  {name} {estimate:.5} {unit}  (95 % between {low:.5} and {high:.5})");
-            }
-        }
-        if !finding.confused_with.is_empty() {
-            say!(
-                "  cannot be told from {} here",
-                finding.confused_with.join(", ")
-            );
-        }
     }
-    for left in &answer.unexplained {
+    let said = |shape: &str| {
+        answer
+            .findings
+            .iter()
+            .any(|f| f.shape.as_deref() == Some(shape))
+    };
+    for left in answer.unexplained.iter().filter(|left| !said(&left.shape)) {
         say!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
     }
     say!(

@@ -3,6 +3,7 @@
 mod check;
 mod clean;
 mod compare;
+mod completions;
 mod diagnose;
 mod effects;
 mod exit;
@@ -21,7 +22,7 @@ mod trial;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::exit::Exit;
 use crate::say::complain;
@@ -50,6 +51,7 @@ enum Command {
     Reproduce(reproduce::Arguments),
     Study(study::Arguments),
     Trial(trial::Arguments),
+    Completions(completions::Arguments),
     /// Remove what dead runs left behind in shared memory
     Clean,
 }
@@ -77,6 +79,9 @@ fn main() -> ExitCode {
         Some(Command::Reproduce(arguments)) => reproduce::run(&arguments),
         Some(Command::Study(arguments)) => study::run(&arguments),
         Some(Command::Trial(arguments)) => trial::run(&arguments),
+        Some(Command::Completions(arguments)) => {
+            completions::run(&arguments, &mut Arguments::command())
+        }
         Some(Command::Clean) => clean::run(),
     };
     done.unwrap_or_else(|error| {

@@ -5,9 +5,11 @@ use slipstream_sim::effects::Info;
 
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
+use crate::input::Warning;
 use crate::misfit::Misfit;
 use crate::score;
 use crate::search::Found;
+use crate::statement::statement;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
 use crate::window::Window;
@@ -26,6 +28,8 @@ pub struct Answer {
     pub held_out: HeldOut,
     /// What remains.
     pub unexplained: Vec<Unexplained>,
+    /// What about the recordings makes the answer poorer.
+    pub warnings: Vec<Warning>,
 }
 
 /// What a diagnosis comes to.
@@ -296,14 +300,11 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
         .flatten()
         .map(|id| (*id).to_owned())
         .collect();
-    let numbers: Vec<String> = parameters
-        .iter()
-        .filter_map(|p| Some(format!("{} {:.4}", p.name, p.estimate?)))
-        .collect();
     let robot = bench.tracks[0].robot.clone();
     let condition = located::condition(bench, hypothesis);
-    Finding {
-        statement: format!("Robot {robot}: {} ({}).", info.summary, numbers.join(", ")),
+    let known = hypothesis.replaces.is_some();
+    let mut finding = Finding {
+        statement: String::new(),
         robot,
         effect: info.id.to_owned(),
         parameters,
@@ -320,7 +321,9 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
         },
         shape: None,
         driver: None,
-    }
+    };
+    finding.statement = statement(&finding, info.summary, bench.tracks[0].span_s(), known);
+    finding
 }
 
 /// A finding that the catalogue does not hold.

@@ -2,11 +2,11 @@
 //! start from.
 
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
-use slipstream_sim::CommandKind;
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
+use slipstream_sim::{CommandKind, Stream};
 
 use crate::simulate::asked;
-use crate::track::{Driver, Sensor, Track};
+use crate::track::{Driver, Sensor, Series, Track};
 
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
@@ -133,6 +133,7 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
         .iter()
         .filter(able)
         .flat_map(|info| of(info, track, model))
+        .filter(|h| has_stream(h, track))
         .filter(|h| is_new(h, model) && expressible(model, h, track.kind()).is_ok());
     fresh.chain(listed(model, excluded)).collect()
 }
@@ -156,6 +157,19 @@ fn shows(info: &Info, track: &Track) -> bool {
         "encoder_scale" => wheels,
         _ => true,
     }
+}
+
+/// Whether a track has the stream that a hypothesis names; one without a name needs none.
+fn has_stream(hypothesis: &Hypothesis, track: &Track) -> bool {
+    let Some(("stream", word)) = hypothesis.text else {
+        return true;
+    };
+    let named = |series: &Series| match series.sensor.clock() {
+        Stream::Wheels => word == "wheels",
+        Stream::Pose => word == "pose",
+        Stream::Imu => word == "imu",
+    };
+    track.series.iter().any(named)
 }
 
 /// Whether an effect can be had beside those of the model.

@@ -1,30 +1,35 @@
 //! Recording and model in; what the model leaves out, where, how much and how sure, out.
 //!
-//! The nominal model is simulated from the recorded commands in windows of 5 s, each with a free
+//! The nominal model is simulated from what drove the robot in windows of 5 s, each with a free
 //! initial state. Every effect of the catalogue is a hypothesis, fitted together with those found
-//! before by least squares with the plant's own derivatives; the one that pays most is kept, until
-//! none pays. Effects that need a search over place or time (`friction_patch`, `push`), inertial
-//! sensors, links and recordings without commands are not searched yet, and the answer says so.
+//! before by least squares; those that bring most are kept side by side, until nothing pays. Pushes
+//! and patches are looked for by time and place first. What no effect explains is looked for as a
+//! force that follows a variable. ARCHITECTURE.md has the steps, and the limits.
 
 mod answer;
 mod bench;
+mod digits;
 mod drivers;
 mod figures;
 mod fit;
 mod force;
 mod hypothesis;
+mod input;
 mod interval;
 mod limits;
 mod linear;
 mod links;
 mod local;
 mod located;
+mod manoeuvre;
 mod misfit;
 mod noise;
+mod predict;
 mod score;
 mod search;
 mod simulate;
 mod start;
+mod statement;
 mod track;
 mod unknown;
 mod window;
@@ -37,8 +42,12 @@ use slipstream_sim::CommandKind;
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
+pub use digits::in_digits;
 pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
+pub use input::Warning;
 pub use limits::{Limit, Seen};
+pub use manoeuvre::manoeuvre;
+pub use predict::{Prediction, predict};
 
 use crate::bench::Bench;
 use crate::search::{Found, Outcome, Search};
@@ -120,7 +129,10 @@ fn examine(
     request: &Request<'_>,
     mut each: impl FnMut(&Bench, &Found),
 ) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
-    let mut answer = Answer::default();
+    let mut answer = Answer {
+        warnings: input::warnings(request)?,
+        ..Answer::default()
+    };
     let mut improved = Vec::new();
     let mut courses = Vec::new();
     for machine in machines(request.recordings) {

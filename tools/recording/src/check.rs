@@ -8,6 +8,7 @@ mod coverage;
 mod motion;
 mod rates;
 mod text;
+mod torque;
 mod units;
 mod wheels;
 
@@ -140,4 +141,23 @@ fn of_robot(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Findin
     clocks::of_robot(robot, model, findings);
     units::of(robot, &windows, findings);
     wheels::of(robot, &windows, findings);
+    torque::of(robot, model, findings);
+}
+
+/// What is wrong with a recording that a diagnosis of it has to know: faults, and pauses of its
+/// streams. Each robot is looked at by its own model, or by the one that came with the recording.
+pub fn faults(
+    recording: &Recording,
+    model_of: &dyn Fn(&str) -> Option<RobotModel>,
+) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for robot in &recording.robots {
+        let model = model_of(&robot.name).or_else(|| recording.model.clone());
+        rates::of(robot, &mut findings);
+        of_robot(robot, model.as_ref(), &mut findings);
+    }
+    clocks::of_links(recording, &mut findings);
+    findings.retain(|finding| finding.severity < Severity::Note || finding.id == "gaps");
+    findings.sort_by(|a, b| (&a.robot, a.severity).cmp(&(&b.robot, b.severity)));
+    findings
 }

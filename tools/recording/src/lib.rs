@@ -27,7 +27,7 @@ mod topics;
 mod trace_in;
 
 pub use bag::reader::Loss;
-pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check};
+pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults};
 pub use compare::{Channel, CompareError, compare};
 pub use csv_in::{Import, read_folder};
 pub use csv_out::write_folder;

@@ -2,12 +2,12 @@
 
 use slipstream_diagnose::{
     Against, Answer, Figures, Finding, Limit, MissingForce, ParameterEstimate, Paths, Residuals,
-    Seen, Verdict,
+    Seen, Verdict, manoeuvre,
 };
 use slipstream_report::{Chart, Line, Page, PictureError, Row, Timeline, Track};
 
 use super::points::{kept, level, means};
-use super::words::{manoeuvre, number, verdict};
+use super::words::{number, verdict, warning};
 use crate::study::command_line;
 
 /// What the lines are called, and their colours.
@@ -53,6 +53,9 @@ pub(super) fn page(
 /// The first screen.
 fn add_answer(page: &mut Page, answer: &Answer) {
     page.section(verdict(answer.verdict));
+    for what in &answer.warnings {
+        page.paragraph(&format!("Warning: {}.", warning(what)));
+    }
     for finding in &answer.findings {
         page.paragraph(&finding.statement);
     }

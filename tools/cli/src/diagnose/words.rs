@@ -1,6 +1,6 @@
 //! Words of a diagnosis.
 
-use slipstream_diagnose::Verdict;
+use slipstream_diagnose::{Verdict, Warning};
 
 /// The verdict as a sentence.
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
@@ -9,6 +9,13 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Explained => "What the model leaves out explains the recording",
         Verdict::Unexplained => "Something remains that the catalogue does not explain",
     }
+}
+
+/// What about a recording makes the answer poorer, in one line.
+pub(super) fn warning(warning: &Warning) -> String {
+    let robot = warning.robot.as_deref().unwrap_or("all robots");
+    let (name, what, remedy) = (&warning.recording, &warning.statement, &warning.remedy);
+    format!("{name}, {robot}: {what}; {remedy}")
 }
 
 /// A number with four digits that count.
@@ -47,48 +54,6 @@ fn leading(size: f64) -> usize {
     }
 }
 
-/// The manoeuvre whose recording shows an effect, or tells several apart.
-pub(super) fn manoeuvre(effects: &[&str]) -> String {
-    let mut all: Vec<&str> = effects.iter().map(|effect| of(effect)).collect();
-    all.dedup();
-    all.join("; ")
-}
-
-fn of(effect: &str) -> &'static str {
-    match effect {
-        "viscous_drag" | "quadratic_drag" | "rolling_resistance" => {
-            "coast-down: drive straight at the highest speed, then command nothing until it stands"
-        }
-        "axle_friction" | "torque_speed_droop" => {
-            "lifted wheels: the same commands with the wheels off the floor show what sits in the drive train"
-        }
-        "motor_gain" | "payload" | "load_transfer" => {
-            "known added mass: the same commands with a weighed mass at a measured place"
-        }
-        "supply_sag" => "stop-and-go over several minutes with the same commands again and again",
-        "actuator_delay" | "actuator_lag" | "command_dead_band" | "command_saturation"
-        | "backlash" => {
-            "stop-and-go: steps of the command from the smallest to the largest, in both directions"
-        }
-        "yaw_scrub" | "track_width" | "caster_drag" | "pose_offset" => {
-            "spin in place: several turns left and several right"
-        }
-        "floor_slope" => "known ramp, or the same line driven in four directions",
-        "wheel_radius" | "encoder_scale" => {
-            "ten hand-turned revolutions of each wheel with the encoders read (scale of the counts), then a measured straight line (radius)"
-        }
-        "wheel_slip" | "friction_patch" => {
-            "stop-and-go with commands that rise until the wheels slip, at several places of the floor"
-        }
-        "pose_latency" | "wheels_latency" | "imu_latency" | "clock_drift" => {
-            "stop-and-go with encoders, camera and commands recorded: sharp starts mark every clock, over minutes its drift"
-        }
-        "link_delay" => "stop-and-go of the robot in front, with both robots in the camera's view",
-        "push" => "the same commands again, with nobody near",
-        _ => "stop-and-go, spin in place and coast-down in one recording",
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -107,13 +72,6 @@ mod tests {
             (f64::INFINITY, "–"),
         ] {
             assert_eq!(number(value), text);
-        }
-    }
-
-    #[test]
-    fn every_effect_has_a_manoeuvre() {
-        for info in slipstream_sim::effects::CATALOGUE {
-            assert_ne!(of(info.id), of("none"), "{}", info.id);
         }
     }
 }

@@ -37,6 +37,10 @@ pub(super) struct Windows {
     pub(super) command_right: Vec<f64>,
     /// Commanded speed of the left wheel (rad/s).
     pub(super) command_left: Vec<f64>,
+    /// Torque (N m) or voltage (V) at the right wheel, as told.
+    pub(super) drive_right: Vec<f64>,
+    /// Torque or voltage at the left wheel, likewise.
+    pub(super) drive_left: Vec<f64>,
     /// Whether the wheels are in radians.
     pub(super) wheels_in_rad: bool,
     /// r (m) and b (m), where a model gives them.
@@ -90,7 +94,17 @@ pub(super) fn cut(robot: &Robot, model: Option<&RobotModel>, window_s: f64) -> W
                 windows.command_right = mean(right_rad_s);
                 windows.command_left = mean(left_rad_s);
             }
-            Command::Torque { .. } | Command::Voltage { .. } => {}
+            Command::Torque {
+                right_nm: right,
+                left_nm: left,
+            }
+            | Command::Voltage {
+                right_v: right,
+                left_v: left,
+            } => {
+                windows.drive_right = mean(right);
+                windows.drive_left = mean(left);
+            }
         }
     }
     windows

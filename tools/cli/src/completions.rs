@@ -1,0 +1,24 @@
+//! `slipstream completions`: what a shell has to know to complete a command line.
+
+use clap::{Args, Command};
+use clap_complete::Shell;
+
+use crate::exit::{Error, Exit};
+use crate::say::say;
+
+/// Print completions for a shell
+///
+/// Example: slipstream completions bash >> ~/.bashrc
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The shell.
+    shell: Shell,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Exit, Error> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, command, "slipstream", &mut script);
+    say!("{}", String::from_utf8_lossy(&script).trim_end());
+    Ok(Exit::Done)
+}
