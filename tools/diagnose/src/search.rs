@@ -107,90 +107,118 @@ impl Search<'_> {
         if let Some(slides) = self.slides(&nominal) {
             return Some(Outcome::Slides(slides, Vec::new()));
         }
-        let mut best = nominal.clone();
-        let mut nodes = vec![nominal.clone()];
+        Some(match self.combined(&nominal) {
+            Ok((best, looked_at)) => {
+                Outcome::Found(Box::new(self.concluded(nominal, best, looked_at)))
+            }
+            Err(slides) => slides,
+        })
+    }
+
+    /// The effects that together explain most, and how many hypotheses were looked at; or when wheels
+    /// slide in a model on the way, if windows begin there.
+    fn combined(&self, nominal: &Node) -> Result<(Node, usize), Outcome> {
+        let mut nodes = self.begun(nominal);
+        let mut best = nodes[0].clone();
+        let (mut looked_at, mut seen) = (0, Vec::new());
+        for _ in 0..MOST {
+            if self.is_done(nominal, &best) {
+                break;
+            }
+            let next = self.next(nominal, &nodes, &mut seen, &mut looked_at);
+            let settled = next.into_iter().map(|node| {
+                let less = self.pruned(nominal, node);
+                self.bench.settle_static(self.bench.grown(less))
+            });
+            nodes = settled.filter(|node| !is_seen(&seen, node)).collect();
+            nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            let Some(first) = nodes.first() else { break };
+            if let Some(slides) = self.slides(first) {
+                return Err(Outcome::Slides(slides, first.hypotheses.clone()));
+            }
+            if score(first) < score(&best) {
+                best = first.clone();
+            }
+        }
+        Ok((best, looked_at))
+    }
+
+    /// Where the search begins: at the nominal model, and at what was found before windows were cut
+    /// anew.
+    fn begun(&self, nominal: &Node) -> Vec<Node> {
         let known = (!self.known.is_empty()).then_some(&self.known);
         let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
-        let known = known.map(|node| self.bench.settle_static(node));
-        if let Some(known) = known.filter(|known| score(known) < score(&nominal)) {
-            best = known.clone();
-            if self.bench.is_noise(&known) {
-                nodes.clear();
-            }
-            nodes.insert(0, known);
+        let known = known.map(|node| self.bench.settle_static(self.bench.grown(node)));
+        match known.filter(|known| score(known) < score(nominal)) {
+            Some(known) if self.bench.is_noise(&known) => vec![known],
+            Some(known) => vec![known, nominal.clone()],
+            None => vec![nominal.clone()],
         }
-        let mut looked_at = 0;
-        let mut seen: Vec<Node> = Vec::new();
-        for _ in 0..MOST {
-            let mut next: Vec<Node> = Vec::new();
-            for (rank, node) in nodes.iter().enumerate() {
-                if seen
-                    .iter()
-                    .any(|known| same(known, node) && score(known) < score(node) + 1.0)
-                {
-                    continue;
-                }
-                seen.push(node.clone());
-                let candidates = self.candidates(node);
-                looked_at += candidates.len();
-                next.extend(self.extended(&nominal, node, &candidates, rank == 0));
+    }
+
+    /// Whether so little is left that no further effect could bring its share.
+    fn is_done(&self, nominal: &Node, node: &Node) -> bool {
+        let so_far = node.fit.misfit.gain_over(&nominal.fit.misfit);
+        self.bench.is_noise(node) && deviance(node) < (SHARE * so_far).max(PAY[0])
+    }
+
+    /// The nodes with one more effect each, best first, as many as are kept side by side.
+    fn next(
+        &self,
+        nominal: &Node,
+        nodes: &[Node],
+        seen: &mut Vec<Node>,
+        looked_at: &mut usize,
+    ) -> Vec<Node> {
+        let mut next: Vec<Node> = Vec::new();
+        for (rank, node) in nodes.iter().enumerate() {
+            if is_seen(seen, node) {
+                continue;
             }
-            let far = HALFWAY * self.bench.worst(&nominal).1;
-            let near = |n: &Node| self.bench.is_noise(n) || self.bench.worst(n).1 < far;
-            if seen.len() == 1 && !next.iter().any(near) {
-                next.extend(self.beside_slip(&nominal));
-            }
-            next.sort_by(|a, b| score(a).total_cmp(&score(b)));
-            let mut kept: Vec<Node> = Vec::new();
-            for node in next {
-                if !kept.iter().any(|known| same(known, &node)) {
-                    kept.push(node);
-                }
-            }
-            let Some(first) = kept.first() else { break };
-            kept.truncate(if self.bench.is_noise(first) {
-                1
-            } else {
-                SIDE_BY_SIDE
-            });
-            nodes = kept
-                .into_iter()
-                .map(|node| {
-                    self.bench
-                        .settle_static(self.bench.grown(self.pruned(&nominal, node)))
-                })
-                .collect();
-            nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
-            if let Some(slides) = self.slides(&nodes[0]) {
-                let slipping = nodes.swap_remove(0).hypotheses;
-                return Some(Outcome::Slides(slides, slipping));
-            }
-            if score(&nodes[0]) < score(&best) {
-                best = nodes[0].clone();
+            seen.push(node.clone());
+            let candidates = self.candidates(node);
+            *looked_at += candidates.len();
+            next.extend(self.extended(nominal, node, &candidates, rank == 0));
+        }
+        let far = HALFWAY * self.bench.worst(nominal).1;
+        let near = |n: &Node| self.bench.is_noise(n) || self.bench.worst(n).1 < far;
+        if seen.len() == 1 && !next.iter().any(near) {
+            next.extend(self.beside_slip(nominal));
+        }
+        next.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let mut kept: Vec<Node> = Vec::new();
+        for node in next {
+            if !kept.iter().any(|known| same(known, &node)) {
+                kept.push(node);
             }
         }
+        let enough = kept.first().is_some_and(|first| self.bench.is_noise(first));
+        kept.truncate(if enough { 1 } else { SIDE_BY_SIDE });
+        kept
+    }
+
+    /// What was found, weighed, and what the catalogue does not hold.
+    fn concluded(&self, nominal: Node, best: Node, looked_at: usize) -> Found {
         if self.bench.is_noise(&best) {
-            return Some(Outcome::Found(Box::new(
-                self.weighed(nominal, best, looked_at),
-            )));
+            return self.weighed(nominal, best, looked_at);
         }
         (self.progress)("forces outside of the catalogue");
         // a force that explains more by itself than all that was found needs none of it
         let alone = unknown::beside(self.bench, &nominal);
         if let Some(unknown) = alone.filter(|unknown| unknown.missing.score() < score(&best)) {
-            return Some(Outcome::Found(Box::new(Found {
+            return Found {
                 nominal: nominal.clone(),
                 node: nominal,
                 gains: Vec::new(),
                 twins: Vec::new(),
                 looked_at,
                 unknown: Some(unknown),
-            })));
+            };
         }
         let unknown = unknown::beside(self.bench, &best);
         let mut found = self.weighed(nominal, best, looked_at);
         found.unknown = unknown.filter(|_| !self.bench.is_noise(&found.node));
-        Some(Outcome::Found(Box::new(found)))
+        found
     }
 
     /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
@@ -487,6 +515,12 @@ impl Search<'_> {
             unknown: None,
         }
     }
+}
+
+/// Whether the same effects were looked at before and fitted no worse.
+fn is_seen(seen: &[Node], node: &Node) -> bool {
+    let mut seen = seen.iter();
+    seen.any(|known| same(known, node) && score(known) < score(node) + 1.0)
 }
 
 fn same(a: &Node, b: &Node) -> bool {
