@@ -35,9 +35,10 @@ const STATIC_CLOSER: [[f64; 4]; 3] = [
 ];
 
 /// How far a candidate may move what is measured, over what is unexplained, where that makes it
-/// worse; and by how much (−2 ln L) it has to.
+/// worse; by how much (−2 ln L) that is; and how often it is made smaller.
 const BESIDE: f64 = 3.0;
 const ARRIVED: f64 = 1.0;
+const SHRUNK: usize = 3;
 
 /// Heads of the windows that are fitted before the whole (s).
 const HORIZONS_S: [f64; 3] = [1.0, 1.8, 3.2];
@@ -329,34 +330,40 @@ impl Bench {
     /// where it would make it worse. What is smaller than its probe may not show from there: what
     /// rests under a large friction says nothing of a small one.
     fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Hypothesis> {
-        let mut hypotheses = node.hypotheses.clone();
-        hypotheses.push(candidate.clone());
-        let starts = &node.fit.starts;
-        let base = self.posed(&hypotheses, &self.windows, |problem, values| {
-            problem.residuals(values, starts)
-        })?;
         let mut sized = candidate.clone();
-        let worse =
-            Misfit::new(&self.windows, &base).deviance() > node.fit.misfit.deviance() + ARRIVED;
-        if candidate.is_abrupt() && !candidate.is_placed() {
-            return (!worse).then_some(sized);
+        for _ in 0..SHRUNK {
+            let mut hypotheses = node.hypotheses.clone();
+            hypotheses.push(sized.clone());
+            let starts = &node.fit.starts;
+            let base = self.posed(&hypotheses, &self.windows, |problem, values| {
+                problem.residuals(values, starts)
+            })?;
+            let deviance = Misfit::new(&self.windows, &base).deviance();
+            let worse = deviance > node.fit.misfit.deviance() + ARRIVED;
+            if candidate.is_abrupt() && !candidate.is_placed() {
+                return (!worse).then_some(sized);
+            }
+            if candidate.is_threshold() || candidate.is_placed() || !worse {
+                break;
+            }
+            let wanted = BESIDE * node.fit.misfit.worst().1.max(1.0);
+            let share = (wanted / self.moved(node, &base).max(1e-9)).min(0.2);
+            let (name, size) = &mut sized.values[0];
+            let nothing = candidate.nothing(&self.model, name);
+            *size = nothing + (*size - nothing) * share;
         }
-        if candidate.is_threshold() || candidate.is_placed() || !worse {
-            return Some(sized);
-        }
-        let pairs = base.iter().zip(&node.fit.linear);
-        let moved = pairs.map(|(base, linear)| {
-            let pairs = base.iter().zip(&linear.residuals);
+        Some(sized)
+    }
+
+    /// How far residuals lie from those of `node` (deviations), in the channel that moved most.
+    fn moved(&self, node: &Node, residuals: &[Vec<f64>]) -> f64 {
+        let pairs = residuals.iter().zip(&node.fit.linear);
+        let moved = pairs.map(|(after, linear)| {
+            let pairs = after.iter().zip(&linear.residuals);
             pairs.map(|(after, before)| after - before).collect()
         });
-        let moved = Misfit::new(&self.windows, &moved.collect::<Vec<Vec<f64>>>())
-            .worst()
-            .1;
-        let wanted = BESIDE * node.fit.misfit.worst().1.max(1.0);
-        let (name, size) = &mut sized.values[0];
-        let nothing = candidate.nothing(&self.model, name);
-        *size = nothing + (*size - nothing) * (wanted / moved.max(1e-9)).min(1.0);
-        Some(sized)
+        let moved: Vec<Vec<f64>> = moved.collect();
+        Misfit::new(&self.windows, &moved).worst().1
     }
 
     /// One step of the fit from the candidate's own values.

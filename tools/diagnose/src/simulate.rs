@@ -268,17 +268,26 @@ impl<'a> Seen<'a> {
         let speed = |share: f64| {
             [0, 1].map(|i| start_rate[3 + i] + (end_rate[3 + i] - start_rate[3 + i]) * share)
         };
+        // yaw rate, as the gyro sees it
+        let (early, late) = (start_rate[2], end_rate[2]);
         for series in 0..self.next.len() {
             while let Some(true_s) = self.true_s(series).filter(|true_s| *true_s <= t_s + step_s) {
                 let share = (true_s - t_s) / step_s;
-                self.compare(series, at(share), speed(share), state);
+                let turn = early + (late - early) * share;
+                self.compare(series, at(share), speed(share), (state, turn));
                 self.next[series] += 1;
             }
         }
         self.look_ahead();
     }
 
-    fn compare(&mut self, which: usize, at: [f64; 5], speed: [f64; 2], state: &State) {
+    fn compare(
+        &mut self,
+        which: usize,
+        at: [f64; 5],
+        speed: [f64; 2],
+        (state, turn): (&State, f64),
+    ) {
         let Simulation {
             track,
             window,
@@ -309,9 +318,12 @@ impl<'a> Seen<'a> {
             }
             Sensor::Imu if track.imu_without_weight => {
                 let [along, across, _] = state.acceleration();
-                [along, across, state.velocity()[2]]
+                [along, across, turn]
             }
-            Sensor::Imu => robot.seen_inertial(state),
+            Sensor::Imu => {
+                let [along, across, _] = robot.seen_inertial(state);
+                [along, across, turn]
+            }
         };
         let width = series.sensor.width();
         let base = window.base[which] + (row - window.rows[which][0]) * width;
