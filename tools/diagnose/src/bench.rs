@@ -7,6 +7,7 @@ use slipstream_sim::{CommandKind, Listed, read_effects};
 use crate::fit::{Fit, Free, Problem};
 use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
 use crate::linear;
+use crate::local::is_local;
 use crate::misfit::Misfit;
 use crate::simulate::is_exact_at_any_step;
 use crate::start;
@@ -120,7 +121,7 @@ impl Bench {
     fn step_s(&self, list: &[Listed<f64>]) -> f64 {
         let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
         let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
-        let lags = has(&["actuator_lag", "actuator_delay"]);
+        let lags = has(&["actuator_lag", "actuator_delay", "supply_sag"]);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
         if is_exact_at_any_step(kind, slips, lags) {
             LONG_STEP_S
@@ -329,8 +330,9 @@ impl Bench {
     /// The candidate, made so small that it moves what is measured no more than what is unexplained
     /// where it would make it worse. What is smaller than its probe may not show from there: what
     /// rests under a large friction says nothing of a small one.
-    fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Hypothesis> {
+    fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Vec<Hypothesis>> {
         let mut sized = candidate.clone();
+        let mut all = Vec::new();
         for _ in 0..SHRUNK {
             let mut hypotheses = node.hypotheses.clone();
             hypotheses.push(sized.clone());
@@ -340,10 +342,10 @@ impl Bench {
             })?;
             let deviance = Misfit::new(&self.windows, &base).deviance();
             let worse = deviance > node.fit.misfit.deviance() + ARRIVED;
-            if candidate.is_abrupt() && !candidate.is_placed() {
-                return (!worse).then_some(sized);
+            if candidate.is_abrupt() && !is_local(candidate) {
+                return (!worse).then_some(vec![sized]);
             }
-            if candidate.is_threshold() || candidate.is_placed() || !worse {
+            if candidate.is_threshold() || is_local(candidate) || !worse {
                 break;
             }
             let wanted = BESIDE * node.fit.misfit.worst().1.max(1.0);
@@ -351,8 +353,13 @@ impl Bench {
             let (name, size) = &mut sized.values[0];
             let nothing = candidate.nothing(&self.model, name);
             *size = nothing + (*size - nothing) * share;
+            if all.is_empty() {
+                all.push(sized.clone());
+            }
         }
-        Some(sized)
+        // a product of two numbers shows nothing of one where the other is too small
+        all.push(sized);
+        Some(all)
     }
 
     /// How far residuals lie from those of `node` (deviations), in the channel that moved most.
@@ -366,9 +373,21 @@ impl Bench {
         Misfit::new(&self.windows, &moved).worst().1
     }
 
-    /// One step of the fit from the candidate's own values.
+    /// The best that one step of the fit from the candidate's own sizes promises.
     fn promise(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
-        let candidate = &self.sized(node, candidate)?;
+        let sized = self.sized(node, candidate)?;
+        let mut different: Vec<&Hypothesis> = sized.iter().collect();
+        different.dedup_by(|a, b| a.values == b.values);
+        let before = node.fit.misfit.deviance();
+        let promises = different.iter().filter_map(|c| self.stepped(node, c));
+        promises.reduce(|large, small| {
+            let [more, less] = [&small, &large].map(|promise| before - promise.deviance);
+            if more > 1.1 * less { small } else { large }
+        })
+    }
+
+    /// One step of the fit from the candidate's own values.
+    fn stepped(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
         let mut hypotheses = node.hypotheses.clone();
         hypotheses.push(candidate.clone());
         self.posed(&hypotheses, &self.windows, |problem, values| {
