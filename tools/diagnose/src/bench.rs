@@ -330,10 +330,11 @@ impl Bench {
     /// The candidate, made so small that it moves what is measured no more than what is unexplained
     /// where it would make it worse. What is smaller than its probe may not show from there: what
     /// rests under a large friction says nothing of a small one.
-    fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Vec<Hypothesis>> {
+    fn sized(&self, node: &Node, candidate: &Hypothesis) -> Option<Hypothesis> {
         let mut sized = candidate.clone();
-        let mut all = Vec::new();
-        for _ in 0..SHRUNK {
+        // a product of two numbers shows nothing of one where the other is too small
+        let alone = candidate.values.len() == 1;
+        for _ in 0..if alone { SHRUNK } else { 1 } {
             let mut hypotheses = node.hypotheses.clone();
             hypotheses.push(sized.clone());
             let starts = &node.fit.starts;
@@ -343,23 +344,19 @@ impl Bench {
             let deviance = Misfit::new(&self.windows, &base).deviance();
             let worse = deviance > node.fit.misfit.deviance() + ARRIVED;
             if candidate.is_abrupt() && !is_local(candidate) {
-                return (!worse).then_some(vec![sized]);
+                return (!worse).then_some(sized);
             }
             if candidate.is_threshold() || is_local(candidate) || !worse {
                 break;
             }
             let wanted = BESIDE * node.fit.misfit.worst().1.max(1.0);
-            let share = (wanted / self.moved(node, &base).max(1e-9)).min(0.2);
+            let share =
+                (wanted / self.moved(node, &base).max(1e-9)).min(if alone { 0.2 } else { 1.0 });
             let (name, size) = &mut sized.values[0];
             let nothing = candidate.nothing(&self.model, name);
             *size = nothing + (*size - nothing) * share;
-            if all.is_empty() {
-                all.push(sized.clone());
-            }
         }
-        // a product of two numbers shows nothing of one where the other is too small
-        all.push(sized);
-        Some(all)
+        Some(sized)
     }
 
     /// How far residuals lie from those of `node` (deviations), in the channel that moved most.
@@ -373,21 +370,9 @@ impl Bench {
         Misfit::new(&self.windows, &moved).worst().1
     }
 
-    /// The best that one step of the fit from the candidate's own sizes promises.
-    fn promise(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
-        let sized = self.sized(node, candidate)?;
-        let mut different: Vec<&Hypothesis> = sized.iter().collect();
-        different.dedup_by(|a, b| a.values == b.values);
-        let before = node.fit.misfit.deviance();
-        let promises = different.iter().filter_map(|c| self.stepped(node, c));
-        promises.reduce(|large, small| {
-            let [more, less] = [&small, &large].map(|promise| before - promise.deviance);
-            if more > 1.1 * less { small } else { large }
-        })
-    }
-
     /// One step of the fit from the candidate's own values.
-    fn stepped(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
+    fn promise(&self, node: &Node, candidate: &Hypothesis) -> Option<Promise> {
+        let candidate = &self.sized(node, candidate)?;
         let mut hypotheses = node.hypotheses.clone();
         hypotheses.push(candidate.clone());
         self.posed(&hypotheses, &self.windows, |problem, values| {
