@@ -499,11 +499,9 @@ fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2]
     let pieces = windows.par_iter().map(|window| {
         let predicted = score::predicted(bench, window, hypotheses);
         let (residuals, _) = predicted.unwrap_or_default();
-        let [first, end] = window.rows[which];
-        let rows = series.rows[first..end].iter().enumerate();
-        let (seen, predicted): (Vec<Point>, Vec<Point>) = rows
-            .map(|(k, (_, pose))| {
-                let base = window.base[which] + k * series.sensor.width();
+        let (seen, predicted): (Vec<Point>, Vec<Point>) = window
+            .measured(track, which)
+            .map(|(_, pose, base)| {
                 let residual = |i: usize| residuals.get(base + i).copied().unwrap_or(f64::NAN);
                 let at = |i: usize| pose[i] + residual(i) * series.deviation[i];
                 ((pose[0], pose[1]), (at(0), at(1)))

@@ -91,7 +91,12 @@ impl Hypothesis {
     /// Whether it changes little by little nowhere: a friction that is far off says nothing of which
     /// way the true one lies.
     pub(crate) fn is_abrupt(&self) -> bool {
-        self.replaces.is_none() && matches!(self.info.id, "wheel_slip" | "friction_patch")
+        self.replaces.is_none() && self.info.id == "wheel_slip"
+    }
+
+    /// Whether it has a place or a time that is searched.
+    pub(crate) fn is_local(&self) -> bool {
+        LOCAL.contains(&self.info.id)
     }
 
     /// Whether it acts at one place alone.
@@ -115,7 +120,7 @@ pub(crate) const STATIC: &str = "friction_static";
 pub(crate) const KINETIC: &str = "friction_kinetic";
 
 /// Effects whose start is looked for by place or time.
-pub(crate) const LOCAL: [&str; 2] = ["friction_patch", "push"];
+const LOCAL: [&str; 2] = ["friction_patch", "push"];
 
 /// Effects that several robots show together.
 const ELSEWHERE: [&str; 1] = ["link_delay"];

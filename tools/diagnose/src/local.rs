@@ -9,7 +9,7 @@ use slipstream_sim::effects::{Info, find};
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
 use crate::force::{self, Answers, PULSE_S};
-use crate::hypothesis::{Hypothesis, LOCAL};
+use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::track::CHANNELS;
 
@@ -26,11 +26,6 @@ const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
 const FRICTIONS: [f64; 3] = [0.06, 0.12, 0.18];
 /// Force that is believable where nothing shows it, as a share of the weight.
 const BELIEVED: f64 = 0.05;
-
-/// Whether an effect has a place or a time that is searched.
-pub(crate) fn is_local(hypothesis: &Hypothesis) -> bool {
-    LOCAL.contains(&hypothesis.info.id)
-}
 
 /// Places and moments at which `node` leaves most unexplained.
 pub(crate) fn candidates(bench: &Bench, node: &Node, excluded: &[String]) -> Vec<Hypothesis> {

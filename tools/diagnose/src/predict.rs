@@ -116,7 +116,7 @@ impl Piece {
         from_s: f64,
     ) {
         let deviation = track.series[which].deviation;
-        for (t_s, pose, base) in rows(track, window, which) {
+        for (t_s, pose, base) in window.measured(track, which) {
             let error = [0, 1, 2].map(|i| residuals[base + i] * deviation[i]);
             self.seen.push((pose[0], pose[1]));
             let square_m2 = error[0] * error[0] + error[1] * error[1];
@@ -146,7 +146,7 @@ impl Piece {
         let deviation = track.series[which].deviation[2];
         let mut last: Option<(f64, f64)> = None;
         let mut turned_rad = 0.0;
-        for (t_s, _, base) in rows(track, window, which) {
+        for (t_s, _, base) in window.measured(track, which) {
             let rate = residuals[base + 2] * deviation;
             if t_s < from_s || !rate.is_finite() {
                 continue;
@@ -159,18 +159,4 @@ impl Piece {
             last = Some((t_s, rate));
         }
     }
-}
-
-/// Time (s), values and first residual of each row of a series in a window.
-fn rows(
-    track: &Track,
-    window: &Window,
-    which: usize,
-) -> impl Iterator<Item = (f64, [f64; 3], usize)> {
-    let series = &track.series[which];
-    let [first, end] = window.rows[which];
-    let base = window.base[which];
-    let width = series.sensor.width();
-    let rows = series.rows[first..end].iter().enumerate();
-    rows.map(move |(k, (t_s, values))| (*t_s, *values, base + k * width))
 }

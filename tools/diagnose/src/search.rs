@@ -1,9 +1,10 @@
 //! The search for what is left out: the effects that together bring the residuals to noise.
 
-use crate::bench::{Bench, FULL, Node, Promise};
+use crate::bench::{Bench, FULL, Node};
 use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
+use crate::promise::Promise;
 use crate::unknown::{self, Unknown};
 use crate::window::{AFTER_S, Window};
 
@@ -90,7 +91,7 @@ fn score(node: &Node) -> f64 {
 
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
-    let first = if local::is_local(hypothesis) {
+    let first = if hypothesis.is_local() {
         PAY_LOCAL
     } else {
         PAY[0]
@@ -102,7 +103,9 @@ impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
     pub(crate) fn run(&self) -> Option<Outcome> {
         (self.progress)("nominal model");
-        let nominal = self.bench.fit(&[], &self.bench.guesses()?, FULL)?;
+        let nominal = self
+            .bench
+            .fit(&[], &self.bench.guesses(&self.bench.windows)?, FULL)?;
         let nominal = self.bench.grown(nominal);
         if let Some(slides) = self.slides(&nominal) {
             return Some(Outcome::Slides(slides, Vec::new()));
@@ -241,7 +244,7 @@ impl Search<'_> {
 
     fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
         let taken = |h: &Hypothesis| {
-            let known = |k: &Hypothesis| k.is_like(h) && !local::is_local(h);
+            let known = |k: &Hypothesis| k.is_like(h) && !h.is_local();
             node.hypotheses.iter().any(known)
         };
         self.all.iter().filter(|h| !taken(h)).cloned().collect()
@@ -414,8 +417,7 @@ impl Search<'_> {
             return false;
         }
         // where forces without pattern are left, what repeats in every fit may be one of them
-        let proven =
-            self.bench.is_noise(after) || local::is_local(own) || self.bench.windows.len() < 4;
+        let proven = self.bench.is_noise(after) || own.is_local() || self.bench.windows.len() < 4;
         proven || self.bench.held_out_gain(before, after) > HELD_OUT
     }
 

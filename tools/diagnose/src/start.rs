@@ -24,16 +24,14 @@ fn turned(
 ) -> Option<[f64; LOCALS]> {
     let track = &problem.tracks[window.run];
     let at = track.series.iter().position(|s| s.sensor == Sensor::Pose)?;
-    let [first, end] = window.rows[at];
-    let rows = &track.series[at].rows[first..end];
-    if rows.iter().any(|(_, pose)| pose[2].is_finite()) {
+    let mut poses = window.measured(track, at);
+    if poses.any(|(_, pose, _)| pose[2].is_finite()) {
         return None;
     }
     let robots = problem.robots(values).ok()?;
     let residuals = problem.simulation(window, &robots).residuals(start);
     let (mut along, mut across) = (0.0, 0.0);
-    for (k, (_, seen)) in rows.iter().enumerate() {
-        let base = window.base[at] + k * Sensor::Pose.width();
+    for (_, seen, base) in window.measured(track, at) {
         let deviation = track.series[at].deviation;
         let [x, y] = [seen[0] - start[0], seen[1] - start[1]];
         let [px, py] = [0, 1].map(|i| residuals[base + i] * deviation[i]);

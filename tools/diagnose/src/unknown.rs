@@ -60,9 +60,8 @@ fn describe(bench: &Bench, node: &Node, missing: Missing) -> Unknown {
         .unwrap_or(0.0);
     let large = |force: f64| deviates(force) * most.signum() > AT_WORK * most.abs();
     let mut intervals_s: Vec<[f64; 2]> = Vec::new();
-    for (at_s, _, force) in moments.iter().filter(|m| large(m.2)) {
+    for (at_s, ..) in moments.iter().filter(|m| large(m.2)) {
         let [from, to] = [at_s - PULSE_S / 2.0, at_s + PULSE_S / 2.0];
-        let _ = force;
         match intervals_s.last_mut() {
             Some(last) if from - last[1] < 1.5 * PULSE_S => last[1] = to,
             _ => intervals_s.push([from, to]),

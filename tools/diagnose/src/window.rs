@@ -188,6 +188,19 @@ impl Window {
         begin.clone().count() > 2 && begin.into_iter().all(same)
     }
 
+    /// Time (s), values and place among the residuals of each row of a series.
+    pub(crate) fn measured(
+        &self,
+        track: &Track,
+        which: usize,
+    ) -> impl Iterator<Item = (f64, [f64; 3], usize)> {
+        let series = &track.series[which];
+        let [first, end] = self.rows[which];
+        let (base, width) = (self.base[which], series.sensor.width());
+        let rows = series.rows[first..end].iter().enumerate();
+        rows.map(move |(k, (t_s, values))| (*t_s, *values, base + k * width))
+    }
+
     /// The first `over_s` of this window.
     pub(crate) fn head(&self, track: &Track, over_s: f64) -> Self {
         let to_s = (self.from_s + over_s).min(self.to_s);

@@ -1,0 +1,133 @@
+//! Fits that have to be led: over ever longer windows, and to numbers that have no derivative.
+
+use rayon::prelude::*;
+
+use crate::bench::{Bench, FULL, HELD_OUT, Node};
+use crate::hypothesis::{KINETIC, STATIC, all_sizes};
+use crate::window::Window;
+
+/// Static over kinetic friction where a search for the former begins.
+const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
+/// Shares of what it is above, around the best so far, that are tried next.
+const STATIC_CLOSER: [[f64; 4]; 3] = [
+    [0.5, 0.7, 1.4, 2.0],
+    [0.8, 0.9, 1.1, 1.25],
+    [0.94, 0.97, 1.03, 1.06],
+];
+
+/// Heads of the windows that are fitted before the whole (s).
+const HORIZONS_S: [f64; 3] = [1.0, 1.8, 3.2];
+
+impl Bench {
+    /// Fits anew over ever longer heads of the windows, where a model does not reach the noise: over
+    /// a long time the misfit of what slides and sticks has many valleys.
+    pub(crate) fn grown(&self, node: Node) -> Node {
+        if self.is_noise(&node) {
+            return node;
+        }
+        let grow = || {
+            let (mut hypotheses, mut starts) =
+                (node.hypotheses.clone(), self.guesses(&self.windows)?);
+            for over_s in HORIZONS_S {
+                let heads = self.windows.iter();
+                let heads: Vec<Window> = heads
+                    .map(|window| window.head(&self.tracks[window.run], over_s))
+                    .collect();
+                let short = self.fit_on(&heads, &hypotheses, &starts, HELD_OUT)?;
+                (hypotheses, starts) = (short.hypotheses, short.fit.starts);
+            }
+            self.fit(&hypotheses, &starts, FULL)
+        };
+        let better = |grown: &Node| grown.fit.misfit.deviance() < node.fit.misfit.deviance();
+        grow().filter(better).unwrap_or(node)
+    }
+
+    /// Tries static frictions above the kinetic one: from below it nothing shows the way.
+    pub(crate) fn settle_static(&self, node: Node) -> Node {
+        let slip = node
+            .hypotheses
+            .iter()
+            .position(|h| h.values.iter().any(|(name, _)| *name == STATIC));
+        let Some(slip) = slip.filter(|_| !self.is_noise(&node)) else {
+            return node;
+        };
+        let mut best = self.with_static(&node, slip, &STATIC_OVER_KINETIC);
+        for closer in STATIC_CLOSER {
+            let of = |name: &str| {
+                let mut values = best.hypotheses[slip].values.iter();
+                values.find(|(known, _)| *known == name).map(|v| v.1)
+            };
+            let (Some(above), Some(kinetic)) = (of(STATIC), of(KINETIC)) else {
+                break;
+            };
+            if self.is_noise(&best) {
+                break;
+            }
+            let over = above / kinetic - 1.0;
+            best = self.with_static(&best, slip, &closer.map(|share| 1.0 + over * share));
+        }
+        best
+    }
+
+    /// The best of the node and of fits that begin with these ratios of static to kinetic friction.
+    fn with_static(&self, node: &Node, slip: usize, ratios: &[f64]) -> Node {
+        let tried = ratios.par_iter().filter_map(|ratio| {
+            let mut hypotheses = node.hypotheses.clone();
+            let values = &mut hypotheses[slip].values;
+            let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
+            values
+                .iter_mut()
+                .filter(|(name, _)| *name == STATIC)
+                .for_each(|v| v.1 = kinetic * ratio);
+            self.fit(&hypotheses, &node.fit.starts, HELD_OUT)
+        });
+        let tried: Vec<Node> = tried.collect();
+        let better = tried
+            .into_iter()
+            .min_by(|a, b| a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance()));
+        let better = better.filter(|b| b.fit.misfit.deviance() < node.fit.misfit.deviance());
+        better.unwrap_or_else(|| node.clone())
+    }
+
+    /// Tries the sizes of commands around a threshold until none fits better.
+    pub(crate) fn settle_threshold(&self, node: Node) -> Node {
+        let (Some(track), Some(own)) = (self.tracks.first(), node.hypotheses.last()) else {
+            return node;
+        };
+        let sizes = all_sizes(track, &self.model);
+        let mut at = sizes.partition_point(|size| *size < own.values[0].1);
+        let mut best = node;
+        let mut stride = (sizes.len() / 8).max(1);
+        loop {
+            let near = [at.checked_sub(stride), Some(at + stride)];
+            let near: Vec<usize> = near
+                .into_iter()
+                .flatten()
+                .filter(|i| *i < sizes.len())
+                .collect();
+            let tried: Vec<(usize, Node)> = near
+                .into_par_iter()
+                .filter_map(|i| {
+                    let mut hypotheses = best.hypotheses.clone();
+                    // between one size and the next: all from here on act
+                    let below = if i == 0 { 0.0 } else { sizes[i - 1] };
+                    hypotheses.last_mut()?.values[0].1 = 0.5 * (below + sizes[i]);
+                    Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
+                })
+                .collect();
+            let better = tried.into_iter().min_by(|a, b| {
+                a.1.fit
+                    .misfit
+                    .deviance()
+                    .total_cmp(&b.1.fit.misfit.deviance())
+            });
+            match better {
+                Some((i, node)) if node.fit.misfit.deviance() < best.fit.misfit.deviance() => {
+                    (at, best) = (i, node);
+                }
+                _ if stride > 1 => stride = stride.div_ceil(2).min(stride - 1),
+                _ => return best,
+            }
+        }
+    }
+}
