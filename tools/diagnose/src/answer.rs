@@ -8,10 +8,11 @@ use crate::hypothesis::Hypothesis;
 use crate::input::Warning;
 use crate::misfit::Misfit;
 use crate::score;
-use crate::search::Found;
+use crate::search::{EXPLAINED, Found};
 use crate::statement::statement;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
+use crate::wander::Wander;
 use crate::window::Window;
 use crate::{interval, located};
 
@@ -186,6 +187,10 @@ impl Answer {
             });
             return;
         }
+        if let Some(wander) = found.wander.filter(|wander| wander.rest < EXPLAINED) {
+            self.warnings.push(wandering(bench, &wander));
+            return;
+        }
         let (worst, level) = bench.worst(&found.node);
         if bench.is_noise(&found.node) || level < GROSS {
             return;
@@ -324,6 +329,21 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
     };
     finding.statement = statement(&finding, info.summary, bench.tracks[0].span_s(), known);
     finding
+}
+
+/// What is left are forces without pattern.
+fn wandering(bench: &Bench, wander: &Wander) -> Warning {
+    let [along_n, about_nm] = wander.level.size;
+    let memory_s = wander.level.memory_s;
+    Warning {
+        recording: bench.tracks[0].recording.clone(),
+        robot: Some(bench.tracks[0].robot.clone()),
+        id: "wandering_forces".to_owned(),
+        statement: format!(
+            "what is left is as forces without pattern leave it: {along_n:.2e} N along and {about_nm:.2e} N m about the vertical (standard deviations), each lasting about {memory_s:.2} s"
+        ),
+        remedy: "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more".to_owned(),
+    }
 }
 
 /// A finding that the catalogue does not hold.

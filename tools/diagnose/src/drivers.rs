@@ -187,6 +187,15 @@ impl Driver {
         .collect()
     }
 
+    /// Time, with a hat on each of these instants (s).
+    pub(crate) fn time(instants_s: Vec<f64>) -> Self {
+        Self {
+            name: "t",
+            unit: "s",
+            basis: Basis::Hats(instants_s),
+        }
+    }
+
     /// Whether a force on this part makes sense as a function of this variable.
     pub(crate) fn suits(&self, part: Part, against: bool) -> bool {
         match (self.name, part) {

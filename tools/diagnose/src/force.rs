@@ -5,6 +5,7 @@
 //! and a moment about the vertical. Both are sent through the plant, pulse by pulse; a force that is
 //! some function of a variable is then a sum of columns that are there already.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use slipstream_sim::CommandKind;
 
@@ -17,6 +18,9 @@ use crate::simulate::{Bookmark, Pulse, Simulation};
 /// Length of a pulse (s).
 pub(crate) const PULSE_S: f64 = 0.05;
 
+/// Charge (−2 ln L) for each number of a force.
+pub(crate) const CHARGE: f64 = 6.0;
+
 /// Accelerations of the pulses: along (m/s²) and about (rad/s²).
 const PULSE: [f64; 2] = [0.2, 2.0];
 
@@ -26,6 +30,22 @@ pub(crate) struct Answers {
     pub(crate) at_s: Vec<f64>,
     pub(crate) along: Vec<Vec<f64>>,
     pub(crate) about: Vec<Vec<f64>>,
+}
+
+impl Answers {
+    /// Answers of `rows` residuals to mixes of pulses.
+    fn mixed(&self, mix: &DMatrix<f64>, rows: usize) -> Vec<Vec<f64>> {
+        let columns = mix.column_iter().map(|shares| {
+            let mut column = vec![0.0; rows];
+            let answers = self.along.iter().chain(&self.about).zip(&shares);
+            for (answer, share) in answers.filter(|(_, share)| **share != 0.0) {
+                let cells = column.iter_mut().zip(answer);
+                cells.for_each(|(cell, answer)| *cell += share * answer);
+            }
+            column
+        });
+        columns.collect()
+    }
 }
 
 /// On what part of the robot a missing force acts.
@@ -66,13 +86,17 @@ pub(crate) struct Missing {
     pub(crate) weights: Vec<f64>,
     /// −2 ln L with it, to first order.
     pub(crate) deviance: f64,
-    pub(crate) misfit: Misfit,
 }
 
 impl Missing {
-    /// −2 ln L with a charge for each number.
-    pub(crate) fn score(&self) -> f64 {
-        self.deviance + 6.0 * self.weights.len() as f64
+    /// −2 ln L with it, to first order, with a charge for each number.
+    fn score(&self) -> f64 {
+        self.charged(self.deviance)
+    }
+
+    /// `deviance` with a charge for each number.
+    pub(crate) fn charged(&self, deviance: f64) -> f64 {
+        deviance + CHARGE * self.weights.len() as f64
     }
 }
 
@@ -87,7 +111,8 @@ pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
     }
     bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;
-        let amount = amounts(bench);
+        let [mass, inertia] = inertia(bench);
+        let amount = [PULSE[0] * mass, PULSE[1] * inertia];
         let windows = bench.windows.par_iter().enumerate();
         let answers = windows.map(|(w, window)| {
             let simulation = problem.simulation(window, &robots);
@@ -106,12 +131,11 @@ pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
     })
 }
 
-/// Sizes of the pulses (N, N m) for a robot of this mass.
-fn amounts(bench: &Bench) -> [f64; 2] {
+/// Mass (kg) and yaw inertia (kg m²) of the body, or what is likely.
+pub(crate) fn inertia(bench: &Bench) -> [f64; 2] {
     let body = &bench.model.robot;
     let mass = body.body_mass_kg.unwrap_or(1.0);
-    let inertia = body.body_yaw_inertia_kg_m2.unwrap_or(0.01 * mass);
-    [PULSE[0] * mass, PULSE[1] * inertia]
+    [mass, body.body_yaw_inertia_kg_m2.unwrap_or(0.01 * mass)]
 }
 
 fn one(
@@ -156,22 +180,44 @@ fn shares(bench: &Bench, part: Part, against: bool, sampled: &Sampled) -> [f64; 
     shares.map(|share| share * sign)
 }
 
+/// The motion at every pulse of every window.
+pub(crate) fn samples(bench: &Bench, answers: &[Answers]) -> Vec<Vec<Sampled>> {
+    let windows = bench.windows.iter().zip(answers);
+    let samples = windows.map(|(window, answers)| {
+        let track = &bench.tracks[window.run];
+        let at_s = answers.at_s.iter();
+        at_s.map(|at_s| Sampled::new(bench, track, *at_s)).collect()
+    });
+    samples.collect()
+}
+
+/// What a unit of each function of `driver` is in pulses of a window: those along, then those about.
+pub(crate) fn mix(
+    bench: &Bench,
+    samples: &[Sampled],
+    driver: &Driver,
+    part: Part,
+    against: bool,
+) -> DMatrix<f64> {
+    let mut mix = DMatrix::zeros(2 * samples.len(), driver.functions());
+    for (k, sampled) in samples.iter().enumerate() {
+        let [along, about] = shares(bench, part, against, sampled);
+        for (function, value) in driver.values(sampled, part) {
+            mix[(k, function)] += along * value;
+            mix[(samples.len() + k, function)] += about * value;
+        }
+    }
+    mix
+}
+
 /// The missing force that explains most beside `node`, best first.
-pub(crate) fn missing(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Missing> {
-    let samples: Vec<Vec<Sampled>> = bench
-        .windows
-        .iter()
-        .zip(answers)
-        .map(|(window, answers)| {
-            let track = &bench.tracks[window.run];
-            answers
-                .at_s
-                .iter()
-                .map(|at_s| Sampled::new(bench, track, *at_s))
-                .collect()
-        })
-        .collect();
-    let drivers = Driver::all(&samples);
+pub(crate) fn missing(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+) -> Vec<Missing> {
+    let drivers = Driver::all(samples);
     let kinds: Vec<(Driver, Part, bool)> = drivers
         .iter()
         .flat_map(|driver| {
@@ -182,7 +228,7 @@ pub(crate) fn missing(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<Mi
         .filter(|(driver, part, against)| driver.suits(*part, *against))
         .collect();
     let found = kinds.par_iter().filter_map(|(driver, part, against)| {
-        follow(bench, node, answers, &samples, driver, *part, *against)
+        follow(bench, node, answers, samples, driver, *part, *against)
     });
     let mut found: Vec<Missing> = found.collect();
     found.sort_by(|a, b| a.score().total_cmp(&b.score()));
@@ -198,26 +244,11 @@ fn follow(
     part: Part,
     against: bool,
 ) -> Option<Missing> {
-    let count = driver.functions();
-    let columns: Vec<Vec<Vec<f64>>> = answers
-        .iter()
-        .zip(samples)
-        .zip(&bench.windows)
+    let windows = answers.iter().zip(samples).zip(&bench.windows);
+    let columns: Vec<Vec<Vec<f64>>> = windows
         .map(|((answers, samples), window)| {
-            let mut columns = vec![vec![0.0; window.channels.len()]; count];
-            for (k, sampled) in samples.iter().enumerate() {
-                let [along, about] = shares(bench, part, against, sampled);
-                for (function, value) in driver.values(sampled, part) {
-                    for (share, answer) in [(along, &answers.along[k]), (about, &answers.about[k])]
-                    {
-                        if share != 0.0 {
-                            let column = columns[function].iter_mut().zip(answer);
-                            column.for_each(|(cell, answer)| *cell += share * value * answer);
-                        }
-                    }
-                }
-            }
-            columns
+            let mix = mix(bench, samples, driver, part, against);
+            answers.mixed(&mix, window.channels.len())
         })
         .collect();
     let known = node.fit.values.len();
@@ -242,10 +273,8 @@ fn follow(
                 linear.predicted(&linear.residuals, &more(w), locals, &step.globals)
             })
             .collect();
-        let mut misfit = Misfit::new(&bench.windows, &predicted);
+        let misfit = Misfit::new(&bench.windows, &predicted);
         weights = misfit.weights();
-        let residuals: Vec<&[f64]> = predicted.iter().map(Vec::as_slice).collect();
-        misfit.remember(&bench.windows, &residuals);
         let deviance = misfit.deviance();
         if deviance.is_finite() && best.as_ref().is_none_or(|best| deviance < best.deviance) {
             best = Some(Missing {
@@ -254,7 +283,6 @@ fn follow(
                 against,
                 weights: step.globals[known..].to_vec(),
                 deviance,
-                misfit,
             });
         }
     }

@@ -34,6 +34,7 @@ mod start;
 mod statement;
 mod track;
 mod unknown;
+mod wander;
 mod window;
 
 use slipstream_bus::RobotModel;

@@ -214,6 +214,11 @@ pub(crate) fn step(normals: &[Normal], damping: f64, bound: impl Fn(usize, f64) 
     }
 }
 
+/// The least squares of these equations.
+pub(crate) fn solved(matrix: &DMatrix<f64>, slope: &DVector<f64>) -> Vec<f64> {
+    solve(matrix, slope, 1e-9)
+}
+
 fn solve(matrix: &DMatrix<f64>, slope: &DVector<f64>, damping: f64) -> Vec<f64> {
     solve_fixed(matrix, slope, damping, &vec![None; slope.len()])
 }

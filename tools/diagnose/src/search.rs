@@ -5,8 +5,11 @@ use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
 use crate::promise::Promise;
-use crate::unknown::{self, Unknown};
+use crate::unknown::{self, Beyond, Unknown};
+use crate::wander::{Judge, Wander};
+
 use crate::window::{AFTER_S, Window};
+use std::cell::LazyCell;
 
 use rayon::prelude::*;
 
@@ -41,6 +44,8 @@ const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
 const HELD_OUT: f64 = 18.0;
+/// Mean square of residuals (square deviations) up to which forces without pattern explain them.
+pub(crate) const EXPLAINED: f64 = 1.1;
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
@@ -58,6 +63,8 @@ pub(crate) struct Found {
     pub(crate) looked_at: usize,
     /// What the catalogue does not hold.
     pub(crate) unknown: Option<Unknown>,
+    /// Forces without pattern, were there nothing else beside what the catalogue holds.
+    pub(crate) wander: Option<Wander>,
 }
 
 /// What a search comes to.
@@ -146,6 +153,15 @@ impl Search<'_> {
         Ok((best, looked_at))
     }
 
+    /// Forces without pattern beside `node`, if they explain all that it leaves.
+    fn wandering(&self, node: &Node) -> Option<Wander> {
+        if self.bench.is_noise(node) {
+            return None;
+        }
+        let wander = Judge::new(self.bench, node)?.alone()?;
+        (wander.rest < EXPLAINED).then_some(wander)
+    }
+
     /// Where the search begins: at the nominal model, and at what was found before windows were cut
     /// anew.
     fn begun(&self, nominal: &Node) -> Vec<Node> {
@@ -185,7 +201,7 @@ impl Search<'_> {
         }
         let far = HALFWAY * self.bench.worst(nominal).1;
         let near = |n: &Node| self.bench.is_noise(n) || self.bench.worst(n).1 < far;
-        if seen.len() == 1 && !next.iter().any(near) {
+        if seen.len() == 1 && !next.iter().any(near) && self.wandering(nominal).is_none() {
             next.extend(self.beside_slip(nominal));
         }
         next.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -206,22 +222,40 @@ impl Search<'_> {
             return self.weighed(nominal, best, looked_at);
         }
         (self.progress)("forces outside of the catalogue");
-        // a force that explains more by itself than all that was found needs none of it
-        let alone = unknown::beside(self.bench, &nominal);
-        if let Some(unknown) = alone.filter(|unknown| unknown.missing.score() < score(&best)) {
-            return Found {
-                nominal: nominal.clone(),
-                node: nominal,
-                gains: Vec::new(),
-                twins: Vec::new(),
-                looked_at,
-                unknown: Some(unknown),
+        let mut best = best;
+        let mut beside = unknown::beside(self.bench, &best);
+        for fewer in [self.without_local(&best), Some(nominal.clone())] {
+            let Some(fewer) = fewer.filter(|f| f.hypotheses.len() < best.hypotheses.len()) else {
+                continue;
             };
+            // what explains more by itself than all that was found needs none of it; and pushes that
+            // do not explain all may be pieces of it
+            let alone = unknown::beside(self.bench, &fewer);
+            let likelier = |alone: &Beyond| {
+                beside.as_ref().is_some_and(|beside| {
+                    let pieces = fewer.hypotheses.len() > 0
+                        || best.hypotheses.iter().all(Hypothesis::is_local);
+                    alone.score < beside.score
+                        || alone.unknown.is_some() && pieces && beside.wander.rest > EXPLAINED
+                })
+            };
+            if let Some(alone) = alone.filter(likelier) {
+                (best, beside) = (fewer, Some(alone));
+            }
         }
-        let unknown = unknown::beside(self.bench, &best);
         let mut found = self.weighed(nominal, best, looked_at);
-        found.unknown = unknown.filter(|_| !self.bench.is_noise(&found.node));
+        if let Some(beyond) = beside.filter(|_| !self.bench.is_noise(&found.node)) {
+            found.unknown = beyond.unknown;
+            found.wander = Some(beyond.wander);
+        }
         found
+    }
+
+    /// The node without what acts at one time or place alone.
+    fn without_local(&self, node: &Node) -> Option<Node> {
+        let lasting = node.hypotheses.iter().filter(|h| !h.is_local()).cloned();
+        let lasting: Vec<Hypothesis> = lasting.collect();
+        self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 
     /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
@@ -270,7 +304,8 @@ impl Search<'_> {
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }
         let freed = self.freed(node, &followed);
-        followed.retain(|next| self.pays(nominal, node, next));
+        let wander = LazyCell::new(|| self.wandering(node));
+        followed.retain(|next| self.pays(nominal, node, next, &wander));
         followed.extend(freed);
         followed
     }
@@ -401,7 +436,13 @@ impl Search<'_> {
         full
     }
 
-    fn pays(&self, nominal: &Node, before: &Node, after: &Node) -> bool {
+    fn pays(
+        &self,
+        nominal: &Node,
+        before: &Node,
+        after: &Node,
+        wander: &LazyCell<Option<Wander>, impl FnOnce() -> Option<Wander>>,
+    ) -> bool {
         let Some(own) = after.hypotheses.last() else {
             return false;
         };
@@ -416,9 +457,21 @@ impl Search<'_> {
         {
             return false;
         }
-        // where forces without pattern are left, what repeats in every fit may be one of them
-        let proven = self.bench.is_noise(after) || own.is_local() || self.bench.windows.len() < 4;
+        if self.bench.is_noise(after) {
+            return true;
+        }
+        if let Some(wander) = LazyCell::force(wander) {
+            return self.is_likelier(wander, after, due(own));
+        }
+        // what repeats in every fit may be a part of something else
+        let proven = own.is_local() || self.bench.windows.len() < 4;
         proven || self.bench.held_out_gain(before, after) > HELD_OUT
+    }
+
+    /// Whether `node` brings more than `due` over forces without pattern in its place.
+    fn is_likelier(&self, wander: &Wander, node: &Node, due: f64) -> bool {
+        let beside = Judge::new(self.bench, node).and_then(|judge| judge.alone());
+        beside.is_some_and(|beside| beside.deviance < wander.deviance - due)
     }
 
     /// Whether an effect differs from nothing by its own uncertainty.
@@ -448,7 +501,10 @@ impl Search<'_> {
             let less = self.bench.fit(&without, &node.fit.starts, FULL);
             let idle = |less: &Node| {
                 let gain = node.fit.misfit.gain_over(&less.fit.misfit);
-                gain < due(&removed) || self.bench.is_noise(less) && gain < share
+                let wander = || self.wandering(less).filter(|_| !self.bench.is_noise(&node));
+                gain < due(&removed)
+                    || self.bench.is_noise(less) && gain < share
+                    || wander().is_some_and(|w| !self.is_likelier(&w, &node, due(&removed)))
             };
             match less.filter(idle) {
                 Some(less) => (node, at) = (less, 0),
@@ -515,6 +571,7 @@ impl Search<'_> {
             twins,
             looked_at,
             unknown: None,
+            wander: None,
         }
     }
 }

@@ -107,6 +107,7 @@ pub(crate) enum Block {
 /// One robot's recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
+    pub(crate) recording: String,
     pub(crate) robot: String,
     pub(crate) driver: Driver,
     /// From when (s) each command holds.
@@ -170,6 +171,7 @@ impl Track {
         let axle = robot.pose_point == Some(PosePoint::Axle);
         let back = model.robot.com_to_axle_m.filter(|_| axle).unwrap_or(0.0);
         Ok(Self {
+            recording: recording.name.clone(),
             robot: robot.name.clone(),
             driver,
             commands,

@@ -2,11 +2,22 @@
 //! it looks like.
 
 use crate::bench::{Bench, Node};
-use crate::drivers::Sampled;
-use crate::force::{self, Missing, PULSE_S};
+use rayon::prelude::*;
+
+use crate::drivers::{Driver, Sampled};
+use crate::force::{self, CHARGE, Missing, PULSE_S, Part};
+use crate::search::EXPLAINED;
+use crate::wander::{Judge, PIECE_S, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
 const PAY: [f64; 2] = [30.0, 2.0];
+/// Of forces that follow a variable, those whose remainder is looked at closely.
+const SEARCHED: usize = 4;
+/// Share of the largest force below which it does not count as acting, and pieces more at both ends.
+const STRONG: f64 = 0.15;
+const MARGIN: usize = 2;
+/// How many times as much a force that comes and goes has to bring as one that follows a variable.
+const SAYS: f64 = 2.0;
 /// Share of the largest force from which on it counts as at work.
 const AT_WORK: f64 = 0.5;
 
@@ -17,21 +28,149 @@ pub(crate) struct Unknown {
     pub(crate) intervals_s: Vec<[f64; 2]>,
     /// What it looks like, for a person.
     pub(crate) shape: String,
-    /// ln L that it brings, to first order.
+    /// ln L that it brings beside forces without pattern, to first order.
     pub(crate) gain: f64,
 }
 
-/// The missing force beside `node`, if there is one that pays.
-pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Unknown> {
-    let answers = force::answers(bench, node)?;
-    let all = force::missing(bench, node, &answers);
-    let missing = all.into_iter().next()?;
-    let gain = missing.misfit.gain_over(&node.fit.misfit);
-    (gain > PAY[0] + PAY[1] * missing.weights.len() as f64).then(|| describe(bench, node, missing))
+/// What is beyond the catalogue beside a node.
+pub(crate) struct Beyond {
+    /// Forces without pattern, were there nothing else.
+    pub(crate) wander: Wander,
+    /// A force with a pattern, if it is likelier.
+    pub(crate) unknown: Option<Unknown>,
+    /// −2 ln L of the likelier of both with a charge for each number.
+    pub(crate) score: f64,
 }
 
-fn describe(bench: &Bench, node: &Node, missing: Missing) -> Unknown {
-    let gain = (node.fit.misfit.deviance() - missing.deviance) / 2.0;
+/// What is beyond the catalogue beside `node`. `None` for robots that are driven by speeds.
+pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
+    let judge = Judge::new(bench, node)?;
+    let wander = judge.alone()?;
+    let followed = followed(bench, node, &judge, &wander);
+    // a force that follows a variable says more than when it acted
+    let gain = followed.as_ref().map_or(0.0, |followed| followed.gain);
+    let passing = passing(bench, &judge, &wander).filter(|passing| passing.gain > SAYS * gain);
+    let found = passing.or(followed);
+    let score = found.as_ref().map_or(wander.deviance, |found| found.score);
+    Some(Beyond {
+        wander,
+        unknown: found.map(|found| describe(bench, found.missing, found.gain / 2.0)),
+        score: score + CHARGE * node.fit.values.len() as f64,
+    })
+}
+
+/// A missing force beside forces without pattern.
+struct Likelier {
+    missing: Missing,
+    /// −2 ln L with a charge for each number.
+    score: f64,
+    /// Δ(−2 ln L) against forces without pattern alone.
+    gain: f64,
+}
+
+/// The force that follows a variable and pays best, if one does.
+fn followed(bench: &Bench, node: &Node, judge: &Judge, wander: &Wander) -> Option<Likelier> {
+    let samples = force::samples(bench, &judge.answers);
+    let missing = force::missing(bench, node, &judge.answers, &samples);
+    let judged = |missing: Missing, from: Wander, searched: bool| {
+        let mixes = samples.iter().map(|samples| {
+            let Missing {
+                driver,
+                part,
+                against,
+                ..
+            } = &missing;
+            force::mix(bench, samples, driver, *part, *against)
+        });
+        let mixes: Vec<_> = mixes.collect();
+        let beside = judge.beside(&mixes, from.level, searched)?;
+        Some((missing.charged(beside.deviance), missing, beside))
+    };
+    let first = shortlist(missing).into_par_iter();
+    let first = first.filter_map(|missing| judged(missing, *wander, false));
+    let mut first: Vec<_> = first.collect();
+    first.sort_by(|a, b| a.0.total_cmp(&b.0));
+    first.truncate(SEARCHED);
+    let found = first
+        .into_par_iter()
+        .filter_map(|(_, missing, from)| judged(missing, from, true));
+    let found: Vec<_> = found.collect();
+    let found = found.into_iter().map(|(score, missing, beside)| Likelier {
+        gain: wander.deviance - beside.deviance,
+        missing,
+        score,
+    });
+    found
+        .filter(|found| found.gain > PAY[0] + PAY[1] * found.missing.weights.len() as f64)
+        .min_by(|a, b| a.score.total_cmp(&b.score))
+}
+
+/// The best of each variable, best first.
+fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
+    let mut best: Vec<Missing> = Vec::new();
+    for missing in all {
+        if !best.iter().any(|known| known.driver == missing.driver) {
+            best.push(missing);
+        }
+    }
+    best
+}
+
+/// A force that acts for a while and not else, if that is likelier than one that always wanders.
+fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Likelier> {
+    let forces = judge.forces(&wander.level)?;
+    let [mass, inertia] = force::inertia(bench);
+    let b = bench.model.robot.half_track_m;
+    let strength = |f: &[f64; 2]| [(f[0] / mass).abs(), (f[1] / inertia * b).abs()];
+    let largest = |f: &[f64; 2]| strength(f).into_iter().fold(0.0, f64::max);
+    let most = forces.iter().flatten().map(largest).fold(0.0, f64::max);
+    let active = forces.iter().map(|forces| {
+        let strong = |f: &[f64; 2]| largest(f) > STRONG * most;
+        let first = forces.iter().position(strong);
+        let last = forces.iter().rposition(strong);
+        first.zip(last).map_or(0..0, |(first, last)| {
+            first.saturating_sub(MARGIN)..(last + 1 + MARGIN).min(forces.len())
+        })
+    });
+    let active: Vec<_> = active.collect();
+    let within = judge.within(&active, wander.level)?;
+    let gain = wander.deviance - within.deviance;
+    if gain < PAY[0] || within.rest > EXPLAINED {
+        return None;
+    }
+    let energy = |i: usize| {
+        forces
+            .iter()
+            .flatten()
+            .map(|f| strength(f)[i].powi(2))
+            .sum::<f64>()
+    };
+    let part = if energy(0) > energy(1) { 0 } else { 1 };
+    let (mut instants_s, mut weights) = (Vec::new(), Vec::new());
+    for ((window, forces), active) in bench.windows.iter().zip(&forces).zip(&active) {
+        for (k, force) in forces.iter().enumerate() {
+            instants_s.push(window.from_s + PIECE_S * (k as f64 + 0.5));
+            weights.push(if active.contains(&k) {
+                force[part]
+            } else {
+                0.0
+            });
+        }
+    }
+    Some(Likelier {
+        missing: Missing {
+            part: [Part::Longitudinal, Part::Yaw][part],
+            driver: Driver::time(instants_s),
+            against: false,
+            weights,
+            deviance: within.deviance,
+        },
+        score: within.deviance + 2.0 * CHARGE,
+        gain,
+    })
+}
+
+fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {
     let mut moments: Vec<(f64, f64, f64)> = Vec::new();
     for window in &bench.windows {
         let track = &bench.tracks[window.run];
@@ -88,16 +227,16 @@ fn shape(
     most: f64,
     large: &dyn Fn(f64) -> bool,
 ) -> String {
-    let unit = if missing.part == force::Part::Longitudinal {
+    let unit = if missing.part == Part::Longitudinal {
         "N"
     } else {
         "N m"
     };
     let what = match missing.part {
-        force::Part::Longitudinal => "force along the body",
-        force::Part::Yaw => "moment about the vertical",
-        force::Part::WheelRight => "torque at the right wheel",
-        force::Part::WheelLeft => "torque at the left wheel",
+        Part::Longitudinal => "force along the body",
+        Part::Yaw => "moment about the vertical",
+        Part::WheelRight => "torque at the right wheel",
+        Part::WheelLeft => "torque at the left wheel",
     };
     let way = if missing.against {
         " against the motion"
