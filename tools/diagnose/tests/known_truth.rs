@@ -9,6 +9,7 @@ mod made;
 
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_sim::effects::CATALOGUE;
 
 fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, RobotModel) {
     let (answer, mut improved) = diagnose(&Request {
@@ -58,4 +59,69 @@ fn what_is_left_out_is_named_and_measured_and_then_matches() {
         "{}",
         serde_json::to_string(&again).unwrap()
     );
+}
+
+fn listing(answer: &Answer) -> String {
+    serde_json::to_string(answer).unwrap()
+}
+
+#[test]
+fn what_is_found_brings_predictions_to_the_noise() {
+    let nominal = RobotModel::default();
+    let truth = nominal
+        .clone()
+        .with("rolling_resistance", &[("coefficient", 0.008)]);
+    let (found, _) = answer(&truth, &nominal, 5);
+    let (right, _) = answer(&truth, &truth, 5);
+    let (before, after) = (found.held_out.nrmse_before, found.held_out.nrmse_after);
+    let best = right.held_out.nrmse_before;
+    assert!(before > 10.0, "{}", listing(&found));
+    // 1 is the noise of the sensors; starts fitted to half a second leave a little beside it, under
+    // the true model as well
+    assert!((0.9..2.0).contains(&best), "{}", listing(&right));
+    assert!((after / best - 1.0).abs() < 0.05, "{}", listing(&found));
+}
+
+#[test]
+fn an_effect_that_the_model_has_is_not_found_again_but_with_other_numbers() {
+    let resisted = |coefficient| {
+        RobotModel::default().with("rolling_resistance", &[("coefficient", coefficient)])
+    };
+    let truth = resisted(0.008);
+    let (right, _) = answer(&truth, &truth, 3);
+    assert_eq!(right.verdict, Verdict::Match, "{}", listing(&right));
+    let (wrong, improved) = answer(&truth, &resisted(0.004), 3);
+    let text = listing(&wrong);
+    assert_eq!(wrong.findings.len(), 1, "{text}");
+    let own = &wrong.findings[0].parameters[0];
+    assert_eq!(own.nominal, Some(0.004), "{text}");
+    let [low, high] = own.ci95.unwrap();
+    assert!(low < 0.00805 && high > 0.00795 && low > 0.007, "{text}");
+    // in place of the old numbers, not beside them
+    assert_eq!(improved.effects.len(), 1);
+}
+
+#[test]
+fn a_push_is_not_seen_where_the_rest_is_left_out() {
+    let nominal = RobotModel::default();
+    let push = [("t_s", 9.0), ("impulse_n_s", 0.2), ("direction_rad", 1.0)];
+    let recording = made::record(&nominal.clone().with("push", &push), made::gentle, 12.0, 4);
+    let others = CATALOGUE.iter().filter(|info| info.id != "push");
+    let others: Vec<String> = others.map(|info| info.id.to_owned()).collect();
+    let without = |excluded_s: &[[f64; 2]]| {
+        let request = Request {
+            recordings: std::slice::from_ref(&recording),
+            model_of: &|_| Some(nominal.clone()),
+            excluded: &others,
+            excluded_s,
+            progress: &|_| (),
+        };
+        diagnose(&request).unwrap().0
+    };
+    let all = without(&[]);
+    let found: Vec<&str> = all.findings.iter().map(|f| f.effect.as_str()).collect();
+    assert_eq!(found, ["push"], "{}", listing(&all));
+    // with all that comes after it: what is simulated across a gap feels what happened in it
+    let hidden = without(&[[8.9, 12.0]]);
+    assert_eq!(hidden.verdict, Verdict::Match, "{}", listing(&hidden));
 }
