@@ -2,7 +2,7 @@
 ci:
     bash .ci/run
 
-# All benchmarks: plant, lockstep and latency, recordings.
+# All benchmarks: plant, lockstep and latency, recordings, diagnosis.
 bench:
     cargo bench --workspace
 

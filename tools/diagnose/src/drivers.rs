@@ -319,3 +319,121 @@ fn on_grid(origin: [f64; 2], spacing: f64, cells: &[[i64; 2]], s: &Sampled) -> V
         .filter(|(_, value)| *value > 0.0)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A walk over the floor in a loop of 2 m by 1 m, at speeds that change.
+    fn samples() -> Vec<Vec<Sampled>> {
+        let one = |k: u32| {
+            let t_s = f64::from(k) * 0.05;
+            let turn = 0.3 * t_s;
+            Sampled {
+                t_s,
+                v: 0.3 * (0.7 * t_s).sin(),
+                w: 0.3,
+                angle: [5.0 * t_s, 4.0 * t_s],
+                pose: [turn.cos(), 0.5 * turn.sin(), turn],
+                asked: [0.02 * t_s.cos(), 0.01],
+                rested_s: 0.0,
+            }
+        };
+        vec![(0..600).map(one).collect()]
+    }
+
+    fn named(name: &str) -> Vec<Driver> {
+        let all = Driver::all(&samples());
+        all.into_iter().filter(|d| d.name == name).collect()
+    }
+
+    fn sum(driver: &Driver, s: &Sampled) -> f64 {
+        let values = driver.values(s, Part::Longitudinal);
+        values.iter().map(|(_, value)| value).sum()
+    }
+
+    #[test]
+    fn hats_share_one_out_inside_and_beyond() {
+        let samples = samples();
+        let mut beyond = samples[0][0];
+        (beyond.t_s, beyond.v, beyond.pose) = (1e3, -7.0, [40.0, -40.0, 0.0]);
+        for name in ["t", "v", "torque", "x", "y"] {
+            let drivers = named(name);
+            assert!(!drivers.is_empty(), "{name}");
+            for driver in drivers {
+                for s in samples[0].iter().chain([&beyond]) {
+                    assert!((sum(&driver, s) - 1.0).abs() < 1e-12, "{name} at {}", s.t_s);
+                    let values = driver.values(s, Part::Longitudinal);
+                    let whole = values
+                        .iter()
+                        .all(|(f, v)| *f < driver.functions() && *v >= 0.0);
+                    assert!(whole, "{name}: {values:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn hats_follow_a_straight_line() {
+        let samples = samples();
+        let driver = &named("t")[0];
+        let Basis::Hats(knots) = &driver.basis else {
+            panic!("{driver:?}")
+        };
+        let weights: Vec<f64> = knots.iter().map(|knot| 3.0 - 0.2 * knot).collect();
+        for s in &samples[0] {
+            let force = driver.force(&weights, s, Part::Longitudinal);
+            assert!((force - (3.0 - 0.2 * s.t_s)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn waves_come_again_after_a_turn() {
+        let driver = &named("wheel_angle")[0];
+        assert_eq!(driver.functions(), 7);
+        let at = |angle: f64| {
+            let mut s = samples()[0][0];
+            s.angle = [angle, 0.0];
+            driver.values(&s, Part::WheelRight)
+        };
+        let (once, again, half) = (at(0.7), at(0.7 + TAU), at(0.7 + TAU / 2.0));
+        for ((f, a), (g, b)) in once.iter().zip(&again) {
+            assert!(f == g && (a - b).abs() < 1e-12);
+        }
+        assert!((once[1].1 - half[1].1).abs() > 1.0);
+        assert!((driver.shown(0.7 - TAU) - 0.7).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_grid_has_the_cells_that_were_visited() {
+        let samples = samples();
+        let driver = &named("position")[0];
+        let Basis::Grid(origin, spacing, cells) = &driver.basis else {
+            panic!("{driver:?}")
+        };
+        assert!((spacing - 2.0 / CELLS).abs() < 1e-3);
+        // a loop leaves its middle out
+        assert!(
+            !cells.contains(&[3, 1]) && !cells.contains(&[3, 2]),
+            "{cells:?}"
+        );
+        for s in &samples[0] {
+            let sum = sum(driver, s);
+            assert!(sum > 0.2 && sum < 1.0 + 1e-12, "{sum} at {:?}", s.pose);
+        }
+        let mut s = samples[0][0];
+        for (i, [x, y]) in cells.iter().enumerate() {
+            s.pose[0] = origin[0] + *x as f64 * spacing;
+            s.pose[1] = origin[1] + *y as f64 * spacing;
+            let own = driver.values(&s, Part::Yaw);
+            let own = own.iter().find(|(cell, _)| *cell == i).unwrap();
+            assert!((own.1 - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_does_not_change_drives_nothing() {
+        assert!(named("w").is_empty());
+        assert!(named("time_at_rest").is_empty());
+    }
+}

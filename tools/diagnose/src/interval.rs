@@ -96,3 +96,79 @@ fn end(bench: &Bench, node: &Node, which: usize, i: usize, side: f64) -> f64 {
     }
     inside
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+    use slipstream_sim::Command;
+    use slipstream_sim::effects::find;
+
+    use super::*;
+    use crate::bench::FULL;
+    use crate::fixture;
+
+    #[test]
+    fn a_threshold_lies_between_two_commands() {
+        let commands = [0.0, 0.02, -0.01, 0.03, 0.01].map(|right_nm| Command::Torque {
+            right_nm,
+            left_nm: -right_nm,
+        });
+        let commands = (0_u32..).map(f64::from).zip(commands).collect();
+        let bench = Bench {
+            tracks: vec![fixture::track(commands, Vec::new())],
+            windows: Vec::new(),
+            model: RobotModel::default(),
+        };
+        assert_eq!(between_sizes(&bench, 0.015), [0.01, 0.02]);
+        assert_eq!(between_sizes(&bench, 0.02), [0.01, 0.02]);
+        assert_eq!(between_sizes(&bench, 0.005), [0.0, 0.01]);
+        assert_eq!(between_sizes(&bench, 0.05), [0.03, 0.05]);
+    }
+
+    fn resisting() -> (Bench, Node) {
+        let model = RobotModel::default();
+        let truth = model
+            .clone()
+            .with("rolling_resistance", &[("coefficient", 0.008)]);
+        let bench = fixture::bench(fixture::driven(&truth, 5.0, fixture::gentle), model);
+        let info = find("rolling_resistance").unwrap();
+        let own = Hypothesis::new(info, vec![("coefficient", 0.006)]);
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let node = bench.fit(&[own], &starts, FULL).unwrap();
+        (bench, node)
+    }
+
+    #[test]
+    fn an_interval_is_about_two_deviations_wide() {
+        let (bench, node) = resisting();
+        let [low, high] = of(&bench, &node, 0)[0];
+        let (value, deviation) = (node.fit.values[0], node.fit.deviations[0]);
+        assert!((value - 0.008).abs() < 1e-5, "{value}");
+        assert!(deviation > 0.0);
+        assert!(((high - low) / deviation - 3.92).abs() < 1e-9);
+        assert!(((high + low) / 2.0 - value).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_likelihood_has_fallen_at_the_ends_of_its_interval() {
+        let (bench, node) = resisting();
+        let value = node.hypotheses[0].values[0].1;
+        let fall = |at: f64| {
+            let mut hypotheses = node.hypotheses.clone();
+            hypotheses[0].values[0].1 = at;
+            let deviance = bench.posed(&hypotheses, &bench.windows, |problem, values| {
+                let residuals = problem.residuals(values, &node.fit.starts)?;
+                Some(Misfit::new(&bench.windows, &residuals).deviance())
+            });
+            deviance.unwrap() - node.fit.misfit.deviance()
+        };
+        for side in [-1.0, 1.0] {
+            let at = end(&bench, &node, 0, 0, side);
+            assert!(side * (at - value) > 0.0, "{at} beside {value}");
+            assert!(fall(at) <= WILKS, "{}", fall(at));
+            // six halvings of a last doubling leave the end uncertain by 1/64 of the half width
+            let beyond = value + (at - value) * 1.05;
+            assert!(fall(beyond) > WILKS, "{}", fall(beyond));
+        }
+    }
+}

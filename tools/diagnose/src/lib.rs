@@ -12,6 +12,8 @@ mod digits;
 mod drivers;
 mod figures;
 mod fit;
+#[cfg(test)]
+mod fixture;
 mod force;
 mod hypothesis;
 mod input;

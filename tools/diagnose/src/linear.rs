@@ -319,3 +319,157 @@ pub(crate) fn covariance(normals: &[Normal]) -> DMatrix<f64> {
     }
     covariance
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOWS: usize = 3;
+    const SHARED: usize = 2;
+    const ROWS: usize = 40;
+
+    /// Numbers without a pattern between -1 and 1.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 7_u32;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+        }
+    }
+
+    /// Rows of which every other one is of channel 0, and of channel 2.
+    fn window() -> Window {
+        Window {
+            run: 0,
+            from_s: 0.0,
+            to_s: 1.0,
+            commands: [0; 2],
+            rows: Vec::new(),
+            base: Vec::new(),
+            channels: [0, 2].repeat(ROWS / 2),
+            stamps_s: vec![0.0; ROWS],
+            free: [true; LOCALS],
+        }
+    }
+
+    fn weights() -> [f64; CHANNELS] {
+        let mut weights = [0.0; CHANNELS];
+        (weights[0], weights[2]) = (0.5, 3.0);
+        weights
+    }
+
+    fn some() -> Vec<Linear> {
+        let mut number = numbers();
+        let mut column = || (0..ROWS).map(|_| number()).collect::<Vec<f64>>();
+        let mut one = |_| Linear {
+            residuals: column(),
+            locals: (0..LOCALS).map(|_| column()).collect(),
+            globals: (0..SHARED).map(|_| column()).collect(),
+        };
+        (0..WINDOWS).map(&mut one).collect()
+    }
+
+    fn normals(linear: &[Linear]) -> Vec<Normal> {
+        let (window, weights) = (window(), weights());
+        let normal = |l: &Linear| l.normal(&window, &weights, &l.residuals, &[]);
+        linear.iter().map(normal).collect()
+    }
+
+    /// The same problem in one matrix: the shared parameters first, then each window's start. Rows
+    /// are scaled by the roots of their weights.
+    fn dense(linear: &[Linear]) -> (DMatrix<f64>, DVector<f64>) {
+        let (window, weights) = (window(), weights());
+        let mut matrix = DMatrix::zeros(WINDOWS * ROWS, SHARED + WINDOWS * LOCALS);
+        let mut residuals = DVector::zeros(WINDOWS * ROWS);
+        for (w, one) in linear.iter().enumerate() {
+            for i in 0..ROWS {
+                let root = weights[usize::from(window.channels[i])].sqrt();
+                let row = w * ROWS + i;
+                residuals[row] = root * one.residuals[i];
+                for (at, column) in one.globals.iter().enumerate() {
+                    matrix[(row, at)] = root * column[i];
+                }
+                for (at, column) in one.locals.iter().enumerate() {
+                    matrix[(row, SHARED + w * LOCALS + at)] = root * column[i];
+                }
+            }
+        }
+        (matrix, residuals)
+    }
+
+    fn dense_inverse(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        (matrix.transpose() * matrix).try_inverse().unwrap()
+    }
+
+    #[test]
+    fn the_step_without_starts_is_that_of_all_unknowns_together() {
+        let linear = some();
+        let (matrix, residuals) = dense(&linear);
+        let whole = -dense_inverse(&matrix) * matrix.transpose() * residuals;
+        let step = step(&normals(&linear), 0.0, |_, step| step);
+        let own = step.globals.iter().chain(step.locals.iter().flatten());
+        // what keeps a singular matrix solvable is 1e-12 of it
+        for (own, whole) in own.zip(whole.iter()) {
+            assert!((own - whole).abs() < 1e-9, "{own} for {whole}");
+        }
+    }
+
+    #[test]
+    fn what_meets_a_bound_stays_there_and_the_rest_makes_the_best_of_it() {
+        let linear = some();
+        let most = 1e-3;
+        let step = step(&normals(&linear), 0.0, |i, step| {
+            if i == 0 {
+                step.clamp(-most, most)
+            } else {
+                step
+            }
+        });
+        assert_eq!(step.globals[0].abs(), most);
+        let (matrix, residuals) = dense(&linear);
+        let left = residuals + matrix.column(0) * step.globals[0];
+        let rest = matrix.remove_column(0);
+        let whole = -dense_inverse(&rest) * rest.transpose() * left;
+        assert!((step.globals[1] - whole[0]).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_all_unknowns_together() {
+        let linear = some();
+        let (matrix, _) = dense(&linear);
+        let whole = dense_inverse(&matrix);
+        let own = covariance(&normals(&linear));
+        for i in 0..SHARED {
+            for j in 0..SHARED {
+                assert!((own[(i, j)] - whole[(i, j)]).abs() < 1e-9 * whole[(i, i)]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_nothing_shows_is_not_determined() {
+        let mut linear = some();
+        linear.iter_mut().for_each(|l| l.globals[1].fill(0.0));
+        let own = covariance(&normals(&linear));
+        assert!(own[(0, 0)].is_finite());
+        assert!(own[(1, 1)].is_infinite());
+    }
+
+    #[test]
+    fn windows_that_disagree_make_a_parameter_less_sure() {
+        let mut linear = some();
+        linear.iter_mut().for_each(|l| l.residuals.fill(0.0));
+        let plain = covariance(&normals(&linear));
+        let agree = deviations(&normals(&linear), 1.5);
+        for i in 0..SHARED {
+            assert!((agree[i] / (1.5 * plain[(i, i)].sqrt()) - 1.0).abs() < 1e-9);
+        }
+        // each window would have the first parameter elsewhere
+        for (one, wanted) in linear.iter_mut().zip([-5.0, 0.0, 5.0]) {
+            let pairs = one.residuals.iter_mut().zip(&one.globals[0]);
+            pairs.for_each(|(residual, slope)| *residual = -wanted * slope);
+        }
+        let disagree = deviations(&normals(&linear), 1.5);
+        assert!(disagree[0] > 3.0 * agree[0], "{disagree:?} {agree:?}");
+    }
+}

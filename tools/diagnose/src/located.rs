@@ -145,3 +145,98 @@ fn breakaway_nm(model: &RobotModel, friction: f64) -> Option<f64> {
     let normal = mass * GRAVITY_M_S2 * e / (d + e) / 2.0;
     Some(friction * normal * (r + 2.0 * body.wheel_spin_inertia_kg_m2? / (mass * r)))
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_sim::effects::find;
+    use slipstream_sim::{Command, Robot};
+
+    use super::*;
+    use crate::bench::FULL;
+    use crate::fixture;
+
+    fn slipping(friction: f64) -> RobotModel {
+        let values = [
+            ("friction_static", friction),
+            ("friction_kinetic", friction),
+        ];
+        RobotModel::default().with("wheel_slip", &values)
+    }
+
+    /// Whether a wheel ever slides in 0.2 s of this torque on both, from rest.
+    fn breaks_away(model: &RobotModel, torque_nm: f64) -> bool {
+        let robot: Robot = Robot::new(model).unwrap();
+        let mut state = robot.start([0.0; 3]);
+        let command = Command::Torque {
+            right_nm: torque_nm,
+            left_nm: torque_nm,
+        };
+        (0..200).any(|k| {
+            robot.step(&mut state, f64::from(k) * 1e-3, 1e-3, &command);
+            state.slides() == [true; 2]
+        })
+    }
+
+    #[test]
+    fn the_torque_of_the_condition_is_where_the_plant_breaks_away() {
+        for friction in [0.1, 0.239, 0.5] {
+            let model = slipping(friction);
+            let torque_nm = breakaway_nm(&model, friction).unwrap();
+            assert!(!breaks_away(&model, 0.99 * torque_nm), "{torque_nm}");
+            assert!(breaks_away(&model, 1.01 * torque_nm), "{torque_nm}");
+        }
+    }
+
+    /// Gentle but for two jerks of 0.2 s, at 2 and at 3.5 s.
+    fn jerked(t_s: f64) -> [f64; 2] {
+        let during = |from_s: f64| (from_s - 1e-6..from_s + 0.2 - 1e-6).contains(&t_s);
+        match t_s {
+            _ if during(2.0) => [0.16; 2],
+            _ if during(3.5) => [-0.16; 2],
+            _ => fixture::gentle(t_s),
+        }
+    }
+
+    fn fitted() -> (Bench, Node) {
+        let model = slipping(0.239);
+        let bench = fixture::bench(fixture::driven(&model, 5.0, jerked), model);
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let node = bench.fit(&[], &starts, FULL).unwrap();
+        (bench, node)
+    }
+
+    #[test]
+    fn a_slide_begins_with_its_jerk() {
+        let (bench, node) = fitted();
+        let slides = sliding(&bench, &node, None, 0.0);
+        assert_eq!(slides.len(), 2, "{slides:?}");
+        for ([from, to], begin) in slides.iter().zip([2.0, 3.5]) {
+            // a contact that moves slower than 3 mm/s does not count yet
+            assert!((from - begin).abs() < 0.03, "{slides:?}");
+            assert!(*to > begin + 0.1 && *to < begin + 0.6, "{slides:?}");
+        }
+    }
+
+    #[test]
+    fn a_patch_slides_only_where_it_is() {
+        let (bench, node) = fitted();
+        let patch = |x_m: f64| {
+            let values = vec![("x_m", x_m), ("y_m", 0.0), ("radius_m", 20.0)];
+            Hypothesis::new(find("friction_patch").unwrap(), values)
+        };
+        let slides = |x_m: f64| sliding(&bench, &node, Some(&patch(x_m)), 0.0);
+        assert_eq!(slides(0.0), sliding(&bench, &node, None, 0.0));
+        assert!(slides(500.0).is_empty());
+    }
+
+    #[test]
+    fn a_push_is_short_and_a_drag_is_there_all_the_time() {
+        let (bench, mut node) = fitted();
+        node.hypotheses = vec![
+            Hypothesis::new(find("push").unwrap(), vec![("t_s", 1.5)]),
+            Hypothesis::new(find("viscous_drag").unwrap(), Vec::new()),
+        ];
+        assert_eq!(intervals(&bench, &node, 0), [[1.5, 1.56]]);
+        assert_eq!(intervals(&bench, &node, 1), [bench.tracks[0].span_s()]);
+    }
+}

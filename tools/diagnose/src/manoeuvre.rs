@@ -52,4 +52,14 @@ mod tests {
             assert_ne!(of(info.id), of("none"), "{}", info.id);
         }
     }
+
+    #[test]
+    fn one_manoeuvre_for_two_is_told_once() {
+        let both = manoeuvre(&["viscous_drag", "rolling_resistance"]);
+        assert_eq!(both, manoeuvre(&["viscous_drag"]));
+        assert_eq!(
+            manoeuvre(&["push", "viscous_drag"]),
+            format!("{}; {both}", of("push"))
+        );
+    }
 }

@@ -438,3 +438,120 @@ fn imu(robot: &Recorded) -> Option<Series> {
         rows,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_recording::recording::Pose;
+
+    use super::*;
+    use crate::fixture;
+
+    #[test]
+    fn across_a_pause_the_wheels_turned_at_their_mean_speed() {
+        let rows = [(0.0, 0.0), (0.1, 0.2), (2.1, 4.2), (2.1, 4.2), (2.2, 4.2)];
+        let rows = rows.map(|(t_s, angle)| (t_s, [angle, -angle, f64::NAN]));
+        let wheels = fixture::series(Sensor::WheelAngle, rows.to_vec(), 1e-3);
+        let told = driven_by(&wheels).unwrap();
+        let from_s: Vec<f64> = told.iter().map(|(t_s, _)| *t_s).collect();
+        // two rows at one time lead nowhere
+        assert_eq!(from_s, [0.0, 0.1, 2.1]);
+        for ((_, command), speed) in told.iter().zip([2.0, 2.0, 0.0]) {
+            let Command::Speed {
+                right_rad_s,
+                left_rad_s,
+            } = command
+            else {
+                panic!("{command:?}")
+            };
+            assert!((right_rad_s - speed).abs() < 1e-12 && (left_rad_s + speed).abs() < 1e-12);
+        }
+    }
+
+    fn long() -> Track {
+        let rows = |count: u32| (0..count).map(|k| (f64::from(k), [0.0; 3])).collect();
+        let series = vec![
+            fixture::series(Sensor::WheelAngle, rows(1000), 1.0),
+            fixture::series(Sensor::Pose, rows(90), 1.0),
+        ];
+        let none = Command::Torque {
+            right_nm: 0.0,
+            left_nm: 0.0,
+        };
+        fixture::track(vec![(0.0, none)], series)
+    }
+
+    #[test]
+    fn only_what_is_too_long_is_thinned_and_evenly() {
+        let mut track = long();
+        track.thin(300);
+        let stamps: Vec<f64> = track.series[0].rows.iter().map(|row| row.0).collect();
+        assert_eq!(stamps.len(), 250);
+        assert!(
+            stamps
+                .iter()
+                .zip(0_u32..)
+                .all(|(t_s, k)| *t_s == f64::from(4 * k))
+        );
+        assert_eq!(track.series[1].rows.len(), 90);
+    }
+
+    #[test]
+    fn nothing_is_believed_of_times_left_out() {
+        let mut track = long();
+        track.leave_out(&[[10.0, 19.0], [80.0, 2000.0]]);
+        assert_eq!(track.series[0].rows.len(), 70);
+        let inside = |t_s: f64| (10.0..=19.0).contains(&t_s) || t_s >= 80.0;
+        assert!(
+            track
+                .series
+                .iter()
+                .all(|s| !s.rows.iter().any(|row| inside(row.0)))
+        );
+        assert_eq!(track.span_s(), [0.0, 79.0]);
+    }
+
+    #[test]
+    fn a_heading_that_turns_over_goes_on() {
+        let seen = [3.0, -3.1, f64::NAN, -2.9, 3.1];
+        let count = seen.len();
+        let mut robot = Recorded::named("r1");
+        robot.pose = Some(slipstream_recording::recording::Stream {
+            t_s: (0_u32..).map(f64::from).take(count).collect(),
+            values: Pose {
+                x_m: vec![0.0; count],
+                y_m: vec![0.0; count],
+                yaw_rad: Some(seen.to_vec()),
+            },
+            unknown: vec![],
+        });
+        let yaw: Vec<f64> = poses(&robot).unwrap().rows.iter().map(|r| r.1[2]).collect();
+        let steady = [3.0, TAU - 3.1, f64::NAN, TAU - 2.9, 3.1];
+        for (own, wanted) in yaw.iter().zip(steady) {
+            let same = (own - wanted).abs() < 1e-12 || own.is_nan() && wanted.is_nan();
+            assert!(same, "{own} for {wanted}");
+        }
+    }
+
+    #[test]
+    fn counts_lie_in_the_middle_of_what_they_round() {
+        let mut robot = Recorded::named("r1");
+        robot.encoder_counts_per_rev = Some(100);
+        robot.wheels = Some(slipstream_recording::recording::Stream {
+            t_s: vec![0.0, 0.1, 0.2],
+            values: WheelStream::Ticks {
+                right: vec![Some(0), None, Some(50)],
+                left: vec![Some(-1), Some(0), Some(25)],
+            },
+            unknown: vec![],
+        });
+        let wheels = wheels(&robot, &RobotModel::default()).unwrap();
+        let tick = TAU / 100.0;
+        assert_eq!(wheels.rows.len(), 2);
+        assert!((wheels.rows[0].1[0] - 0.5 * tick).abs() < 1e-12);
+        assert!((wheels.rows[0].1[1] + 0.5 * tick).abs() < 1e-12);
+        assert!((wheels.rows[1].1[0] - 50.5 * tick).abs() < 1e-12);
+        // of what is even over a count, the root mean square is a twelfth's root of it
+        assert!((wheels.deviation[0] - tick / 12_f64.sqrt()).abs() < 1e-12);
+        assert!(wheels.declared);
+    }
+}

@@ -239,3 +239,81 @@ impl Window {
         [x, y, yaw, u, rate, angle[0], angle[1]]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use super::*;
+    use crate::fixture;
+
+    fn track(length_s: f64) -> Track {
+        fixture::driven(&RobotModel::default(), length_s, fixture::gentle)
+    }
+
+    fn begins(windows: &[Window]) -> Vec<f64> {
+        windows.iter().map(|window| window.from_s).collect()
+    }
+
+    #[test]
+    fn windows_follow_each_other_without_overlap() {
+        let track = track(31.0);
+        let windows = cut(&track, 0, WINDOW_S, &[]);
+        let [begin, end] = track.span_s();
+        assert_eq!(windows[0].from_s, begin);
+        assert_eq!(windows.last().unwrap().to_s, end);
+        for pair in windows.windows(2) {
+            assert_eq!(pair[0].to_s, pair[1].from_s);
+            let rows = pair[0].rows.iter().zip(&pair[1].rows);
+            rows.for_each(|(before, after)| assert_eq!(before[1], after[0]));
+        }
+        for window in &windows {
+            let length_s = window.to_s - window.from_s;
+            assert!((WINDOW_S - SEARCH_S..1.3 * WINDOW_S + SEARCH_S).contains(&length_s));
+        }
+    }
+
+    #[test]
+    fn no_window_begins_where_it_must_not() {
+        let track = track(31.0);
+        let free = begins(&cut(&track, 0, WINDOW_S, &[]));
+        let avoided: Vec<[f64; 2]> = free[1..].iter().map(|t| [t - 0.2, t + 0.2]).collect();
+        let led = begins(&cut(&track, 0, WINDOW_S, &avoided));
+        assert!(led.len() > 3);
+        for t_s in &led[1..] {
+            let inside = |[from, to]: &[f64; 2]| (from - AFTER_S..to + AFTER_S).contains(t_s);
+            assert!(!avoided.iter().any(inside), "{t_s} in {avoided:?}");
+        }
+    }
+
+    #[test]
+    fn a_short_recording_is_one_window_or_none() {
+        for (length_s, count) in [(0.9, 0), (1.5, 1), (6.0, 1), (8.0, 2)] {
+            let windows = cut(&track(length_s), 0, WINDOW_S, &[]);
+            assert_eq!(windows.len(), count, "{length_s} s");
+        }
+    }
+
+    #[test]
+    fn of_too_many_windows_the_first_and_the_last_stay() {
+        let windows = cut(&track(31.0), 0, WINDOW_S, &[]);
+        let all = begins(&windows);
+        assert_eq!(begins(&spread(windows.clone(), 100)), all);
+        let few = begins(&spread(windows, 3));
+        assert_eq!(few.len(), 3);
+        assert_eq!([few[0], few[2]], [all[0], all[all.len() - 1]]);
+    }
+
+    #[test]
+    fn what_rests_has_no_speed_to_fit() {
+        let still = fixture::driven(&RobotModel::default(), 5.0, |_| [0.0; 2]);
+        let [pose, angle] = [true; 2];
+        let windows = cut(&still, 0, WINDOW_S, &[]);
+        assert_eq!(
+            windows[0].free,
+            [pose, pose, pose, false, false, angle, angle]
+        );
+        let moving = cut(&track(12.0), 0, WINDOW_S, &[]);
+        assert_eq!(moving[1].free, [true; LOCALS]);
+    }
+}
