@@ -260,7 +260,7 @@ fn held_out(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Mis
     let half =
         |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
     let folds = (0..2).map(|fold| {
-        let learnt = bench.refitted(&half(fold), hypotheses);
+        let learnt = bench.over(half(fold)).refitted(hypotheses);
         let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
         score::prediction(bench, &half(1 - fold), &learnt)
     });

@@ -126,11 +126,7 @@ impl Bench {
     pub(crate) fn avoiding(&self, times_s: &[[f64; 2]]) -> Self {
         let runs = self.tracks.iter().enumerate();
         let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, times_s));
-        Self {
-            tracks: self.tracks.clone(),
-            windows: spread(windows.collect(), self.windows.len().max(1)),
-            model: self.model.clone(),
-        }
+        self.over(spread(windows.collect(), self.windows.len().max(1)))
     }
 
     /// Whether all windows begin as those of `other` do.
@@ -222,16 +218,20 @@ impl Bench {
         Some(Node { hypotheses, fit })
     }
 
-    /// Effects fitted to these windows alone, from the values that they have. What the windows say
-    /// nothing of keeps its value.
-    pub(crate) fn refitted(
-        &self,
-        windows: &[Window],
-        hypotheses: &[Hypothesis],
-    ) -> Option<Vec<Hypothesis>> {
-        let starts = self.guesses(windows)?;
-        let fitted = self.fit_on(windows, hypotheses, &starts, HELD_OUT)?;
-        Some(fitted.hypotheses)
+    /// The same cut into these windows.
+    pub(crate) fn over(&self, windows: Vec<Window>) -> Self {
+        Self {
+            tracks: self.tracks.clone(),
+            windows,
+            model: self.model.clone(),
+        }
+    }
+
+    /// Effects fitted to the windows, from the values that they have. What the windows say nothing
+    /// of keeps its value.
+    pub(crate) fn refitted(&self, hypotheses: &[Hypothesis]) -> Option<Vec<Hypothesis>> {
+        let starts = self.begun(hypotheses)?;
+        Some(self.fit(hypotheses, &starts, HELD_OUT)?.hypotheses)
     }
 
     /// How much better (−2 ln L) `after` predicts windows that its parameters were not fitted to

@@ -21,10 +21,12 @@ pub(crate) fn series(sensor: Sensor, rows: Vec<(f64, [f64; 3])>, deviation: f64)
 
 pub(crate) fn track(commands: Vec<(f64, Command)>, series: Vec<Series>) -> Track {
     Track {
+        recording: "made".to_owned(),
         robot: "r1".to_owned(),
         driver: Driver::Command,
         commands,
         series,
+        left_out_s: Vec::new(),
         tracked_ahead_m: 0.0,
         imu_without_weight: false,
     }

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, FULL, HELD_OUT, Node};
-use crate::hypothesis::{KINETIC, STATIC, all_sizes};
-use crate::window::Window;
+use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
+use crate::window::{LOCALS, Window};
 
 /// Static over kinetic friction where a search for the former begins.
 const STATIC_OVER_KINETIC: [f64; 5] = [1.008, 1.025, 1.06, 1.12, 1.25];
@@ -29,10 +29,7 @@ impl Bench {
             let (mut hypotheses, mut starts) =
                 (node.hypotheses.clone(), self.guesses(&self.windows)?);
             for over_s in HORIZONS_S {
-                let heads = self.windows.iter();
-                let heads: Vec<Window> = heads
-                    .map(|window| window.head(&self.tracks[window.run], over_s))
-                    .collect();
+                let heads = self.heads(over_s);
                 let short = self.fit_on(&heads, &hypotheses, &starts, HELD_OUT)?;
                 (hypotheses, starts) = (short.hypotheses, short.fit.starts);
             }
@@ -40,6 +37,27 @@ impl Bench {
         };
         let better = |grown: &Node| grown.fit.misfit.deviance() < node.fit.misfit.deviance();
         grow().filter(better).unwrap_or(node)
+    }
+
+    /// Where the windows begin in the nominal model with `hypotheses` as they are, fitted over ever
+    /// longer heads.
+    pub(crate) fn begun(&self, hypotheses: &[Hypothesis]) -> Option<Vec<[f64; LOCALS]>> {
+        let mut starts = self.guesses(&self.windows)?;
+        for over_s in HORIZONS_S.into_iter().chain([f64::INFINITY]) {
+            let heads = self.heads(over_s);
+            let fit = self.posed(hypotheses, &heads, |problem, _| {
+                problem.with_free(&[]).fit(&[], &starts, HELD_OUT)
+            })?;
+            starts = fit.starts;
+        }
+        Some(starts)
+    }
+
+    /// The first `over_s` of every window.
+    fn heads(&self, over_s: f64) -> Vec<Window> {
+        let heads = self.windows.iter();
+        let heads = heads.map(|window| window.head(&self.tracks[window.run], over_s));
+        heads.collect()
     }
 
     /// Tries static frictions above the kinetic one: from below it nothing shows the way.

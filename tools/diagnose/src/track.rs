@@ -113,6 +113,8 @@ pub(crate) struct Track {
     /// From when (s) each command holds.
     pub(crate) commands: Vec<(f64, Command)>,
     pub(crate) series: Vec<Series>,
+    /// Times (s) of which nothing is believed, nor simulated.
+    pub(crate) left_out_s: Vec<[f64; 2]>,
     /// From c forward to the tracked point (m).
     pub(crate) tracked_ahead_m: f64,
     /// The accelerometer leaves weight out.
@@ -176,6 +178,7 @@ impl Track {
             driver,
             commands,
             series,
+            left_out_s: Vec::new(),
             tracked_ahead_m: -back,
             imu_without_weight: robot.imu_kind == Some(ImuKind::Acceleration),
         })
@@ -183,6 +186,7 @@ impl Track {
 
     /// Believes nothing measured in these times (s).
     pub(crate) fn leave_out(&mut self, times_s: &[[f64; 2]]) {
+        self.left_out_s.extend(times_s);
         for series in &mut self.series {
             series
                 .rows
@@ -228,6 +232,24 @@ impl Track {
             to
         };
         [from, to.min(held)]
+    }
+
+    /// The stretches (s) from the first measurement on that are not left out.
+    pub(crate) fn stretches_s(&self) -> Vec<[f64; 2]> {
+        let [from, to] = self.span_s();
+        let firsts = self.series.iter().filter_map(|s| s.rows.first());
+        let first = firsts.map(|(t_s, _)| *t_s).fold(to, f64::min).max(from);
+        let mut left_out = self.left_out_s.clone();
+        left_out.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let (mut stretches, mut begin) = (Vec::new(), first);
+        for [out, back] in left_out {
+            if out > begin {
+                stretches.push([begin, out.min(to)]);
+            }
+            begin = begin.max(back);
+        }
+        stretches.push([begin, to]);
+        stretches
     }
 }
 

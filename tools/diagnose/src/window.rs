@@ -44,20 +44,21 @@ pub(crate) struct Window {
 /// Cuts `track`, the `run`th, into windows of about `length_s` that start where little drives the
 /// robot.
 ///
-/// No window begins in one of the times `avoided` (s): what slides there is not known.
+/// Nothing is simulated over times that are left out; no window begins in one of the times `avoided` (s): what slides there is not known.
 pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]) -> Vec<Window> {
-    let [begin, end] = track.span_s();
     let mut windows = Vec::new();
-    let mut from_s = begin;
-    while from_s + 1.0 < end {
-        let wanted = from_s + length_s;
-        let to_s = if wanted + 0.3 * length_s > end {
-            end
-        } else {
-            gentle(track, wanted, avoided)
-        };
-        windows.push(Window::new(track, run, from_s, to_s));
-        from_s = to_s;
+    for [begin, end] in track.stretches_s() {
+        let mut from_s = begin;
+        while from_s + 1.0 < end {
+            let wanted = from_s + length_s;
+            let to_s = if wanted + 0.3 * length_s > end {
+                end
+            } else {
+                gentle(track, wanted, avoided)
+            };
+            windows.push(Window::new(track, run, from_s, to_s));
+            from_s = to_s;
+        }
     }
     windows.retain(|window| !window.channels.is_empty());
     windows
