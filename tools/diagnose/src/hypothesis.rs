@@ -104,6 +104,11 @@ impl Hypothesis {
         self.info.id == "friction_patch"
     }
 
+    /// Whether it does less the larger it is.
+    pub(crate) fn is_limit(&self) -> bool {
+        self.info.id == "command_saturation"
+    }
+
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {
@@ -302,11 +307,19 @@ fn starts(
                 .collect(),
         ],
         "pose_offset" => vec![numbers.iter().map(|p| (p.name, 0.0)).collect()],
-        "command_dead_band" => alone(&sizes(track, model, &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7])),
-        "command_saturation" => alone(&sizes(track, model, &[0.6, 0.8, 0.9, 0.97])),
+        "command_dead_band" => {
+            let mut probes = sizes(track, model, &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7]);
+            // or nothing that was commanded does anything
+            probes.extend(all_sizes(track, model).last().map(|most| BEYOND * most));
+            alone(&probes)
+        }
+        "command_saturation" => alone(&sizes(track, model, &[0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97])),
         _ => alone(probes(numbers[0])),
     }
 }
+
+/// A threshold above all commands, over the largest of them.
+const BEYOND: f64 = 1.05;
 
 /// Sizes of what is commanded at the wheels, at these shares of all that are not zero.
 fn sizes(track: &Track, model: &RobotModel, shares: &[f64]) -> Vec<f64> {
@@ -318,6 +331,15 @@ fn sizes(track: &Track, model: &RobotModel, shares: &[f64]) -> Vec<f64> {
     let mut list: Vec<f64> = shares.iter().filter_map(at).collect();
     list.dedup();
     list
+}
+
+/// The threshold between the commands of sizes `at - 1` and `at`.
+pub(crate) fn threshold(sizes: &[f64], at: usize) -> f64 {
+    let below = at.checked_sub(1).map_or(0.0, |below| sizes[below]);
+    let above = sizes
+        .get(at)
+        .map_or((2.0 * BEYOND - 1.0) * below, |above| *above);
+    0.5 * (below + above)
 }
 
 /// All sizes that are commanded at a wheel, small to large, in the unit of the limits of effects:

@@ -2,6 +2,8 @@
 
 use rayon::prelude::*;
 
+use slipstream_sim::effects::{Domain, Info};
+
 use crate::bench::{Bench, Node};
 use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
 use crate::misfit::Misfit;
@@ -25,7 +27,7 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
         .map(|i| {
             let value = own.values[i].1;
             if own.is_threshold() {
-                return between_sizes(bench, value);
+                return between_sizes(bench, own.info, value);
             }
             let deviation = node.fit.deviations[first + i];
             if deviation.is_finite() && own.values[i].0 != STATIC {
@@ -37,14 +39,18 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
 }
 
 /// Commands around a threshold: the largest that does nothing and the smallest that acts.
-fn between_sizes(bench: &Bench, value: f64) -> [f64; 2] {
+fn between_sizes(bench: &Bench, info: &Info, value: f64) -> [f64; 2] {
     let sizes = bench
         .tracks
         .first()
         .map_or(Vec::new(), |track| all_sizes(track, &bench.model));
     let next = sizes.partition_point(|size| *size < value);
     let below = if next == 0 { 0.0 } else { sizes[next - 1] };
-    [below, sizes.get(next).copied().unwrap_or(value)]
+    let most = match info.parameters.first().map(|p| p.domain) {
+        Some(Domain::Number { upper, .. }) if upper.is_finite() => upper,
+        _ => value,
+    };
+    [below, sizes.get(next).copied().unwrap_or(most)]
 }
 
 /// Where, away from the estimate, the likelihood has fallen. The other parameters stay.

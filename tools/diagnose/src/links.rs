@@ -6,6 +6,7 @@ use slipstream_sim::effects::find;
 
 use crate::answer::{Answer, Evidence, Finding, HeldOutChannel, ParameterEstimate, Place};
 use crate::bench::{Bench, Node};
+use crate::misfit::inefficiency;
 use crate::track::{Driver, Sensor};
 
 /// Gain (nats) that a delay has to bring.
@@ -92,6 +93,19 @@ impl Link<'_> {
         self.sent.iter().flat_map(residual).collect()
     }
 
+    /// How many times the square of a delay's deviation is that of white noise as declared: the
+    /// sender's course is fitted, and wrong for a while where it is wrong.
+    fn excess(&self, delay_s: f64) -> f64 {
+        let residuals = self.residuals(delay_s);
+        let excess = (0..3).map(|part| {
+            let own = residuals.iter().skip(part).step_by(3);
+            let own: Vec<f64> = own.copied().collect();
+            let level = sum(&own) / own.len().max(1) as f64;
+            level.max(1.0) * inefficiency(&[own]).max(1.0)
+        });
+        excess.fold(1.0, f64::max)
+    }
+
     /// The delay that fits best from `delay_s` on, its deviation, and the sum of squares there.
     fn fit(&self, delay_s: f64) -> (f64, f64, f64) {
         let mut delay_s = delay_s;
@@ -165,8 +179,10 @@ pub(crate) fn add(
             let Some((delay_s, deviation, after)) = fits.min_by(|a, b| a.2.total_cmp(&b.2)) else {
                 continue;
             };
-            let gain = (before - after) / 2.0;
             let count = (3 * link.sent.len()) as f64;
+            let excess = link.excess(delay_s);
+            let deviation = deviation * excess.sqrt();
+            let gain = (before - after) / (2.0 * excess);
             let found = gain > PAY && (delay_s - known.unwrap_or(0.0)).abs() > SIGMAS * deviation;
             answer.held_out.channels.push(HeldOutChannel {
                 robot: receiver.clone(),

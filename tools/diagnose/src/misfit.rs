@@ -107,7 +107,6 @@ impl Misfit {
 /// 1 + 2 Σ of the autocorrelation of a channel's residuals up to where it is gone: the statistical
 /// inefficiency of a correlated series.
 fn memory(windows: &[Window], residuals: &[&[f64]], channel: u8) -> f64 {
-    const LONGEST: usize = 120;
     let series: Vec<Vec<f64>> = windows
         .iter()
         .zip(residuals)
@@ -118,6 +117,12 @@ fn memory(windows: &[Window], residuals: &[&[f64]], channel: u8) -> f64 {
                 .collect()
         })
         .collect();
+    inefficiency(&series)
+}
+
+/// 1 + 2 Σ of the autocorrelation over all series up to where it is gone.
+pub(crate) fn inefficiency(series: &[Vec<f64>]) -> f64 {
+    const LONGEST: usize = 120;
     let covariance = |lag: usize| -> f64 {
         let sums = series.iter().map(|s| {
             s.iter()

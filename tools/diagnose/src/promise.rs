@@ -36,18 +36,22 @@ impl Bench {
     pub(crate) fn started(&self, node: &Node, hypotheses: &[Hypothesis]) -> Option<f64> {
         self.posed(hypotheses, &self.windows, |problem, values| {
             let base = problem.residuals(values, &node.fit.starts)?;
-            let weights = Misfit::new(&self.windows, &base).weights();
-            let windows = self.windows.iter().zip(&node.fit.linear).zip(&base);
-            let predicted: Vec<Vec<f64>> = windows
-                .map(|((window, linear), base)| {
-                    let own = linear.without_globals();
-                    let normal = own.normal(window, &weights, base, &[]);
-                    let step = linear::step(&[normal], 1e-9, |_, step| step);
-                    own.predicted(base, &[], &step.locals[0], &[])
-                })
-                .collect();
-            Some(Misfit::new(&self.windows, &predicted).deviance())
+            Some(self.eased(node, &base).deviance())
         })
+    }
+
+    /// What `residuals` from the starts of `node` come to where these fit best, to first order.
+    fn eased(&self, node: &Node, residuals: &[Vec<f64>]) -> Misfit {
+        let weights = Misfit::new(&self.windows, residuals).weights();
+        let windows = self.windows.iter().zip(&node.fit.linear).zip(residuals);
+        let predicted = windows.map(|((window, linear), base)| {
+            let own = linear.without_globals();
+            let normal = own.normal(window, &weights, base, &[]);
+            let step = linear::step(&[normal], 1e-9, |_, step| step);
+            own.predicted(base, &[], &step.locals[0], &[])
+        });
+        let predicted: Vec<Vec<f64>> = predicted.collect();
+        Misfit::new(&self.windows, &predicted)
     }
 
     /// The candidate, made so small that it moves what is measured no more than what is unexplained
@@ -62,8 +66,7 @@ impl Bench {
             })
         };
         let worse = |residuals: &[Vec<f64>]| {
-            let deviance = Misfit::new(&self.windows, residuals).deviance();
-            deviance > node.fit.misfit.deviance() + ARRIVED
+            self.eased(node, residuals).deviance() > node.fit.misfit.deviance() + ARRIVED
         };
         let mut sized = candidate.clone();
         let mut base = residuals(&sized)?;
@@ -71,8 +74,9 @@ impl Bench {
             return (!worse(&base)).then_some((sized, base));
         }
         // a product of two numbers shows nothing of one where the other is too small
+        let kept = candidate.is_threshold() || candidate.is_limit() || candidate.is_local();
         let (times, most) = match candidate.values.len() {
-            _ if candidate.is_threshold() || candidate.is_local() => (0, 1.0),
+            _ if kept => (0, 1.0),
             1 => (SHRUNK, 0.2),
             _ => (1, 1.0),
         };
@@ -84,8 +88,15 @@ impl Bench {
             let share = (wanted / self.moved(node, &base).max(1e-9)).min(most);
             let (name, size) = &mut sized.values[0];
             let nothing = candidate.nothing(&self.model, name);
-            *size = nothing + (*size - nothing) * share;
-            base = residuals(&sized)?;
+            let before = std::mem::replace(size, nothing + (*size - nothing) * share);
+            match residuals(&sized) {
+                Some(smaller) => base = smaller,
+                // smaller than it can be
+                None => {
+                    sized.values[0].1 = before;
+                    break;
+                }
+            }
         }
         Some((sized, base))
     }

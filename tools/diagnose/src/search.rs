@@ -29,6 +29,9 @@ const HALFWAY: f64 = 0.6;
 const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
 const UNFINISHED: f64 = 50.0;
+/// How many times what is due an effect has to bring, to noise, to be certain without a parameter of
+/// its own that is.
+const CERTAIN: f64 = 10.0;
 /// Effects at most.
 const MOST: usize = 5;
 
@@ -361,12 +364,16 @@ impl Search<'_> {
         let mut glances: Vec<Node> = glances.collect();
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
         glances.truncate(SIDE_BY_SIDE);
-        let full = glances.par_iter().filter_map(|glance| {
-            let full = self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL);
-            full.map(|node| self.bench.settle_static(node))
-        });
-        full.filter(|node| deviance(node) < deviance(nominal))
-            .collect()
+        let full = glances
+            .par_iter()
+            .filter_map(|glance| self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL));
+        let mut full: Vec<Node> = full.collect();
+        full.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        if let Some(first) = full.first_mut() {
+            *first = self.bench.settle_static(first.clone());
+        }
+        full.retain(|node| deviance(node) < deviance(nominal));
+        full
     }
 
     /// The most promising extensions, fitted to the end.
@@ -451,9 +458,12 @@ impl Search<'_> {
         if self.bench.is_noise(before) && gain < SHARE * so_far {
             return false;
         }
+        let last = after.hypotheses.len() - 1;
+        let brings =
+            self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
         if gain <= due(own)
             || self.bench.spoils(before, after)
-            || !self.is_clear(after, after.hypotheses.len() - 1)
+            || !(brings || self.is_clear(after, last))
         {
             return false;
         }
@@ -474,13 +484,18 @@ impl Search<'_> {
         beside.is_some_and(|beside| beside.deviance < wander.deviance - due)
     }
 
+    /// Whether an effect is within its bounds, and no push too many.
+    fn may(&self, node: &Node, which: usize) -> bool {
+        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        !node.hypotheses[which].is_at_bound() && pushes.count() <= PUSHES
+    }
+
     /// Whether an effect differs from nothing by its own uncertainty.
     fn is_clear(&self, node: &Node, which: usize) -> bool {
         let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
         let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
         let own = &node.hypotheses[which];
-        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
-        if own.is_at_bound() || pushes.count() > PUSHES {
+        if !self.may(node, which) {
             return false;
         }
         own.is_threshold()

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, FULL, HELD_OUT, Node};
-use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
+use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes, threshold};
 use crate::window::{LOCALS, Window};
 
 /// Static over kinetic friction where a search for the former begins.
@@ -121,15 +121,13 @@ impl Bench {
             let near: Vec<usize> = near
                 .into_iter()
                 .flatten()
-                .filter(|i| *i < sizes.len())
+                .filter(|i| *i <= sizes.len())
                 .collect();
             let tried: Vec<(usize, Node)> = near
                 .into_par_iter()
                 .filter_map(|i| {
                     let mut hypotheses = best.hypotheses.clone();
-                    // between one size and the next: all from here on act
-                    let below = if i == 0 { 0.0 } else { sizes[i - 1] };
-                    hypotheses.last_mut()?.values[0].1 = 0.5 * (below + sizes[i]);
+                    hypotheses.last_mut()?.values[0].1 = threshold(&sizes, i);
                     Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
                 })
                 .collect();
