@@ -264,11 +264,7 @@ impl Search<'_> {
     /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
     /// begins there, unless that is known already.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
-        let mut found = node.hypotheses.iter();
-        let found = found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"));
-        let mut known = self.bench.model.effects.iter();
-        let slips = found || known.any(|e| e.effect == "wheel_slip");
-        if !slips || !self.cuts || self.bench.is_noise(node) {
+        if !self.slips(node) || !self.cuts || self.bench.is_noise(node) {
             return None;
         }
         let slides = located::sliding(self.bench, node, None, BEYOND_S);
@@ -277,6 +273,14 @@ impl Search<'_> {
             slides.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
         };
         self.bench.windows.iter().any(begins).then_some(slides)
+    }
+
+    /// Whether wheels may slide in a model.
+    fn slips(&self, node: &Node) -> bool {
+        let mut found = node.hypotheses.iter();
+        let mut known = self.bench.model.effects.iter();
+        found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"))
+            || known.any(|e| e.effect == "wheel_slip")
     }
 
     fn candidates(&self, node: &Node) -> Vec<Hypothesis> {
@@ -467,13 +471,15 @@ impl Search<'_> {
         {
             return false;
         }
-        if self.bench.is_noise(after) {
+        let certain = gain > CERTAIN * due(own) || !self.slips(after);
+        if self.bench.is_noise(after) && (certain || own.is_local()) {
             return true;
         }
         if let Some(wander) = LazyCell::force(wander) {
             return self.is_likelier(wander, after, due(own));
         }
-        // what repeats in every fit may be a part of something else
+        // what repeats in every fit may be a part of something else, or how simulators differ in a
+        // single slide
         let proven = own.is_local() || self.bench.windows.len() < 4;
         proven || self.bench.held_out_gain(before, after) > HELD_OUT
     }

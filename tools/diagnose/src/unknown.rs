@@ -2,6 +2,8 @@
 //! it looks like.
 
 use crate::bench::{Bench, Node};
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::drivers::{Driver, Sampled};
@@ -46,11 +48,19 @@ pub(crate) struct Beyond {
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let judge = Judge::new(bench, node)?;
     let wander = judge.alone()?;
-    let followed = followed(bench, node, &judge, &wander);
+    let samples = force::samples(bench, &judge.answers);
+    let likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
+    let follows = |active: &[Range<usize>], than: &Wander| {
+        followed(bench, &judge, &samples, &likely, active, than)
+    };
+    let followed = follows(&judge.everywhere(), &wander);
     // a force that follows a variable says more than when it acted
     let gain = followed.as_ref().map_or(0.0, |followed| followed.gain);
-    let passing = passing(bench, &judge, &wander).filter(|passing| passing.gain > SAYS * gain);
-    let found = passing.or(followed);
+    let passing = passing(bench, &judge, &wander).filter(|passing| passing.found.gain > SAYS * gain);
+    let found = match passing {
+        Some(Passing { found, active, own }) => Some(follows(&active, &own).unwrap_or(found)),
+        None => followed,
+    };
     let score = found.as_ref().map_or(wander.deviance, |found| found.score);
     Some(Beyond {
         wander,
@@ -68,26 +78,25 @@ struct Likelier {
     gain: f64,
 }
 
-/// The force that follows a variable and pays best, if one does.
-fn followed(bench: &Bench, node: &Node, judge: &Judge, wander: &Wander) -> Option<Likelier> {
-    let samples = force::samples(bench, &judge.answers);
-    let missing = force::missing(bench, node, &judge.answers, &samples);
+/// The likely force that follows a variable and pays best beside forces without pattern in the
+/// `active` pieces, if one does; `than` are these alone.
+fn followed(
+    bench: &Bench,
+    judge: &Judge,
+    samples: &[Vec<Sampled>],
+    likely: &[Missing],
+    active: &[Range<usize>],
+    than: &Wander,
+) -> Option<Likelier> {
     let judged = |missing: Missing, from: Wander, searched: bool| {
-        let mixes = samples.iter().map(|samples| {
-            let Missing {
-                driver,
-                part,
-                against,
-                ..
-            } = &missing;
-            force::mix(bench, samples, driver, *part, *against)
-        });
-        let mixes: Vec<_> = mixes.collect();
-        let beside = judge.beside(&mixes, from.level, searched)?;
+        let Missing { driver, part, .. } = &missing;
+        let mix = |samples| force::mix(bench, samples, driver, *part, missing.against);
+        let mixes: Vec<_> = samples.iter().map(|samples| mix(samples)).collect();
+        let beside = judge.beside(active, &mixes, from.level, searched)?;
         Some((missing.charged(beside.deviance), missing, beside))
     };
-    let first = shortlist(missing).into_par_iter();
-    let first = first.filter_map(|missing| judged(missing, *wander, false));
+    let first = likely.par_iter();
+    let first = first.filter_map(|missing| judged(missing.clone(), *than, false));
     let mut first: Vec<_> = first.collect();
     first.sort_by(|a, b| a.0.total_cmp(&b.0));
     first.truncate(SEARCHED);
@@ -96,7 +105,7 @@ fn followed(bench: &Bench, node: &Node, judge: &Judge, wander: &Wander) -> Optio
         .filter_map(|(_, missing, from)| judged(missing, from, true));
     let found: Vec<_> = found.collect();
     let found = found.into_iter().map(|(score, missing, beside)| Likelier {
-        gain: wander.deviance - beside.deviance,
+        gain: than.deviance - beside.deviance,
         missing,
         score,
     });
@@ -116,8 +125,16 @@ fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
     best
 }
 
+/// A force that acts for a while and not else.
+struct Passing {
+    found: Likelier,
+    /// The pieces of each window in which it acts, and forces without pattern in them alone.
+    active: Vec<Range<usize>>,
+    own: Wander,
+}
+
 /// A force that acts for a while and not else, if that is likelier than one that always wanders.
-fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Likelier> {
+fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Passing> {
     let forces = judge.forces(&wander.level)?;
     let [mass, inertia] = force::inertia(bench);
     let b = bench.model.robot.half_track_m;
@@ -132,7 +149,7 @@ fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Likelier> {
             first.saturating_sub(MARGIN)..(last + 1 + MARGIN).min(forces.len())
         })
     });
-    let active: Vec<_> = active.collect();
+    let active: Vec<Range<usize>> = active.collect();
     let within = judge.within(&active, wander.level)?;
     let gain = wander.deviance - within.deviance;
     if gain < PAY[0] || within.rest > EXPLAINED {
@@ -157,16 +174,21 @@ fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Likelier> {
             });
         }
     }
-    Some(Likelier {
-        missing: Missing {
-            part: [Part::Longitudinal, Part::Yaw][part],
-            driver: Driver::time(instants_s),
-            against: false,
-            weights,
-            deviance: within.deviance,
+    let missing = Missing {
+        part: [Part::Longitudinal, Part::Yaw][part],
+        driver: Driver::time(instants_s),
+        against: false,
+        weights,
+        deviance: within.deviance,
+    };
+    Some(Passing {
+        found: Likelier {
+            missing,
+            score: within.deviance + 2.0 * CHARGE,
+            gain,
         },
-        score: within.deviance + 2.0 * CHARGE,
-        gain,
+        active,
+        own: within,
     })
 }
 

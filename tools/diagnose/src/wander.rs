@@ -99,22 +99,27 @@ impl Judge {
 
     /// The likeliest wandering forces beside what the node has.
     pub(crate) fn alone(&self) -> Option<Wander> {
-        let windows: Vec<Pieces> = self.windows.iter().map(Products::everywhere).collect();
-        self.likeliest(&windows, self.begin())
+        self.within(&self.everywhere(), self.begin())
     }
 
-    /// Forces that wander as `level` says beside one with a free weight for each column of `mixes`:
+    /// All pieces of each window.
+    pub(crate) fn everywhere(&self) -> Vec<Range<usize>> {
+        self.windows.iter().map(|own| 0..own.count()).collect()
+    }
+
+    /// Forces that wander as `level` says in the `active` pieces of each window beside one with a free weight for each column of `mixes`:
     /// of each window, what a unit of each is in pulses, those along before those about. `searched`
     /// looks for the likeliest level from there.
     pub(crate) fn beside(
         &self,
+        active: &[Range<usize>],
         mixes: &[DMatrix<f64>],
         level: Level,
         searched: bool,
     ) -> Option<Wander> {
-        let windows = self.windows.par_iter().zip(mixes);
+        let windows = self.windows.par_iter().zip(mixes).zip(active);
         let windows: Vec<Pieces> = windows
-            .map(|(own, mix)| own.pieces(mix, 0..own.count()))
+            .map(|((own, mix), active)| own.pieces(mix, active.clone()))
             .collect();
         if searched {
             self.likeliest(&windows, level)
@@ -135,7 +140,10 @@ impl Judge {
     /// The likeliest force along (N) and moment about (N m) in each piece of each window under
     /// wandering forces of `level`.
     pub(crate) fn forces(&self, level: &Level) -> Option<Vec<Vec<[f64; 2]>>> {
-        let windows: Vec<Pieces> = self.windows.iter().map(Products::everywhere).collect();
+        let windows = self.windows.iter();
+        let windows: Vec<Pieces> = windows
+            .map(|own| own.pieces(&own.nothing(), 0..own.count()))
+            .collect();
         let parts: Option<Vec<Reduced>> = windows.par_iter().map(|w| w.reduced(level)).collect();
         let (matrix, slope) = summed(&parts?)?;
         let shared = linear::solved(&matrix, &slope);
@@ -228,10 +236,6 @@ impl Products {
 
     fn nothing(&self) -> DMatrix<f64> {
         DMatrix::zeros(2 * self.pulses, 0)
-    }
-
-    fn everywhere(&self) -> Pieces {
-        self.pieces(&self.nothing(), 0..self.count())
     }
 
     /// Forces in the `active` pieces, and further shared unknowns, each a mix of pulses.

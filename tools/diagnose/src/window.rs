@@ -54,7 +54,7 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
             let to_s = if wanted + 0.3 * length_s > end {
                 end
             } else {
-                gentle(track, wanted, avoided)
+                gentle(track, from_s, wanted, avoided)
             };
             windows.push(Window::new(track, run, from_s, to_s));
             from_s = to_s;
@@ -75,12 +75,23 @@ pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
 }
 
 /// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
-/// asked of them for a while.
-fn gentle(track: &Track, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
-    let near = track
-        .commands
-        .iter()
-        .filter(|(t_s, _)| (t_s - wanted_s).abs() <= SEARCH_S);
+/// asked of them for a while; further away where all that is near is to be avoided.
+fn gentle(track: &Track, from_s: f64, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
+    let slides = |t_s: f64| {
+        let mut avoided = avoided.iter();
+        avoided.any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s))
+    };
+    let commands = || track.commands.iter().map(|(t_s, _)| *t_s);
+    let near = |t_s: &f64| (t_s - wanted_s).abs() <= SEARCH_S;
+    if commands().filter(near).all(slides) {
+        let length_s = wanted_s - from_s;
+        let rest = commands().filter(|t_s| (from_s + 1.0..wanted_s + length_s).contains(t_s));
+        let away = |t_s: &f64| (t_s - wanted_s).abs();
+        let rolls = rest.filter(|t_s| !slides(*t_s));
+        if let Some(t_s) = rolls.min_by(|a, b| away(a).total_cmp(&away(b))) {
+            return t_s;
+        }
+    }
     let wheels = track.of(Sensor::WheelAngle);
     let cost = |t_s: f64| {
         let [first, end] = range(&track.commands, t_s - SLIDE_S, t_s + 0.05);
@@ -88,16 +99,13 @@ fn gentle(track: &Track, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
         let asked = asked.map(|(_, command)| size(command)).fold(0.0, f64::max);
         let speeds = wheels.map_or([1.0; 2], |wheels| speeds(wheels, t_s));
         let stands = speeds.iter().any(|speed| speed.abs() < 0.4);
-        let slides = avoided
-            .iter()
-            .any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s));
-        (slides, stands, asked + (t_s - wanted_s).abs() * 1e-4)
+        (slides(t_s), stands, asked + (t_s - wanted_s).abs() * 1e-4)
     };
-    let best = near.min_by(|(a_s, _), (b_s, _)| {
+    let best = commands().filter(near).min_by(|a_s, b_s| {
         let (a, b) = (cost(*a_s), cost(*b_s));
         (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
     });
-    best.map_or(wanted_s, |(t_s, _)| *t_s)
+    best.unwrap_or(wanted_s)
 }
 
 /// How much a command asks of the contacts, as far as it says.
