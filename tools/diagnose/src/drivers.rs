@@ -187,6 +187,20 @@ impl Driver {
         .collect()
     }
 
+    /// Places along one axis, finely: `samples` tell how far they reach.
+    pub(crate) fn along(axis: usize, samples: &[Vec<Sampled>]) -> Option<Self> {
+        let flat = samples.iter().flatten().map(|s| s.pose[axis]);
+        let places: Vec<f64> = flat.filter(|z| z.is_finite()).collect();
+        let low = places.iter().copied().reduce(f64::min)?;
+        let high = places.iter().copied().reduce(f64::max)?;
+        let knot = |k: usize| low + (high - low) * k as f64 / (FINE - 1) as f64;
+        (high > low).then(|| Self {
+            name: ["x", "y"][axis],
+            unit: "m",
+            basis: Basis::Hats((0..FINE).map(knot).collect()),
+        })
+    }
+
     /// Time, with a hat on each of these instants (s).
     pub(crate) fn time(instants_s: Vec<f64>) -> Self {
         Self {

@@ -125,10 +125,11 @@ mod tests {
             windows: Vec::new(),
             model: RobotModel::default(),
         };
-        assert_eq!(between_sizes(&bench, 0.015), [0.01, 0.02]);
-        assert_eq!(between_sizes(&bench, 0.02), [0.01, 0.02]);
-        assert_eq!(between_sizes(&bench, 0.005), [0.0, 0.01]);
-        assert_eq!(between_sizes(&bench, 0.05), [0.03, 0.05]);
+        let info = find("command_dead_band").unwrap();
+        assert_eq!(between_sizes(&bench, info, 0.015), [0.01, 0.02]);
+        assert_eq!(between_sizes(&bench, info, 0.02), [0.01, 0.02]);
+        assert_eq!(between_sizes(&bench, info, 0.005), [0.0, 0.01]);
+        assert_eq!(between_sizes(&bench, info, 0.05), [0.03, 1e3]);
     }
 
     fn resisting() -> (Bench, Node) {

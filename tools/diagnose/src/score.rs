@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use crate::bench::Bench;
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
+use crate::simulate::hardened;
 use crate::start;
 use crate::track::Sensor;
 use crate::window::Window;
@@ -30,9 +31,13 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
 
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {
     let (mut residuals, fitted_s) = predicted(bench, window, hypotheses)?;
-    for (residual, stamp_s) in residuals.iter_mut().zip(&window.stamps_s) {
+    let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);
+    let stamped = window.stamps_s.iter().zip(&window.channels);
+    for (residual, (stamp_s, channel)) in residuals.iter_mut().zip(stamped) {
         if *stamp_s < window.from_s + fitted_s {
             *residual = f64::NAN;
+        } else if acceleration.contains(&usize::from(*channel)) {
+            *residual = hardened(*residual);
         }
     }
     Some(Misfit::new(std::slice::from_ref(window), &[residuals]))

@@ -170,7 +170,8 @@ impl Search<'_> {
     fn begun(&self, nominal: &Node) -> Vec<Node> {
         let known = (!self.known.is_empty()).then_some(&self.known);
         let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
-        let known = known.map(|node| self.bench.settle_static(self.bench.grown(node)));
+        let known = known.map(|node| self.pruned(nominal, self.bench.grown(node)));
+        let known = known.map(|node| self.bench.settle_static(node));
         match known.filter(|known| score(known) < score(nominal)) {
             Some(known) if self.bench.is_noise(&known) => vec![known],
             Some(known) => vec![known, nominal.clone()],

@@ -17,6 +17,9 @@ const BEYOND_S: f64 = 0.5;
 /// A residual larger than this says no more than that it is off (deviations).
 const FAR: f64 = 1e5;
 
+/// Residual of an acceleration from which on it counts less (deviations).
+const SOFT: f64 = 3.0;
+
 /// One window, its track and the robot to simulate.
 #[derive(Clone, Copy)]
 pub(crate) struct Simulation<'a> {
@@ -329,9 +332,25 @@ impl<'a> Seen<'a> {
         let base = window.base[which] + (row - window.rows[which][0]) * width;
         for part in 0..width {
             let residual = (simulated[part] - values[part]) / series.deviation[part];
-            self.residuals[base + part] = residual.clamp(-FAR, FAR);
+            let residual = residual.clamp(-FAR, FAR);
+            self.residuals[base + part] = if series.sensor == Sensor::Imu && part < 2 {
+                softened(residual)
+            } else {
+                residual
+            };
         }
     }
+}
+
+/// A residual of an acceleration, in which what is far off counts less: accelerations jump where a
+/// wheel begins to slide, and a sample beside a jump is on either side of it by chance.
+fn softened(residual: f64) -> f64 {
+    SOFT * (residual / SOFT).asinh()
+}
+
+/// What a softened residual was.
+pub(crate) fn hardened(residual: f64) -> f64 {
+    SOFT * (residual / SOFT).sinh()
 }
 
 /// Whether steps may be as long as commands hold: wheels turn as told and do not slip.

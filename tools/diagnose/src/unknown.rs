@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::drivers::{Driver, Sampled};
 use crate::force::{self, CHARGE, Missing, PULSE_S, Part};
 use crate::search::EXPLAINED;
-use crate::wander::{Judge, PIECE_S, Wander};
+use crate::wander::{GROUP, Judge, PIECE_S, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
 const PAY: [f64; 2] = [30.0, 2.0];
@@ -18,6 +18,10 @@ const SEARCHED: usize = 4;
 /// Share of the largest force below which it does not count as acting, and pieces more at both ends.
 const STRONG: f64 = 0.15;
 const MARGIN: usize = 2;
+/// Share of a force's energy that has to be the same when the robot comes to a place again, and time
+/// after which it does (s).
+const AGAIN: f64 = 0.5;
+const APART_S: f64 = 1.0;
 /// How many times as much a force that comes and goes has to bring as one that follows a variable.
 const SAYS: f64 = 2.0;
 /// Share of the largest force from which on it counts as at work.
@@ -50,17 +54,13 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let wander = judge.alone()?;
     let samples = force::samples(bench, &judge.answers);
     let likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
-    let follows = |active: &[Range<usize>], than: &Wander| {
-        followed(bench, &judge, &samples, &likely, active, than)
-    };
-    let followed = follows(&judge.everywhere(), &wander);
+    let followed = followed(bench, &judge, &samples, &likely, &wander);
     // a force that follows a variable says more than when it acted
     let gain = followed.as_ref().map_or(0.0, |followed| followed.gain);
-    let passing = passing(bench, &judge, &wander).filter(|passing| passing.found.gain > SAYS * gain);
-    let found = match passing {
-        Some(Passing { found, active, own }) => Some(follows(&active, &own).unwrap_or(found)),
-        None => followed,
-    };
+    let passing = passing(bench, &judge, &samples, &wander);
+    let found = passing
+        .filter(|passing| passing.gain > SAYS * gain)
+        .or(followed);
     let score = found.as_ref().map_or(wander.deviance, |found| found.score);
     Some(Beyond {
         wander,
@@ -78,21 +78,21 @@ struct Likelier {
     gain: f64,
 }
 
-/// The likely force that follows a variable and pays best beside forces without pattern in the
-/// `active` pieces, if one does; `than` are these alone.
+/// The likely force that follows a variable and pays best beside forces without pattern, if one does;
+/// `than` are these alone.
 fn followed(
     bench: &Bench,
     judge: &Judge,
     samples: &[Vec<Sampled>],
     likely: &[Missing],
-    active: &[Range<usize>],
     than: &Wander,
 ) -> Option<Likelier> {
+    let active = judge.everywhere();
     let judged = |missing: Missing, from: Wander, searched: bool| {
         let Missing { driver, part, .. } = &missing;
         let mix = |samples| force::mix(bench, samples, driver, *part, missing.against);
         let mixes: Vec<_> = samples.iter().map(|samples| mix(samples)).collect();
-        let beside = judge.beside(active, &mixes, from.level, searched)?;
+        let beside = judge.beside(&active, &mixes, from.level, searched)?;
         Some((missing.charged(beside.deviance), missing, beside))
     };
     let first = likely.par_iter();
@@ -125,16 +125,13 @@ fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
     best
 }
 
-/// A force that acts for a while and not else.
-struct Passing {
-    found: Likelier,
-    /// The pieces of each window in which it acts, and forces without pattern in them alone.
-    active: Vec<Range<usize>>,
-    own: Wander,
-}
-
 /// A force that acts for a while and not else, if that is likelier than one that always wanders.
-fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Passing> {
+fn passing(
+    bench: &Bench,
+    judge: &Judge,
+    samples: &[Vec<Sampled>],
+    wander: &Wander,
+) -> Option<Likelier> {
     let forces = judge.forces(&wander.level)?;
     let [mass, inertia] = force::inertia(bench);
     let b = bench.model.robot.half_track_m;
@@ -155,41 +152,104 @@ fn passing(bench: &Bench, judge: &Judge, wander: &Wander) -> Option<Passing> {
     if gain < PAY[0] || within.rest > EXPLAINED {
         return None;
     }
-    let energy = |i: usize| {
-        forces
-            .iter()
-            .flatten()
-            .map(|f| strength(f)[i].powi(2))
-            .sum::<f64>()
+    let energy = |i: usize| -> f64 {
+        let all = forces.iter().flatten();
+        all.map(|f| strength(f)[i].powi(2)).sum()
     };
-    let part = if energy(0) > energy(1) { 0 } else { 1 };
-    let (mut instants_s, mut weights) = (Vec::new(), Vec::new());
-    for ((window, forces), active) in bench.windows.iter().zip(&forces).zip(&active) {
+    let part = usize::from(energy(1) > energy(0));
+    let mut pieces: Vec<Piece> = Vec::new();
+    for (w, (forces, active)) in forces.iter().zip(&active).enumerate() {
         for (k, force) in forces.iter().enumerate() {
-            instants_s.push(window.from_s + PIECE_S * (k as f64 + 0.5));
-            weights.push(if active.contains(&k) {
-                force[part]
-            } else {
-                0.0
+            pieces.push(Piece {
+                at_s: bench.windows[w].from_s + PIECE_S * (k as f64 + 0.5),
+                sampled: samples[w][k * GROUP],
+                force: if active.contains(&k) {
+                    force[part]
+                } else {
+                    0.0
+                },
             });
         }
     }
+    let placed = [0, 1]
+        .into_iter()
+        .filter_map(|axis| placed(axis, samples, &pieces));
+    let placed = placed.max_by(|a, b| a.share.total_cmp(&b.share));
+    let (driver, against, weights) = match placed {
+        Some(placed) => (placed.driver, placed.against, placed.weights),
+        None => {
+            let forces = pieces.iter().map(|piece| piece.force).collect();
+            let instants_s = pieces.iter().map(|piece| piece.at_s).collect();
+            (Driver::time(instants_s), false, forces)
+        }
+    };
     let missing = Missing {
         part: [Part::Longitudinal, Part::Yaw][part],
-        driver: Driver::time(instants_s),
-        against: false,
+        driver,
+        against,
         weights,
         deviance: within.deviance,
     };
-    Some(Passing {
-        found: Likelier {
-            missing,
-            score: within.deviance + 2.0 * CHARGE,
-            gain,
-        },
-        active,
-        own: within,
+    Some(Likelier {
+        missing,
+        score: within.deviance + 2.0 * CHARGE,
+        gain,
     })
+}
+
+/// A force over a piece of time.
+struct Piece {
+    at_s: f64,
+    sampled: Sampled,
+    force: f64,
+}
+
+/// A force that is the same whenever the robot comes to a place.
+struct Placed {
+    driver: Driver,
+    against: bool,
+    weights: Vec<f64>,
+    /// Share of the force's energy that is the same each time.
+    share: f64,
+}
+
+/// The force of `pieces` as one of the place along an axis, if the robot came there again and found
+/// most of it again.
+fn placed(axis: usize, samples: &[Vec<Sampled>], pieces: &[Piece]) -> Option<Placed> {
+    let driver = Driver::along(axis, samples)?;
+    let total: f64 = pieces.iter().map(|p| p.force * p.force).sum();
+    let best = [false, true].map(|against| {
+        let signed = |p: &Piece| p.force * if against { -p.sampled.v.signum() } else { 1.0 };
+        let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); driver.functions()];
+        for piece in pieces {
+            let near = driver
+                .values(&piece.sampled, Part::Longitudinal)
+                .into_iter();
+            if let Some((cell, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) {
+                cells[cell].push((piece.at_s, signed(piece)));
+            }
+        }
+        let mut again = 0.0;
+        let mut weights = Vec::new();
+        for cell in &cells {
+            let mean = cell.iter().map(|c| c.1).sum::<f64>() / cell.len().max(1) as f64;
+            let comes_back = cell.windows(2).any(|pair| pair[1].0 - pair[0].0 > APART_S);
+            if comes_back {
+                again += mean * mean * cell.len() as f64;
+            }
+            weights.push(mean);
+        }
+        Placed {
+            driver: driver.clone(),
+            against,
+            weights,
+            share: again / total.max(1e-300),
+        }
+    });
+    let best = best
+        .into_iter()
+        .max_by(|a, b| a.share.total_cmp(&b.share))?;
+    (best.share > AGAIN).then_some(best)
 }
 
 fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {

@@ -16,7 +16,7 @@ use crate::linear::{self, Linear};
 use crate::window::{LOCALS, Window};
 
 /// Pulses that count as one here.
-const GROUP: usize = 2;
+pub(crate) const GROUP: usize = 2;
 /// How long that is (s).
 pub(crate) const PIECE_S: f64 = PULSE_S * GROUP as f64;
 /// Factors by which levels are searched, from coarse to fine.
