@@ -26,6 +26,7 @@ mod located;
 mod manoeuvre;
 mod misfit;
 mod noise;
+mod passing;
 mod predict;
 mod promise;
 mod score;

@@ -228,21 +228,22 @@ impl Search<'_> {
         (self.progress)("forces outside of the catalogue");
         let mut best = best;
         let mut beside = unknown::beside(self.bench, &best);
-        for fewer in [self.without_local(&best), Some(nominal.clone())] {
+        for fewer in [self.without_pushes(&best), Some(nominal.clone())] {
             let Some(fewer) = fewer.filter(|f| f.hypotheses.len() < best.hypotheses.len()) else {
                 continue;
             };
             // what explains more by itself than all that was found needs none of it; and pushes that
             // do not explain all may be pieces of it
-            let alone = unknown::beside(self.bench, &fewer);
+            let gone = |h: &Hypothesis| !fewer.hypotheses.iter().any(|kept| kept.is_like(h));
+            let mut without = best.hypotheses.iter().filter(|h| gone(h));
+            let pieces = without.all(|h| h.info.id == "push");
             let likelier = |alone: &Beyond| {
                 beside.as_ref().is_some_and(|beside| {
-                    let pieces = fewer.hypotheses.len() > 0
-                        || best.hypotheses.iter().all(Hypothesis::is_local);
-                    alone.score < beside.score
-                        || alone.unknown.is_some() && pieces && beside.wander.rest > EXPLAINED
+                    let pieces = pieces && beside.wander.rest > EXPLAINED;
+                    alone.score < beside.score || alone.unknown.is_some() && pieces
                 })
             };
+            let alone = unknown::beside(self.bench, &fewer);
             if let Some(alone) = alone.filter(likelier) {
                 (best, beside) = (fewer, Some(alone));
             }
@@ -255,10 +256,10 @@ impl Search<'_> {
         found
     }
 
-    /// The node without what acts at one time or place alone.
-    fn without_local(&self, node: &Node) -> Option<Node> {
-        let lasting = node.hypotheses.iter().filter(|h| !h.is_local()).cloned();
-        let lasting: Vec<Hypothesis> = lasting.collect();
+    /// The node without pushes.
+    fn without_pushes(&self, node: &Node) -> Option<Node> {
+        let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
+        let lasting: Vec<Hypothesis> = lasting.cloned().collect();
         self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 

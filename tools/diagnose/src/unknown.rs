@@ -1,27 +1,18 @@
 //! Something that the catalogue does not hold: on what it acts, which variable it follows, and what
 //! it looks like.
 
-use crate::bench::{Bench, Node};
-use std::ops::Range;
-
 use rayon::prelude::*;
 
-use crate::drivers::{Driver, Sampled};
+use crate::bench::{Bench, Node};
+use crate::drivers::Sampled;
 use crate::force::{self, CHARGE, Missing, PULSE_S, Part};
-use crate::search::EXPLAINED;
-use crate::wander::{GROUP, Judge, PIECE_S, Wander};
+use crate::passing::passing;
+use crate::wander::{Judge, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
-const PAY: [f64; 2] = [30.0, 2.0];
+pub(crate) const PAY: [f64; 2] = [30.0, 2.0];
 /// Of forces that follow a variable, those whose remainder is looked at closely.
 const SEARCHED: usize = 4;
-/// Share of the largest force below which it does not count as acting, and pieces more at both ends.
-const STRONG: f64 = 0.15;
-const MARGIN: usize = 2;
-/// Share of a force's energy that has to be the same when the robot comes to a place again, and time
-/// after which it does (s).
-const AGAIN: f64 = 0.5;
-const APART_S: f64 = 1.0;
 /// How many times as much a force that comes and goes has to bring as one that follows a variable.
 const SAYS: f64 = 2.0;
 /// Share of the largest force from which on it counts as at work.
@@ -70,12 +61,12 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
 }
 
 /// A missing force beside forces without pattern.
-struct Likelier {
-    missing: Missing,
+pub(crate) struct Likelier {
+    pub(crate) missing: Missing,
     /// −2 ln L with a charge for each number.
-    score: f64,
+    pub(crate) score: f64,
     /// Δ(−2 ln L) against forces without pattern alone.
-    gain: f64,
+    pub(crate) gain: f64,
 }
 
 /// The likely force that follows a variable and pays best beside forces without pattern, if one does;
@@ -123,133 +114,6 @@ fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
         }
     }
     best
-}
-
-/// A force that acts for a while and not else, if that is likelier than one that always wanders.
-fn passing(
-    bench: &Bench,
-    judge: &Judge,
-    samples: &[Vec<Sampled>],
-    wander: &Wander,
-) -> Option<Likelier> {
-    let forces = judge.forces(&wander.level)?;
-    let [mass, inertia] = force::inertia(bench);
-    let b = bench.model.robot.half_track_m;
-    let strength = |f: &[f64; 2]| [(f[0] / mass).abs(), (f[1] / inertia * b).abs()];
-    let largest = |f: &[f64; 2]| strength(f).into_iter().fold(0.0, f64::max);
-    let most = forces.iter().flatten().map(largest).fold(0.0, f64::max);
-    let active = forces.iter().map(|forces| {
-        let strong = |f: &[f64; 2]| largest(f) > STRONG * most;
-        let first = forces.iter().position(strong);
-        let last = forces.iter().rposition(strong);
-        first.zip(last).map_or(0..0, |(first, last)| {
-            first.saturating_sub(MARGIN)..(last + 1 + MARGIN).min(forces.len())
-        })
-    });
-    let active: Vec<Range<usize>> = active.collect();
-    let within = judge.within(&active, wander.level)?;
-    let gain = wander.deviance - within.deviance;
-    if gain < PAY[0] || within.rest > EXPLAINED {
-        return None;
-    }
-    let energy = |i: usize| -> f64 {
-        let all = forces.iter().flatten();
-        all.map(|f| strength(f)[i].powi(2)).sum()
-    };
-    let part = usize::from(energy(1) > energy(0));
-    let mut pieces: Vec<Piece> = Vec::new();
-    for (w, (forces, active)) in forces.iter().zip(&active).enumerate() {
-        for (k, force) in forces.iter().enumerate() {
-            pieces.push(Piece {
-                at_s: bench.windows[w].from_s + PIECE_S * (k as f64 + 0.5),
-                sampled: samples[w][k * GROUP],
-                force: if active.contains(&k) {
-                    force[part]
-                } else {
-                    0.0
-                },
-            });
-        }
-    }
-    let placed = [0, 1]
-        .into_iter()
-        .filter_map(|axis| placed(axis, samples, &pieces));
-    let placed = placed.max_by(|a, b| a.share.total_cmp(&b.share));
-    let (driver, against, weights) = match placed {
-        Some(placed) => (placed.driver, placed.against, placed.weights),
-        None => {
-            let forces = pieces.iter().map(|piece| piece.force).collect();
-            let instants_s = pieces.iter().map(|piece| piece.at_s).collect();
-            (Driver::time(instants_s), false, forces)
-        }
-    };
-    let missing = Missing {
-        part: [Part::Longitudinal, Part::Yaw][part],
-        driver,
-        against,
-        weights,
-        deviance: within.deviance,
-    };
-    Some(Likelier {
-        missing,
-        score: within.deviance + 2.0 * CHARGE,
-        gain,
-    })
-}
-
-/// A force over a piece of time.
-struct Piece {
-    at_s: f64,
-    sampled: Sampled,
-    force: f64,
-}
-
-/// A force that is the same whenever the robot comes to a place.
-struct Placed {
-    driver: Driver,
-    against: bool,
-    weights: Vec<f64>,
-    /// Share of the force's energy that is the same each time.
-    share: f64,
-}
-
-/// The force of `pieces` as one of the place along an axis, if the robot came there again and found
-/// most of it again.
-fn placed(axis: usize, samples: &[Vec<Sampled>], pieces: &[Piece]) -> Option<Placed> {
-    let driver = Driver::along(axis, samples)?;
-    let total: f64 = pieces.iter().map(|p| p.force * p.force).sum();
-    let best = [false, true].map(|against| {
-        let signed = |p: &Piece| p.force * if against { -p.sampled.v.signum() } else { 1.0 };
-        let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); driver.functions()];
-        for piece in pieces {
-            let near = driver
-                .values(&piece.sampled, Part::Longitudinal)
-                .into_iter();
-            if let Some((cell, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) {
-                cells[cell].push((piece.at_s, signed(piece)));
-            }
-        }
-        let mut again = 0.0;
-        let mut weights = Vec::new();
-        for cell in &cells {
-            let mean = cell.iter().map(|c| c.1).sum::<f64>() / cell.len().max(1) as f64;
-            let comes_back = cell.windows(2).any(|pair| pair[1].0 - pair[0].0 > APART_S);
-            if comes_back {
-                again += mean * mean * cell.len() as f64;
-            }
-            weights.push(mean);
-        }
-        Placed {
-            driver: driver.clone(),
-            against,
-            weights,
-            share: again / total.max(1e-300),
-        }
-    });
-    let best = best
-        .into_iter()
-        .max_by(|a, b| a.share.total_cmp(&b.share))?;
-    (best.share > AGAIN).then_some(best)
 }
 
 fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {

@@ -248,8 +248,8 @@ impl Products {
             Some(k) if k >= pulses => Some(shared + k - pulses),
             Some(k) => {
                 let (part, piece) = (k / self.pulses, k % self.pulses / GROUP);
-                let at = LOCALS + part * acting + piece.wrapping_sub(active.start);
-                active.contains(&piece).then_some(at)
+                let at = || LOCALS + part * acting + piece - active.start;
+                active.contains(&piece).then(at)
             }
         };
         let size = shared + (had - LOCALS - pulses) + more;
@@ -394,4 +394,110 @@ fn judged(windows: &[Pieces], level: Level) -> Option<Wander> {
         deviance: own - fall + volume,
         rest: (own - fall) / rows.max(1) as f64,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{DMatrix, DVector};
+
+    use super::{GROUP, Judge, LOCALS, Level, PIECE_S, Products, believe};
+
+    /// Numbers without pattern.
+    fn noise(seed: u32) -> impl FnMut() -> f64 {
+        let mut state = seed;
+        move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
+        }
+    }
+
+    fn covariance(count: usize, size: f64, memory_s: f64) -> DMatrix<f64> {
+        DMatrix::from_fn(count, count, |a, b| {
+            size * size * (-PIECE_S * (a as f64 - b as f64).abs() / memory_s).exp()
+        })
+    }
+
+    #[test]
+    fn what_is_believed_is_the_inverse_of_an_ornstein_uhlenbeck_covariance() {
+        let mut matrix = DMatrix::zeros(6, 6);
+        let volume = believe(&mut matrix, 0, 6, 0.3, 0.2);
+        let covariance = covariance(6, 0.3, 0.2);
+        assert!((volume - covariance.determinant().ln()).abs() < 1e-9);
+        let one = matrix * covariance;
+        assert!((one - DMatrix::identity(6, 6)).amax() < 1e-9);
+    }
+
+    /// Differences of −2 ln L between levels are those of the normal distribution with the dense
+    /// covariance of the forces, start and shared unknown integrated or fitted.
+    #[test]
+    fn the_likelihood_is_that_of_the_dense_covariance() {
+        let (rows, pulses) = (40, 4);
+        let mut next = noise(7);
+        let mut columns = |count: usize| DMatrix::from_fn(rows, count, |_, _| next());
+        let (starts, forces, shared) = (columns(2), columns(2 * pulses), columns(1));
+        let residuals = columns(1).column(0) * 3.0;
+        let mut slopes = DMatrix::zeros(rows, LOCALS + 2 * pulses + 1);
+        slopes.columns_mut(0, 2).copy_from(&starts);
+        slopes.columns_mut(LOCALS, 2 * pulses).copy_from(&forces);
+        slopes
+            .columns_mut(LOCALS + 2 * pulses, 1)
+            .copy_from(&shared);
+        let judge = Judge {
+            windows: vec![Products {
+                matrix: slopes.tr_mul(&slopes),
+                slope: slopes.tr_mul(&residuals),
+                square: residuals.norm_squared(),
+                rows,
+                pulses,
+            }],
+            answers: Vec::new(),
+            least: [1e-6; 2],
+        };
+        let found = |level: Level| {
+            let everywhere = judge.everywhere();
+            let none = DMatrix::zeros(2 * pulses, 0);
+            judge.beside(&everywhere, &[none], level, false).unwrap()
+        };
+        let dense = |level: Level| {
+            let pieces = pulses / GROUP;
+            let together = DMatrix::from_fn(pulses, pieces, |pulse, piece| {
+                f64::from(u8::from(pulse / GROUP == piece))
+            });
+            let mut spread = DMatrix::identity(rows, rows);
+            for part in 0..2 {
+                let own = forces.columns(part * pulses, pulses) * &together;
+                spread +=
+                    &own * covariance(pieces, level.size[part], level.memory_s) * own.transpose();
+            }
+            let inverse = spread.clone().try_inverse().unwrap();
+            // generalised least squares for starts (integrated) and what is shared (fitted)
+            let mut all = DMatrix::zeros(rows, 3);
+            all.columns_mut(0, 2).copy_from(&starts);
+            all.columns_mut(2, 1).copy_from(&shared);
+            let weight = all.tr_mul(&(&inverse * &all));
+            let slope: DVector<f64> = all.tr_mul(&(&inverse * &residuals));
+            let fall = slope.dot(
+                &weight
+                    .try_inverse()
+                    .unwrap()
+                    .column_iter()
+                    .enumerate()
+                    .fold(DVector::zeros(3), |sum, (i, column)| {
+                        sum + column * slope[i]
+                    }),
+            );
+            let square = residuals.dot(&(&inverse * &residuals)) - fall;
+            let of_starts = starts.tr_mul(&(&inverse * &starts)).determinant().ln();
+            square + spread.determinant().ln() + of_starts
+        };
+        let levels = [[0.1, 0.2], [1.0, 0.05], [3.0, 2.0]].map(|size| Level {
+            size,
+            memory_s: 0.4,
+        });
+        for pair in levels.windows(2) {
+            let own = found(pair[1]).deviance - found(pair[0]).deviance;
+            let known = dense(pair[1]) - dense(pair[0]);
+            assert!((own - known).abs() < 1e-6, "{own} {known}");
+        }
+    }
 }

@@ -9,6 +9,7 @@ mod made;
 
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_recording::recording::Command;
 use slipstream_sim::effects::CATALOGUE;
 
 fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, RobotModel) {
@@ -125,5 +126,61 @@ fn a_push_is_not_seen_where_the_rest_is_left_out() {
     for excluded_s in [[8.9, 9.3], [8.9, 12.0], [0.0, 9.2]] {
         let hidden = without(&[excluded_s]);
         assert_eq!(hidden.verdict, Verdict::Match, "{}", listing(&hidden));
+    }
+}
+
+/// `record`ed under torques of which the recording tells only the `gentle` part.
+fn disturbed(torque: fn(f64) -> [f64; 2]) -> Answer {
+    let nominal = RobotModel::default();
+    let mut recording = made::record(&nominal, torque, 20.0, 11);
+    let command = recording.robots[0].command.as_mut().unwrap();
+    let told = command.t_s.iter().map(|t_s| made::gentle(t_s + 1e-6));
+    let (right_nm, left_nm) = told.map(|[right, left]| (right, left)).unzip();
+    command.values = Command::Torque { right_nm, left_nm };
+    let request = Request {
+        recordings: std::slice::from_ref(&recording),
+        model_of: &|_| Some(nominal.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    diagnose(&request).unwrap().0
+}
+
+/// Torques without pattern, a three hundredth of the driving ones.
+fn wandering(t_s: f64) -> [f64; 2] {
+    let waves = |first: f64| -> f64 {
+        let wave = |k: i32| (first + f64::from(k * k) + t_s * (0.9 + 1.3 * f64::from(k))).sin();
+        (0..9).map(wave).sum()
+    };
+    let [right, left] = made::gentle(t_s);
+    [right + 6e-5 * waves(0.3), left + 6e-5 * waves(2.1)]
+}
+
+fn gust(t_s: f64) -> [f64; 2] {
+    let [right, left] = made::gentle(t_s);
+    let blows = (8.0..9.2).contains(&t_s);
+    let more = if blows { 0.002 } else { 0.0 };
+    [right + more, left + more]
+}
+
+#[test]
+fn forces_without_pattern_are_no_finding() {
+    let answer = disturbed(wandering);
+    assert_eq!(answer.verdict, Verdict::Match, "{}", listing(&answer));
+    let ids: Vec<&str> = answer.warnings.iter().map(|w| w.id.as_str()).collect();
+    assert_eq!(ids, ["wandering_forces"]);
+}
+
+#[test]
+fn a_force_that_comes_and_goes_is_unknown_and_located() {
+    let answer = disturbed(gust);
+    assert_eq!(answer.verdict, Verdict::Unexplained, "{}", listing(&answer));
+    let [left] = answer.unexplained.as_slice() else {
+        panic!("{}", listing(&answer))
+    };
+    assert_eq!(left.driver, "t");
+    for [from, to] in &left.intervals_s {
+        assert!(*from > 7.5 && *to < 9.7, "{:?}", left.intervals_s);
     }
 }
