@@ -8,11 +8,11 @@ use crate::hypothesis::Hypothesis;
 use crate::input::Warning;
 use crate::misfit::Misfit;
 use crate::score;
-use crate::search::{EXPLAINED, Found};
+use crate::search::Found;
 use crate::statement::statement;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
-use crate::wander::Wander;
+use crate::wander::{EXPLAINED, Wander};
 use crate::window::Window;
 use crate::{interval, located};
 
@@ -187,9 +187,27 @@ impl Answer {
             });
             return;
         }
-        if let Some(wander) = found.wander.filter(|wander| wander.rest < EXPLAINED) {
-            self.warnings.push(wandering(bench, &wander));
-            return;
+        match found.wander {
+            Some(wander) if wander.is_noise(bench) => {
+                self.warnings.push(wandering(bench, &wander));
+                return;
+            }
+            Some(wander) if wander.rest < EXPLAINED => {
+                let [along, about] = wander.over_weight(bench);
+                let channel = if along > about { "longitudinal" } else { "yaw" };
+                self.unexplained.push(Unexplained {
+                    robot,
+                    channel: channel.to_owned(),
+                    driver: "t".to_owned(),
+                    intervals_s: vec![bench.tracks[0].span_s()],
+                    shape: format!(
+                        "forces that follow no variable looked at, {}",
+                        sizes(&wander)
+                    ),
+                });
+                return;
+            }
+            _ => {}
         }
         let (worst, level) = bench.worst(&found.node);
         if bench.is_noise(&found.node) || level < GROSS {
@@ -331,16 +349,25 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
     finding
 }
 
-/// What is left are forces without pattern.
-fn wandering(bench: &Bench, wander: &Wander) -> Warning {
+/// How large forces without pattern are.
+fn sizes(wander: &Wander) -> String {
     let [along_n, about_nm] = wander.level.size;
     let memory_s = wander.level.memory_s;
+    format!(
+        "of {along_n:.2e} N along and {about_nm:.2e} N m about the vertical (standard deviations), \
+         each lasting about {memory_s:.2} s"
+    )
+}
+
+/// What is left are forces without pattern.
+fn wandering(bench: &Bench, wander: &Wander) -> Warning {
     Warning {
         recording: bench.tracks[0].recording.clone(),
         robot: Some(bench.tracks[0].robot.clone()),
         id: "wandering_forces".to_owned(),
         statement: format!(
-            "what is left is as forces without pattern leave it: {along_n:.2e} N along and {about_nm:.2e} N m about the vertical (standard deviations), each lasting about {memory_s:.2} s"
+            "what is left is as forces without pattern leave it, {}",
+            sizes(wander)
         ),
         remedy: "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more".to_owned(),
     }

@@ -5,9 +5,8 @@ use std::ops::Range;
 use crate::bench::Bench;
 use crate::drivers::{Driver, Sampled};
 use crate::force::{self, CHARGE, Missing, Part};
-use crate::search::EXPLAINED;
 use crate::unknown::{Likelier, PAY};
-use crate::wander::{GROUP, Judge, PIECE_S, Wander};
+use crate::wander::{EXPLAINED, GROUP, Judge, PIECE_S, Wander};
 
 /// Share of the largest force below which it does not count as acting, and pieces more at both ends.
 const STRONG: f64 = 0.15;

@@ -6,7 +6,7 @@ use crate::local;
 use crate::located;
 use crate::promise::Promise;
 use crate::unknown::{self, Beyond, Unknown};
-use crate::wander::{Judge, Wander};
+use crate::wander::{EXPLAINED, Judge, Wander};
 
 use crate::window::{AFTER_S, Window};
 use std::cell::LazyCell;
@@ -47,8 +47,6 @@ const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
 const HELD_OUT: f64 = 18.0;
-/// Mean square of residuals (square deviations) up to which forces without pattern explain them.
-pub(crate) const EXPLAINED: f64 = 1.1;
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
@@ -156,13 +154,13 @@ impl Search<'_> {
         Ok((best, looked_at))
     }
 
-    /// Forces without pattern beside `node`, if they explain all that it leaves.
+    /// Small forces without pattern beside `node`, if they explain all that it leaves.
     fn wandering(&self, node: &Node) -> Option<Wander> {
         if self.bench.is_noise(node) {
             return None;
         }
         let wander = Judge::new(self.bench, node)?.alone()?;
-        (wander.rest < EXPLAINED).then_some(wander)
+        wander.is_noise(self.bench).then_some(wander)
     }
 
     /// Where the search begins: at the nominal model, and at what was found before windows were cut

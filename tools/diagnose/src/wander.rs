@@ -25,6 +25,10 @@ const FACTORS: [f64; 3] = [4.0, 2.0, 1.3];
 const MEMORY_S: [f64; 2] = [0.05, 10.0];
 /// Least force that is looked for: acceleration of the robot (m/s², rad/s²).
 const LEAST: [f64; 2] = [1e-5, 1e-4];
+/// Mean square of residuals (square deviations) up to which forces without pattern explain them.
+pub(crate) const EXPLAINED: f64 = 1.1;
+/// Share of the weight up to which they need no explanation: a fifth or less of what rolling takes.
+const SMALL: f64 = 0.002;
 /// Fall of −2 ln L from which on a level is likelier than another.
 const LIKELIER: f64 = 0.1;
 
@@ -81,6 +85,25 @@ struct Reduced {
     volume: f64,
     matrix: DMatrix<f64>,
     slope: DVector<f64>,
+}
+
+impl Wander {
+    /// Whether forces so small that a floor or a motor may well have them explain all residuals.
+    pub(crate) fn is_noise(&self, bench: &Bench) -> bool {
+        let [along, about] = self.over_weight(bench);
+        self.rest < EXPLAINED && along.max(about) < SMALL
+    }
+
+    /// Force and moment over the weight, and over the weight at a wheel's distance.
+    pub(crate) fn over_weight(&self, bench: &Bench) -> [f64; 2] {
+        let [mass_kg, _] = force::inertia(bench);
+        let weight_n = 9.81 * mass_kg;
+        let [along_n, about_nm] = self.level.size;
+        [
+            along_n / weight_n,
+            about_nm / (weight_n * bench.model.robot.half_track_m),
+        ]
+    }
 }
 
 impl Judge {
