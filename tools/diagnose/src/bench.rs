@@ -7,6 +7,7 @@ use slipstream_sim::{CommandKind, Listed, read_effects};
 use crate::fit::{Fit, Free, Problem};
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
+use crate::score;
 use crate::simulate::is_exact_at_any_step;
 use crate::start;
 use crate::track::{CHANNELS, Track};
@@ -168,15 +169,21 @@ impl Bench {
         })
     }
 
-    /// Whether a channel of unknown noise is much further off in `after` than in `before`: where no
-    /// model reaches the noise, the sum over channels may buy one with another.
+    /// Whether a channel of unknown noise is much further off in `after` than in `before`, fitted or
+    /// predicted: where no model reaches the noise, the sum over channels may buy one with another.
     pub(crate) fn spoils(&self, before: &Node, after: &Node) -> bool {
-        let level = |node: &Node, channel: usize| {
-            let level = node.fit.misfit.mean_square(channel).sqrt();
-            level.max(NOISE_UNDECLARED)
+        let unknown = |channel: &usize| !self.is_declared(*channel);
+        let unknown: Vec<usize> = (0..CHANNELS).filter(unknown).collect();
+        if unknown.is_empty() {
+            return false;
+        }
+        let level = |misfit: &Misfit, c: usize| misfit.mean_square(c).sqrt().max(NOISE_UNDECLARED);
+        let worse = |before: &Misfit, after: &Misfit| {
+            let mut channels = unknown.iter();
+            channels.any(|c| level(after, *c) > SPOILT * level(before, *c))
         };
-        let worse = |c: usize| level(after, c) > SPOILT * level(before, c);
-        (0..CHANNELS).any(|channel| !self.is_declared(channel) && worse(channel))
+        let predicted = |node: &Node| score::prediction(self, &self.windows, &node.hypotheses);
+        worse(&before.fit.misfit, &after.fit.misfit) || worse(&predicted(before), &predicted(after))
     }
 
     /// Guesses of these windows' starts under the nominal model.
