@@ -563,7 +563,7 @@ impl Search<'_> {
             );
             if let Some(rival) = rivals
                 .iter()
-                .find(|r| self.is_clear(r, r.hypotheses.len() - 1))
+                .find(|r| self.is_clear(r, r.hypotheses.len() - 1) && !self.bench.spoils(&node, r))
                 && score(rival) < score(&node) - 3.0
                 && swaps < 3
             {
