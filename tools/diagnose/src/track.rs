@@ -121,6 +121,9 @@ pub(crate) struct Track {
     pub(crate) imu_without_weight: bool,
 }
 
+/// How much later than the first command a first measurement comes late (s).
+const LATE_S: f64 = 0.1;
+
 impl Track {
     /// The track of `robot`, driven by its commands, or by its wheels where there are none.
     ///
@@ -234,11 +237,14 @@ impl Track {
         [from, to.min(held)]
     }
 
-    /// The stretches (s) from the first measurement on that are not left out.
+    /// The stretches (s) that are not left out, from the first command on, or from the first
+    /// measurement if that comes late.
     pub(crate) fn stretches_s(&self) -> Vec<[f64; 2]> {
         let [from, to] = self.span_s();
         let firsts = self.series.iter().filter_map(|s| s.rows.first());
-        let first = firsts.map(|(t_s, _)| *t_s).fold(to, f64::min).max(from);
+        let first = firsts.map(|(t_s, _)| *t_s).fold(to, f64::min);
+        // a robot that stood when its commands began is known better than one seen a little later
+        let first = if first > from + LATE_S { first } else { from };
         let mut left_out = self.left_out_s.clone();
         left_out.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let (mut stretches, mut begin) = (Vec::new(), first);
