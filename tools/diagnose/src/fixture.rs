@@ -5,7 +5,7 @@ use slipstream_sim::{Command, Robot, State};
 
 use crate::bench::Bench;
 use crate::track::{Driver, Sensor, Series, Track};
-use crate::window::{WINDOW_S, cut};
+use crate::window::{LOCALS, WINDOW_S, Window, cut};
 
 /// How long each command holds, and between two rows of every sensor (s).
 pub(crate) const HOLD_S: f64 = 0.02;
@@ -68,5 +68,29 @@ pub(crate) fn bench(track: Track, model: RobotModel) -> Bench {
         tracks: vec![track],
         windows,
         model,
+    }
+}
+
+/// Rows of these channels in a window, of nothing.
+pub(crate) fn window(channels: Vec<u8>) -> Window {
+    Window {
+        run: 0,
+        from_s: 0.0,
+        to_s: 1.0,
+        commands: [0; 2],
+        rows: Vec::new(),
+        base: Vec::new(),
+        stamps_s: vec![0.0; channels.len()],
+        channels,
+        free: [true; LOCALS],
+    }
+}
+
+/// Numbers without a pattern between -1 and 1.
+pub(crate) fn numbers(seed: u32) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1 << 23) - 1.0
     }
 }

@@ -34,7 +34,7 @@ pub(crate) struct Step {
 }
 
 /// What is known of a derivative: nothing where a residual fell out of the window.
-fn known(value: f64) -> f64 {
+pub(crate) fn known(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
 
@@ -323,33 +323,15 @@ pub(crate) fn covariance(normals: &[Normal]) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture;
 
     const WINDOWS: usize = 3;
     const SHARED: usize = 2;
     const ROWS: usize = 40;
 
-    /// Numbers without a pattern between -1 and 1.
-    fn numbers() -> impl FnMut() -> f64 {
-        let mut state = 7_u32;
-        move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
-        }
-    }
-
     /// Rows of which every other one is of channel 0, and of channel 2.
     fn window() -> Window {
-        Window {
-            run: 0,
-            from_s: 0.0,
-            to_s: 1.0,
-            commands: [0; 2],
-            rows: Vec::new(),
-            base: Vec::new(),
-            channels: [0, 2].repeat(ROWS / 2),
-            stamps_s: vec![0.0; ROWS],
-            free: [true; LOCALS],
-        }
+        fixture::window([0, 2].repeat(ROWS / 2))
     }
 
     fn weights() -> [f64; CHANNELS] {
@@ -359,7 +341,7 @@ mod tests {
     }
 
     fn some() -> Vec<Linear> {
-        let mut number = numbers();
+        let mut number = fixture::numbers(7);
         let mut column = || (0..ROWS).map(|_| number()).collect::<Vec<f64>>();
         let mut one = |_| Linear {
             residuals: column(),

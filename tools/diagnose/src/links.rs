@@ -101,7 +101,7 @@ impl Link<'_> {
             let own = residuals.iter().skip(part).step_by(3);
             let own: Vec<f64> = own.copied().collect();
             let level = sum(&own) / own.len().max(1) as f64;
-            level.max(1.0) * inefficiency(&[own]).max(1.0)
+            level.max(1.0) * inefficiency(&[own])
         });
         excess.fold(1.0, f64::max)
     }

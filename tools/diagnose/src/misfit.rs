@@ -150,32 +150,18 @@ pub(crate) fn inefficiency(series: &[Vec<f64>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::LOCALS;
+    use crate::fixture;
 
     const ROWS: usize = 4000;
     const WINDOWS: usize = 5;
 
     fn window() -> Window {
-        Window {
-            run: 0,
-            from_s: 0.0,
-            to_s: 1.0,
-            commands: [0; 2],
-            rows: Vec::new(),
-            base: Vec::new(),
-            channels: vec![0; ROWS],
-            stamps_s: vec![0.0; ROWS],
-            free: [true; LOCALS],
-        }
+        fixture::window(vec![0; ROWS])
     }
 
     /// Windows of a series of which each value keeps `share` of the one before and adds what is new.
     fn remembering(share: f64) -> f64 {
-        let mut state = 1_u32;
-        let mut new = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
-        };
+        let mut new = fixture::numbers(1);
         let mut value = 0.0;
         let mut next = || {
             value = share * value + new();

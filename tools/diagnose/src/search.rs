@@ -1,6 +1,7 @@
 //! The search for what is left out: the effects that together bring the residuals to noise.
 
 use crate::bench::{Bench, FULL, Node};
+use crate::force::CHARGE;
 use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
@@ -94,7 +95,7 @@ fn deviance(node: &Node) -> f64 {
 
 /// −2 ln L with a charge for each parameter: what the search makes small.
 fn score(node: &Node) -> f64 {
-    deviance(node) + 6.0 * node.fit.values.len() as f64
+    deviance(node) + CHARGE * node.fit.values.len() as f64
 }
 
 /// What an effect has to bring.
@@ -254,10 +255,13 @@ impl Search<'_> {
         found
     }
 
-    /// The node without pushes.
+    /// The node without its pushes, if it has any.
     fn without_pushes(&self, node: &Node) -> Option<Node> {
         let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
         let lasting: Vec<Hypothesis> = lasting.cloned().collect();
+        if lasting.len() == node.hypotheses.len() {
+            return None;
+        }
         self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 
@@ -466,8 +470,8 @@ impl Search<'_> {
         let brings =
             self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
         if gain <= due(own)
-            || self.bench.spoils(before, after)
             || !(brings || self.is_clear(after, last))
+            || self.bench.spoils(before, after)
         {
             return false;
         }

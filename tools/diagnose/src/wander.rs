@@ -238,9 +238,8 @@ impl Products {
         let used: Vec<usize> = (0..window.channels.len())
             .filter(|i| linear.residuals[*i].is_finite())
             .collect();
-        let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
         let slopes = DMatrix::from_fn(used.len(), columns.len(), |row, column| {
-            finite(columns[column][used[row]])
+            linear::known(columns[column][used[row]])
         });
         let residuals = DVector::from_fn(used.len(), |row, _| linear.residuals[used[row]]);
         Self {
@@ -423,16 +422,9 @@ fn judged(windows: &[Pieces], level: Level) -> Option<Wander> {
 mod tests {
     use nalgebra::{DMatrix, DVector};
 
-    use super::{GROUP, Judge, LOCALS, Level, PIECE_S, Products, believe};
+    use crate::fixture::numbers;
 
-    /// Numbers without pattern.
-    fn noise(seed: u32) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state >> 8) / f64::from(1 << 23) - 1.0
-        }
-    }
+    use super::{GROUP, Judge, LOCALS, Level, PIECE_S, Products, believe};
 
     fn covariance(count: usize, size: f64, memory_s: f64) -> DMatrix<f64> {
         DMatrix::from_fn(count, count, |a, b| {
@@ -455,7 +447,7 @@ mod tests {
     #[test]
     fn the_likelihood_is_that_of_the_dense_covariance() {
         let (rows, pulses) = (40, 4);
-        let mut next = noise(7);
+        let mut next = numbers(7);
         let mut columns = |count: usize| DMatrix::from_fn(rows, count, |_, _| next());
         let (starts, forces, shared) = (columns(2), columns(2 * pulses), columns(1));
         let residuals = columns(1).column(0) * 3.0;
