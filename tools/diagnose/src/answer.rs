@@ -4,6 +4,7 @@ use serde::Serialize;
 use slipstream_sim::effects::Info;
 
 use crate::bench::Bench;
+use crate::force::Part;
 use crate::hypothesis::Hypothesis;
 use crate::input::Warning;
 use crate::misfit::Misfit;
@@ -193,7 +194,7 @@ impl Answer {
                 return;
             }
             Some(wander) if wander.rest < EXPLAINED => {
-                let [along, about] = wander.over_weight(bench);
+                let [along, about] = wander.strengths(bench);
                 let channel = if along > about { "longitudinal" } else { "yaw" };
                 self.unexplained.push(Unexplained {
                     robot,
@@ -201,8 +202,13 @@ impl Answer {
                     driver: "t".to_owned(),
                     intervals_s: vec![bench.tracks[0].span_s()],
                     shape: format!(
-                        "forces that follow no variable looked at, {}",
-                        sizes(&wander)
+                        "{} that follow no variable looked at, {}",
+                        if bench.lacks_motion() {
+                            "motions"
+                        } else {
+                            "forces"
+                        },
+                        sizes(bench, &wander)
                     ),
                 });
                 return;
@@ -350,11 +356,13 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
 }
 
 /// How large forces without pattern are.
-fn sizes(wander: &Wander) -> String {
-    let [along_n, about_nm] = wander.level.size;
+fn sizes(bench: &Bench, wander: &Wander) -> String {
+    let [along, about] = wander.level.size;
     let memory_s = wander.level.memory_s;
+    let [[what, unit], [turn, turn_unit]] =
+        [Part::Longitudinal, Part::Yaw].map(|part| part.quantity(bench.lacks_motion()));
     format!(
-        "of {along_n:.2e} N along and {about_nm:.2e} N m about the vertical (standard deviations), \
+        "of {along:.2e} {unit} ({what}) and {about:.2e} {turn_unit} ({turn}; standard deviations), \
          each lasting about {memory_s:.2} s"
     )
 }
@@ -367,7 +375,7 @@ fn wandering(bench: &Bench, wander: &Wander) -> Warning {
         id: "wandering_forces".to_owned(),
         statement: format!(
             "what is left is as forces without pattern leave it, {}",
-            sizes(wander)
+            sizes(bench, wander)
         ),
         remedy: "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more".to_owned(),
     }

@@ -91,6 +91,12 @@ impl Bench {
         })
     }
 
+    /// Whether wheels turn as they are told, so that no force can be missing, but a motion.
+    pub(crate) fn lacks_motion(&self) -> bool {
+        let mut tracks = self.tracks.iter();
+        tracks.any(|track| track.kind() == CommandKind::Speed)
+    }
+
     fn step_s(&self, list: &[Listed<f64>]) -> f64 {
         let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
         let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
@@ -160,6 +166,11 @@ impl Bench {
         }
     }
 
+    /// Whether the recording says how noisy each of its channels is.
+    pub(crate) fn knows_noise(&self) -> bool {
+        (0..CHANNELS).all(|channel| self.is_declared(channel))
+    }
+
     /// Whether the recording says how noisy a channel is.
     fn is_declared(&self, channel: usize) -> bool {
         let mut series = self.tracks.iter().flat_map(|track| &track.series);
@@ -170,7 +181,8 @@ impl Bench {
     }
 
     /// Whether a channel of unknown noise is much further off in `after` than in `before`, fitted or
-    /// predicted: where no model reaches the noise, the sum over channels may buy one with another.
+    /// predicted, over the whole of the recordings: where no model reaches the noise, the sum over
+    /// channels may buy one with another.
     pub(crate) fn spoils(&self, before: &Node, after: &Node) -> bool {
         let unknown = |channel: &usize| !self.is_declared(*channel);
         let unknown: Vec<usize> = (0..CHANNELS).filter(unknown).collect();
@@ -182,7 +194,10 @@ impl Bench {
             let mut channels = unknown.iter();
             channels.any(|c| level(after, *c) > SPOILT * level(before, *c))
         };
-        let predicted = |node: &Node| score::prediction(self, &self.windows, &node.hypotheses);
+        let runs = self.tracks.iter().enumerate();
+        let all = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, &[]));
+        let all: Vec<Window> = all.collect();
+        let predicted = |node: &Node| score::prediction(self, &all, &node.hypotheses);
         worse(&before.fit.misfit, &after.fit.misfit) || worse(&predicted(before), &predicted(after))
     }
 

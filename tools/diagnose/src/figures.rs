@@ -188,7 +188,7 @@ fn of_channel(bench: &Bench, node: &Node, run: usize, channel: usize) -> Vec<Poi
         .collect()
 }
 
-/// The missing force at every pulse around `node`. `None` for robots that are driven by speeds.
+/// The missing force at every pulse around `node`.
 fn moments(bench: &Bench, node: &Node) -> Option<Vec<Moment>> {
     let answers: Vec<Answers> = force::answers(bench, node)?;
     let forces = local::over_time(bench, node, &answers, &[1.0; CHANNELS]);
@@ -218,7 +218,7 @@ fn over_time(bench: &Bench, before: &[Moment], after: &[Moment]) -> Vec<MissingF
     };
     let all = all.map(|(run, part)| MissingForce {
         run,
-        quantity: quantity(part),
+        quantity: quantity(bench, part),
         before: line(before, run, part),
         after: line(after, run, part),
     });
@@ -245,7 +245,8 @@ fn smoothed(line: &[Point]) -> Vec<Point> {
 }
 
 /// What a missing force and moment are on one part of the robot (N, N m): along the body, about the
-/// vertical, or torques of the wheels that make both.
+/// vertical, or torques of the wheels that make both. Or speed and turn rate (m/s, rad/s), and speeds
+/// of wheels.
 fn acting_on(bench: &Bench, part: Part, moment: &Moment) -> f64 {
     let body = &bench.model.robot;
     let [r, b] = [body.wheel_radius_m, body.half_track_m];
@@ -253,19 +254,16 @@ fn acting_on(bench: &Bench, part: Part, moment: &Moment) -> f64 {
     match part {
         Part::Longitudinal => along,
         Part::Yaw => about,
+        Part::WheelRight if bench.lacks_motion() => (along + about * b) / r,
+        Part::WheelLeft if bench.lacks_motion() => (along - about * b) / r,
         Part::WheelRight => r * (along + about / b) / 2.0,
         Part::WheelLeft => r * (along - about / b) / 2.0,
     }
 }
 
-fn quantity(part: Part) -> String {
-    let words = match part {
-        Part::Longitudinal => "missing force along the body (N)",
-        Part::Yaw => "missing moment about the vertical (N m)",
-        Part::WheelRight => "missing torque, right wheel (N m)",
-        Part::WheelLeft => "missing torque, left wheel (N m)",
-    };
-    words.to_owned()
+fn quantity(bench: &Bench, part: Part) -> String {
+    let [what, unit] = part.quantity(bench.lacks_motion());
+    format!("missing {what} ({unit})")
 }
 
 /// The part and the variable that tell most of an effect. Nothing for sensors, which miss no force,
@@ -317,7 +315,7 @@ fn of_effect(bench: &Bench, effect: &str, before: &[Moment], after: &[Moment]) -
         };
         Some(Against {
             effect: effect.to_owned(),
-            quantity: quantity(*part),
+            quantity: quantity(bench, *part),
             variable: variable(bench, driver, *part),
             before: points(before),
             after: points(after),
@@ -420,7 +418,7 @@ fn of_unknown(bench: &Bench, unknown: &Unknown, left: &[Moment]) -> Vec<Against>
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         Against {
             effect: "unknown".to_owned(),
-            quantity: quantity(part).replace(" (N", &format!("{way} (N")),
+            quantity: quantity(bench, part).replace(" (", &format!("{way} (")),
             variable: if axis.is_empty() {
                 variable(bench, driver, part)
             } else {

@@ -1,5 +1,5 @@
 //! The force that is missing: how every measurement answers to a push at every moment, and which
-//! variable the missing force follows.
+//! variable the missing force follows. Where wheels turn as they are told it is a motion.
 //!
 //! A robot that rolls has two degrees of freedom, so that any missing force is one along the body
 //! and a moment about the vertical. Both are sent through the plant, pulse by pulse; a force that is
@@ -7,13 +7,14 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
-use slipstream_sim::CommandKind;
 
 use crate::bench::{Bench, Node};
 use crate::drivers::{Driver, Sampled};
 use crate::linear;
 use crate::misfit::Misfit;
+use crate::motion;
 use crate::simulate::{Bookmark, Pulse, Simulation};
+use crate::window::LOCALS;
 
 /// Length of a pulse (s).
 pub(crate) const PULSE_S: f64 = 0.05;
@@ -24,7 +25,8 @@ pub(crate) const CHARGE: f64 = 6.0;
 /// Accelerations of the pulses: along (m/s²) and about (rad/s²).
 const PULSE: [f64; 2] = [0.2, 2.0];
 
-/// Answers of one window: for each pulse, residuals per newton and per newton metre.
+/// Answers of one window: for each pulse, residuals per newton and per newton metre, or per m/s and per
+/// rad/s where a motion is missing.
 pub(crate) struct Answers {
     /// Middle of each pulse (s).
     pub(crate) at_s: Vec<f64>,
@@ -73,6 +75,20 @@ impl Part {
             Self::WheelLeft => "wheel_left",
         }
     }
+
+    /// What is missing there, and its unit: a force, or a motion of wheels that turn as they are told.
+    pub(crate) fn quantity(self, of_motion: bool) -> [&'static str; 2] {
+        match (self, of_motion) {
+            (Self::Longitudinal, false) => ["force along the body", "N"],
+            (Self::Yaw, false) => ["moment about the vertical", "N m"],
+            (Self::WheelRight, false) => ["torque at the right wheel", "N m"],
+            (Self::WheelLeft, false) => ["torque at the left wheel", "N m"],
+            (Self::Longitudinal, true) => ["speed along the body", "m/s"],
+            (Self::Yaw, true) => ["turn rate", "rad/s"],
+            (Self::WheelRight, true) => ["speed of the right wheel", "rad/s"],
+            (Self::WheelLeft, true) => ["speed of the left wheel", "rad/s"],
+        }
+    }
 }
 
 /// A missing force as a function of one variable.
@@ -100,15 +116,8 @@ impl Missing {
     }
 }
 
-/// The answers of every window around `node`. `None` for robots that are driven by speeds.
+/// The answers of every window around `node`.
 pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
-    if bench
-        .tracks
-        .iter()
-        .any(|track| track.kind() == CommandKind::Speed)
-    {
-        return None;
-    }
     bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;
         let [mass, inertia] = inertia(bench);
@@ -116,6 +125,9 @@ pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
         let windows = bench.windows.par_iter().enumerate();
         let answers = windows.map(|(w, window)| {
             let simulation = problem.simulation(window, &robots);
+            if bench.lacks_motion() {
+                return motion::answers(bench, node, &simulation, w);
+            }
             let (start, base) = (&node.fit.starts[w], &node.fit.linear[w].residuals);
             let marks = simulation.bookmarks(start, PULSE_S);
             let answer = |mark: &Bookmark, part: usize| {
@@ -131,8 +143,11 @@ pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
     })
 }
 
-/// Mass (kg) and yaw inertia (kg m²) of the body, or what is likely.
+/// Mass (kg) and yaw inertia (kg m²) of the body, or what is likely; one where a motion is missing.
 pub(crate) fn inertia(bench: &Bench) -> [f64; 2] {
+    if bench.lacks_motion() {
+        return [1.0, 1.0];
+    }
     let body = &bench.model.robot;
     let mass = body.body_mass_kg.unwrap_or(1.0);
     [mass, body.body_yaw_inertia_kg_m2.unwrap_or(0.01 * mass)]
@@ -162,15 +177,19 @@ fn one(
 }
 
 /// What a force on `part` that opposes the motion, or does not, is in force along and moment about
-/// per unit.
+/// per unit; or what a motion of it is in speed and turn rate.
 fn shares(bench: &Bench, part: Part, against: bool, sampled: &Sampled) -> [f64; 2] {
     let body = &bench.model.robot;
     let [r, b] = [body.wheel_radius_m, body.half_track_m];
+    let wheel = |side: f64| match bench.lacks_motion() {
+        true => [r / 2.0, side * r / (2.0 * b)],
+        false => [1.0 / r, side * b / r],
+    };
     let (shares, speed) = match part {
         Part::Longitudinal => ([1.0, 0.0], sampled.v),
         Part::Yaw => ([0.0, 1.0], sampled.w),
-        Part::WheelRight => ([1.0 / r, b / r], sampled.v + b * sampled.w),
-        Part::WheelLeft => ([1.0 / r, -b / r], sampled.v - b * sampled.w),
+        Part::WheelRight => (wheel(1.0), sampled.v + b * sampled.w),
+        Part::WheelLeft => (wheel(-1.0), sampled.v - b * sampled.w),
     };
     let sign = match against {
         false => 1.0,
@@ -244,13 +263,7 @@ fn follow(
     part: Part,
     against: bool,
 ) -> Option<Missing> {
-    let windows = answers.iter().zip(samples).zip(&bench.windows);
-    let columns: Vec<Vec<Vec<f64>>> = windows
-        .map(|((answers, samples), window)| {
-            let mix = mix(bench, samples, driver, part, against);
-            answers.mixed(&mix, window.channels.len())
-        })
-        .collect();
+    let columns = columns(bench, answers, samples, driver, part, against);
     let known = node.fit.values.len();
     let mut weights = node.fit.misfit.weights();
     let mut best: Option<Missing> = None;
@@ -287,4 +300,53 @@ fn follow(
         }
     }
     best
+}
+
+/// Of each window, how residuals answer to a unit of each function of `driver`.
+fn columns(
+    bench: &Bench,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+    driver: &Driver,
+    part: Part,
+    against: bool,
+) -> Vec<Vec<Vec<f64>>> {
+    let windows = answers.iter().zip(samples).zip(&bench.windows);
+    let columns = windows.map(|((answers, samples), window)| {
+        let mix = mix(bench, samples, driver, part, against);
+        answers.mixed(&mix, window.channels.len())
+    });
+    columns.collect()
+}
+
+/// −2 ln L that a missing force brings in windows that its numbers were not fitted to: every other
+/// window in turn, to first order.
+pub(crate) fn held_out_gain(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+    missing: &Missing,
+) -> f64 {
+    let Missing { driver, part, .. } = missing;
+    let columns = columns(bench, answers, samples, driver, *part, missing.against);
+    let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
+    let weights = node.fit.misfit.weights();
+    let all = bench.windows.iter().zip(&node.fit.linear);
+    let normals: Vec<_> = all
+        .enumerate()
+        .map(|(w, (window, linear))| linear.normal(window, &weights, &linear.residuals, &more(w)))
+        .collect();
+    let learnt = [0, 1].map(|fold| {
+        let own = normals.iter().skip(fold).step_by(2).cloned();
+        linear::step(&own.collect::<Vec<_>>(), 1e-6, |_, step| step).globals
+    });
+    let predicted = node.fit.linear.iter().enumerate().map(|(w, linear)| {
+        let others = &learnt[1 - w % 2];
+        linear.predicted(&linear.residuals, &more(w), &[0.0; LOCALS], others)
+    });
+    let predicted: Vec<Vec<f64>> = predicted.collect();
+    let mut after = bench.eased(node, &predicted);
+    after.memory = node.fit.misfit.memory;
+    after.gain_over(&node.fit.misfit)
 }

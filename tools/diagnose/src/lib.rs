@@ -25,6 +25,7 @@ mod local;
 mod located;
 mod manoeuvre;
 mod misfit;
+mod motion;
 mod noise;
 mod passing;
 mod predict;

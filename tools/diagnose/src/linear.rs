@@ -19,6 +19,7 @@ pub(crate) struct Linear {
 }
 
 /// Normal equations of one window.
+#[derive(Clone)]
 pub(crate) struct Normal {
     own: Own,
     cross: DMatrix<f64>,

@@ -26,10 +26,12 @@ const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
 const FRICTIONS: [f64; 3] = [0.06, 0.12, 0.18];
 /// Force that is believable where nothing shows it, as a share of the weight.
 const BELIEVED: f64 = 0.05;
+/// The same for the speed of a wheel over the floor.
+const BELIEVED_M_S: f64 = 0.2;
 
 /// Places and moments at which `node` leaves most unexplained.
 pub(crate) fn candidates(bench: &Bench, node: &Node, excluded: &[String]) -> Vec<Hypothesis> {
-    if bench.is_noise(node) {
+    if bench.is_noise(node) || bench.lacks_motion() {
         return Vec::new();
     }
     let wanted = |id: &str| !excluded.iter().any(|known| known == id);
@@ -186,8 +188,8 @@ fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
     places
 }
 
-/// The missing force along (N) and moment about (N m) at every pulse, kept small where nothing shows
-/// it (ridge regression; Hoerl and Kennard, 1970). `weights` of the channels: 1 believes them as far
+/// The missing force along (N) and moment about (N m) at every pulse, or speed and turn rate, kept
+/// small where nothing shows it (ridge regression; Hoerl and Kennard, 1970). `weights` of the channels: 1 believes them as far
 /// as their noise goes.
 pub(crate) fn over_time(
     bench: &Bench,
@@ -197,7 +199,11 @@ pub(crate) fn over_time(
 ) -> Vec<Vec<[f64; 2]>> {
     let body = &bench.model.robot;
     let weight = 9.81 * body.body_mass_kg.unwrap_or(1.0);
-    let believed = [BELIEVED * weight, BELIEVED * weight * body.half_track_m];
+    let b = body.half_track_m;
+    let believed = match bench.lacks_motion() {
+        true => [BELIEVED_M_S, BELIEVED_M_S / b],
+        false => [BELIEVED * weight, BELIEVED * weight * b],
+    };
     let windows = answers.par_iter().enumerate();
     let forces = windows.map(|(w, answers)| {
         let linear = node.fit.linear[w].without_globals();

@@ -41,7 +41,7 @@ impl Bench {
     }
 
     /// What `residuals` from the starts of `node` come to where these fit best, to first order.
-    fn eased(&self, node: &Node, residuals: &[Vec<f64>]) -> Misfit {
+    pub(crate) fn eased(&self, node: &Node, residuals: &[Vec<f64>]) -> Misfit {
         let weights = Misfit::new(&self.windows, residuals).weights();
         let windows = self.windows.iter().zip(&node.fit.linear).zip(residuals);
         let predicted = windows.map(|((window, linear), base)| {

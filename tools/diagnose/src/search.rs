@@ -47,7 +47,7 @@ const PAY_LOCAL: f64 = 40.0;
 const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
-const HELD_OUT: f64 = 18.0;
+pub(crate) const HELD_OUT: f64 = 18.0;
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.

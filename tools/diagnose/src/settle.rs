@@ -35,7 +35,9 @@ impl Bench {
             }
             self.fit(&hypotheses, &starts, FULL)
         };
-        let better = |grown: &Node| grown.fit.misfit.deviance() < node.fit.misfit.deviance();
+        let better = |grown: &Node| {
+            grown.fit.misfit.deviance() < node.fit.misfit.deviance() && !self.spoils(&node, grown)
+        };
         grow().filter(better).unwrap_or(node)
     }
 

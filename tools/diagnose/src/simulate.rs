@@ -73,6 +73,13 @@ pub(crate) struct Bookmark {
     state: State,
 }
 
+impl Bookmark {
+    /// Where the robot is.
+    pub(crate) fn pose(&self) -> [f64; 3] {
+        self.state.pose()
+    }
+}
+
 /// A force from outside while a simulation runs: along, across, about, at the right and at the left
 /// wheel, and until when.
 #[derive(Clone, Copy)]

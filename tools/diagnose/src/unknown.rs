@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
-use crate::force::{self, CHARGE, Missing, PULSE_S, Part};
+use crate::force::{self, CHARGE, Missing, PULSE_S};
 use crate::passing::passing;
+use crate::search::HELD_OUT;
 use crate::wander::{Judge, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
@@ -39,12 +40,17 @@ pub(crate) struct Beyond {
     pub(crate) score: f64,
 }
 
-/// What is beyond the catalogue beside `node`. `None` for robots that are driven by speeds.
+/// What is beyond the catalogue beside `node`.
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let judge = Judge::new(bench, node)?;
     let wander = judge.alone()?;
     let samples = force::samples(bench, &judge.answers);
-    let likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
+    let mut likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
+    if !bench.knows_noise() {
+        // no level says what is noise, but it does not repeat
+        likely
+            .retain(|m| force::held_out_gain(bench, node, &judge.answers, &samples, m) > HELD_OUT);
+    }
     let followed = followed(bench, &judge, &samples, &likely, &wander);
     // a force that follows a variable says more than when it acted
     let gain = followed.as_ref().map_or(0.0, |followed| followed.gain);
@@ -152,7 +158,7 @@ fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {
             _ => intervals_s.push([from, to]),
         }
     }
-    let shape = shape(&missing, &moments, most, &large);
+    let shape = shape(&missing, bench.lacks_motion(), &moments, most, &large);
     Unknown {
         missing,
         intervals_s,
@@ -169,21 +175,12 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 fn shape(
     missing: &Missing,
+    of_motion: bool,
     moments: &[(f64, f64, f64)],
     most: f64,
     large: &dyn Fn(f64) -> bool,
 ) -> String {
-    let unit = if missing.part == Part::Longitudinal {
-        "N"
-    } else {
-        "N m"
-    };
-    let what = match missing.part {
-        Part::Longitudinal => "force along the body",
-        Part::Yaw => "moment about the vertical",
-        Part::WheelRight => "torque at the right wheel",
-        Part::WheelLeft => "torque at the left wheel",
-    };
+    let [what, unit] = missing.part.quantity(of_motion);
     let way = if missing.against {
         " against the motion"
     } else {
@@ -212,6 +209,6 @@ fn shape(
     format!(
         "a {what}{way} that follows {}, up to {:.3} {unit}{place}",
         driver.name,
-        most.abs()
+        if missing.against { most.abs() } else { most }
     )
 }

@@ -57,6 +57,7 @@ pub(crate) struct Judge {
     windows: Vec<Products>,
     pub(crate) answers: Vec<Answers>,
     least: [f64; 2],
+    knows_noise: bool,
 }
 
 /// One window's products of residuals and of their slopes: starts, pulses along, pulses about, then
@@ -88,26 +89,31 @@ struct Reduced {
 }
 
 impl Wander {
-    /// Whether forces so small that a floor or a motor may well have them explain all residuals.
+    /// Whether forces so small that a floor or a motor may well have them explain all residuals. How
+    /// exactly wheels turn as they are told nobody knows.
     pub(crate) fn is_noise(&self, bench: &Bench) -> bool {
-        let [along, about] = self.over_weight(bench);
+        if bench.lacks_motion() {
+            return false;
+        }
+        let [along, about] = self.strengths(bench);
         self.rest < EXPLAINED && along.max(about) < SMALL
     }
 
-    /// Force and moment over the weight, and over the weight at a wheel's distance.
-    pub(crate) fn over_weight(&self, bench: &Bench) -> [f64; 2] {
+    /// Force and moment over the weight, and over the weight at a wheel's distance; of a motion, what
+    /// each is at a wheel (m/s).
+    pub(crate) fn strengths(&self, bench: &Bench) -> [f64; 2] {
         let [mass_kg, _] = force::inertia(bench);
         let weight_n = 9.81 * mass_kg;
-        let [along_n, about_nm] = self.level.size;
-        [
-            along_n / weight_n,
-            about_nm / (weight_n * bench.model.robot.half_track_m),
-        ]
+        let [along, about] = self.level.size;
+        let b = bench.model.robot.half_track_m;
+        match bench.lacks_motion() {
+            true => [along, about * b],
+            false => [along / weight_n, about / (weight_n * b)],
+        }
     }
 }
 
 impl Judge {
-    /// `None` for robots that are driven by speeds.
     pub(crate) fn new(bench: &Bench, node: &Node) -> Option<Self> {
         let answers = force::answers(bench, node)?;
         let windows = bench.windows.par_iter().zip(&node.fit.linear).zip(&answers);
@@ -117,6 +123,7 @@ impl Judge {
             windows: windows.collect(),
             answers,
             least: [LEAST[0] * along, LEAST[1] * about],
+            knows_noise: bench.knows_noise(),
         })
     }
 
@@ -147,7 +154,7 @@ impl Judge {
         if searched {
             self.likeliest(&windows, level)
         } else {
-            judged(&windows, level)
+            self.judged(&windows, level)
         }
     }
 
@@ -185,14 +192,14 @@ impl Judge {
 
     /// Searches the level, each number by itself, by ever smaller factors.
     fn likeliest(&self, windows: &[Pieces], from: Level) -> Option<Wander> {
-        let mut best = judged(windows, from)?;
+        let mut best = self.judged(windows, from)?;
         for factor in FACTORS {
             loop {
                 let before = best.deviance;
                 for (which, by) in (0..3).flat_map(|i| [(i, factor), (i, 1.0 / factor)]) {
                     while let Some(next) = self
                         .moved(&best.level, which, by)
-                        .and_then(|level| judged(windows, level))
+                        .and_then(|level| self.judged(windows, level))
                         .filter(|next| next.deviance < best.deviance - LIKELIER)
                     {
                         best = next;
@@ -204,6 +211,29 @@ impl Judge {
             }
         }
         Some(best)
+    }
+
+    /// Forces of `level` beside all windows, with the shared unknowns at their best.
+    fn judged(&self, windows: &[Pieces], level: Level) -> Option<Wander> {
+        let parts: Option<Vec<Reduced>> = windows.par_iter().map(|w| w.reduced(&level)).collect();
+        let parts = parts?;
+        let (matrix, slope) = summed(&parts)?;
+        let own: f64 = parts.iter().map(|part| part.square).sum();
+        let volume: f64 = parts.iter().map(|part| part.volume).sum();
+        let step = linear::solved(&matrix, &slope);
+        let fall: f64 = step.iter().zip(&slope).map(|(step, s)| -step * s).sum();
+        let rows: usize = windows.iter().map(|w| w.rows).sum();
+        let rest = (own - fall) / rows.max(1) as f64;
+        // noise that is not known is what is left, and forces are in proportion to it
+        let misfit = match self.knows_noise {
+            true => own - fall,
+            false => rows as f64 * rest.ln(),
+        };
+        Some(Wander {
+            level,
+            deviance: misfit + volume,
+            rest,
+        })
     }
 
     /// `level` with one of its numbers multiplied, as far as it may go.
@@ -401,23 +431,6 @@ fn summed(parts: &[Reduced]) -> Option<(DMatrix<f64>, DVector<f64>)> {
     Some((matrix, slope))
 }
 
-/// Forces of `level` beside all windows, with the shared unknowns at their best.
-fn judged(windows: &[Pieces], level: Level) -> Option<Wander> {
-    let parts: Option<Vec<Reduced>> = windows.par_iter().map(|w| w.reduced(&level)).collect();
-    let parts = parts?;
-    let (matrix, slope) = summed(&parts)?;
-    let own: f64 = parts.iter().map(|part| part.square).sum();
-    let volume: f64 = parts.iter().map(|part| part.volume).sum();
-    let step = linear::solved(&matrix, &slope);
-    let fall: f64 = step.iter().zip(&slope).map(|(step, s)| -step * s).sum();
-    let rows: usize = windows.iter().map(|w| w.rows).sum();
-    Some(Wander {
-        level,
-        deviance: own - fall + volume,
-        rest: (own - fall) / rows.max(1) as f64,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use nalgebra::{DMatrix, DVector};
@@ -457,7 +470,7 @@ mod tests {
         slopes
             .columns_mut(LOCALS + 2 * pulses, 1)
             .copy_from(&shared);
-        let judge = Judge {
+        let judge = |knows_noise: bool| Judge {
             windows: vec![Products {
                 matrix: slopes.tr_mul(&slopes),
                 slope: slopes.tr_mul(&residuals),
@@ -467,13 +480,15 @@ mod tests {
             }],
             answers: Vec::new(),
             least: [1e-6; 2],
+            knows_noise,
         };
-        let found = |level: Level| {
+        let found = |knows_noise: bool, level: Level| {
+            let judge = judge(knows_noise);
             let everywhere = judge.everywhere();
             let none = DMatrix::zeros(2 * pulses, 0);
             judge.beside(&everywhere, &[none], level, false).unwrap()
         };
-        let dense = |level: Level| {
+        let dense = |knows_noise: bool, level: Level| {
             let pieces = pulses / GROUP;
             let together = DMatrix::from_fn(pulses, pieces, |pulse, piece| {
                 f64::from(u8::from(pulse / GROUP == piece))
@@ -503,15 +518,24 @@ mod tests {
             );
             let square = residuals.dot(&(&inverse * &residuals)) - fall;
             let of_starts = starts.tr_mul(&(&inverse * &starts)).determinant().ln();
-            square + spread.determinant().ln() + of_starts
+            let volume = spread.determinant().ln() + of_starts;
+            // of noise that is not known the likeliest variance is the mean square
+            let misfit = match knows_noise {
+                true => square,
+                false => rows as f64 * square.ln(),
+            };
+            misfit + volume
         };
         let levels = [[0.1, 0.2], [1.0, 0.05], [3.0, 2.0]].map(|size| Level {
             size,
             memory_s: 0.4,
         });
-        for pair in levels.windows(2) {
-            let own = found(pair[1]).deviance - found(pair[0]).deviance;
-            let known = dense(pair[1]) - dense(pair[0]);
+        for (pair, knows_noise) in levels
+            .windows(2)
+            .flat_map(|pair| [(pair, true), (pair, false)])
+        {
+            let own = found(knows_noise, pair[1]).deviance - found(knows_noise, pair[0]).deviance;
+            let known = dense(knows_noise, pair[1]) - dense(knows_noise, pair[0]);
             assert!((own - known).abs() < 1e-6, "{own} {known}");
         }
     }

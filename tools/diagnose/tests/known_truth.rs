@@ -9,7 +9,8 @@ mod made;
 
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
-use slipstream_recording::recording::Command;
+use slipstream_recording::Recording;
+use slipstream_recording::recording::{Command, Pose, Robot, Stream};
 use slipstream_sim::effects::CATALOGUE;
 
 fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, RobotModel) {
@@ -183,4 +184,80 @@ fn a_force_that_comes_and_goes_is_unknown_and_located() {
     for [from, to] in &left.intervals_s {
         assert!(*from > 7.5 && *to < 9.7, "{:?}", left.intervals_s);
     }
+}
+
+/// A robot that is told speeds and loses half of the forward one for each rad/s that it is told to turn by,
+/// seen by a camera of which no noise is declared.
+fn slow_in_arcs() -> Recording {
+    let step_s = 1e-3;
+    let [mut x, mut y, mut yaw] = [0.0, 0.0, 0.3_f64];
+    let (mut told, mut seen) = ([vec![], vec![], vec![]], [vec![], vec![], vec![], vec![]]);
+    // between -1 and 1, without a pattern that a robot could follow
+    let noise = |seed: f64| 2.0 * ((seed * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
+    for k in 0..30_000_u32 {
+        let t_s = f64::from(k) * step_s;
+        let held_s = (t_s / 0.1).floor() * 0.1;
+        let v = 0.3 + 0.1 * (0.31 * held_s).sin();
+        let w = 0.5 * (0.7 * held_s).sin() + 0.4 * (1.9 * held_s + 1.0).sin();
+        if k % 100 == 0 {
+            [t_s, v, w]
+                .iter()
+                .zip(&mut told)
+                .for_each(|(value, column)| column.push(*value));
+        }
+        if k % 20 == 0 {
+            let [along, across, turn] = [0.0, 0.3, 0.7].map(|part| noise(f64::from(k) + part));
+            let row = [t_s, x + 1e-3 * along, y + 1e-3 * across, yaw + 2e-3 * turn];
+            row.iter()
+                .zip(&mut seen)
+                .for_each(|(value, column)| column.push(*value));
+        }
+        let way = v * (1.0 - 0.5 * w.abs()) * step_s;
+        let middle = yaw + w * step_s / 2.0;
+        x += way * middle.cos();
+        y += way * middle.sin();
+        yaw += w * step_s;
+    }
+    let [t_s, v_m_s, w_rad_s] = told;
+    let mut robot = Robot::named("r1");
+    robot.command = Some(Stream {
+        t_s,
+        values: Command::Twist { v_m_s, w_rad_s },
+        unknown: vec![],
+    });
+    let [t_s, x_m, y_m, yaw] = seen;
+    robot.pose = Some(Stream {
+        t_s,
+        values: Pose {
+            x_m,
+            y_m,
+            yaw_rad: Some(yaw),
+        },
+        unknown: vec![],
+    });
+    Recording {
+        name: "arcs".to_owned(),
+        robots: vec![robot],
+        ..Recording::default()
+    }
+}
+
+#[test]
+fn a_robot_that_drives_otherwise_than_told_has_an_unknown_motion() {
+    let recording = slow_in_arcs();
+    let request = Request {
+        recordings: std::slice::from_ref(&recording),
+        model_of: &|_| Some(RobotModel::default()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    let answer = diagnose(&request).unwrap().0;
+    assert_eq!(answer.verdict, Verdict::Unexplained, "{}", listing(&answer));
+    let unknown = answer.findings.last().unwrap();
+    assert_eq!(unknown.effect, "unknown", "{}", listing(&answer));
+    assert_eq!(unknown.place.channel, "longitudinal");
+    assert_eq!(unknown.driver.as_deref(), Some("w"));
+    let shape = unknown.shape.as_deref().unwrap();
+    assert!(shape.contains("speed along the body"), "{shape}");
 }

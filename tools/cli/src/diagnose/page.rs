@@ -200,15 +200,12 @@ fn row_of(name: &str, spans: &[(f64, f64)]) -> Row {
 }
 
 fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
-    page.subsection("The missing force");
-    if figures.forces.is_empty() {
-        page.paragraph("This robot is driven by wheel speeds: no force moves it in the model, and none is missing.");
-        return Ok(());
-    }
+    page.subsection("What is missing");
     page.paragraph(
         "The force that would have to be added to the model at every moment (50 ms each) for it to \
          follow the measurements, without any idea of the cause; kept near zero where the \
-         measurements say nothing of it. Over time: its mean over a quarter of a second, without the extremes.",
+         measurements say nothing of it. Wheels that turn as they are told feel no force: then it is a \
+         motion. Over time: its mean over a quarter of a second, without the extremes.",
     );
     for force in &figures.forces {
         add_over_time(page, force, &of_run(figures, force.run))?;
@@ -253,7 +250,7 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
                     .colour(FOUND.1),
             );
     } else {
-        let curve = Line::new("the force that was found", against.curve.iter().copied());
+        let curve = Line::new("what was found", against.curve.iter().copied());
         let curve = curve.colour(NOMINAL.1);
         chart = chart
             .line(dots("missing at each moment", &against.before, 4))
