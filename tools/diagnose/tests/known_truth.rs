@@ -245,9 +245,12 @@ fn slow_in_arcs() -> Recording {
 #[test]
 fn a_robot_that_drives_otherwise_than_told_has_an_unknown_motion() {
     let recording = slow_in_arcs();
+    // no mass is known: nothing speaks of forces
+    let mut nominal = RobotModel::default();
+    nominal.robot.body_mass_kg = None;
     let request = Request {
         recordings: std::slice::from_ref(&recording),
-        model_of: &|_| Some(RobotModel::default()),
+        model_of: &|_| Some(nominal.clone()),
         excluded: &[],
         excluded_s: &[],
         progress: &|_| (),
