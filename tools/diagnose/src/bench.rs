@@ -22,6 +22,9 @@ const LONG_STEP_S: f64 = 0.02;
 const NOISE: f64 = 1.12;
 const NOISE_UNDECLARED: f64 = 1.5;
 
+/// Level (deviations) at which nothing more can be explained.
+const NOTHING_LEFT: f64 = 1.05;
+
 /// Growth of the level of a channel that spoils it.
 const SPOILT: f64 = 1.15;
 
@@ -146,6 +149,12 @@ impl Bench {
     /// Whether what `node` leaves is noise in every channel.
     pub(crate) fn is_noise(&self, node: &Node) -> bool {
         (0..CHANNELS).all(|channel| self.excess(node, channel) < 1.0)
+    }
+
+    /// Whether what `node` leaves is all that the declared noise is, and nothing more.
+    pub(crate) fn is_all(&self, node: &Node) -> bool {
+        let level = |channel: usize| node.fit.misfit.mean_square(channel).sqrt();
+        self.knows_noise() && (0..CHANNELS).all(|channel| level(channel) < NOTHING_LEFT)
     }
 
     /// The channel that `node` leaves furthest above its noise, and its level (deviations).

@@ -147,25 +147,9 @@ impl Driver {
     /// The drivers that `samples` cover.
     pub(crate) fn all(samples: &[Vec<Sampled>]) -> Vec<Self> {
         let flat: Vec<&Sampled> = samples.iter().flatten().collect();
-        let hats =
-            |name: &'static str, unit: &'static str, count: usize, of: fn(&Sampled) -> f64| {
-                let mut values: Vec<f64> = flat
-                    .iter()
-                    .map(|s| of(s))
-                    .filter(|v| v.is_finite())
-                    .collect();
-                values.sort_by(f64::total_cmp);
-                let rim = (RIM * values.len() as f64) as usize;
-                let (low, high) = (*values.get(rim)?, values[values.len() - 1 - rim]);
-                let knots: Vec<f64> = (0..count)
-                    .map(|k| low + (high - low) * k as f64 / (count - 1) as f64)
-                    .collect();
-                (high - low > 1e-6).then_some(Self {
-                    name,
-                    unit,
-                    basis: Basis::Hats(knots),
-                })
-            };
+        let hats = |name, unit, count, of: fn(&Sampled) -> f64| {
+            Self::over(name, unit, count, flat.iter().map(|s| of(s)).collect())
+        };
         let waves = |name: &'static str, count: usize, there: bool| {
             there.then_some(Self {
                 name,
@@ -173,7 +157,6 @@ impl Driver {
                 basis: Basis::Waves(count),
             })
         };
-        let pose = flat.iter().any(|s| s.pose[0].is_finite());
         let yaw = flat.iter().any(|s| s.pose[2].is_finite());
         let angle = flat.iter().any(|s| s.angle[0].is_finite());
         [
@@ -185,11 +168,11 @@ impl Driver {
             }),
             waves("wheel_angle", 3, angle),
             waves("heading", 2, yaw),
-            hats("x", "m", HATS, |s| s.pose[0]).filter(|_| pose),
-            hats("x", "m", FINE, |s| s.pose[0]).filter(|_| pose),
-            hats("y", "m", FINE, |s| s.pose[1]).filter(|_| pose),
-            hats("y", "m", HATS, |s| s.pose[1]).filter(|_| pose),
-            grid(&flat).filter(|_| pose),
+            hats("x", "m", HATS, |s| s.pose[0]),
+            Self::along(0, samples),
+            Self::along(1, samples),
+            hats("y", "m", HATS, |s| s.pose[1]),
+            grid(&flat),
             hats("time_at_rest", "s", HATS, |s| s.rested_s),
         ]
         .into_iter()
@@ -197,18 +180,29 @@ impl Driver {
         .collect()
     }
 
-    /// Places along one axis, finely: `samples` tell how far they reach.
-    pub(crate) fn along(axis: usize, samples: &[Vec<Sampled>]) -> Option<Self> {
-        let flat = samples.iter().flatten().map(|s| s.pose[axis]);
-        let places: Vec<f64> = flat.filter(|z| z.is_finite()).collect();
-        let low = places.iter().copied().reduce(f64::min)?;
-        let high = places.iter().copied().reduce(f64::max)?;
-        let knot = |k: usize| low + (high - low) * k as f64 / (FINE - 1) as f64;
-        (high > low).then(|| Self {
-            name: ["x", "y"][axis],
-            unit: "m",
-            basis: Basis::Hats((0..FINE).map(knot).collect()),
+    /// Hats over what lies between the rims of `values`, if they differ.
+    fn over(
+        name: &'static str,
+        unit: &'static str,
+        count: usize,
+        mut values: Vec<f64>,
+    ) -> Option<Self> {
+        values.retain(|value| value.is_finite());
+        values.sort_by(f64::total_cmp);
+        let rim = (RIM * values.len() as f64) as usize;
+        let (low, high) = (*values.get(rim)?, values[values.len() - 1 - rim]);
+        let knot = |k: usize| low + (high - low) * k as f64 / (count - 1) as f64;
+        (high - low > 1e-6).then(|| Self {
+            name,
+            unit,
+            basis: Basis::Hats((0..count).map(knot).collect()),
         })
+    }
+
+    /// Places along one axis, finely.
+    pub(crate) fn along(axis: usize, samples: &[Vec<Sampled>]) -> Option<Self> {
+        let places = samples.iter().flatten().map(|s| s.pose[axis]);
+        Self::over(["x", "y"][axis], "m", FINE, places.collect())
     }
 
     /// Time, with a hat on each of these instants (s).

@@ -201,6 +201,10 @@ impl Search<'_> {
             let candidates = self.candidates(node);
             *looked_at += candidates.len();
             next.extend(self.extended(nominal, node, &candidates, rank == 0));
+            // the best comes first: what lies further back could not explain more
+            if next.iter().any(|next| self.bench.is_all(next)) {
+                break;
+            }
         }
         let far = HALFWAY * self.bench.worst(nominal).1;
         let near = |n: &Node| self.bench.is_noise(n) || self.bench.worst(n).1 < far;
