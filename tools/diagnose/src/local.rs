@@ -18,8 +18,10 @@ const MOMENTS: usize = 3;
 /// Places that are tried for a patch, and how far they lie apart (m).
 const PLACES: usize = 16;
 const APART_M: f64 = 0.05;
-/// Patches that are fitted a few rounds, and how many of them at one place.
+/// Patches that are fitted a few rounds if they promise something, and in any case, and how many of
+/// them at one place.
 const PATCHES: usize = 16;
+const AT_LEAST: usize = 4;
 const A_PLACE: usize = 2;
 const FITTED: usize = 8;
 const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
@@ -135,9 +137,14 @@ fn patches(
     let mut judged: Vec<(f64, Hypothesis)> = judged.collect();
     judged.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut chosen: Vec<Hypothesis> = Vec::new();
-    for (_, patch) in judged {
+    for (deviance, patch) in judged {
         let here = |known: &&Hypothesis| known.values[..2] == patch.values[..2];
-        if chosen.len() < PATCHES && chosen.iter().filter(here).count() < A_PLACE {
+        let most = if deviance < node.fit.misfit.deviance() {
+            PATCHES
+        } else {
+            AT_LEAST
+        };
+        if chosen.len() < most && chosen.iter().filter(here).count() < A_PLACE {
             chosen.push(patch);
         }
     }

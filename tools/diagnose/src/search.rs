@@ -7,7 +7,7 @@ use crate::local;
 use crate::located;
 use crate::promise::Promise;
 use crate::unknown::{self, Beyond, Unknown};
-use crate::wander::{EXPLAINED, Judge, Wander};
+use crate::wander::{Judge, Wander};
 
 use crate::window::{AFTER_S, Window};
 use std::cell::LazyCell;
@@ -242,7 +242,7 @@ impl Search<'_> {
             let pieces = without.all(|h| h.info.id == "push");
             let likelier = |alone: &Beyond| {
                 beside.as_ref().is_some_and(|beside| {
-                    let pieces = pieces && beside.wander.rest > EXPLAINED;
+                    let pieces = pieces && beside.is_of_moments();
                     alone.score < beside.score || alone.unknown.is_some() && pieces
                 })
             };

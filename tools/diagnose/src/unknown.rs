@@ -40,6 +40,14 @@ pub(crate) struct Beyond {
     pub(crate) score: f64,
 }
 
+impl Beyond {
+    /// Whether there are forces, but none that follows more than the time.
+    pub(crate) fn is_of_moments(&self) -> bool {
+        let unknown = self.unknown.as_ref();
+        unknown.is_none_or(|unknown| unknown.missing.driver.name == "t")
+    }
+}
+
 /// What is beyond the catalogue beside `node`.
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let judge = Judge::new(bench, node)?;
