@@ -24,6 +24,8 @@ const NEAR: f64 = 0.7;
 const CLOSE: f64 = 0.95;
 /// How long the end of a slide is looked for beyond the window that it began in (s).
 const BEYOND_S: f64 = 0.6;
+/// How much longer than in a model that is not yet right a patch may act (s).
+const EDGE_S: f64 = 0.5;
 /// Share of the level at first below which an effect is on the way: no pairs are tried then.
 const HALFWAY: f64 = 0.6;
 /// Models that are kept side by side while none reaches the noise.
@@ -140,7 +142,8 @@ impl Search<'_> {
             let next = self.next(nominal, &nodes, &mut seen, &mut looked_at);
             let settled = next.into_iter().map(|node| {
                 let less = self.pruned(nominal, node);
-                self.bench.settle_static(self.bench.grown(less))
+                let grown = self.bench.settle_static(self.bench.grown(less));
+                self.bench.settle_patch(grown)
             });
             nodes = settled.filter(|node| !is_seen(&seen, node)).collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -275,7 +278,18 @@ impl Search<'_> {
         if !self.slips(node) || !self.cuts || self.bench.is_noise(node) {
             return None;
         }
-        let slides = located::sliding(self.bench, node, None, BEYOND_S);
+        let mut slides = located::sliding(self.bench, node, None, BEYOND_S);
+        if node
+            .hypotheses
+            .iter()
+            .any(|h| h.info.id == "friction_patch")
+        {
+            // where a patch ends is not known well while a window begins on it
+            slides = slides
+                .iter()
+                .map(|[from, to]| [from - EDGE_S, to + EDGE_S])
+                .collect();
+        }
         let begins = |window: &Window| {
             let mut slides = slides.iter();
             slides.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)

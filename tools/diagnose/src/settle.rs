@@ -15,6 +15,11 @@ const STATIC_CLOSER: [[f64; 4]; 3] = [
     [0.94, 0.97, 1.03, 1.06],
 ];
 
+/// How often a patch is moved, by how many of its radii, and by how much it grows or shrinks.
+const PATCH_ROUNDS: usize = 3;
+const PATCH_MOVES: [[f64; 2]; 5] = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]];
+const PATCH_SCALES: [f64; 3] = [0.7, 1.0, 1.4];
+
 /// Heads of the windows that are fitted before the whole (s).
 const HORIZONS_S: [f64; 3] = [1.0, 1.8, 3.2];
 
@@ -91,7 +96,7 @@ impl Bench {
 
     /// The best of the node and of fits that begin with these ratios of static to kinetic friction.
     fn with_static(&self, node: &Node, slip: usize, ratios: &[f64]) -> Node {
-        let tried = ratios.par_iter().filter_map(|ratio| {
+        let begun = |ratio: &f64| {
             let mut hypotheses = node.hypotheses.clone();
             let values = &mut hypotheses[slip].values;
             let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
@@ -99,13 +104,54 @@ impl Bench {
                 .iter_mut()
                 .filter(|(name, _)| *name == STATIC)
                 .for_each(|v| v.1 = kinetic * ratio);
-            self.fit(&hypotheses, &node.fit.starts, HELD_OUT)
-        });
+            Some(hypotheses)
+        };
+        self.best_of(node, ratios.iter().filter_map(begun).collect())
+    }
+
+    /// Tries places and radii around a patch: where a wheel comes onto it and leaves it again, circles
+    /// of many sizes pass.
+    pub(crate) fn settle_patch(&self, node: Node) -> Node {
+        let mut patches = node.hypotheses.iter();
+        let Some(patch) = patches.position(|h| h.info.id == "friction_patch") else {
+            return node;
+        };
+        let mut best = node;
+        for _ in 0..PATCH_ROUNDS {
+            if self.is_noise(&best) {
+                break;
+            }
+            let begun = PATCH_MOVES.iter().flat_map(|[x, y]| {
+                PATCH_SCALES.map(|scale| {
+                    let mut hypotheses = best.hypotheses.clone();
+                    let values = &mut hypotheses[patch].values;
+                    let radius_m = values[2].1;
+                    values[0].1 += x * radius_m;
+                    values[1].1 += y * radius_m;
+                    values[2].1 *= scale;
+                    hypotheses
+                })
+            });
+            let next = self.best_of(&best, begun.collect());
+            if next.fit.misfit.deviance() > best.fit.misfit.deviance() - 1.0 {
+                break;
+            }
+            best = next;
+        }
+        best
+    }
+
+    /// The best of the node and of fits from these.
+    fn best_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>) -> Node {
+        let deviance = |node: &Node| node.fit.misfit.deviance();
+        let tried = begun
+            .into_par_iter()
+            .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, HELD_OUT));
         let tried: Vec<Node> = tried.collect();
         let better = tried
             .into_iter()
-            .min_by(|a, b| a.fit.misfit.deviance().total_cmp(&b.fit.misfit.deviance()));
-        let better = better.filter(|b| b.fit.misfit.deviance() < node.fit.misfit.deviance());
+            .min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
+        let better = better.filter(|better| deviance(better) < deviance(node));
         better.unwrap_or_else(|| node.clone())
     }
 
