@@ -67,7 +67,8 @@ fn the_trace_does_not_allocate() {
         let experiment = experiment(duration_s);
         allocations(|| drop(run(&experiment, true).unwrap()))
     };
-    count(1.0);
+    // what is told for the first time is registered; some of it only late in a run
+    count(20.0);
     assert_eq!(count(20.0), count(1.0));
 }
 
