@@ -1,7 +1,7 @@
 //! The search for what is left out: the effects that together bring the residuals to noise.
 
 use crate::bench::{Bench, FULL, Node};
-use crate::force::CHARGE;
+use crate::force::{CHARGE, PULSE_S};
 use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
@@ -24,7 +24,8 @@ const NEAR: f64 = 0.7;
 const CLOSE: f64 = 0.95;
 /// How long the end of a slide is looked for beyond the window that it began in (s).
 const BEYOND_S: f64 = 0.6;
-/// How much longer than in a model that is not yet right a patch may act (s).
+/// How much longer than in a model that is not yet right a patch may act, and how far around a push
+/// a slide may reach that it stands for (s).
 const EDGE_S: f64 = 0.5;
 /// Share of the level at first below which an effect is on the way: no pairs are tried then.
 const HALFWAY: f64 = 0.6;
@@ -273,28 +274,43 @@ impl Search<'_> {
     }
 
     /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
-    /// begins there, unless that is known already.
+    /// begins there, unless that is known already. A push where a window begins may be such a slide.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
-        if !self.slips(node) || !self.cuts || self.bench.is_noise(node) {
+        if !self.slips(node) || !self.cuts {
             return None;
         }
-        let mut slides = located::sliding(self.bench, node, None, BEYOND_S);
-        if node
+        let mut slides = self.begun_by_push(node);
+        if slides.is_empty() && self.bench.is_noise(node) {
+            return None;
+        }
+        let of_model = located::sliding(self.bench, node, None, BEYOND_S);
+        let has_patch = node
             .hypotheses
             .iter()
-            .any(|h| h.info.id == "friction_patch")
-        {
-            // where a patch ends is not known well while a window begins on it
-            slides = slides
+            .any(|h| h.info.id == "friction_patch");
+        // where a patch ends is not known well while a window begins on it
+        let edge_s = if has_patch { EDGE_S } else { 0.0 };
+        slides.extend(
+            of_model
                 .iter()
-                .map(|[from, to]| [from - EDGE_S, to + EDGE_S])
-                .collect();
-        }
+                .map(|[from, to]| [from - edge_s, to + edge_s]),
+        );
         let begins = |window: &Window| {
             let mut slides = slides.iter();
             slides.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
         };
         self.bench.windows.iter().any(begins).then_some(slides)
+    }
+
+    /// Around the pushes with which a window begins, other than the first.
+    fn begun_by_push(&self, node: &Node) -> Vec<[f64; 2]> {
+        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        let begins = |t_s: &f64| {
+            let mut later = self.bench.windows.windows(2).map(|pair| pair[1].from_s);
+            later.any(|from_s| (from_s - t_s).abs() < PULSE_S)
+        };
+        let times_s = pushes.map(|push| push.values[0].1).filter(begins);
+        times_s.map(|t_s| [t_s - EDGE_S, t_s + EDGE_S]).collect()
     }
 
     /// Whether wheels may slide in a model.

@@ -102,8 +102,9 @@ impl Wander {
     /// Force and moment over the weight, and over the weight at a wheel's distance; of a motion, what
     /// each is at a wheel (m/s).
     pub(crate) fn strengths(&self, bench: &Bench) -> [f64; 2] {
-        let [mass_kg, _] = force::inertia(bench);
-        let weight_n = 9.81 * mass_kg;
+        let [body_kg, _] = force::inertia(bench);
+        let wheels_kg = 2.0 * bench.model.robot.wheel_mass_kg.unwrap_or(0.0);
+        let weight_n = 9.81 * (body_kg + wheels_kg);
         let [along, about] = self.level.size;
         let b = bench.model.robot.half_track_m;
         match bench.lacks_motion() {
