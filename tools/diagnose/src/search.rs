@@ -274,14 +274,18 @@ impl Search<'_> {
     }
 
     /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
-    /// begins there, unless that is known already. A push where a window begins may be such a slide.
+    /// begins there, unless that is known already. A push that explains all where a window begins may
+    /// be such a slide.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
         if !self.slips(node) || !self.cuts {
             return None;
         }
-        let mut slides = self.begun_by_push(node);
-        if slides.is_empty() && self.bench.is_noise(node) {
-            return None;
+        let mut slides = Vec::new();
+        if self.bench.is_noise(node) {
+            slides = self.begun_by_push(node);
+            if slides.is_empty() {
+                return None;
+            }
         }
         let of_model = located::sliding(self.bench, node, None, BEYOND_S);
         let has_patch = node
