@@ -11,7 +11,7 @@ use crate::score;
 use crate::simulate::is_exact_at_any_step;
 use crate::start;
 use crate::track::{CHANNELS, Track};
-use crate::window::{LOCALS, WINDOW_S, Window, cut, spread};
+use crate::window::{LOCALS, Window, cut_all, spread};
 
 /// Longest step of a simulation (s).
 const STEP_S: f64 = 2e-3;
@@ -134,9 +134,8 @@ impl Bench {
 
     /// The same cut anew, so that no window begins in one of these times (s).
     pub(crate) fn avoiding(&self, times_s: &[[f64; 2]]) -> Self {
-        let runs = self.tracks.iter().enumerate();
-        let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, times_s));
-        self.over(spread(windows.collect(), self.windows.len().max(1)))
+        let windows = cut_all(&self.tracks, times_s);
+        self.over(spread(windows, self.windows.len().max(1)))
     }
 
     /// Whether all windows begin as those of `other` do.
@@ -203,9 +202,7 @@ impl Bench {
             let mut channels = unknown.iter();
             channels.any(|c| level(after, *c) > SPOILT * level(before, *c))
         };
-        let runs = self.tracks.iter().enumerate();
-        let all = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, &[]));
-        let all: Vec<Window> = all.collect();
+        let all = cut_all(&self.tracks, &[]);
         let predicted = |node: &Node| score::prediction(self, &all, &node.hypotheses);
         worse(&before.fit.misfit, &after.fit.misfit) || worse(&predicted(before), &predicted(after))
     }

@@ -278,9 +278,7 @@ fn bench(
         track.thin(ROWS);
         tracks.push(track);
     }
-    let runs = tracks.iter().enumerate();
-    let windows = runs.flat_map(|(run, track)| window::cut(track, run, window::WINDOW_S, &[]));
-    let windows = window::spread(windows.collect(), WINDOWS);
+    let windows = window::spread(window::cut_all(&tracks, &[]), WINDOWS);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
         return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));

@@ -280,12 +280,11 @@ impl Search<'_> {
         if !self.slips(node) || !self.cuts {
             return None;
         }
-        let mut slides = Vec::new();
-        if self.bench.is_noise(node) {
-            slides = self.begun_by_push(node);
-            if slides.is_empty() {
-                return None;
-            }
+        let noise = self.bench.is_noise(node);
+        let pushes = noise.then(|| self.begun_by_push(node));
+        let mut slides = pushes.unwrap_or_default();
+        if noise && slides.is_empty() {
+            return None;
         }
         let of_model = located::sliding(self.bench, node, None, BEYOND_S);
         let has_patch = node

@@ -64,6 +64,13 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
     windows
 }
 
+/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s).
+pub(crate) fn cut_all(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
+    let runs = tracks.iter().enumerate();
+    runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided))
+        .collect()
+}
+
 /// At most `most` of all windows, from begin to end.
 pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
     let count = windows.len();

@@ -130,6 +130,17 @@ fn a_push_is_not_seen_where_the_rest_is_left_out() {
     }
 }
 
+fn answered(recording: &Recording, nominal: &RobotModel) -> Answer {
+    let request = Request {
+        recordings: std::slice::from_ref(recording),
+        model_of: &|_| Some(nominal.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    diagnose(&request).unwrap().0
+}
+
 /// `record`ed under torques of which the recording tells only the `gentle` part.
 fn disturbed(torque: fn(f64) -> [f64; 2]) -> Answer {
     let nominal = RobotModel::default();
@@ -138,14 +149,7 @@ fn disturbed(torque: fn(f64) -> [f64; 2]) -> Answer {
     let told = command.t_s.iter().map(|t_s| made::gentle(t_s + 1e-6));
     let (right_nm, left_nm) = told.map(|[right, left]| (right, left)).unzip();
     command.values = Command::Torque { right_nm, left_nm };
-    let request = Request {
-        recordings: std::slice::from_ref(&recording),
-        model_of: &|_| Some(nominal.clone()),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    };
-    diagnose(&request).unwrap().0
+    answered(&recording, &nominal)
 }
 
 /// Torques without pattern, a three hundredth of the driving ones.
@@ -248,14 +252,7 @@ fn a_robot_that_drives_otherwise_than_told_has_an_unknown_motion() {
     // no mass is known: nothing speaks of forces
     let mut nominal = RobotModel::default();
     nominal.robot.body_mass_kg = None;
-    let request = Request {
-        recordings: std::slice::from_ref(&recording),
-        model_of: &|_| Some(nominal.clone()),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    };
-    let answer = diagnose(&request).unwrap().0;
+    let answer = answered(&recording, &nominal);
     assert_eq!(answer.verdict, Verdict::Unexplained, "{}", listing(&answer));
     let unknown = answer.findings.last().unwrap();
     assert_eq!(unknown.effect, "unknown", "{}", listing(&answer));
