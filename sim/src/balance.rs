@@ -169,7 +169,8 @@ impl<S: Scalar> Robot<S> {
             mode.slides(Element::WheelLeft),
         ];
         if slides == [false; 2] && self.load.transfer.is_none() {
-            let normal_n = if mode.grip[0].is_none() && mode.grip[1].is_none() {
+            let unneeded = mode.grip == [None; 2] && self.dry.caster.is_none();
+            let normal_n = if unneeded {
                 [zero; 2]
             } else {
                 let shift = self.load.lateral * across + self.load.offset;

@@ -35,6 +35,17 @@ pub(crate) struct Standing<'a, S> {
     pub(crate) across: Vector<f64>,
 }
 
+/// How the robot answers to unit forces at one element.
+#[derive(Clone, Copy, Default)]
+struct Touch {
+    /// What the element sees of a velocity.
+    rows: [Vector<f64>; 2],
+    /// Acceleration of the robot by a unit force along each row.
+    responses: [Vector<f64>; 2],
+    /// What the element sees of its own unit forces: J M⁻¹ Jᵀ, by its upper triangle.
+    own: [f64; 3],
+}
+
 /// What was decided: elements that stick, and the directions in which the others set off.
 pub(crate) struct Decision {
     pub(crate) sticking: Elements,
@@ -45,9 +56,13 @@ impl<S: Scalar> Standing<'_, S> {
     /// Decides for each candidate whether it sticks. Those in `broken` have broken away.
     pub(crate) fn decide(&self, broken: Elements) -> Decision {
         let mut force = [[0.0; 2]; ELEMENTS];
+        let mut touches = [Touch::default(); ELEMENTS];
+        for element in self.candidates.iter() {
+            touches[element as usize] = self.touch(element);
+        }
         let mut sliding = self.candidates.both(broken);
         loop {
-            let acceleration = self.solve(sliding, &mut force);
+            let acceleration = self.solve(sliding, &touches, &mut force);
             let scale = self.mobility_scale();
             let sets_off = |element: Element| {
                 let [along, across] = self.seen(element, &acceleration);
@@ -60,6 +75,17 @@ impl<S: Scalar> Standing<'_, S> {
             }
             sliding = now;
         }
+    }
+
+    fn touch(&self, element: Element) -> Touch {
+        let mut touch = Touch::default();
+        for (at, &row) in element.rows().iter().enumerate() {
+            touch.rows[at] = self.row(row);
+            touch.responses[at] = self.mobility * touch.rows[at];
+        }
+        let own = |one: usize, other: usize| touch.rows[one].dot(&touch.responses[other]);
+        touch.own = [own(0, 0), own(0, 1), own(1, 1)];
+        touch
     }
 
     /// What slides does so against its force.
@@ -87,13 +113,18 @@ impl<S: Scalar> Standing<'_, S> {
     }
 
     /// The accelerations, with normal forces that agree with the lateral forces.
-    fn solve(&self, sliding: Elements, force: &mut [Pair<f64>; ELEMENTS]) -> Vector<f64> {
+    fn solve(
+        &self,
+        sliding: Elements,
+        touches: &[Touch; ELEMENTS],
+        force: &mut [Pair<f64>; ELEMENTS],
+    ) -> Vector<f64> {
         let load = &self.robot.load;
         let driven = load.driven.value();
         let mut normal = [driven / 2.0; 2];
         for _ in 0..self.robot.care.rounds {
             let limits = self.limits(sliding, normal);
-            let acceleration = self.sweep(&limits, force);
+            let acceleration = self.sweep(&limits, touches, force);
             let total = self.total(&limits, force);
             let across: f64 = Element::WHEELS
                 .iter()
@@ -112,7 +143,7 @@ impl<S: Scalar> Standing<'_, S> {
                 return acceleration;
             }
         }
-        self.sweep(&self.limits(sliding, normal), force)
+        self.sweep(&self.limits(sliding, normal), touches, force)
     }
 
     /// Friction limit of each loose element (N or N m): static for what sticks so far.
@@ -155,7 +186,12 @@ impl<S: Scalar> Standing<'_, S> {
     }
 
     /// Each candidate's best answer to the others', until none changes.
-    fn sweep(&self, limits: &[f64; ELEMENTS], force: &mut [Pair<f64>; ELEMENTS]) -> Vector<f64> {
+    fn sweep(
+        &self,
+        limits: &[f64; ELEMENTS],
+        touches: &[Touch; ELEMENTS],
+        force: &mut [Pair<f64>; ELEMENTS],
+    ) -> Vector<f64> {
         let total = self.total(limits, force);
         let mut acceleration = self.mobility * total + self.forced;
         let scale = self.mobility_scale();
@@ -163,11 +199,13 @@ impl<S: Scalar> Standing<'_, S> {
             let mut change: f64 = 0.0;
             for element in self.candidates.iter() {
                 let i = element as usize;
-                let best = self.best(element, limits[i], force[i], &acceleration);
-                for (at, &row) in element.rows().iter().enumerate() {
+                let touch = &touches[i];
+                let best = self.best(element, touch, limits[i], force[i], &acceleration);
+                let responses = &touch.responses[..element.rows().len()];
+                for (at, response) in responses.iter().enumerate() {
                     let more = best[at] - force[i][at];
                     force[i][at] = best[at];
-                    let response = self.mobility * self.row(row) * more;
+                    let response = response * more;
                     acceleration += response;
                     change = change.max(response.amax());
                 }
@@ -185,29 +223,25 @@ impl<S: Scalar> Standing<'_, S> {
     fn best(
         &self,
         element: Element,
+        touch: &Touch,
         limit: f64,
         own: Pair<f64>,
         acceleration: &Vector<f64>,
     ) -> Pair<f64> {
-        let seen = self.seen(element, acceleration);
-        let [along, across] = match *element.rows() {
-            [along, across, ..] if !self.is_led(element) => [along, across],
-            [row, ..] => {
-                let w = self.between(row, row);
-                let rest = own[0] - seen[0] / w;
-                return if w > 0.0 {
-                    [rest.clamp(-limit, limit), 0.0]
-                } else {
-                    own
-                };
-            }
-            [] => return own,
-        };
-        let (a, b) = (self.between(along, along), self.between(along, across));
-        let d = self.between(across, across);
+        let [a, b, d] = touch.own;
+        let along = touch.rows[0].dot(acceleration);
+        if element.rows().len() == 1 || self.is_led(element) {
+            let rest = own[0] - along / a;
+            return if a > 0.0 {
+                [rest.clamp(-limit, limit), 0.0]
+            } else {
+                own
+            };
+        }
         if a * d - b * b <= 0.0 {
             return own;
         }
+        let seen = [along, touch.rows[1].dot(acceleration)];
         let q = [
             seen[0] - a * own[0] - b * own[1],
             seen[1] - b * own[0] - d * own[1],
@@ -220,7 +254,7 @@ impl<S: Scalar> Standing<'_, S> {
         let mut s = 0.0;
         let mut p = solve(s, q);
         for _ in 0..NEWTON {
-            let size = p[0].hypot(p[1]);
+            let size = (p[0] * p[0] + p[1] * p[1]).sqrt();
             if size <= limit * (1.0 + 1e-15) {
                 break;
             }
@@ -233,10 +267,6 @@ impl<S: Scalar> Standing<'_, S> {
             p = solve(s, q);
         }
         p
-    }
-
-    fn between(&self, one: usize, other: usize) -> f64 {
-        self.row(one).dot(&(self.mobility * self.row(other)))
     }
 
     fn row(&self, row: usize) -> Vector<f64> {

@@ -237,7 +237,7 @@ impl<S: Scalar> Robot<S> {
                 moved += state.operator.response(axle.rows()[0], change);
                 moved[3 + i] -= change;
             }
-            slips |= !rolls && change.value() != 0.0;
+            slips |= !rolls && change.value().abs() > MOVING;
         }
         state.body.nu += moved;
         if slips {

@@ -109,6 +109,23 @@ fn caster_drag() {
 }
 
 #[test]
+fn a_caster_that_holds_lets_go_at_its_own_load() {
+    let friction = 0.05;
+    let caster = M * GRAVITY_M_S2 * D / (D + E);
+    let limit_nm = friction * caster * R / 2.0;
+    let robot = with("caster_drag", &[("friction", friction)]);
+    let mut state = robot.start([0.0; 3]);
+    let share = |t_s: f64| if t_s < 0.5 { 0.99 } else { 1.01 };
+    for (over_s, moves) in [(0.5, false), (0.1, true)] {
+        let from_s = if moves { 0.5 } else { 0.0 };
+        drive(&robot, &mut state, from_s, over_s, STEP_S, |t_s| {
+            torque(share(t_s) * limit_nm, share(t_s) * limit_nm)
+        });
+        assert_eq!(state.pose() != [0.0; 3], moves);
+    }
+}
+
+#[test]
 fn quadratic_drag() {
     let c = 0.8;
     let state = ahead(&with("quadratic_drag", &[("coefficient", c)]), 2.0, 0.03);
