@@ -308,7 +308,7 @@ fn starts(
         ],
         "pose_offset" => vec![numbers.iter().map(|p| (p.name, 0.0)).collect()],
         "command_dead_band" => {
-            let mut probes = sizes(track, model, &[0.05, 0.1, 0.2, 0.35, 0.5, 0.7]);
+            let mut probes = sizes(track, model, &DEAD_BANDS);
             // or nothing that was commanded does anything
             probes.extend(all_sizes(track, model).last().map(|most| BEYOND * most));
             alone(&probes)
@@ -317,6 +317,13 @@ fn starts(
         _ => alone(probes(numbers[0])),
     }
 }
+
+/// Shares of the sizes that are commanded that lie within a dead band to begin with: what a small one
+/// swallows to and fro adds up to little, so that only one close to it shows.
+const DEAD_BANDS: [f64; 20] = [
+    0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.085, 0.1, 0.12, 0.14, 0.17, 0.2, 0.24, 0.29, 0.35,
+    0.42, 0.5, 0.6, 0.7,
+];
 
 /// A threshold above all commands, over the largest of them.
 const BEYOND: f64 = 1.05;

@@ -29,6 +29,9 @@ const BEYOND_S: f64 = 0.6;
 const EDGE_S: f64 = 0.5;
 /// Share of the level at first below which an effect is on the way: no pairs are tried then.
 const HALFWAY: f64 = 0.6;
+/// Share of −2 ln L that an effect leaves of what was before where it is on the right way: nothing
+/// else needs to be tried in its place.
+const RIGHT_WAY: f64 = 0.15;
 /// Models that are kept side by side while none reaches the noise.
 const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
@@ -144,7 +147,12 @@ impl Search<'_> {
             let settled = next.into_iter().map(|node| {
                 let less = self.pruned(nominal, node);
                 let grown = self.bench.settle_static(self.bench.grown(less));
-                self.bench.settle_patch(grown)
+                let placed = self.bench.settle_patch(grown);
+                if self.bench.is_noise(&placed) {
+                    placed
+                } else {
+                    self.bench.settle_threshold(placed)
+                }
             });
             nodes = settled.filter(|node| !is_seen(&seen, node)).collect();
             nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
@@ -188,6 +196,11 @@ impl Search<'_> {
         self.bench.is_noise(node) && deviance(node) < (SHARE * so_far).max(PAY[0])
     }
 
+    /// Whether `next` explains all, or nearly all that `node` leaves.
+    fn is_right(&self, node: &Node, next: &Node) -> bool {
+        self.bench.is_all(next) || deviance(next) < RIGHT_WAY * deviance(node)
+    }
+
     /// The nodes with one more effect each, best first, as many as are kept side by side.
     fn next(
         &self,
@@ -205,8 +218,8 @@ impl Search<'_> {
             let candidates = self.candidates(node);
             *looked_at += candidates.len();
             next.extend(self.extended(nominal, node, &candidates, rank == 0));
-            // the best comes first: what lies further back could not explain more
-            if next.iter().any(|next| self.bench.is_all(next)) {
+            // the best comes first: what lies further back could hardly explain more
+            if next.iter().any(|next| self.is_right(node, next)) {
                 break;
             }
         }
@@ -347,7 +360,8 @@ impl Search<'_> {
             ids.join(", ")
         ));
         let mut followed = self.followed(node, candidates, 0.5 * PAY[0]);
-        if locally && !followed.iter().any(|next| self.bench.is_noise(next)) {
+        let enough = |next: &Node| self.bench.is_noise(next) || self.is_right(node, next);
+        if locally && !followed.iter().any(enough) {
             let local = local::candidates(self.bench, node, self.excluded);
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }

@@ -157,11 +157,12 @@ impl Bench {
 
     /// Tries the sizes of commands around a threshold until none fits better.
     pub(crate) fn settle_threshold(&self, node: Node) -> Node {
-        let (Some(track), Some(own)) = (self.tracks.first(), node.hypotheses.last()) else {
+        let own = node.hypotheses.iter().position(Hypothesis::is_threshold);
+        let (Some(track), Some(own)) = (self.tracks.first(), own) else {
             return node;
         };
         let sizes = all_sizes(track, &self.model);
-        let mut at = sizes.partition_point(|size| *size < own.values[0].1);
+        let mut at = sizes.partition_point(|size| *size < node.hypotheses[own].values[0].1);
         let mut best = node;
         let mut stride = (sizes.len() / 8).max(1);
         loop {
@@ -175,7 +176,7 @@ impl Bench {
                 .into_par_iter()
                 .filter_map(|i| {
                     let mut hypotheses = best.hypotheses.clone();
-                    hypotheses.last_mut()?.values[0].1 = threshold(&sizes, i);
+                    hypotheses[own].values[0].1 = threshold(&sizes, i);
                     Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
                 })
                 .collect();
