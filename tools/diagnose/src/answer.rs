@@ -14,7 +14,6 @@ use crate::statement::statement;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
 use crate::wander::{EXPLAINED, Wander};
-use crate::window::Window;
 use crate::{interval, located};
 
 /// The answer of a diagnosis.
@@ -169,7 +168,7 @@ impl Answer {
     /// Adds how well one machine is predicted before and after.
     pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
         let before = score::prediction(bench, &bench.windows, &[]);
-        let after = held_out(bench, &bench.windows, hypotheses);
+        let after = score::held_out(bench, &bench.windows, hypotheses);
         self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 
@@ -273,22 +272,6 @@ impl HeldOut {
         self.nrmse_before = self.nrmse_before.max(total(before));
         self.nrmse_after = self.nrmse_after.max(total(after));
     }
-}
-
-/// Misfit of the prediction of every window by effects fitted to every other one, in turn. A single
-/// window is predicted by what was fitted to it.
-fn held_out(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
-    if windows.len() < 2 || hypotheses.is_empty() {
-        return score::prediction(bench, windows, hypotheses);
-    }
-    let half =
-        |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
-    let folds = (0..2).map(|fold| {
-        let learnt = bench.over(half(fold)).refitted(hypotheses);
-        let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
-        score::prediction(bench, &half(1 - fold), &learnt)
-    });
-    folds.fold(Misfit::default(), |sum, part| sum.and(&part))
 }
 
 fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> Finding {

@@ -26,7 +26,7 @@ const NOISE_UNDECLARED: f64 = 1.5;
 const NOTHING_LEFT: f64 = 1.05;
 
 /// Growth of the level of a channel that spoils it.
-const SPOILT: f64 = 1.15;
+pub(crate) const SPOILT: f64 = 1.15;
 
 /// Rounds of a fit to a part of the windows, from the fit to all.
 pub(crate) const HELD_OUT: usize = 6;
@@ -188,13 +188,12 @@ impl Bench {
         })
     }
 
-    /// Whether a channel of unknown noise is much further off in `after` than in `before`, fitted or
-    /// predicted, over the whole of the recordings: where no model reaches the noise, the sum over
-    /// channels may buy one with another.
+    /// Whether `after`, which does not reach the noise, predicts much worse than `before`, over the
+    /// whole of the recordings; or is, where noise is not declared, much further off in a channel,
+    /// fitted or predicted: the sum over channels may buy one with another.
     pub(crate) fn spoils(&self, before: &Node, after: &Node) -> bool {
-        let unknown = |channel: &usize| !self.is_declared(*channel);
-        let unknown: Vec<usize> = (0..CHANNELS).filter(unknown).collect();
-        if unknown.is_empty() {
+        let unknown: Vec<usize> = (0..CHANNELS).filter(|c| !self.is_declared(*c)).collect();
+        if unknown.is_empty() && self.is_noise(after) {
             return false;
         }
         let level = |misfit: &Misfit, c: usize| misfit.mean_square(c).sqrt().max(NOISE_UNDECLARED);
@@ -202,9 +201,14 @@ impl Bench {
             let mut channels = unknown.iter();
             channels.any(|c| level(after, *c) > SPOILT * level(before, *c))
         };
+        if worse(&before.fit.misfit, &after.fit.misfit) {
+            return true;
+        }
         let all = cut_all(&self.tracks, &[]);
         let predicted = |node: &Node| score::prediction(self, &all, &node.hypotheses);
-        worse(&before.fit.misfit, &after.fit.misfit) || worse(&predicted(before), &predicted(after))
+        let [before, after] = [before, after].map(predicted);
+        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
+        worse(&before, &after) || total(&after) > SPOILT * total(&before)
     }
 
     /// Guesses of these windows' starts under the nominal model.

@@ -5,10 +5,13 @@ use slipstream_sim::GRAVITY_M_S2;
 
 use crate::bench::{Bench, Node};
 use crate::hypothesis::{Hypothesis, STATIC};
+use crate::simulate::asked;
 use crate::window::Window;
 
 /// Speed at which a contact counts as sliding (m/s).
 const SLIDING_M_S: f64 = 3e-3;
+/// How long a motor may take to cross the play (s).
+const ACROSS_S: f64 = 0.15;
 /// Gaps shorter than this do not part an interval (s).
 const GAP_S: f64 = 0.021;
 
@@ -94,6 +97,30 @@ pub(crate) fn sliding(
         Some(intervals)
     });
     found.unwrap_or_default()
+}
+
+/// When the motor of a wheel may be on its way across the play (s): after its command has changed
+/// sign, and while nothing is commanded.
+pub(crate) fn apart(bench: &Bench) -> Vec<[f64; 2]> {
+    let body = &bench.model.robot;
+    let mut intervals = Vec::new();
+    for track in &bench.tracks {
+        let ends = track.commands.iter().skip(1).map(|(t_s, _)| *t_s);
+        let ends = ends.chain([track.span_s()[1]]);
+        let mut before = [0.0; 2];
+        for ((t_s, command), end_s) in track.commands.iter().zip(ends) {
+            let asked = asked(command, body.wheel_radius_m, body.half_track_m);
+            for (asked, before) in asked.into_iter().zip(&mut before) {
+                if asked == 0.0 {
+                    intervals.push([*t_s, end_s]);
+                } else if asked * *before <= 0.0 {
+                    intervals.push([*t_s, t_s + ACROSS_S]);
+                }
+                *before = asked;
+            }
+        }
+    }
+    intervals
 }
 
 /// Under which condition an effect is at work, for a person.

@@ -29,6 +29,22 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
         .fold(Misfit::default(), |sum, part| sum.and(part))
 }
 
+/// Misfit of the prediction of every window by effects fitted to every other one, in turn. A single
+/// window is predicted by what was fitted to it.
+pub(crate) fn held_out(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
+    if windows.len() < 2 || hypotheses.is_empty() {
+        return prediction(bench, windows, hypotheses);
+    }
+    let half =
+        |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
+    let folds = (0..2).map(|fold| {
+        let learnt = bench.over(half(fold)).refitted(hypotheses);
+        let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
+        prediction(bench, &half(1 - fold), &learnt)
+    });
+    folds.fold(Misfit::default(), |sum, part| sum.and(&part))
+}
+
 fn one(bench: &Bench, window: &Window, hypotheses: &[Hypothesis]) -> Option<Misfit> {
     let (mut residuals, fitted_s) = predicted(bench, window, hypotheses)?;
     let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);

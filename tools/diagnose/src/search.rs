@@ -1,11 +1,13 @@
 //! The search for what is left out: the effects that together bring the residuals to noise.
 
-use crate::bench::{Bench, FULL, Node};
+use crate::bench::{Bench, FULL, Node, SPOILT};
 use crate::force::{CHARGE, PULSE_S};
 use crate::hypothesis::Hypothesis;
 use crate::local;
 use crate::located;
+use crate::misfit::Misfit;
 use crate::promise::Promise;
+use crate::score;
 use crate::unknown::{self, Beyond, Unknown};
 use crate::wander::{Judge, Wander};
 
@@ -32,6 +34,11 @@ const HALFWAY: f64 = 0.6;
 /// Share of −2 ln L that an effect leaves of what was before where it is on the right way: nothing
 /// else needs to be tried in its place.
 const RIGHT_WAY: f64 = 0.15;
+/// Share of −2 ln L that is much to promise, share of a promise below which it was not kept, and how
+/// many of those are led there.
+const MUCH: f64 = 0.1;
+const KEPT: f64 = 0.3;
+const UNKEPT: usize = 3;
 /// Models that are kept side by side while none reaches the noise.
 const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
@@ -183,7 +190,9 @@ impl Search<'_> {
         let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
         let known = known.map(|node| self.pruned(nominal, self.bench.grown(node)));
         let known = known.map(|node| self.bench.settle_static(node));
-        match known.filter(|known| score(known) < score(nominal)) {
+        let better =
+            |known: &Node| score(known) < score(nominal) && !self.bench.spoils(nominal, known);
+        match known.filter(better) {
             Some(known) if self.bench.is_noise(&known) => vec![known],
             Some(known) => vec![known, nominal.clone()],
             None => vec![nominal.clone()],
@@ -246,7 +255,11 @@ impl Search<'_> {
             return self.weighed(nominal, best, looked_at);
         }
         (self.progress)("forces outside of the catalogue");
-        let mut best = best;
+        let mut best = if self.holds(&best) {
+            best
+        } else {
+            nominal.clone()
+        };
         let mut beside = unknown::beside(self.bench, &best);
         for fewer in [self.without_pushes(&best), Some(nominal.clone())] {
             let Some(fewer) = fewer.filter(|f| f.hypotheses.len() < best.hypotheses.len()) else {
@@ -276,6 +289,16 @@ impl Search<'_> {
         found
     }
 
+    /// Whether the effects of a node, fitted to every other window, predict the rest no worse than the
+    /// nominal model does.
+    fn holds(&self, node: &Node) -> bool {
+        let bench = self.bench;
+        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
+        let before = total(&score::prediction(bench, &bench.windows, &[]));
+        let after = score::held_out(bench, &bench.windows, &node.hypotheses);
+        node.hypotheses.is_empty() || total(&after) < SPOILT * before
+    }
+
     /// The node without its pushes, if it has any.
     fn without_pushes(&self, node: &Node) -> Option<Node> {
         let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
@@ -286,36 +309,47 @@ impl Search<'_> {
         self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 
-    /// When the wheels slide in a model that slips and does not yet reach the noise, if a window
-    /// begins there, unless that is known already. A push that explains all where a window begins may
-    /// be such a slide.
+    /// When the wheels slide in a model that slips and does not yet reach the noise, or its gears are
+    /// apart, if a window begins there, unless that is known already. A push that explains all where a
+    /// window begins may be such a slide.
     fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
-        if !self.slips(node) || !self.cuts {
+        if !self.cuts {
             return None;
         }
         let noise = self.bench.is_noise(node);
+        if !noise && has(node, "backlash") {
+            return Some(located::apart(self.bench)).filter(|apart| self.begins_in(apart));
+        }
+        if !self.slips(node) {
+            return None;
+        }
         let pushes = noise.then(|| self.begun_by_push(node));
         let mut slides = pushes.unwrap_or_default();
         if noise && slides.is_empty() {
             return None;
         }
         let of_model = located::sliding(self.bench, node, None, BEYOND_S);
-        let has_patch = node
-            .hypotheses
-            .iter()
-            .any(|h| h.info.id == "friction_patch");
         // where a patch ends is not known well while a window begins on it
-        let edge_s = if has_patch { EDGE_S } else { 0.0 };
+        let edge_s = if has(node, "friction_patch") {
+            EDGE_S
+        } else {
+            0.0
+        };
         slides.extend(
             of_model
                 .iter()
                 .map(|[from, to]| [from - edge_s, to + edge_s]),
         );
+        self.begins_in(&slides).then_some(slides)
+    }
+
+    /// Whether a window begins at one of these times (s).
+    fn begins_in(&self, times_s: &[[f64; 2]]) -> bool {
         let begins = |window: &Window| {
-            let mut slides = slides.iter();
-            slides.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
+            let mut times_s = times_s.iter();
+            times_s.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
         };
-        self.bench.windows.iter().any(begins).then_some(slides)
+        self.bench.windows.iter().any(begins)
     }
 
     /// Around the pushes with which a window begins, other than the first.
@@ -463,6 +497,9 @@ impl Search<'_> {
             .filter_map(|p| self.bench.follow(node, p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
         glances.push(best);
+        if !glances.iter().any(|glance| self.is_right(node, glance)) {
+            glances.extend(self.unkept(node, &chosen, &glances));
+        }
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let first = deviance(&glances[0]);
         if self.bench.is_noise(&glances[0]) {
@@ -500,6 +537,32 @@ impl Search<'_> {
         let mut full: Vec<Node> = full.collect();
         full.sort_by(|a, b| score(a).total_cmp(&score(b)));
         full
+    }
+
+    /// What promised much and did not keep it, fitted over ever longer heads of the windows: where
+    /// residuals are large, the way there is no matter of first order.
+    fn unkept(&self, node: &Node, promises: &[&Promise], glances: &[Node]) -> Vec<Node> {
+        let before = deviance(node);
+        let kept = |promise: &Promise| {
+            let own = |glance: &&Node| {
+                let last = glance.hypotheses.last();
+                last.is_some_and(|own| own.is_like(&promise.hypothesis))
+            };
+            let all = glances.iter().filter(own);
+            all.map(|glance| before - deviance(glance))
+                .fold(0.0, f64::max)
+        };
+        let unkept = promises.iter().filter(|promise| {
+            let promised = before - promise.deviance;
+            promised > MUCH * before && kept(promise) < KEPT * promised
+        });
+        let unkept: Vec<&Promise> = unkept.take(UNKEPT).copied().collect();
+        let led = unkept.par_iter().filter_map(|promise| {
+            let mut hypotheses = node.hypotheses.clone();
+            hypotheses.push(promise.hypothesis.clone());
+            self.bench.led(&hypotheses)
+        });
+        led.collect()
     }
 
     fn pays(
@@ -650,6 +713,11 @@ impl Search<'_> {
             wander: None,
         }
     }
+}
+
+/// Whether an effect is among those of a node.
+fn has(node: &Node, id: &str) -> bool {
+    node.hypotheses.iter().any(|h| h.info.id == id)
 }
 
 /// Whether the same effects were looked at before and fitted no worse.

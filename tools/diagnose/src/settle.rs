@@ -30,20 +30,22 @@ impl Bench {
         if self.is_noise(&node) {
             return node;
         }
-        let grow = || {
-            let (mut hypotheses, mut starts) =
-                (node.hypotheses.clone(), self.guesses(&self.windows)?);
-            for over_s in HORIZONS_S {
-                let heads = self.heads(over_s);
-                let short = self.fit_on(&heads, &hypotheses, &starts, HELD_OUT)?;
-                (hypotheses, starts) = (short.hypotheses, short.fit.starts);
-            }
-            self.fit(&hypotheses, &starts, FULL)
-        };
         let better = |grown: &Node| {
             grown.fit.misfit.deviance() < node.fit.misfit.deviance() && !self.spoils(&node, grown)
         };
-        grow().filter(better).unwrap_or(node)
+        let grown = self.led(&node.hypotheses);
+        grown.filter(better).unwrap_or(node)
+    }
+
+    /// The effects fitted over ever longer heads of the windows, from the values that they have.
+    pub(crate) fn led(&self, hypotheses: &[Hypothesis]) -> Option<Node> {
+        let (mut hypotheses, mut starts) = (hypotheses.to_vec(), self.guesses(&self.windows)?);
+        for over_s in HORIZONS_S {
+            let heads = self.heads(over_s);
+            let short = self.fit_on(&heads, &hypotheses, &starts, HELD_OUT)?;
+            (hypotheses, starts) = (short.hypotheses, short.fit.starts);
+        }
+        self.fit(&hypotheses, &starts, FULL)
     }
 
     /// Where the windows begin in the nominal model with `hypotheses` as they are, fitted over ever

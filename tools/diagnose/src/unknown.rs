@@ -11,7 +11,7 @@ use crate::search::HELD_OUT;
 use crate::wander::{Judge, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
-pub(crate) const PAY: [f64; 2] = [30.0, 2.0];
+pub(crate) const PAY: [f64; 2] = [50.0, 2.0];
 /// Of forces that follow a variable, those whose remainder is looked at closely.
 const SEARCHED: usize = 4;
 /// How many times as much a force that comes and goes has to bring as one that follows a variable.
