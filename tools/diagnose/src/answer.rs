@@ -9,11 +9,11 @@ use crate::hypothesis::Hypothesis;
 use crate::input::Warning;
 use crate::misfit::Misfit;
 use crate::score;
-use crate::search::Found;
 use crate::statement::statement;
 use crate::track::{CHANNEL_NAMES, CHANNELS};
 use crate::unknown::Unknown;
 use crate::wander::{EXPLAINED, Wander};
+use crate::weigh::Found;
 use crate::{interval, located};
 
 /// The answer of a diagnosis.

@@ -12,9 +12,9 @@ use crate::hypothesis::{self, Hypothesis};
 use crate::limits::{self, Limit};
 use crate::local;
 use crate::score;
-use crate::search::Found;
 use crate::track::{CHANNEL_NAMES, CHANNELS, Sensor};
 use crate::unknown::Unknown;
+use crate::weigh::Found;
 use crate::window::{WINDOW_S, cut};
 
 /// A point of a figure: what stands on the axis across, what on the axis up.

@@ -14,6 +14,7 @@ mod figures;
 mod fit;
 #[cfg(test)]
 mod fixture;
+mod follow;
 mod force;
 mod hypothesis;
 mod input;
@@ -28,8 +29,10 @@ mod misfit;
 mod motion;
 mod noise;
 mod passing;
+mod pay;
 mod predict;
 mod promise;
+mod recut;
 mod score;
 mod search;
 mod settle;
@@ -39,6 +42,7 @@ mod statement;
 mod track;
 mod unknown;
 mod wander;
+mod weigh;
 mod window;
 
 use slipstream_bus::RobotModel;
@@ -57,8 +61,9 @@ pub use manoeuvre::manoeuvre;
 pub use predict::{Prediction, predict};
 
 use crate::bench::Bench;
-use crate::search::{Found, Outcome, Search};
+use crate::search::{Outcome, Search};
 use crate::track::{Block, Track};
+use crate::weigh::Found;
 
 /// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

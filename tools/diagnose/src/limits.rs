@@ -7,7 +7,7 @@ use crate::bench::{Bench, Node};
 use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::misfit::Misfit;
-use crate::search::Found;
+use crate::weigh::Found;
 
 /// Estimate over standard deviation from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;

@@ -24,6 +24,16 @@ const PATCH_SCALES: [f64; 3] = [0.7, 1.0, 1.4];
 const HORIZONS_S: [f64; 3] = [1.0, 1.8, 3.2];
 
 impl Bench {
+    /// Fits anew in every way that there is, until noise is reached.
+    pub(crate) fn settled(&self, node: Node) -> Node {
+        let grown = self.settle_static(self.grown(node));
+        let placed = self.settle_patch(grown);
+        if self.is_noise(&placed) {
+            return placed;
+        }
+        self.settle_threshold(placed)
+    }
+
     /// Fits anew over ever longer heads of the windows, where a model does not reach the noise: over
     /// a long time the misfit of what slides and sticks has many valleys.
     pub(crate) fn grown(&self, node: Node) -> Node {

@@ -7,7 +7,7 @@ use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
 use crate::force::{self, CHARGE, Missing, PULSE_S};
 use crate::passing::passing;
-use crate::search::HELD_OUT;
+use crate::pay::HELD_OUT;
 use crate::wander::{Judge, Wander};
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.

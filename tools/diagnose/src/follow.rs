@@ -1,0 +1,131 @@
+//! From what effects promise to what they keep.
+
+use rayon::prelude::*;
+
+use crate::bench::{FULL, Node};
+use crate::hypothesis::Hypothesis;
+use crate::promise::Promise;
+use crate::search::{Search, deviance, score};
+
+/// Effects whose promise is followed a few rounds, and to the end.
+pub(crate) const FOLLOWED: [usize; 2] = [9, 5];
+/// Rounds of the first look.
+pub(crate) const GLANCE: usize = 2;
+/// Share of the gain of an effect that explains all that another has to promise, and to show at a
+/// first look, to be fitted beside it.
+const NEAR: f64 = 0.7;
+const CLOSE: f64 = 0.95;
+/// Gain (−2 ln L) within which one that explains all has rivals, whatever its own.
+const BESIDE: f64 = 60.0;
+/// Share of −2 ln L that is much to promise, share of a promise below which it was not kept, and how
+/// many of those are led there.
+const MUCH: f64 = 0.1;
+const KEPT: f64 = 0.3;
+const UNKEPT: usize = 3;
+
+impl Search<'_> {
+    /// The most promising extensions, fitted to the end.
+    pub(crate) fn followed(&self, node: &Node, candidates: &[Hypothesis], least: f64) -> Vec<Node> {
+        let promises = self.bench.promises(node, candidates);
+        let before = deviance(node);
+        let promises = promises.iter().filter(|p| before - p.deviance > least);
+        let chosen = chosen(promises);
+        let mut glances = distinct(self.glances(node, &chosen));
+        glances.truncate(FOLLOWED[1]);
+        let full = glances.par_iter().filter_map(|glance| {
+            let full = self
+                .bench
+                .fit(&glance.hypotheses, &glance.fit.starts, FULL)?;
+            let own = full.hypotheses.last();
+            Some(if own.is_some_and(|h| h.info.id == "wheel_slip") {
+                self.bench.settle_static(full)
+            } else {
+                full
+            })
+        });
+        let mut full: Vec<Node> = full.collect();
+        full.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        full
+    }
+
+    /// A first look at promises, best first: where one explains all, only at what promises nearly as
+    /// much.
+    fn glances(&self, node: &Node, chosen: &[&Promise]) -> Vec<Node> {
+        let before = deviance(node);
+        let glance = |promise: &Promise| self.bench.follow(node, promise, GLANCE);
+        let Some(best) = chosen.first().and_then(|first| glance(first)) else {
+            return Vec::new();
+        };
+        let near = before - NEAR * (before - deviance(&best));
+        let worth = |p: &&&Promise| !self.bench.is_noise(&best) || p.deviance < near;
+        let rest: Vec<&Promise> = chosen[1..].iter().filter(worth).copied().collect();
+        let mut glances: Vec<Node> = rest.par_iter().filter_map(|p| glance(p)).collect();
+        glances.push(best);
+        if !glances.iter().any(|glance| self.is_right(node, glance)) {
+            glances.extend(self.unkept(node, chosen, &glances));
+        }
+        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let first = deviance(&glances[0]);
+        if self.bench.is_noise(&glances[0]) {
+            let least = (before - CLOSE * (before - first)).max(first + BESIDE);
+            glances.retain(|glance| deviance(glance) < least);
+        }
+        glances
+    }
+
+    /// What promised much and did not keep it, fitted over ever longer heads of the windows: where
+    /// residuals are large, the way there is no matter of first order.
+    fn unkept(&self, node: &Node, promises: &[&Promise], glances: &[Node]) -> Vec<Node> {
+        let before = deviance(node);
+        let kept = |promise: &Promise| {
+            let own = |glance: &&Node| {
+                let last = glance.hypotheses.last();
+                last.is_some_and(|own| own.is_like(&promise.hypothesis))
+            };
+            let all = glances.iter().filter(own);
+            all.map(|glance| before - deviance(glance))
+                .fold(0.0, f64::max)
+        };
+        let unkept = promises.iter().filter(|promise| {
+            let promised = before - promise.deviance;
+            promised > MUCH * before && kept(promise) < KEPT * promised
+        });
+        let unkept: Vec<&Promise> = unkept.take(UNKEPT).copied().collect();
+        let led = unkept.par_iter().filter_map(|promise| {
+            let mut hypotheses = node.hypotheses.clone();
+            hypotheses.push(promise.hypothesis.clone());
+            self.bench.led(&hypotheses)
+        });
+        led.collect()
+    }
+}
+
+/// The best promises; of what has several places or sizes, the best two.
+fn chosen<'a>(promises: impl Iterator<Item = &'a Promise>) -> Vec<&'a Promise> {
+    let mut chosen: Vec<&Promise> = Vec::new();
+    for promise in promises {
+        let known = |c: &&&Promise| c.hypothesis.is_like(&promise.hypothesis);
+        if chosen.iter().filter(known).count() < 2 {
+            chosen.push(promise);
+        }
+    }
+    chosen.truncate(FOLLOWED[0]);
+    chosen
+}
+
+/// Without those that came to the same effect as an earlier one, fitted as well.
+fn distinct(glances: Vec<Node>) -> Vec<Node> {
+    let mut distinct: Vec<Node> = Vec::new();
+    for glance in glances {
+        let twin = |known: &Node| {
+            let own = |node: &Node| node.hypotheses.last().cloned();
+            let pair = own(known).zip(own(&glance));
+            let like = pair.is_some_and(|(a, b)| a.is_like(&b));
+            like && (deviance(known) - deviance(&glance)).abs() < 1.0
+        };
+        if !distinct.iter().any(twin) {
+            distinct.push(glance);
+        }
+    }
+    distinct
+}

@@ -1,0 +1,141 @@
+//! What an effect has to bring to be accepted, and to stay.
+
+use std::cell::LazyCell;
+
+use crate::bench::{FULL, Node};
+use crate::hypothesis::Hypothesis;
+use crate::search::{Search, deviance};
+use crate::wander::{Judge, Wander};
+
+/// How many times what is due an effect has to bring, to noise, to be certain without a parameter of
+/// its own that is.
+const CERTAIN: f64 = 10.0;
+/// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
+pub(crate) const PAY: [f64; 2] = [24.0, 6.0];
+/// Pushes at most: a force that acts again and again is no push.
+const PUSHES: usize = 2;
+/// The same for an effect whose place or time was searched.
+const PAY_LOCAL: f64 = 40.0;
+/// Share of the gain so far that one more effect has to bring where noise is reached: less is what
+/// integrators differ by.
+const SHARE: f64 = 0.02;
+/// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
+/// hundred tests over a hundredth.
+pub(crate) const HELD_OUT: f64 = 18.0;
+/// Estimate over deviation that each effect has to keep in one of its parameters.
+const SIGMAS: f64 = 4.2;
+
+/// What an effect has to bring.
+fn due(hypothesis: &Hypothesis) -> f64 {
+    let first = if hypothesis.is_local() {
+        PAY_LOCAL
+    } else {
+        PAY[0]
+    };
+    first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
+}
+
+impl Search<'_> {
+    /// Whether so little is left that no further effect could bring its share.
+    pub(crate) fn is_done(&self, nominal: &Node, node: &Node) -> bool {
+        let so_far = node.fit.misfit.gain_over(&nominal.fit.misfit);
+        self.bench.is_noise(node) && deviance(node) < (SHARE * so_far).max(PAY[0])
+    }
+
+    /// Small forces without pattern beside `node`, if they explain all that it leaves.
+    pub(crate) fn wandering(&self, node: &Node) -> Option<Wander> {
+        if self.bench.is_noise(node) {
+            return None;
+        }
+        let wander = Judge::new(self.bench, node)?.alone()?;
+        wander.is_noise(self.bench).then_some(wander)
+    }
+
+    pub(crate) fn pays(
+        &self,
+        nominal: &Node,
+        before: &Node,
+        after: &Node,
+        wander: &LazyCell<Option<Wander>, impl FnOnce() -> Option<Wander>>,
+    ) -> bool {
+        let Some(own) = after.hypotheses.last() else {
+            return false;
+        };
+        let gain = after.fit.misfit.gain_over(&before.fit.misfit);
+        let so_far = before.fit.misfit.gain_over(&nominal.fit.misfit);
+        if self.bench.is_noise(before) && gain < SHARE * so_far {
+            return false;
+        }
+        let last = after.hypotheses.len() - 1;
+        let brings =
+            self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
+        if gain <= due(own)
+            || !(brings || self.is_clear(after, last))
+            || self.bench.spoils(before, after)
+        {
+            return false;
+        }
+        let certain = gain > CERTAIN * due(own) || !self.slips(after);
+        if self.bench.is_noise(after) && (certain || own.is_local()) {
+            return true;
+        }
+        if let Some(wander) = LazyCell::force(wander) {
+            return self.is_likelier(wander, after, due(own));
+        }
+        // what repeats in every fit may be a part of something else, or how simulators differ in a
+        // single slide
+        let proven = own.is_local() || self.bench.windows.len() < 4;
+        proven || self.bench.held_out_gain(before, after) > HELD_OUT
+    }
+
+    /// Whether `node` brings more than `due` over forces without pattern in its place.
+    pub(crate) fn is_likelier(&self, wander: &Wander, node: &Node, due: f64) -> bool {
+        let beside = Judge::new(self.bench, node).and_then(|judge| judge.alone());
+        beside.is_some_and(|beside| beside.deviance < wander.deviance - due)
+    }
+
+    /// Whether an effect is within its bounds, and no push too many.
+    pub(crate) fn may(&self, node: &Node, which: usize) -> bool {
+        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        !node.hypotheses[which].is_at_bound() && pushes.count() <= PUSHES
+    }
+
+    /// Whether an effect differs from nothing by its own uncertainty.
+    pub(crate) fn is_clear(&self, node: &Node, which: usize) -> bool {
+        let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
+        let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
+        let own = &node.hypotheses[which];
+        if !self.may(node, which) {
+            return false;
+        }
+        own.is_threshold()
+            || own.values.iter().enumerate().any(|(i, (name, value))| {
+                let nothing = own.nothing(&self.bench.model, name);
+                (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
+            })
+    }
+
+    /// Takes out what no longer pays beside what came later.
+    pub(crate) fn pruned(&self, nominal: &Node, mut node: Node) -> Node {
+        let share = SHARE * node.fit.misfit.gain_over(&nominal.fit.misfit);
+        let mut at = 0;
+        while node.hypotheses.len() > 1 && at < node.hypotheses.len() {
+            let mut without = node.hypotheses.clone();
+            let removed = without.remove(at);
+            (self.progress)(&format!("without {}", removed.info.id));
+            let less = self.bench.fit(&without, &node.fit.starts, FULL);
+            let idle = |less: &Node| {
+                let gain = node.fit.misfit.gain_over(&less.fit.misfit);
+                let wander = || self.wandering(less).filter(|_| !self.bench.is_noise(&node));
+                gain < due(&removed)
+                    || self.bench.is_noise(less) && gain < share
+                    || wander().is_some_and(|w| !self.is_likelier(&w, &node, due(&removed)))
+            };
+            match less.filter(idle) {
+                Some(less) => (node, at) = (less, 0),
+                None => at += 1,
+            }
+        }
+        node
+    }
+}

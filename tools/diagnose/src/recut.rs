@@ -1,0 +1,82 @@
+//! Where no window should begin in a model that is on the way.
+
+use crate::bench::Node;
+use crate::force::PULSE_S;
+use crate::located;
+use crate::search::Search;
+use crate::window::{AFTER_S, Window};
+
+/// How long the end of a slide is looked for beyond the window that it began in (s).
+const BEYOND_S: f64 = 0.6;
+/// How much longer than in a model that is not yet right a patch may act, and how far around a push
+/// a slide may reach that it stands for (s).
+const EDGE_S: f64 = 0.5;
+
+impl Search<'_> {
+    /// When the wheels slide in a model that slips and does not yet reach the noise, or its gears are
+    /// apart, if a window begins there, unless that is known already. A push that explains all where a
+    /// window begins may be such a slide.
+    pub(crate) fn slides(&self, node: &Node) -> Option<Vec<[f64; 2]>> {
+        if !self.cuts {
+            return None;
+        }
+        let noise = self.bench.is_noise(node);
+        if !noise && has(node, "backlash") {
+            return Some(located::apart(self.bench)).filter(|apart| self.begins_in(apart));
+        }
+        if !self.slips(node) {
+            return None;
+        }
+        let pushes = noise.then(|| self.begun_by_push(node));
+        let mut slides = pushes.unwrap_or_default();
+        if noise && slides.is_empty() {
+            return None;
+        }
+        let of_model = located::sliding(self.bench, node, None, BEYOND_S);
+        // where a patch ends is not known well while a window begins on it
+        let edge_s = if has(node, "friction_patch") {
+            EDGE_S
+        } else {
+            0.0
+        };
+        slides.extend(
+            of_model
+                .iter()
+                .map(|[from, to]| [from - edge_s, to + edge_s]),
+        );
+        self.begins_in(&slides).then_some(slides)
+    }
+
+    /// Whether a window begins at one of these times (s).
+    fn begins_in(&self, times_s: &[[f64; 2]]) -> bool {
+        let begins = |window: &Window| {
+            let mut times_s = times_s.iter();
+            times_s.any(|[from, to]| window.from_s > *from && window.from_s < to + AFTER_S)
+        };
+        self.bench.windows.iter().any(begins)
+    }
+
+    /// Around the pushes with which a window begins, other than the first.
+    fn begun_by_push(&self, node: &Node) -> Vec<[f64; 2]> {
+        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        let begins = |t_s: &f64| {
+            let mut later = self.bench.windows.windows(2).map(|pair| pair[1].from_s);
+            later.any(|from_s| (from_s - t_s).abs() < PULSE_S)
+        };
+        let times_s = pushes.map(|push| push.values[0].1).filter(begins);
+        times_s.map(|t_s| [t_s - EDGE_S, t_s + EDGE_S]).collect()
+    }
+
+    /// Whether wheels may slide in a model.
+    pub(crate) fn slips(&self, node: &Node) -> bool {
+        let mut found = node.hypotheses.iter();
+        let mut known = self.bench.model.effects.iter();
+        found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"))
+            || known.any(|e| e.effect == "wheel_slip")
+    }
+}
+
+/// Whether an effect is among those of a node.
+fn has(node: &Node, id: &str) -> bool {
+    node.hypotheses.iter().any(|h| h.info.id == id)
+}

@@ -1,0 +1,152 @@
+//! What was found, weighed: what each effect brings, what could stand in its place, and what the
+//! catalogue does not hold.
+
+use crate::bench::{FULL, Node, SPOILT};
+use crate::hypothesis::Hypothesis;
+use crate::misfit::Misfit;
+use crate::score;
+use crate::search::{Search, deviance, score};
+use crate::unknown::{self, Beyond, Unknown};
+use crate::wander::Wander;
+
+/// Δ(−2 ln L) within which two effects cannot be told apart.
+const TWINS: f64 = 9.0;
+
+/// A model that explains the tracks as far as the catalogue can.
+pub(crate) struct Found {
+    pub(crate) nominal: Node,
+    pub(crate) node: Node,
+    /// Of each effect: ln L of all over all without it.
+    pub(crate) gains: Vec<f64>,
+    /// Of each effect: those that fit as well in its place.
+    pub(crate) twins: Vec<Vec<&'static str>>,
+    /// How many hypotheses were looked at.
+    pub(crate) looked_at: usize,
+    /// What the catalogue does not hold.
+    pub(crate) unknown: Option<Unknown>,
+    /// Forces without pattern, were there nothing else beside what the catalogue holds.
+    pub(crate) wander: Option<Wander>,
+}
+
+impl Search<'_> {
+    /// What was found, weighed, and what the catalogue does not hold.
+    pub(crate) fn concluded(&self, nominal: Node, best: Node, looked_at: usize) -> Found {
+        if self.bench.is_noise(&best) {
+            return self.weighed(nominal, best, looked_at);
+        }
+        (self.progress)("forces outside of the catalogue");
+        let mut best = if self.holds(&best) {
+            best
+        } else {
+            nominal.clone()
+        };
+        let mut beside = unknown::beside(self.bench, &best);
+        for fewer in [self.without_pushes(&best), Some(nominal.clone())] {
+            let Some(fewer) = fewer.filter(|f| f.hypotheses.len() < best.hypotheses.len()) else {
+                continue;
+            };
+            // what explains more by itself than all that was found needs none of it; and pushes that
+            // do not explain all may be pieces of it
+            let gone = |h: &Hypothesis| !fewer.hypotheses.iter().any(|kept| kept.is_like(h));
+            let mut without = best.hypotheses.iter().filter(|h| gone(h));
+            let pieces = without.all(|h| h.info.id == "push");
+            let likelier = |alone: &Beyond| {
+                beside.as_ref().is_some_and(|beside| {
+                    let pieces = pieces && beside.is_of_moments();
+                    alone.score < beside.score || alone.unknown.is_some() && pieces
+                })
+            };
+            let alone = unknown::beside(self.bench, &fewer);
+            if let Some(alone) = alone.filter(likelier) {
+                (best, beside) = (fewer, Some(alone));
+            }
+        }
+        let mut found = self.weighed(nominal, best, looked_at);
+        if let Some(beyond) = beside.filter(|_| !self.bench.is_noise(&found.node)) {
+            found.unknown = beyond.unknown;
+            found.wander = Some(beyond.wander);
+        }
+        found
+    }
+
+    /// Whether the effects of a node, fitted to every other window, predict the rest no worse than the
+    /// nominal model does.
+    fn holds(&self, node: &Node) -> bool {
+        let bench = self.bench;
+        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
+        let before = total(&score::prediction(bench, &bench.windows, &[]));
+        let after = score::held_out(bench, &bench.windows, &node.hypotheses);
+        node.hypotheses.is_empty() || total(&after) < SPOILT * before
+    }
+
+    /// The node without its pushes, if it has any.
+    fn without_pushes(&self, node: &Node) -> Option<Node> {
+        let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
+        let lasting: Vec<Hypothesis> = lasting.cloned().collect();
+        if lasting.len() == node.hypotheses.len() {
+            return None;
+        }
+        self.bench.fit(&lasting, &node.fit.starts, FULL)
+    }
+
+    /// What each effect brings, and what could stand in its place. What fits better in its place
+    /// takes it.
+    fn weighed(&self, nominal: Node, mut node: Node, looked_at: usize) -> Found {
+        let (mut gains, mut twins) = (Vec::new(), Vec::new());
+        let mut swaps = 0;
+        let mut at = 0;
+        while at < node.hypotheses.len() {
+            let mut without = node.hypotheses.clone();
+            let removed = without.remove(at);
+            (self.progress)(&format!("what {} brings", removed.info.id));
+            let Some(less) = self.bench.fit(&without, &node.fit.starts, FULL) else {
+                gains.push(0.0);
+                twins.push(Vec::new());
+                at += 1;
+                continue;
+            };
+            let candidates: Vec<Hypothesis> = self
+                .candidates(&less)
+                .into_iter()
+                .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
+                .collect();
+            let rivals = self.followed(
+                &less,
+                &candidates,
+                0.5 * (deviance(&less) - deviance(&node)),
+            );
+            if let Some(rival) = rivals
+                .iter()
+                .find(|r| self.is_clear(r, r.hypotheses.len() - 1) && !self.bench.spoils(&node, r))
+                && score(rival) < score(&node) - 3.0
+                && swaps < 3
+            {
+                node = rival.clone();
+                (gains, twins, at) = (Vec::new(), Vec::new(), 0);
+                swaps += 1;
+                continue;
+            }
+            gains.push((deviance(&less) - deviance(&node)) / 2.0);
+            let near = rivals
+                .iter()
+                .filter(|r| deviance(r) < deviance(&node) + TWINS);
+            let mut ids: Vec<&'static str> = near
+                .filter_map(|r| Some(r.hypotheses.last()?.info.id))
+                .collect();
+            ids.sort_unstable();
+            ids.dedup();
+            ids.retain(|id| *id != removed.info.id);
+            twins.push(ids);
+            at += 1;
+        }
+        Found {
+            nominal,
+            node,
+            gains,
+            twins,
+            looked_at,
+            unknown: None,
+            wander: None,
+        }
+    }
+}
