@@ -7,7 +7,7 @@ use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
-use crate::hypothesis::{KINETIC, STATIC};
+use crate::hypothesis::{KINETIC, STATIC, come_round};
 use crate::linear::{self, Linear, Normal};
 use crate::misfit::Misfit;
 use crate::simulate::Simulation;
@@ -342,7 +342,11 @@ impl<'a> Problem<'a> {
         let step = linear::step(normals, damping, |i, step| {
             self.bounded(i, place.values[i], step)
         });
-        let values = place.values.iter().zip(&step.globals).map(|(v, s)| v + s);
+        let pairs = place.values.iter().zip(&step.globals).zip(self.free);
+        let values = pairs.map(|((value, step), (at, name))| {
+            let info = self.list[*at].0;
+            come_round(info, name, value + step)
+        });
         let starts = place.starts.iter().zip(&step.locals).map(|(start, step)| {
             let mut moved = *start;
             moved.iter_mut().zip(step).for_each(|(m, s)| *m += s);

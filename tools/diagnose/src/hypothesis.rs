@@ -1,6 +1,8 @@
 //! Hypotheses: effects that the model may lack, or have with other numbers, each with values to
 //! start from.
 
+use std::f64::consts::TAU;
+
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
 use slipstream_sim::{CommandKind, Stream};
@@ -113,6 +115,18 @@ impl Hypothesis {
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {
         self.info.id == "command_dead_band"
+    }
+}
+
+/// A value of a parameter within its first turn, where it is a direction: one that comes round again
+/// has no bounds to be held by.
+pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
+    let own = info.parameters.iter().find(|p| p.name == name);
+    match own.map(|p| (p.unit, p.domain)) {
+        Some(("rad", Domain::Number { lower, upper, .. })) if upper - lower > TAU => {
+            value - TAU * (value / TAU).round()
+        }
+        _ => value,
     }
 }
 

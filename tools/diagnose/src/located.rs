@@ -214,6 +214,28 @@ mod tests {
         }
     }
 
+    #[test]
+    fn gears_are_apart_after_a_change_of_sign_and_without_torque() {
+        let told = [(0.0, 0.0), (0.5, 0.1), (1.0, 0.2), (2.0, -0.1), (3.0, -0.1)];
+        let torque = |torque_nm: f64| Command::Torque {
+            right_nm: torque_nm,
+            left_nm: 0.5,
+        };
+        let commands = told.map(|(t_s, torque_nm)| (t_s, torque(torque_nm)));
+        let rows = (0..40).map(|k| (f64::from(k) * 0.1, [0.0; 3])).collect();
+        let wheels = fixture::series(crate::track::Sensor::WheelAngle, rows, 1e-3);
+        let track = fixture::track(commands.to_vec(), vec![wheels]);
+        let bench = fixture::bench(track, RobotModel::default());
+        let begun = [0.0, ACROSS_S];
+        let wanted = [
+            [0.0, 0.5],
+            begun,
+            [0.5, 0.5 + ACROSS_S],
+            [2.0, 2.0 + ACROSS_S],
+        ];
+        assert_eq!(apart(&bench), wanted);
+    }
+
     /// Gentle but for two jerks of 0.2 s, at 2 and at 3.5 s.
     fn jerked(t_s: f64) -> [f64; 2] {
         let during = |from_s: f64| (from_s - 1e-6..from_s + 0.2 - 1e-6).contains(&t_s);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, come_round};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::window::LOCALS;
@@ -156,7 +156,9 @@ impl Bench {
                 if !best.as_ref().is_some_and(|best| best.deviance <= deviance) {
                     let mut hypothesis = candidate.clone();
                     let own = hypothesis.values.iter_mut().zip(&step.globals[known..]);
-                    own.for_each(|((_, value), step)| *value += step);
+                    own.for_each(|((name, value), step)| {
+                        *value = come_round(candidate.info, name, *value + step);
+                    });
                     let mut starts = starts.clone();
                     for (start, step) in starts.iter_mut().zip(&step.locals) {
                         start.iter_mut().zip(step).for_each(|(s, d)| *s += d);

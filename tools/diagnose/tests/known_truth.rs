@@ -63,6 +63,44 @@ fn what_is_left_out_is_named_and_measured_and_then_matches() {
     );
 }
 
+#[test]
+fn what_swallows_little_is_found_beside_what_is_late() {
+    let nominal = RobotModel::default();
+    let truth = nominal
+        .clone()
+        .with("actuator_lag", &[("time_constant_s", 0.04)])
+        .with("command_dead_band", &[("torque_nm", 0.004)]);
+    let (answer, _) = answer(&truth, &nominal, 4);
+    let text = serde_json::to_string(&answer).unwrap();
+    let mut found: Vec<(&str, f64)> = answer
+        .findings
+        .iter()
+        .map(|f| (f.effect.as_str(), f.parameters[0].estimate.unwrap()))
+        .collect();
+    found.sort_by(|a, b| a.0.cmp(b.0));
+    let [("actuator_lag", lag_s), ("command_dead_band", band_nm)] = found[..] else {
+        panic!("{text}")
+    };
+    // between which two commands the band ends is known, not where
+    assert!((lag_s - 0.04).abs() < 2e-3, "{text}");
+    assert!((band_nm - 0.004).abs() < 2e-4, "{text}");
+}
+
+#[test]
+fn a_slope_that_leads_far_astray_is_found() {
+    let nominal = RobotModel::default();
+    let slope = [("grade", 0.02), ("downhill_rad", -1.1)];
+    let truth = nominal.clone().with("floor_slope", &slope);
+    let (answer, _) = answer(&truth, &nominal, 5);
+    let text = serde_json::to_string(&answer).unwrap();
+    assert_eq!(answer.findings.len(), 1, "{text}");
+    for (found, (name, value)) in answer.findings[0].parameters.iter().zip(slope) {
+        assert_eq!(found.name, name, "{text}");
+        let estimate = found.estimate.unwrap();
+        assert!((estimate - value).abs() < 0.02 * value.abs(), "{text}");
+    }
+}
+
 fn listing(answer: &Answer) -> String {
     serde_json::to_string(answer).unwrap()
 }
