@@ -168,7 +168,7 @@ impl Answer {
     /// Adds how well one machine is predicted before and after.
     pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
         let before = score::prediction(bench, &bench.windows, &[]);
-        let after = score::held_out(bench, &bench.windows, hypotheses);
+        let after = score::held_out(bench, hypotheses);
         self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 
@@ -268,9 +268,8 @@ impl HeldOut {
             }
         }
         // several robots: the one that is worst off
-        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
-        self.nrmse_before = self.nrmse_before.max(total(before));
-        self.nrmse_after = self.nrmse_after.max(total(after));
+        self.nrmse_before = self.nrmse_before.max(score::total(before));
+        self.nrmse_after = self.nrmse_after.max(score::total(after));
     }
 }
 

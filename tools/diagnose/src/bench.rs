@@ -207,8 +207,7 @@ impl Bench {
         let all = cut_all(&self.tracks, &[]);
         let predicted = |node: &Node| score::prediction(self, &all, &node.hypotheses);
         let [before, after] = [before, after].map(predicted);
-        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
-        worse(&before, &after) || total(&after) > SPOILT * total(&before)
+        worse(&before, &after) || score::total(&after) > SPOILT * score::total(&before)
     }
 
     /// Guesses of these windows' starts under the nominal model.

@@ -12,10 +12,10 @@ use crate::wander::{Judge, Wander};
 const CERTAIN: f64 = 10.0;
 /// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
 pub(crate) const PAY: [f64; 2] = [24.0, 6.0];
-/// Pushes at most: a force that acts again and again is no push.
-const PUSHES: usize = 2;
 /// The same for an effect whose place or time was searched.
 const PAY_LOCAL: f64 = 40.0;
+/// Pushes at most: a force that acts again and again is no push.
+const PUSHES: usize = 2;
 /// Share of the gain so far that one more effect has to bring where noise is reached: less is what
 /// integrators differ by.
 const SHARE: f64 = 0.02;

@@ -31,7 +31,8 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
 
 /// Misfit of the prediction of every window by effects fitted to every other one, in turn. A single
 /// window is predicted by what was fitted to it.
-pub(crate) fn held_out(bench: &Bench, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
+pub(crate) fn held_out(bench: &Bench, hypotheses: &[Hypothesis]) -> Misfit {
+    let windows = &bench.windows;
     if windows.len() < 2 || hypotheses.is_empty() {
         return prediction(bench, windows, hypotheses);
     }
@@ -101,8 +102,9 @@ pub(crate) fn level(misfit: &Misfit, channel: usize) -> Option<f64> {
     (misfit.counts[channel] > 0.0).then(|| misfit.mean_square(channel).sqrt())
 }
 
-/// Root mean square over all samples of the pose, or of gyro and wheels where there is no pose.
-pub(crate) fn total(misfit: &Misfit) -> Option<f64> {
+/// Root mean square over all samples of the pose, or of gyro and wheels where there is no pose; zero
+/// where nothing of these was measured.
+pub(crate) fn total(misfit: &Misfit) -> f64 {
     let pose = 2..5;
     let others = [0, 1, 9];
     let has = |channels: &[usize]| channels.iter().any(|c| misfit.counts[*c] > 0.0);
@@ -110,5 +112,5 @@ pub(crate) fn total(misfit: &Misfit) -> Option<f64> {
     let channels: &[usize] = if has(&pose) { &pose } else { &others };
     let squares: f64 = channels.iter().map(|c| misfit.squares[*c]).sum();
     let counts: f64 = channels.iter().map(|c| misfit.counts[*c]).sum();
-    (counts > 0.0).then(|| (squares / counts).sqrt())
+    (squares / counts.max(1.0)).sqrt()
 }

@@ -3,7 +3,6 @@
 
 use crate::bench::{FULL, Node, SPOILT};
 use crate::hypothesis::Hypothesis;
-use crate::misfit::Misfit;
 use crate::score;
 use crate::search::{Search, deviance, score};
 use crate::unknown::{self, Beyond, Unknown};
@@ -72,11 +71,13 @@ impl Search<'_> {
     /// Whether the effects of a node, fitted to every other window, predict the rest no worse than the
     /// nominal model does.
     fn holds(&self, node: &Node) -> bool {
+        if node.hypotheses.is_empty() {
+            return true;
+        }
         let bench = self.bench;
-        let total = |misfit: &Misfit| score::total(misfit).unwrap_or(0.0);
-        let before = total(&score::prediction(bench, &bench.windows, &[]));
-        let after = score::held_out(bench, &bench.windows, &node.hypotheses);
-        node.hypotheses.is_empty() || total(&after) < SPOILT * before
+        let before = score::prediction(bench, &bench.windows, &[]);
+        let after = score::held_out(bench, &node.hypotheses);
+        score::total(&after) < SPOILT * score::total(&before)
     }
 
     /// The node without its pushes, if it has any.
