@@ -163,6 +163,9 @@ impl Answer {
             self.findings.push(finding(bench, found, hypothesis, at));
         }
         self.leftover(bench, found);
+        if found.stopped {
+            self.warnings.push(stopped(bench));
+        }
     }
 
     /// Adds how well one machine is predicted before and after.
@@ -347,6 +350,17 @@ fn sizes(bench: &Bench, wander: &Wander) -> String {
         "of {along:.2e} {unit} ({what}) and {about:.2e} {turn_unit} ({turn}; standard deviations), \
          each lasting about {memory_s:.2} s"
     )
+}
+
+/// The search came to its end before everything was tried.
+fn stopped(bench: &Bench) -> Warning {
+    Warning {
+        recording: bench.tracks[0].recording.clone(),
+        robot: Some(bench.tracks[0].robot.clone()),
+        id: "search_stopped".to_owned(),
+        statement: "the search was stopped for the work that it took: there may be more effects than were found".to_owned(),
+        remedy: "put what was found into the model with --improved and diagnose again, or leave out effects that it cannot be with --without".to_owned(),
+    }
 }
 
 /// What is left are forces without pattern.

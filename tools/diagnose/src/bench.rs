@@ -1,5 +1,7 @@
 //! What is looked at: tracks, windows and the nominal model, and models fitted to them.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use slipstream_bus::RobotModel;
 use slipstream_sim::{CommandKind, Listed, read_effects};
@@ -12,11 +14,20 @@ use crate::simulate::is_exact_at_any_step;
 use crate::start;
 use crate::track::{CHANNELS, Track};
 use crate::window::{LOCALS, Window, cut_all, spread};
+use crate::work::Work;
 
-/// Longest step of a simulation (s).
-const STEP_S: f64 = 2e-3;
-/// The same where wheels turn exactly as told.
+/// Longest step of a simulation (s): where wheels slip or gears have play, where they do not, and
+/// where they turn exactly as told.
+const SHORT_STEP_S: f64 = 2e-3;
+const STEP_S: f64 = 4e-3;
 const LONG_STEP_S: f64 = 0.02;
+
+/// How often all windows are simulated before a search goes on from the best model alone, and before
+/// it stops.
+const NARROW: f64 = 4000.0;
+const BUDGET: f64 = 8000.0;
+/// What is shorter may be searched longer (s).
+const SHORT_S: f64 = 30.0;
 
 /// Level (deviations) that counts as noise, where the noise is declared and where it is not.
 const NOISE: f64 = 1.12;
@@ -39,6 +50,8 @@ pub(crate) struct Bench {
     pub(crate) tracks: Vec<Track>,
     pub(crate) windows: Vec<Window>,
     pub(crate) model: RobotModel,
+    /// What was simulated so far.
+    pub(crate) work: Arc<Work>,
 }
 
 /// The nominal model with these effects, fitted.
@@ -107,9 +120,27 @@ impl Bench {
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
         if is_exact_at_any_step(kind, slips, lags) {
             LONG_STEP_S
+        } else if slips {
+            SHORT_STEP_S
         } else {
             STEP_S
         }
+    }
+
+    /// Whether so much was simulated that a search has to go on from the best model alone.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.times() > NARROW
+    }
+
+    /// Whether so much was simulated that a search has to come to its end.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.times() > BUDGET
+    }
+
+    /// How often all windows were simulated; what is short counts as if it were longer.
+    fn times(&self) -> f64 {
+        let lengths = self.windows.iter().map(|w| w.to_s - w.from_s);
+        self.work.so_far_s() / lengths.sum::<f64>().max(SHORT_S)
     }
 
     /// Hands the problem of these hypotheses to `solve`, with the values to start from.
@@ -128,6 +159,7 @@ impl Bench {
             only: &setting.only,
             free: &setting.free,
             step_s: self.step_s(&setting.list),
+            work: &self.work,
         };
         solve(&problem, &setting.values)
     }
@@ -255,6 +287,7 @@ impl Bench {
             tracks: self.tracks.clone(),
             windows,
             model: self.model.clone(),
+            work: Arc::clone(&self.work),
         }
     }
 

@@ -13,6 +13,7 @@ use crate::misfit::Misfit;
 use crate::simulate::Simulation;
 use crate::track::{Sensor, Track};
 use crate::window::{LOCALS, Window};
+use crate::work::Work;
 
 /// Which numbers of a list of effects are fitted: place in the list and parameter.
 pub(crate) type Free = (usize, &'static str);
@@ -52,6 +53,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) only: &'a [Option<usize>],
     pub(crate) free: &'a [Free],
     pub(crate) step_s: f64,
+    pub(crate) work: &'a Work,
 }
 
 /// Where a fit stands.
@@ -108,6 +110,7 @@ impl<'a> Problem<'a> {
             window,
             robot: &robots[window.run],
             step_s: self.step_s,
+            work: self.work,
         }
     }
 

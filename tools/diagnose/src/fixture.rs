@@ -1,5 +1,7 @@
 //! What the tests of several modules begin from: tracks without noise, made by the plant itself.
 
+use std::sync::Arc;
+
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot, State};
 
@@ -68,6 +70,7 @@ pub(crate) fn bench(track: Track, model: RobotModel) -> Bench {
         tracks: vec![track],
         windows,
         model,
+        work: Arc::default(),
     }
 }
 

@@ -5,12 +5,16 @@ use rayon::prelude::*;
 use crate::bench::{FULL, Node};
 use crate::hypothesis::Hypothesis;
 use crate::promise::Promise;
-use crate::search::{Search, deviance, score};
+use crate::search::{SIDE_BY_SIDE, Search, deviance, score};
 
 /// Effects whose promise is followed a few rounds, and to the end.
 pub(crate) const FOLLOWED: [usize; 2] = [9, 5];
 /// Rounds of the first look.
 pub(crate) const GLANCE: usize = 2;
+/// Rounds of a second look, and how much more (−2 ln L, share of the best) what is then fitted to the
+/// end may leave, beside the best few.
+pub(crate) const LOOK: usize = 6;
+const BEHIND: f64 = 1.2;
 /// Share of the gain of an effect that explains all that another has to promise, and to show at a
 /// first look, to be fitted beside it.
 const NEAR: f64 = 0.7;
@@ -32,10 +36,9 @@ impl Search<'_> {
         let chosen = chosen(promises);
         let mut glances = distinct(self.glances(node, &chosen));
         glances.truncate(FOLLOWED[1]);
-        let full = glances.par_iter().filter_map(|glance| {
-            let full = self
-                .bench
-                .fit(&glance.hypotheses, &glance.fit.starts, FULL)?;
+        let looks = self.looks(&glances);
+        let full = looks.par_iter().filter_map(|look| {
+            let full = self.bench.fit(&look.hypotheses, &look.fit.starts, FULL)?;
             let own = full.hypotheses.last();
             Some(if own.is_some_and(|h| h.info.id == "wheel_slip") {
                 self.bench.settle_static(full)
@@ -46,6 +49,25 @@ impl Search<'_> {
         let mut full: Vec<Node> = full.collect();
         full.sort_by(|a, b| score(a).total_cmp(&score(b)));
         full
+    }
+
+    /// A second look at what the first one left, best first: without what is far behind.
+    fn looks(&self, glances: &[Node]) -> Vec<Node> {
+        if glances.len() <= SIDE_BY_SIDE {
+            return glances.to_vec();
+        }
+        let look = |glance: &Node| self.bench.fit(&glance.hypotheses, &glance.fit.starts, LOOK);
+        let mut looks: Vec<Node> = glances.par_iter().filter_map(look).collect();
+        looks.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        let far = looks
+            .first()
+            .map_or(0.0, |best| BEHIND * deviance(best) + BESIDE);
+        let mut rank = 0;
+        looks.retain(|look| {
+            rank += 1;
+            rank <= SIDE_BY_SIDE || deviance(look) < far
+        });
+        looks
     }
 
     /// A first look at promises, best first: where one explains all, only at what promises nearly as

@@ -107,6 +107,8 @@ fn end(bench: &Bench, node: &Node, which: usize, i: usize, side: f64) -> f64 {
 mod tests {
     use slipstream_bus::RobotModel;
     use slipstream_sim::Command;
+    use std::sync::Arc;
+
     use slipstream_sim::effects::find;
 
     use super::*;
@@ -124,6 +126,7 @@ mod tests {
             tracks: vec![fixture::track(commands, Vec::new())],
             windows: Vec::new(),
             model: RobotModel::default(),
+            work: Arc::default(),
         };
         let info = find("command_dead_band").unwrap();
         assert_eq!(between_sizes(&bench, info, 0.015), [0.01, 0.02]);

@@ -44,6 +44,9 @@ mod unknown;
 mod wander;
 mod weigh;
 mod window;
+mod work;
+
+use std::sync::Arc;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
@@ -292,5 +295,6 @@ fn bench(
         tracks,
         windows,
         model,
+        work: Arc::default(),
     })
 }

@@ -3,6 +3,7 @@
 use std::cell::LazyCell;
 
 use crate::bench::{FULL, Node};
+use crate::follow::LOOK;
 use crate::hypothesis::Hypothesis;
 use crate::search::{Search, deviance};
 use crate::wander::{Judge, Wander};
@@ -22,6 +23,9 @@ const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
 pub(crate) const HELD_OUT: f64 = 18.0;
+/// How many times worse a model without one of its effects is, after a few rounds, for that to be
+/// needed beyond doubt.
+const WORSE: f64 = 3.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
 const SIGMAS: f64 = 4.2;
 
@@ -115,6 +119,17 @@ impl Search<'_> {
             })
     }
 
+    /// The node with these of its effects alone. `None` if that is far worse after a few rounds: what
+    /// is gone then brings more than is `due`.
+    fn less(&self, node: &Node, without: &[Hypothesis], due: f64) -> Option<Node> {
+        let far = WORSE * deviance(node) + CERTAIN * due;
+        let look = self.bench.fit(without, &node.fit.starts, LOOK)?;
+        if deviance(&look) > far {
+            return None;
+        }
+        self.bench.fit(&look.hypotheses, &look.fit.starts, FULL)
+    }
+
     /// Takes out what no longer pays beside what came later.
     pub(crate) fn pruned(&self, nominal: &Node, mut node: Node) -> Node {
         let share = SHARE * node.fit.misfit.gain_over(&nominal.fit.misfit);
@@ -123,7 +138,7 @@ impl Search<'_> {
             let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
             (self.progress)(&format!("without {}", removed.info.id));
-            let less = self.bench.fit(&without, &node.fit.starts, FULL);
+            let less = self.less(&node, &without, due(&removed));
             let idle = |less: &Node| {
                 let gain = node.fit.misfit.gain_over(&less.fit.misfit);
                 let wander = || self.wandering(less).filter(|_| !self.bench.is_noise(&node));

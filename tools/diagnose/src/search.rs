@@ -19,9 +19,11 @@ const HALFWAY: f64 = 0.6;
 /// else needs to be tried in its place.
 const RIGHT_WAY: f64 = 0.15;
 /// Models that are kept side by side while none reaches the noise.
-const SIDE_BY_SIDE: usize = 3;
+pub(crate) const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
 const UNFINISHED: f64 = 50.0;
+/// Share of −2 ln L that a round leaves where the search gets on no more.
+const STALLED: f64 = 0.5;
 /// Effects at most.
 const MOST: usize = 5;
 
@@ -67,7 +69,9 @@ impl Search<'_> {
         }
         Some(match self.combined(&nominal) {
             Ok((best, looked_at)) => {
-                Outcome::Found(Box::new(self.concluded(nominal, best, looked_at)))
+                let stopped = self.bench.is_spent() && !self.bench.is_noise(&best);
+                let found = self.concluded(nominal, best, looked_at);
+                Outcome::Found(Box::new(Found { stopped, ..found }))
             }
             Err(slides) => slides,
         })
@@ -79,10 +83,14 @@ impl Search<'_> {
         let mut nodes = self.begun(nominal);
         let mut best = nodes[0].clone();
         let (mut looked_at, mut seen) = (0, Vec::new());
+        let mut before = f64::INFINITY;
         for _ in 0..MOST {
-            if self.is_done(nominal, &best) {
+            // a search that is getting on is not stopped
+            let stalls = deviance(&best) > STALLED * before;
+            if self.is_done(nominal, &best) || stalls && self.bench.is_spent() {
                 break;
             }
+            before = deviance(&best);
             let next = self.next(nominal, &nodes, &mut seen, &mut looked_at);
             let settled = next.into_iter().map(|node| {
                 let less = self.pruned(nominal, node);
@@ -140,7 +148,7 @@ impl Search<'_> {
             *looked_at += candidates.len();
             next.extend(self.extended(nominal, node, &candidates, rank == 0));
             // the best comes first: what lies further back could hardly explain more
-            if next.iter().any(|next| self.is_right(node, next)) {
+            if next.iter().any(|next| self.is_right(node, next)) || self.bench.is_narrow() {
                 break;
             }
         }
@@ -157,7 +165,8 @@ impl Search<'_> {
             }
         }
         let enough = kept.first().is_some_and(|first| self.bench.is_noise(first));
-        kept.truncate(if enough { 1 } else { SIDE_BY_SIDE });
+        let alone = enough || self.bench.is_narrow();
+        kept.truncate(if alone { 1 } else { SIDE_BY_SIDE });
         kept
     }
 

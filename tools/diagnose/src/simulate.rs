@@ -4,6 +4,7 @@ use slipstream_sim::{Command, CommandKind, Robot, State};
 
 use crate::track::{Sensor, Track};
 use crate::window::{LOCALS, Window};
+use crate::work::Work;
 
 /// Commands before the window that the drive train may still feel (s).
 const MEMORY_S: f64 = 2.0;
@@ -28,6 +29,7 @@ pub(crate) struct Simulation<'a> {
     pub(crate) robot: &'a Robot,
     /// Longest step (s).
     pub(crate) step_s: f64,
+    pub(crate) work: &'a Work,
 }
 
 /// An instant of a simulation, without derivatives.
@@ -191,6 +193,7 @@ impl Simulation<'_> {
                 pulse = None;
             }
         }
+        self.work.add(now_s - bookmark.t_s);
         seen.residuals
     }
 }

@@ -25,6 +25,8 @@ pub(crate) struct Found {
     pub(crate) unknown: Option<Unknown>,
     /// Forces without pattern, were there nothing else beside what the catalogue holds.
     pub(crate) wander: Option<Wander>,
+    /// The search was stopped for the work that it took.
+    pub(crate) stopped: bool,
 }
 
 impl Search<'_> {
@@ -44,20 +46,28 @@ impl Search<'_> {
             let Some(fewer) = fewer.filter(|f| f.hypotheses.len() < best.hypotheses.len()) else {
                 continue;
             };
-            // what explains more by itself than all that was found needs none of it; and pushes that
-            // do not explain all may be pieces of it
             let gone = |h: &Hypothesis| !fewer.hypotheses.iter().any(|kept| kept.is_like(h));
             let mut without = best.hypotheses.iter().filter(|h| gone(h));
             let pieces = without.all(|h| h.info.id == "push");
-            let likelier = |alone: &Beyond| {
-                beside.as_ref().is_some_and(|beside| {
-                    let pieces = pieces && beside.is_of_moments();
-                    alone.score < beside.score || alone.unknown.is_some() && pieces
-                })
+            let Some((alone, than)) = unknown::beside(self.bench, &fewer).zip(beside.as_ref())
+            else {
+                continue;
             };
-            let alone = unknown::beside(self.bench, &fewer);
-            if let Some(alone) = alone.filter(likelier) {
+            if alone.score < than.score {
+                // what explains more by itself than all that was found needs none of it
                 (best, beside) = (fewer, Some(alone));
+            } else if pieces && alone.unknown.is_some() {
+                // pushes that do not explain all may be pieces of it: beside them it shows the more
+                // clearly what it follows
+                best = fewer;
+                beside = if than.is_of_moments() {
+                    Some(alone)
+                } else {
+                    beside.map(|named| Beyond {
+                        score: alone.score,
+                        ..named
+                    })
+                };
             }
         }
         let mut found = self.weighed(nominal, best, looked_at);
@@ -148,6 +158,7 @@ impl Search<'_> {
             looked_at,
             unknown: None,
             wander: None,
+            stopped: false,
         }
     }
 }
