@@ -190,7 +190,7 @@ fn of_channel(bench: &Bench, node: &Node, run: usize, channel: usize) -> Vec<Poi
 
 /// The missing force at every pulse around `node`.
 fn moments(bench: &Bench, node: &Node) -> Option<Vec<Moment>> {
-    let answers: Vec<Answers> = force::answers(bench, node)?;
+    let answers: Vec<Answers> = force::answers(bench, node, 1.0)?;
     let forces = local::over_time(bench, node, &answers, &[1.0; CHANNELS]);
     let windows = bench.windows.par_iter().zip(&answers).zip(forces);
     let moments = windows.flat_map_iter(|((window, answers), forces)| {

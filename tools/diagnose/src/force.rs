@@ -118,15 +118,15 @@ impl Missing {
 }
 
 /// The answers of every window around `node`. Gears that lose touch for moments hardly change what a
-/// push does, and take long to simulate: they are left out.
-pub(crate) fn answers(bench: &Bench, node: &Node) -> Option<Vec<Answers>> {
+/// push does, and take long to simulate: they are left out. `share` is that of the usual pulses.
+pub(crate) fn answers(bench: &Bench, node: &Node, share: f64) -> Option<Vec<Answers>> {
     let engaged = node.hypotheses.iter().filter(|h| h.info.id != "backlash");
     let engaged: Vec<Hypothesis> = engaged.cloned().collect();
     let whole = engaged.len() == node.hypotheses.len();
     bench.posed(&engaged, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;
         let [mass, inertia] = inertia(bench);
-        let amount = [PULSE[0] * mass, PULSE[1] * inertia];
+        let amount = [share * PULSE[0] * mass, share * PULSE[1] * inertia];
         let windows = bench.windows.par_iter().enumerate();
         let answers = windows.map(|(w, window)| {
             let simulation = problem.simulation(window, &robots);

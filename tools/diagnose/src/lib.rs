@@ -7,6 +7,7 @@
 //! force that follows a variable. ARCHITECTURE.md has the steps, and the limits.
 
 mod answer;
+mod around;
 mod bench;
 mod digits;
 mod drivers;

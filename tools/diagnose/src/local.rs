@@ -37,7 +37,7 @@ pub(crate) fn candidates(bench: &Bench, node: &Node, excluded: &[String]) -> Vec
         return Vec::new();
     }
     let wanted = |id: &str| !excluded.iter().any(|known| known == id);
-    let Some(answers) = force::answers(bench, node) else {
+    let Some(answers) = force::answers(bench, node, 1.0) else {
         return Vec::new();
     };
     let mut candidates = Vec::new();

@@ -2,6 +2,7 @@
 
 use slipstream_sim::{Command, CommandKind, Robot, State};
 
+use crate::force::PULSE_S;
 use crate::track::{Sensor, Track};
 use crate::window::{LOCALS, Window};
 use crate::work::Work;
@@ -147,6 +148,23 @@ impl Simulation<'_> {
         state
     }
 
+    /// What acts at `now_s` beside the effects, and until when (s).
+    fn load(&self, now_s: f64, pulse: Option<Pulse>) -> (Option<[f64; 5]>, f64) {
+        let (mut load, mut until_s) = (None, f64::INFINITY);
+        if let Some(pulse) = pulse.filter(|pulse| now_s < pulse.to_s - 1e-9) {
+            (load, until_s) = (Some(pulse.load), pulse.to_s);
+        }
+        let Window { forces, from_s, .. } = self.window;
+        let at = ((now_s - from_s) / PULSE_S + 1e-6) as usize;
+        if let Some([along, about]) = forces.get(at) {
+            let own = load.get_or_insert([0.0; 5]);
+            own[0] += along;
+            own[2] += about;
+            until_s = until_s.min(from_s + PULSE_S * (at + 1) as f64);
+        }
+        (load, until_s)
+    }
+
     /// Residuals from `bookmark` on, under a pulse that begins there. Those before it are NaN.
     pub(crate) fn resumed(
         &self,
@@ -157,8 +175,6 @@ impl Simulation<'_> {
     ) -> Vec<f64> {
         let mut seen = Seen::new(self, [start[5], start[6]], bookmark.t_s);
         let mut state = bookmark.state.clone();
-        state.set_load(pulse.map(|pulse| pulse.load));
-        let mut pulse = pulse;
         let told = &self.track.commands;
         let mut before = Knot::new(self.robot, &state);
         let mut now_s = bookmark.t_s;
@@ -173,7 +189,9 @@ impl Simulation<'_> {
             }
             let command = &told[at].1;
             let change_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
-            let until_s = pulse.map_or(change_s, |pulse| pulse.to_s.min(change_s));
+            let (load, load_s) = self.load(now_s, pulse);
+            state.set_load(load);
+            let until_s = load_s.min(change_s);
             let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
             let step_s = (until_s - now_s) / steps;
             let from_s = now_s;
@@ -188,10 +206,6 @@ impl Simulation<'_> {
                 before = after;
             }
             now_s = until_s;
-            if pulse.is_some_and(|pulse| now_s >= pulse.to_s - 1e-9) {
-                state.set_load(None);
-                pulse = None;
-            }
         }
         self.work.add(now_s - bookmark.t_s);
         seen.residuals

@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 
+use crate::around::around;
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
 use crate::force::{self, CHARGE, Missing, PULSE_S};
@@ -50,7 +51,8 @@ impl Beyond {
 
 /// What is beyond the catalogue beside `node`.
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
-    let judge = Judge::new(bench, node)?;
+    let (seen, judge) = around(bench, node)?;
+    let node = &seen;
     let wander = judge.alone()?;
     let samples = force::samples(bench, &judge.answers);
     let mut likely = shortlist(force::missing(bench, node, &judge.answers, &samples));

@@ -116,16 +116,20 @@ impl Wander {
 
 impl Judge {
     pub(crate) fn new(bench: &Bench, node: &Node) -> Option<Self> {
-        let answers = force::answers(bench, node)?;
+        Some(Self::over(bench, node, force::answers(bench, node, 1.0)?))
+    }
+
+    /// The same with what is known of how measurements answer.
+    pub(crate) fn over(bench: &Bench, node: &Node, answers: Vec<Answers>) -> Self {
         let windows = bench.windows.par_iter().zip(&node.fit.linear).zip(&answers);
         let windows = windows.map(|((w, linear), answers)| Products::new(w, linear, answers));
         let [along, about] = force::inertia(bench);
-        Some(Self {
+        Self {
             windows: windows.collect(),
             answers,
             least: [LEAST[0] * along, LEAST[1] * about],
             knows_noise: bench.knows_noise(),
-        })
+        }
     }
 
     /// The likeliest wandering forces beside what the node has.

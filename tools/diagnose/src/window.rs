@@ -39,6 +39,9 @@ pub(crate) struct Window {
     pub(crate) stamps_s: Vec<f64>,
     /// Which unknowns of the start there are.
     pub(crate) free: [bool; LOCALS],
+    /// Force along the body (N) and moment about the vertical (N m) that act beside those of the
+    /// effects, for one pulse each from the start on; none beyond.
+    pub(crate) forces: Vec<[f64; 2]>,
 }
 
 /// Cuts `track`, the `run`th, into windows of about `length_s` that start where little drives the
@@ -167,6 +170,7 @@ impl Window {
             channels,
             stamps_s,
             free: [true; LOCALS],
+            forces: Vec::new(),
         };
         window.free = window.unknowns(track);
         window
