@@ -121,13 +121,20 @@ impl Hypothesis {
 /// A value of a parameter within its first turn, where it is a direction: one that comes round again
 /// has no bounds to be held by.
 pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
-    let own = info.parameters.iter().find(|p| p.name == name);
-    match own.map(|p| (p.unit, p.domain)) {
-        Some(("rad", Domain::Number { lower, upper, .. })) if upper - lower > TAU => {
-            value - TAU * (value / TAU).round()
-        }
-        _ => value,
+    if is_direction(info, name) {
+        value - TAU * (value / TAU).round()
+    } else {
+        value
     }
+}
+
+/// Whether a parameter is a direction on the floor.
+pub(crate) fn is_direction(info: &Info, name: &str) -> bool {
+    let own = info.parameters.iter().find(|p| p.name == name);
+    own.is_some_and(|p| match p.domain {
+        Domain::Number { lower, upper, .. } => p.unit == "rad" && upper - lower > TAU,
+        _ => false,
+    })
 }
 
 fn is_factor(name: &str) -> bool {

@@ -1,12 +1,15 @@
 //! How sure a parameter is: its interval of 95 %.
 
+use std::f64::consts::PI;
+
 use rayon::prelude::*;
 
 use slipstream_sim::effects::{Domain, Info};
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes};
+use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes, is_direction};
 use crate::misfit::Misfit;
+use crate::track::Sensor;
 
 /// Δ(−2 ln L) at the ends of an interval of 95 % for one parameter (Wilks, 1938).
 const WILKS: f64 = 3.841;
@@ -29,6 +32,9 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
             if own.is_threshold() {
                 return between_sizes(bench, own.info, value);
             }
+            if is_direction(own.info, own.values[i].0) && !sees_heading(bench) {
+                return [value - PI, value + PI];
+            }
             let deviation = node.fit.deviations[first + i];
             if deviation.is_finite() && own.values[i].0 != STATIC {
                 return [value - SIDES * deviation, value + SIDES * deviation];
@@ -36,6 +42,15 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
             [-1.0, 1.0].map(|side| end(bench, node, which, i, side))
         })
         .collect()
+}
+
+/// Whether anything tells which way the robot faces: else its first heading is zero by assumption, and
+/// no direction on the floor is known.
+fn sees_heading(bench: &Bench) -> bool {
+    bench
+        .tracks
+        .iter()
+        .any(|track| track.of(Sensor::Pose).is_some())
 }
 
 /// Commands around a threshold: the largest that does nothing and the smallest that acts.
@@ -146,6 +161,27 @@ mod tests {
         let starts = bench.guesses(&bench.windows).unwrap();
         let node = bench.fit(&[own], &starts, FULL).unwrap();
         (bench, node)
+    }
+
+    #[test]
+    fn without_a_camera_no_direction_is_known() {
+        let model = RobotModel::default();
+        let slope = [("grade", 0.01), ("downhill_rad", 0.4)];
+        let truth = model.clone().with("floor_slope", &slope);
+        let mut track = fixture::driven(&truth, 5.0, fixture::gentle);
+        let widths = [true, false].map(|sees| {
+            if !sees {
+                track.series.retain(|s| s.sensor != Sensor::Pose);
+            }
+            let bench = fixture::bench(track.clone(), model.clone());
+            let own = Hypothesis::new(find("floor_slope").unwrap(), slope.to_vec());
+            let starts = bench.guesses(&bench.windows).unwrap();
+            let node = bench.fit(&[own], &starts, FULL).unwrap();
+            let [low, high] = of(&bench, &node, 0)[1];
+            high - low
+        });
+        assert!(widths[0] < 0.1, "{widths:?}");
+        assert!((widths[1] - 2.0 * PI).abs() < 1e-9, "{widths:?}");
     }
 
     #[test]
