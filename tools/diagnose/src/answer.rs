@@ -352,29 +352,30 @@ fn sizes(bench: &Bench, wander: &Wander) -> String {
     )
 }
 
-/// The search came to its end before everything was tried.
-fn stopped(bench: &Bench) -> Warning {
+/// What there is to say of how a robot was diagnosed.
+fn warning(bench: &Bench, id: &str, statement: String, remedy: &str) -> Warning {
     Warning {
         recording: bench.tracks[0].recording.clone(),
         robot: Some(bench.tracks[0].robot.clone()),
-        id: "search_stopped".to_owned(),
-        statement: "the search was stopped for the work that it took: there may be more effects than were found".to_owned(),
-        remedy: "put what was found into the model with --improved and diagnose again, or leave out effects that it cannot be with --without".to_owned(),
+        id: id.to_owned(),
+        statement,
+        remedy: remedy.to_owned(),
     }
+}
+
+/// The search came to its end before everything was tried.
+fn stopped(bench: &Bench) -> Warning {
+    let statement = "the search was stopped for the work that it took: there may be more effects than were found";
+    let remedy = "put what was found into the model with --improved and diagnose again, or leave out effects that it cannot be with --without";
+    warning(bench, "search_stopped", statement.to_owned(), remedy)
 }
 
 /// What is left are forces without pattern.
 fn wandering(bench: &Bench, wander: &Wander) -> Warning {
-    Warning {
-        recording: bench.tracks[0].recording.clone(),
-        robot: Some(bench.tracks[0].robot.clone()),
-        id: "wandering_forces".to_owned(),
-        statement: format!(
-            "what is left is as forces without pattern leave it, {}",
-            sizes(bench, wander)
-        ),
-        remedy: "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more".to_owned(),
-    }
+    let sizes = sizes(bench, wander);
+    let statement = format!("what is left is as forces without pattern leave it, {sizes}");
+    let remedy = "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more";
+    warning(bench, "wandering_forces", statement, remedy)
 }
 
 /// A finding that the catalogue does not hold.

@@ -5,6 +5,8 @@
 //! an iterated smoother (Bell, 1994). What measurements would be without the forces, were the plant as
 //! linear everywhere as it is there, is what all that looks for a force begins from.
 
+use nalgebra::DMatrix;
+
 use crate::bench::{Bench, HELD_OUT, Node};
 use crate::force::{self, Answers};
 use crate::misfit::Misfit;
@@ -40,7 +42,7 @@ pub(crate) fn around(bench: &Bench, node: &Node) -> Option<(Node, Judge)> {
         let likely = pulses(&judge.forces(&wander.level)?);
         let tried = SHARES.iter().find_map(|share| {
             let forces = towards(&acting, &likely, *share);
-            let (under, moved) = under(bench, node, &there, &forces)?;
+            let (under, moved) = under(bench, &there, &forces)?;
             let better = deviance(&moved) < FURTHER * deviance(&there);
             better.then_some((forces, under, moved))
         });
@@ -74,13 +76,8 @@ fn towards(from: &[Vec<[f64; 2]>], to: &[Vec<[f64; 2]>], share: f64) -> Vec<Vec<
     moved.collect()
 }
 
-/// The windows under these forces, and the node there from where `from` begins.
-fn under(
-    bench: &Bench,
-    node: &Node,
-    from: &Node,
-    forces: &[Vec<[f64; 2]>],
-) -> Option<(Bench, Node)> {
+/// The windows under these forces, and the node there.
+fn under(bench: &Bench, node: &Node, forces: &[Vec<[f64; 2]>]) -> Option<(Bench, Node)> {
     let windows = bench.windows.iter().zip(forces);
     let windows = windows.map(|(window, forces)| Window {
         forces: forces.clone(),
@@ -89,7 +86,7 @@ fn under(
     let under = bench.over(windows.collect());
     let fit = under.posed(&node.hypotheses, &under.windows, |problem, values| {
         let begun = problem.with_free(&[]);
-        let begun = begun.fit(&[], &from.fit.starts, HELD_OUT)?;
+        let begun = begun.fit(&[], &node.fit.starts, HELD_OUT)?;
         problem.fit(values, &begun.starts, 0)
     })?;
     let hypotheses = node.hypotheses.clone();
@@ -99,25 +96,25 @@ fn under(
 /// `node`, under forces, as if these were gone, to first order.
 fn without(bench: &Bench, node: &Node, answers: &[Answers], forces: &[Vec<[f64; 2]>]) -> Node {
     let mut gone = node.clone();
+    let mut all = Vec::new();
     let windows = gone.fit.linear.iter_mut().zip(answers).zip(forces);
     for ((linear, answers), forces) in windows {
-        for (k, force) in forces.iter().enumerate() {
-            for (part, own) in [&answers.along, &answers.about].into_iter().enumerate() {
-                let Some(own) = own.get(k) else { continue };
-                let cells = linear.residuals.iter_mut().zip(own);
-                cells.for_each(|(cell, answer)| *cell -= force[part] * answer);
-            }
+        let pulses = answers.at_s.len();
+        let mix = DMatrix::from_fn(2 * pulses, 1, |k, _| {
+            let force = forces.get(k % pulses).copied().unwrap_or_default();
+            force[k / pulses]
+        });
+        for moved in answers.mixed(&mix, linear.residuals.len()) {
+            let cells = linear.residuals.iter_mut().zip(moved);
+            cells.for_each(|(cell, moved)| *cell -= moved);
         }
+        all.push(linear.residuals.clone());
     }
-    let residuals: Vec<Vec<f64>> = gone
-        .fit
-        .linear
-        .iter()
-        .map(|l| l.residuals.clone())
-        .collect();
-    let memory = gone.fit.misfit.memory;
-    gone.fit.misfit = Misfit::new(&bench.windows, &residuals);
-    gone.fit.misfit.memory = memory;
+    let memory = node.fit.misfit.memory;
+    gone.fit.misfit = Misfit {
+        memory,
+        ..Misfit::new(&bench.windows, &all)
+    };
     gone
 }
 

@@ -62,12 +62,9 @@ impl Search<'_> {
         let far = looks
             .first()
             .map_or(0.0, |best| BEHIND * deviance(best) + BESIDE);
-        let mut rank = 0;
-        looks.retain(|look| {
-            rank += 1;
-            rank <= SIDE_BY_SIDE || deviance(look) < far
-        });
-        looks
+        let kept = looks.into_iter().enumerate();
+        let kept = kept.filter(|(rank, look)| *rank < SIDE_BY_SIDE || deviance(look) < far);
+        kept.map(|(_, look)| look).collect()
     }
 
     /// A first look at promises, best first: where one explains all, only at what promises nearly as

@@ -15,10 +15,7 @@ use crate::linear;
 use crate::misfit::Misfit;
 use crate::motion;
 use crate::simulate::{Bookmark, Pulse, Simulation};
-use crate::window::LOCALS;
-
-/// Length of a pulse (s).
-pub(crate) const PULSE_S: f64 = 0.05;
+use crate::window::{LOCALS, PULSE_S};
 
 /// Charge (−2 ln L) for each number of a force.
 pub(crate) const CHARGE: f64 = 6.0;
@@ -37,7 +34,7 @@ pub(crate) struct Answers {
 
 impl Answers {
     /// Answers of `rows` residuals to mixes of pulses.
-    fn mixed(&self, mix: &DMatrix<f64>, rows: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn mixed(&self, mix: &DMatrix<f64>, rows: usize) -> Vec<Vec<f64>> {
         let columns = mix.column_iter().map(|shares| {
             let mut column = vec![0.0; rows];
             let answers = self.along.iter().chain(&self.about).zip(&shares);

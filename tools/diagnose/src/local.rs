@@ -8,10 +8,11 @@ use slipstream_sim::effects::{Info, find};
 
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
-use crate::force::{self, Answers, PULSE_S};
+use crate::force::{self, Answers};
 use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::track::CHANNELS;
+use crate::window::PULSE_S;
 
 /// Moments that are tried for a push.
 const MOMENTS: usize = 3;

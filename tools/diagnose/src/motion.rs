@@ -3,9 +3,10 @@
 //! turns all that comes after, as a rigid body, around where the robot was then.
 
 use crate::bench::{Bench, Node};
-use crate::force::{Answers, PULSE_S};
+use crate::force::Answers;
 use crate::simulate::Simulation;
 use crate::track::Sensor;
+use crate::window::PULSE_S;
 
 /// Motion added for a moment.
 struct Pulse {

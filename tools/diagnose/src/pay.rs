@@ -141,10 +141,13 @@ impl Search<'_> {
             let less = self.less(&node, &without, due(&removed));
             let idle = |less: &Node| {
                 let gain = node.fit.misfit.gain_over(&less.fit.misfit);
-                let wander = || self.wandering(less).filter(|_| !self.bench.is_noise(&node));
+                let wander = || {
+                    self.wandering(less)
+                        .filter(|w| !self.is_likelier(w, &node, due(&removed)))
+                };
                 gain < due(&removed)
                     || self.bench.is_noise(less) && gain < share
-                    || wander().is_some_and(|w| !self.is_likelier(&w, &node, due(&removed)))
+                    || !self.bench.is_noise(&node) && wander().is_some()
             };
             match less.filter(idle) {
                 Some(less) => (node, at) = (less, 0),

@@ -1,10 +1,9 @@
 //! Where no window should begin in a model that is on the way.
 
 use crate::bench::Node;
-use crate::force::PULSE_S;
 use crate::located;
 use crate::search::Search;
-use crate::window::{AFTER_S, Window};
+use crate::window::{AFTER_S, PULSE_S, Window};
 
 /// How long the end of a slide is looked for beyond the window that it began in (s).
 const BEYOND_S: f64 = 0.6;

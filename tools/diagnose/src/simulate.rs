@@ -2,9 +2,8 @@
 
 use slipstream_sim::{Command, CommandKind, Robot, State};
 
-use crate::force::PULSE_S;
 use crate::track::{Sensor, Track};
-use crate::window::{LOCALS, Window};
+use crate::window::{LOCALS, PULSE_S, Window};
 use crate::work::Work;
 
 /// Commands before the window that the drive train may still feel (s).

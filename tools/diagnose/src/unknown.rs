@@ -6,10 +6,11 @@ use rayon::prelude::*;
 use crate::around::around;
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
-use crate::force::{self, CHARGE, Missing, PULSE_S};
+use crate::force::{self, CHARGE, Missing};
 use crate::passing::passing;
 use crate::pay::HELD_OUT;
 use crate::wander::{Judge, Wander};
+use crate::window::PULSE_S;
 
 /// Δ(−2 ln L) that a missing force has to bring, and for each of its numbers more.
 pub(crate) const PAY: [f64; 2] = [50.0, 2.0];

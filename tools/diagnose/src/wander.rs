@@ -11,9 +11,9 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::force::{self, Answers, PULSE_S};
+use crate::force::{self, Answers};
 use crate::linear::{self, Linear};
-use crate::window::{LOCALS, Window};
+use crate::window::{LOCALS, PULSE_S, Window};
 
 /// Pulses that count as one here.
 pub(crate) const GROUP: usize = 2;

@@ -90,11 +90,11 @@ impl Search<'_> {
         score::total(&after) < SPOILT * score::total(&before)
     }
 
-    /// The node without its pushes, if it has any.
+    /// The node without its pushes, if it has any and other effects.
     fn without_pushes(&self, node: &Node) -> Option<Node> {
         let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
         let lasting: Vec<Hypothesis> = lasting.cloned().collect();
-        if lasting.len() == node.hypotheses.len() {
+        if lasting.len() == node.hypotheses.len() || lasting.is_empty() {
             return None;
         }
         self.bench.fit(&lasting, &node.fit.starts, FULL)

@@ -20,6 +20,9 @@ pub(crate) const AFTER_S: f64 = 0.02;
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
 
+/// How long each of the forces acts that a window may hold (s).
+pub(crate) const PULSE_S: f64 = 0.05;
+
 /// One window: what was told and measured in it.
 #[derive(Debug, Clone)]
 pub(crate) struct Window {
