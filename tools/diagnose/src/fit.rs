@@ -405,5 +405,6 @@ fn rigid(
             }
         }
     }
+    columns.iter_mut().for_each(|column| window.share(column));
     columns
 }

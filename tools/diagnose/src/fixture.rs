@@ -86,6 +86,7 @@ pub(crate) fn window(channels: Vec<u8>) -> Window {
         stamps_s: vec![0.0; channels.len()],
         channels,
         free: [true; LOCALS],
+        rests: Vec::new(),
         forces: Vec::new(),
     }
 }

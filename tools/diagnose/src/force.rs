@@ -119,7 +119,6 @@ impl Missing {
 pub(crate) fn answers(bench: &Bench, node: &Node, share: f64) -> Option<Vec<Answers>> {
     let engaged = node.hypotheses.iter().filter(|h| h.info.id != "backlash");
     let engaged: Vec<Hypothesis> = engaged.cloned().collect();
-    let whole = engaged.len() == node.hypotheses.len();
     bench.posed(&engaged, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;
         let [mass, inertia] = inertia(bench);
@@ -131,11 +130,7 @@ pub(crate) fn answers(bench: &Bench, node: &Node, share: f64) -> Option<Vec<Answ
                 return motion::answers(bench, node, &simulation, w);
             }
             let start = &node.fit.starts[w];
-            let base = match whole {
-                true => node.fit.linear[w].residuals.clone(),
-                false => simulation.residuals(start),
-            };
-            let marks = simulation.bookmarks(start, PULSE_S);
+            let (marks, base) = simulation.bookmarks(start, PULSE_S);
             let answer = |mark: &Bookmark, part: usize| {
                 one(&simulation, start, &base, mark, part, amount[part])
             };
@@ -179,7 +174,9 @@ fn one(
         let change = (after - base) / amount;
         if change.is_finite() { change } else { 0.0 }
     });
-    change.collect()
+    let mut change: Vec<f64> = change.collect();
+    simulation.window.share(&mut change);
+    change
 }
 
 /// What a force on `part` that opposes the motion, or does not, is in force along and moment about

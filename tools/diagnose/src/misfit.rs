@@ -28,6 +28,11 @@ impl Misfit {
                     misfit.counts[usize::from(*channel)] += 1.0;
                 }
             }
+            for rest in &window.rests {
+                let seen = rest.iter().filter(|i| residuals[**i].is_finite());
+                let more = seen.count().saturating_sub(1);
+                misfit.counts[usize::from(window.channels[rest[0]])] -= more as f64;
+            }
         }
         misfit.memory = [1.0; CHANNELS];
         misfit

@@ -26,7 +26,7 @@ pub(crate) fn answers(
     simulation: &Simulation<'_>,
     w: usize,
 ) -> Answers {
-    let marks = simulation.bookmarks(&node.fit.starts[w], PULSE_S);
+    let (marks, _) = simulation.bookmarks(&node.fit.starts[w], PULSE_S);
     let residuals = &node.fit.linear[w].residuals;
     let body = &bench.model.robot;
     let [r, b] = [body.wheel_radius_m, body.half_track_m];
@@ -69,6 +69,7 @@ impl Pulse {
                 }
             }
         }
+        window.share(&mut answer);
         answer
     }
 

@@ -91,13 +91,15 @@ pub(crate) struct Pulse {
 }
 
 impl Simulation<'_> {
-    /// Residuals from `start`, in standard deviations: simulated minus measured. NaN where nothing
-    /// was measured or the window does not reach.
+    /// Residuals from `start`, in standard deviations, as a fit weighs them. NaN where nothing was
+    /// measured or the window does not reach.
     pub(crate) fn residuals(&self, start: &[f64; LOCALS]) -> Vec<f64> {
-        self.watched(start, |_, _| ())
+        let mut residuals = self.watched(start, |_, _| ());
+        self.window.share(&mut residuals);
+        residuals
     }
 
-    /// The same; `watch` sees the state after every step.
+    /// Simulated minus measured, in standard deviations; `watch` sees the state after every step.
     pub(crate) fn watched(
         &self,
         start: &[f64; LOCALS],
@@ -110,13 +112,17 @@ impl Simulation<'_> {
         self.resumed(start, &bookmark, None, watch)
     }
 
-    /// The states at the start and then every `every_s`.
-    pub(crate) fn bookmarks(&self, start: &[f64; LOCALS], every_s: f64) -> Vec<Bookmark> {
+    /// The states at the start and then every `every_s`; simulated minus measured.
+    pub(crate) fn bookmarks(
+        &self,
+        start: &[f64; LOCALS],
+        every_s: f64,
+    ) -> (Vec<Bookmark>, Vec<f64>) {
         let mut marks = vec![Bookmark {
             t_s: self.window.from_s,
             state: self.begin(start),
         }];
-        self.watched(start, |t_s, state| {
+        let missed = self.watched(start, |t_s, state| {
             let due = self.window.from_s + every_s * marks.len() as f64;
             if t_s >= due - 1e-9 && t_s < self.window.to_s - 1e-9 {
                 marks.push(Bookmark {
@@ -125,7 +131,7 @@ impl Simulation<'_> {
                 });
             }
         });
-        marks
+        (marks, missed)
     }
 
     fn begin(&self, start: &[f64; LOCALS]) -> State {
@@ -164,7 +170,7 @@ impl Simulation<'_> {
         (load, until_s)
     }
 
-    /// Residuals from `bookmark` on, under a pulse that begins there. Those before it are NaN.
+    /// Simulated minus measured from `bookmark` on, under a pulse that begins there. Those before it are NaN.
     pub(crate) fn resumed(
         &self,
         start: &[f64; LOCALS],

@@ -17,6 +17,9 @@ const SLIDE_S: f64 = 0.35;
 /// No window begins closer than this to a known slide (s).
 pub(crate) const AFTER_S: f64 = 0.02;
 
+/// An encoder that reads the same for so long (s) was looked at while its wheel rests.
+const RESTS_S: f64 = 0.2;
+
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
 
@@ -40,6 +43,8 @@ pub(crate) struct Window {
     pub(crate) channels: Vec<u8>,
     /// The stamp of each residual (s).
     pub(crate) stamps_s: Vec<f64>,
+    /// Places of residuals that share one rounding: readings of a wheel while it rests.
+    pub(crate) rests: Vec<Vec<usize>>,
     /// Which unknowns of the start there are.
     pub(crate) free: [bool; LOCALS],
     /// Force along the body (N) and moment about the vertical (N m) that act beside those of the
@@ -147,13 +152,35 @@ pub(crate) fn range<T>(rows: &[(f64, T)], from_s: f64, to_s: f64) -> [usize; 2] 
     [first, end]
 }
 
+/// Where the residuals of encoders lie, from `base` on, that read the same for long.
+fn at_rest(rows: &[(f64, [f64; 3])], base: usize) -> Vec<Vec<usize>> {
+    let width = Sensor::WheelAngle.width();
+    let mut rests = Vec::new();
+    for wheel in 0..width {
+        let mut first = 0;
+        for same in rows.chunk_by(|(_, a), (_, b)| a[wheel] == b[wheel]) {
+            let place = |k: usize| base + k * width + wheel;
+            let over_s = same[same.len() - 1].0 - same[0].0;
+            if over_s >= RESTS_S {
+                rests.push((first..first + same.len()).map(place).collect());
+            }
+            first += same.len();
+        }
+    }
+    rests
+}
+
 impl Window {
     pub(crate) fn new(track: &Track, run: usize, from_s: f64, to_s: f64) -> Self {
         let [first, end] = range(&track.commands, from_s + 1e-9, to_s - 1e-9);
         let (mut rows, mut base) = (Vec::new(), Vec::new());
         let (mut channels, mut stamps_s) = (Vec::new(), Vec::new());
+        let mut rests = Vec::new();
         for series in &track.series {
             let [first, end] = range(&series.rows, from_s, to_s);
+            if series.sensor == Sensor::WheelAngle {
+                rests.extend(at_rest(&series.rows[first..end], channels.len()));
+            }
             base.push(channels.len());
             rows.push([first, end]);
             for (stamp_s, _) in &series.rows[first..end] {
@@ -172,6 +199,7 @@ impl Window {
             base,
             channels,
             stamps_s,
+            rests,
             free: [true; LOCALS],
             forces: Vec::new(),
         };
@@ -224,6 +252,18 @@ impl Window {
         rows.map(move |(k, (t_s, values))| (*t_s, *values, base + k * width))
     }
 
+    /// Lets the mean of residuals that share one rounding weigh as one of them: however often a wheel
+    /// at rest is looked at, where it rests is known no better.
+    pub(crate) fn share(&self, residuals: &mut [f64]) {
+        for rest in &self.rests {
+            let seen = || rest.iter().filter(|i| residuals[**i].is_finite());
+            let count = seen().count() as f64;
+            let mean = seen().map(|i| residuals[*i]).sum::<f64>() / count;
+            let less = mean * (1.0 - count.sqrt().recip());
+            rest.iter().for_each(|i| residuals[*i] -= less);
+        }
+    }
+
     /// The first `over_s` of this window.
     pub(crate) fn head(&self, track: &Track, over_s: f64) -> Self {
         let to_s = (self.from_s + over_s).min(self.to_s);
@@ -269,6 +309,7 @@ mod tests {
 
     use super::*;
     use crate::fixture;
+    use crate::misfit::Misfit;
 
     fn track(length_s: f64) -> Track {
         fixture::driven(&RobotModel::default(), length_s, fixture::gentle)
@@ -338,5 +379,40 @@ mod tests {
         );
         let moving = cut(&track(12.0), 0, WINDOW_S, &[]);
         assert_eq!(moving[1].free, [true; LOCALS]);
+    }
+
+    #[test]
+    fn a_wheel_at_rest_is_measured_once() {
+        let still = fixture::driven(&RobotModel::default(), 3.0, |_| [0.0; 2]);
+        let windows = cut(&still, 0, WINDOW_S, &[]);
+        let [right, left] = &windows[0].rests[..] else {
+            panic!("two wheels, {} rests", windows[0].rests.len());
+        };
+        assert!(right.len() > 100 && right.len() == left.len());
+        assert!(right.iter().all(|i| windows[0].channels[*i] == 0));
+        assert!(left.iter().all(|i| windows[0].channels[*i] == 1));
+        let mut residuals = vec![0.0; windows[0].channels.len()];
+        right.iter().for_each(|i| residuals[*i] = 1.7);
+        left.iter().for_each(|i| residuals[*i] = f64::NAN);
+        windows[0].share(&mut residuals);
+        let squares: f64 = right.iter().map(|i| residuals[*i].powi(2)).sum();
+        assert!((squares - 1.7 * 1.7).abs() < 1e-12);
+        let misfit = Misfit::new(&windows, &[residuals]);
+        assert_eq!([misfit.counts[0], misfit.counts[1]], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn motion_at_rest_weighs_in_full() {
+        let mut window = fixture::window(vec![0; 4]);
+        window.rests = vec![vec![0, 1, 2, 3]];
+        let mut residuals = [3.0, -1.0, 2.0, -4.0];
+        window.share(&mut residuals);
+        assert_eq!(residuals, [3.0, -1.0, 2.0, -4.0]);
+    }
+
+    #[test]
+    fn wheels_that_turn_are_measured_with_each_reading() {
+        let windows = cut(&track(12.0), 0, WINDOW_S, &[]);
+        assert!(windows[1].rests.is_empty());
     }
 }
