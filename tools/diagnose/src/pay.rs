@@ -75,7 +75,7 @@ impl Search<'_> {
             self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
         if gain <= due(own)
             || !(brings || self.is_clear(after, last))
-            || self.bench.spoils(before, after)
+            || !self.is_right(before, after) && self.bench.spoils(before, after)
         {
             return false;
         }

@@ -18,6 +18,8 @@ const HALFWAY: f64 = 0.6;
 /// Share of −2 ln L that an effect leaves of what was before where it is on the right way: nothing
 /// else needs to be tried in its place.
 const RIGHT_WAY: f64 = 0.15;
+/// Effects that do not pay alone beside which a second one is looked for, where nothing pays.
+const STONES: usize = 2;
 /// Models that are kept side by side while none reaches the noise.
 pub(crate) const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
@@ -200,9 +202,24 @@ impl Search<'_> {
         }
         let freed = self.freed(node, &followed);
         let wander = LazyCell::new(|| self.wandering(node));
+        let stones: Vec<Node> = followed.iter().take(STONES).cloned().collect();
         followed.retain(|next| self.pays(nominal, node, next, &wander));
         followed.extend(freed);
+        if followed.is_empty() && !self.bench.is_noise(node) && wander.is_none() {
+            return self.beyond(node, &stones);
+        }
         followed
+    }
+
+    /// Two effects that do not pay alone, and together leave next to nothing.
+    fn beyond(&self, node: &Node, stones: &[Node]) -> Vec<Node> {
+        let pairs = stones.iter().map(|stone| {
+            let mut pairs = self.followed(stone, &self.candidates(stone), 0.5 * PAY[0]);
+            pairs.retain(|pair| self.is_right(node, pair));
+            pairs
+        });
+        let mut pairs = pairs.filter(|pairs| !pairs.is_empty());
+        pairs.next().unwrap_or_default()
     }
 
     /// The node itself from where a further effect that is none led it: a fit that had not come to
