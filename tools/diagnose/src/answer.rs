@@ -169,9 +169,14 @@ impl Answer {
     }
 
     /// Adds how well one machine is predicted before and after.
-    pub(crate) fn judge(&mut self, bench: &Bench, hypotheses: &[Hypothesis]) {
+    pub(crate) fn judge(
+        &mut self,
+        bench: &Bench,
+        hypotheses: &[Hypothesis],
+        unknown: Option<&Unknown>,
+    ) {
         let before = score::prediction(bench, &bench.windows, &[]);
-        let after = score::held_out(bench, hypotheses);
+        let after = score::held_out(bench, hypotheses, unknown);
         self.held_out.add(&bench.tracks[0].robot, &before, &after);
     }
 

@@ -84,13 +84,19 @@ fn under(bench: &Bench, node: &Node, forces: &[Vec<[f64; 2]>]) -> Option<(Bench,
         ..window.clone()
     });
     let under = bench.over(windows.collect());
+    let moved = moved(&under, node)?;
+    Some((under, moved))
+}
+
+/// The node where forces lead that act in `under`: its windows begin anew, its parameters stay.
+pub(crate) fn moved(under: &Bench, node: &Node) -> Option<Node> {
     let fit = under.posed(&node.hypotheses, &under.windows, |problem, values| {
         let begun = problem.with_free(&[]);
         let begun = begun.fit(&[], &node.fit.starts, HELD_OUT)?;
         problem.fit(values, &begun.starts, 0)
     })?;
     let hypotheses = node.hypotheses.clone();
-    Some((under, Node { hypotheses, fit }))
+    Some(Node { hypotheses, fit })
 }
 
 /// `node`, under forces, as if these were gone, to first order.

@@ -8,6 +8,7 @@ use slipstream_sim::{CommandKind, Listed, read_effects};
 
 use crate::fit::{Fit, Free, Problem};
 use crate::hypothesis::Hypothesis;
+use crate::law::Law;
 use crate::misfit::Misfit;
 use crate::score;
 use crate::simulate::is_exact_at_any_step;
@@ -50,6 +51,8 @@ pub(crate) struct Bench {
     pub(crate) tracks: Vec<Track>,
     pub(crate) windows: Vec<Window>,
     pub(crate) model: RobotModel,
+    /// A force outside of the catalogue that acts beside all effects.
+    pub(crate) law: Option<Law>,
     /// What was simulated so far.
     pub(crate) work: Arc<Work>,
 }
@@ -159,6 +162,7 @@ impl Bench {
             only: &setting.only,
             free: &setting.free,
             step_s: self.step_s(&setting.list),
+            law: self.law.as_ref(),
             work: &self.work,
         };
         solve(&problem, &setting.values)
@@ -287,7 +291,16 @@ impl Bench {
             tracks: self.tracks.clone(),
             windows,
             model: self.model.clone(),
+            law: self.law.clone(),
             work: Arc::clone(&self.work),
+        }
+    }
+
+    /// The same under a force outside of the catalogue.
+    pub(crate) fn under(&self, law: Option<Law>) -> Self {
+        Self {
+            law,
+            ..self.over(self.windows.clone())
         }
     }
 

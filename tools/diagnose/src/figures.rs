@@ -466,10 +466,12 @@ fn paths(bench: &Bench, found: &Found) -> Vec<Paths> {
     let paths = with_camera.map(|(run, _)| {
         let [camera, before] = path(bench, run, &[]);
         let hypotheses = &found.node.hypotheses;
-        let after = if hypotheses.is_empty() {
+        let unknown = found.unknown.as_ref();
+        let law = unknown.and_then(|unknown| unknown.law(bench, None));
+        let after = if hypotheses.is_empty() && law.is_none() {
             Vec::new()
         } else {
-            let [_, after] = path(bench, run, hypotheses);
+            let [_, after] = path(&bench.under(law), run, hypotheses);
             after
         };
         Paths {

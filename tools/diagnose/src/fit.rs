@@ -7,7 +7,8 @@ use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
-use crate::hypothesis::{KINETIC, STATIC, come_round};
+use crate::hypothesis::{KINETIC, STATIC, come_round, is_limit};
+use crate::law::Law;
 use crate::linear::{self, Linear, Normal};
 use crate::misfit::Misfit;
 use crate::simulate::Simulation;
@@ -53,6 +54,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) only: &'a [Option<usize>],
     pub(crate) free: &'a [Free],
     pub(crate) step_s: f64,
+    pub(crate) law: Option<&'a Law>,
     pub(crate) work: &'a Work,
 }
 
@@ -110,6 +112,7 @@ impl<'a> Problem<'a> {
             window,
             robot: &robots[window.run],
             step_s: self.step_s,
+            law: self.law,
             work: self.work,
         }
     }
@@ -206,7 +209,7 @@ impl<'a> Problem<'a> {
         let mut columns = Vec::new();
         for _ in 0..3 {
             let mut moved = values.to_vec();
-            let inside = values[i] + step <= upper;
+            let inside = !is_limit(self.list[self.free[i].0].0) && values[i] + step <= upper;
             moved[i] = if inside {
                 values[i] + step
             } else {

@@ -70,6 +70,7 @@ pub(crate) fn bench(track: Track, model: RobotModel) -> Bench {
         tracks: vec![track],
         windows,
         model,
+        law: None,
         work: Arc::default(),
     }
 }

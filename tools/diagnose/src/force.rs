@@ -20,6 +20,10 @@ use crate::window::{LOCALS, PULSE_S};
 /// Charge (−2 ln L) for each number of a force.
 pub(crate) const CHARGE: f64 = 6.0;
 
+/// Share of what is known of the best known number of a force by which all are held near zero where
+/// they are to predict.
+const HELD: f64 = 1e-3;
+
 /// Accelerations of the pulses: along (m/s²) and about (rad/s²).
 const PULSE: [f64; 2] = [0.2, 2.0];
 
@@ -181,10 +185,14 @@ fn one(
 
 /// What a force on `part` that opposes the motion, or does not, is in force along and moment about
 /// per unit; or what a motion of it is in speed and turn rate.
-fn shares(bench: &Bench, part: Part, against: bool, sampled: &Sampled) -> [f64; 2] {
-    let body = &bench.model.robot;
-    let [r, b] = [body.wheel_radius_m, body.half_track_m];
-    let wheel = |side: f64| match bench.lacks_motion() {
+pub(crate) fn shares(
+    [r, b]: [f64; 2],
+    of_motion: bool,
+    part: Part,
+    against: bool,
+    sampled: &Sampled,
+) -> [f64; 2] {
+    let wheel = |side: f64| match of_motion {
         true => [r / 2.0, side * r / (2.0 * b)],
         false => [1.0 / r, side * b / r],
     };
@@ -222,8 +230,10 @@ pub(crate) fn mix(
     against: bool,
 ) -> DMatrix<f64> {
     let mut mix = DMatrix::zeros(2 * samples.len(), driver.functions());
+    let body = &bench.model.robot;
+    let lengths = [body.wheel_radius_m, body.half_track_m];
     for (k, sampled) in samples.iter().enumerate() {
-        let [along, about] = shares(bench, part, against, sampled);
+        let [along, about] = shares(lengths, bench.lacks_motion(), part, against, sampled);
         for (function, value) in driver.values(sampled, part) {
             mix[(k, function)] += along * value;
             mix[(samples.len() + k, function)] += about * value;
@@ -322,15 +332,17 @@ fn columns(
     columns.collect()
 }
 
-/// −2 ln L that a missing force brings in windows that its numbers were not fitted to: every other
-/// window in turn, to first order.
-pub(crate) fn held_out_gain(
+/// Columns of a missing force, and the steps of all parameters and its numbers that every other
+/// window asks for, from the first and from the second on; its numbers are held near zero by a share
+/// `held` of what is known of the best known.
+fn learnt(
     bench: &Bench,
     node: &Node,
     answers: &[Answers],
     samples: &[Vec<Sampled>],
     missing: &Missing,
-) -> f64 {
+    held: f64,
+) -> (Vec<Vec<Vec<f64>>>, [Vec<f64>; 2]) {
     let Missing { driver, part, .. } = missing;
     let columns = columns(bench, answers, samples, driver, *part, missing.against);
     let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
@@ -340,10 +352,49 @@ pub(crate) fn held_out_gain(
         .enumerate()
         .map(|(w, (window, linear))| linear.normal(window, &weights, &linear.residuals, &more(w)))
         .collect();
+    let known = node.fit.values.len();
     let learnt = [0, 1].map(|fold| {
         let own = normals.iter().skip(fold).step_by(2).cloned();
-        linear::step(&own.collect::<Vec<_>>(), 1e-6, |_, step| step).globals
+        let mut own: Vec<_> = own.collect();
+        let told = |i: usize| own.iter().map(|normal| normal.told(i)).sum::<f64>();
+        let most = (known..known + missing.weights.len()).map(told);
+        let believed = held * most.fold(0.0, f64::max);
+        if let Some(first) = own.first_mut() {
+            first.believe(|i| if i < known { 0.0 } else { believed });
+        }
+        linear::step(&own, 1e-6, |_, step| step).globals
     });
+    (columns, learnt)
+}
+
+/// The missing force with the numbers that every other window asks for, from the first and from the
+/// second on: those of which these windows say next to nothing stay near zero.
+pub(crate) fn halves(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+    missing: &Missing,
+) -> [Missing; 2] {
+    let (_, learnt) = learnt(bench, node, answers, samples, missing, HELD);
+    let known = node.fit.values.len();
+    learnt.map(|steps| Missing {
+        weights: steps[known..].to_vec(),
+        ..missing.clone()
+    })
+}
+
+/// −2 ln L that a missing force brings in windows that its numbers were not fitted to: every other
+/// window in turn, to first order.
+pub(crate) fn held_out_gain(
+    bench: &Bench,
+    node: &Node,
+    answers: &[Answers],
+    samples: &[Vec<Sampled>],
+    missing: &Missing,
+) -> f64 {
+    let (columns, learnt) = learnt(bench, node, answers, samples, missing, 0.0);
+    let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
     let predicted = node.fit.linear.iter().enumerate().map(|(w, linear)| {
         let others = &learnt[1 - w % 2];
         linear.predicted(&linear.residuals, &more(w), &[0.0; LOCALS], others)

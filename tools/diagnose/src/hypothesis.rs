@@ -108,7 +108,7 @@ impl Hypothesis {
 
     /// Whether it does less the larger it is.
     pub(crate) fn is_limit(&self) -> bool {
-        self.info.id == "command_saturation"
+        is_limit(self.info)
     }
 
     /// Whether its size is found by trying values one by one: a threshold on commands of which
@@ -126,6 +126,11 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
     } else {
         value
     }
+}
+
+/// Whether an effect does less the larger it is, and nothing at all from some size on.
+pub(crate) fn is_limit(info: &Info) -> bool {
+    info.id == "command_saturation"
 }
 
 /// Whether a parameter is a direction on the floor.
@@ -334,7 +339,7 @@ fn starts(
             probes.extend(all_sizes(track, model).last().map(|most| BEYOND * most));
             alone(&probes)
         }
-        "command_saturation" => alone(&sizes(track, model, &[0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97])),
+        "command_saturation" => alone(&sizes(track, model, &SATURATIONS)),
         _ => alone(probes(numbers[0])),
     }
 }
@@ -345,6 +350,10 @@ const DEAD_BANDS: [f64; 20] = [
     0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.085, 0.1, 0.12, 0.14, 0.17, 0.2, 0.24, 0.29, 0.35,
     0.42, 0.5, 0.6, 0.7,
 ];
+
+/// Shares of the sizes that are commanded that are not cut to begin with: all but the largest, where
+/// that is all that is.
+const SATURATIONS: [f64; 8] = [0.3, 0.5, 0.6, 0.7, 0.8, 0.9, 0.97, 1.0];
 
 /// A threshold above all commands, over the largest of them.
 const BEYOND: f64 = 1.05;

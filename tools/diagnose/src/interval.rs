@@ -141,6 +141,7 @@ mod tests {
             tracks: vec![fixture::track(commands, Vec::new())],
             windows: Vec::new(),
             model: RobotModel::default(),
+            law: None,
             work: Arc::default(),
         };
         let info = find("command_dead_band").unwrap();

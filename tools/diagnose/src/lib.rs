@@ -20,6 +20,7 @@ mod force;
 mod hypothesis;
 mod input;
 mod interval;
+mod law;
 mod limits;
 mod linear;
 mod links;
@@ -155,7 +156,7 @@ fn examine(
         let name = &machine[0].1.name;
         let whole = bench(request, &machine, Block::Whole)?;
         let mut hypotheses = Vec::new();
-        let mut judged = None;
+        let (mut judged, mut unknown) = (None, None);
         for block in blocks(&whole, &machine) {
             let part;
             let bench = match block {
@@ -202,10 +203,11 @@ fn examine(
             courses.extend(links::Course::new(bench, &found.node));
             hypotheses.extend(found.node.hypotheses);
             if let Block::Whole = block {
-                judged = again;
+                (judged, unknown) = (again, found.unknown);
             }
         }
-        answer.judge(judged.as_ref().unwrap_or(&whole), &hypotheses);
+        let judged = judged.as_ref().unwrap_or(&whole);
+        answer.judge(judged, &hypotheses, unknown.as_ref());
         improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
     }
     if let [recording] = request.recordings {
@@ -296,6 +298,7 @@ fn bench(
         tracks,
         windows,
         model,
+        law: None,
         work: Arc::default(),
     })
 }

@@ -50,6 +50,11 @@ impl Normal {
         all - own
     }
 
+    /// What the window tells of a shared parameter alone: the inverse of its variance.
+    pub(crate) fn told(&self, i: usize) -> f64 {
+        self.global[(i, i)]
+    }
+
     /// Holds each shared parameter near zero with this weight.
     pub(crate) fn believe(&mut self, weight: impl Fn(usize) -> f64) {
         for i in 0..self.global_slope.len() {

@@ -5,8 +5,10 @@ use std::cell::LazyCell;
 use crate::bench::{FULL, Node};
 use crate::follow::LOOK;
 use crate::hypothesis::Hypothesis;
+use crate::misfit::Misfit;
 use crate::search::{Search, deviance};
 use crate::wander::{Judge, Wander};
+use crate::window::Window;
 
 /// How many times what is due an effect has to bring, to noise, to be certain without a parameter of
 /// its own that is.
@@ -17,6 +19,9 @@ pub(crate) const PAY: [f64; 2] = [24.0, 6.0];
 const PAY_LOCAL: f64 = 40.0;
 /// Pushes at most: a force that acts again and again is no push.
 const PUSHES: usize = 2;
+/// Share of −2 ln L that a push leaves at most of the window in which it acts: what leaves more is a
+/// piece of another force.
+const PIECE: f64 = 0.5;
 /// Share of the gain so far that one more effect has to bring where noise is reached: less is what
 /// integrators differ by.
 const SHARE: f64 = 0.02;
@@ -74,6 +79,7 @@ impl Search<'_> {
         let brings =
             self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
         if gain <= due(own)
+            || own.info.id == "push" && self.is_piece(before, after, own)
             || !(brings || self.is_clear(after, last))
             || !self.is_right(before, after) && self.bench.spoils(before, after)
         {
@@ -90,6 +96,22 @@ impl Search<'_> {
         // single slide
         let proven = own.is_local() || self.bench.windows.len() < 4;
         proven || self.bench.held_out_gain(before, after) > HELD_OUT
+    }
+
+    /// Whether a push leaves much of the window in which it acts.
+    fn is_piece(&self, before: &Node, after: &Node, push: &Hypothesis) -> bool {
+        let at_s = push.values.first().map_or(f64::NAN, |(_, at_s)| *at_s);
+        let windows = &self.bench.windows;
+        let acts = |w: &Window| {
+            push.only.is_none_or(|run| run == w.run) && (w.from_s..w.to_s).contains(&at_s)
+        };
+        windows.iter().position(acts).is_none_or(|w| {
+            let left = |node: &Node| {
+                let own = std::slice::from_ref(&node.fit.linear[w].residuals);
+                Misfit::new(&windows[w..=w], own).deviance()
+            };
+            left(after) > PIECE * left(before)
+        })
     }
 
     /// Whether `node` brings more than `due` over forces without pattern in its place.

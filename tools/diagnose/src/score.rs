@@ -9,6 +9,7 @@ use crate::misfit::Misfit;
 use crate::simulate::hardened;
 use crate::start;
 use crate::track::Sensor;
+use crate::unknown::Unknown;
 use crate::window::Window;
 
 /// Time over which a window's start is fitted (s), and up to how much more where the pose was seen
@@ -29,16 +30,22 @@ pub(crate) fn prediction(bench: &Bench, windows: &[Window], hypotheses: &[Hypoth
         .fold(Misfit::default(), |sum, part| sum.and(part))
 }
 
-/// Misfit of the prediction of every window by effects fitted to every other one, in turn. A single
-/// window is predicted by what was fitted to it.
-pub(crate) fn held_out(bench: &Bench, hypotheses: &[Hypothesis]) -> Misfit {
+/// Misfit of the prediction of every window by effects, and by a force outside of the catalogue, fitted
+/// to every other one, in turn. A single window is predicted by what was fitted to it.
+pub(crate) fn held_out(
+    bench: &Bench,
+    hypotheses: &[Hypothesis],
+    unknown: Option<&Unknown>,
+) -> Misfit {
     let windows = &bench.windows;
-    if windows.len() < 2 || hypotheses.is_empty() {
-        return prediction(bench, windows, hypotheses);
+    let law = |half: Option<usize>| unknown.and_then(|unknown| unknown.law(bench, half));
+    if windows.len() < 2 || hypotheses.is_empty() && unknown.is_none() {
+        return prediction(&bench.under(law(None)), windows, hypotheses);
     }
     let half =
         |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
     let folds = (0..2).map(|fold| {
+        let bench = &bench.under(law(Some(fold)));
         let learnt = bench.over(half(fold)).refitted(hypotheses);
         let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
         prediction(bench, &half(1 - fold), &learnt)

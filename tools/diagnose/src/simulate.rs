@@ -2,6 +2,7 @@
 
 use slipstream_sim::{Command, CommandKind, Robot, State};
 
+use crate::law::{HELD_S, Law};
 use crate::track::{Sensor, Track};
 use crate::window::{LOCALS, PULSE_S, Window};
 use crate::work::Work;
@@ -29,6 +30,8 @@ pub(crate) struct Simulation<'a> {
     pub(crate) robot: &'a Robot,
     /// Longest step (s).
     pub(crate) step_s: f64,
+    /// A force outside of the catalogue.
+    pub(crate) law: Option<&'a Law>,
     pub(crate) work: &'a Work,
 }
 
@@ -153,8 +156,14 @@ impl Simulation<'_> {
         state
     }
 
-    /// What acts at `now_s` beside the effects, and until when (s).
-    fn load(&self, now_s: f64, pulse: Option<Pulse>) -> (Option<[f64; 5]>, f64) {
+    /// What acts at `now_s` beside the effects, and until when (s). `law` is what the law makes of
+    /// the moment.
+    fn load(
+        &self,
+        now_s: f64,
+        pulse: Option<Pulse>,
+        law: Option<[f64; 2]>,
+    ) -> (Option<[f64; 5]>, f64) {
         let (mut load, mut until_s) = (None, f64::INFINITY);
         if let Some(pulse) = pulse.filter(|pulse| now_s < pulse.to_s - 1e-9) {
             (load, until_s) = (Some(pulse.load), pulse.to_s);
@@ -167,6 +176,12 @@ impl Simulation<'_> {
             own[2] += about;
             until_s = until_s.min(from_s + PULSE_S * (at + 1) as f64);
         }
+        if let Some([along, about]) = law {
+            let own = load.get_or_insert([0.0; 5]);
+            own[0] += along;
+            own[2] += about;
+            until_s = until_s.min(now_s + HELD_S);
+        }
         (load, until_s)
     }
 
@@ -178,7 +193,8 @@ impl Simulation<'_> {
         pulse: Option<Pulse>,
         mut watch: impl FnMut(f64, &State),
     ) -> Vec<f64> {
-        let mut seen = Seen::new(self, [start[5], start[6]], bookmark.t_s);
+        let offset = [start[5], start[6]];
+        let mut seen = Seen::new(self, offset, bookmark.t_s);
         let mut state = bookmark.state.clone();
         let told = &self.track.commands;
         let mut before = Knot::new(self.robot, &state);
@@ -194,7 +210,11 @@ impl Simulation<'_> {
             }
             let command = &told[at].1;
             let change_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
-            let (load, load_s) = self.load(now_s, pulse);
+            let law = self.law.map(|law| {
+                let seen = (self.track, self.robot);
+                law.load(&law.sampled(seen, &state, offset, now_s, command))
+            });
+            let (load, load_s) = self.load(now_s, pulse, law);
             state.set_load(load);
             let until_s = load_s.min(change_s);
             let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
@@ -333,16 +353,10 @@ impl<'a> Seen<'a> {
             Sensor::WheelAngle => [at[3] + self.offset[0], at[4] + self.offset[1], f64::NAN],
             Sensor::WheelSpeed => [speed[0], speed[1], f64::NAN],
             Sensor::Pose => {
-                let seen = robot.seen_pose([at[0], at[1], at[2]]);
-                let (sin, cos) = seen[2].sin_cos();
-                let ahead = track.tracked_ahead_m;
+                let seen = tracked(track, robot, [at[0], at[1], at[2]]);
                 let turn = seen[2] - values[2];
                 let turns = (turn / std::f64::consts::TAU).round() * std::f64::consts::TAU;
-                [
-                    seen[0] + cos * ahead,
-                    seen[1] + sin * ahead,
-                    seen[2] - turns,
-                ]
+                [seen[0], seen[1], seen[2] - turns]
             }
             Sensor::Odometry => {
                 let [v, w] = robot.odometry(speed);
@@ -385,6 +399,14 @@ pub(crate) fn hardened(residual: f64) -> f64 {
 /// Whether steps may be as long as commands hold: wheels turn as told and do not slip.
 pub(crate) fn is_exact_at_any_step(kind: CommandKind, slips: bool, lags: bool) -> bool {
     kind == CommandKind::Speed && !slips && !lags
+}
+
+/// Where the camera sees the tracked point of a robot at `pose`.
+pub(crate) fn tracked(track: &Track, robot: &Robot, pose: [f64; 3]) -> [f64; 3] {
+    let [x, y, yaw] = robot.seen_pose(pose);
+    let (sin, cos) = yaw.sin_cos();
+    let ahead = track.tracked_ahead_m;
+    [x + cos * ahead, y + sin * ahead, yaw]
 }
 
 /// What a command asks of each wheel: N m, V or rad/s.

@@ -7,6 +7,7 @@ use crate::around::around;
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
 use crate::force::{self, CHARGE, Missing};
+use crate::law::Law;
 use crate::passing::passing;
 use crate::pay::HELD_OUT;
 use crate::wander::{Judge, Wander};
@@ -24,12 +25,25 @@ const AT_WORK: f64 = 0.5;
 /// What was found beyond the catalogue.
 pub(crate) struct Unknown {
     pub(crate) missing: Missing,
+    /// The same with the numbers that every other window asks for, from the first and from the second
+    /// on, where it holds as a law.
+    halves: Option<[Missing; 2]>,
     /// When the force is large (s).
     pub(crate) intervals_s: Vec<[f64; 2]>,
     /// What it looks like, for a person.
     pub(crate) shape: String,
     /// ln L that it brings beside forces without pattern, to first order.
     pub(crate) gain: f64,
+}
+
+impl Unknown {
+    /// The force as a law, with the numbers that one half of the windows asks for or all. `None` where
+    /// it does not hold as one.
+    pub(crate) fn law(&self, bench: &Bench, half: Option<usize>) -> Option<Law> {
+        let halves = self.halves.as_ref()?;
+        let missing = half.map_or(&self.missing, |half| &halves[half]);
+        Some(Law::new(bench, missing.clone()))
+    }
 }
 
 /// What is beyond the catalogue beside a node.
@@ -53,7 +67,7 @@ impl Beyond {
 /// What is beyond the catalogue beside `node`.
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let (seen, judge) = around(bench, node)?;
-    let node = &seen;
+    let (begun, node) = (node, &seen);
     let wander = judge.alone()?;
     let samples = force::samples(bench, &judge.answers);
     let mut likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
@@ -72,9 +86,21 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let score = found.as_ref().map_or(wander.deviance, |found| found.score);
     Some(Beyond {
         wander,
-        unknown: found.map(|found| describe(bench, found.missing, found.gain / 2.0)),
+        unknown: found.map(|found| {
+            let missing = found.missing;
+            let halves = holds(bench, begun, &missing)
+                .then(|| force::halves(bench, node, &judge.answers, &samples, &missing));
+            describe(bench, missing, halves, found.gain / 2.0)
+        }),
         score: score + CHARGE * node.fit.values.len() as f64,
     })
+}
+
+/// Whether a missing force holds as a law beside `node`: one that follows no more than the time predicts
+/// nothing, and where wheels turn as they are told no force acts.
+fn holds(bench: &Bench, node: &Node, missing: &Missing) -> bool {
+    let lasts = missing.driver.name != "t" && !bench.lacks_motion();
+    lasts && Law::new(bench, missing.clone()).holds(bench, node)
 }
 
 /// A missing force beside forces without pattern.
@@ -133,7 +159,7 @@ fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
     best
 }
 
-fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {
+fn describe(bench: &Bench, missing: Missing, halves: Option<[Missing; 2]>, gain: f64) -> Unknown {
     let mut moments: Vec<(f64, f64, f64)> = Vec::new();
     for window in &bench.windows {
         let track = &bench.tracks[window.run];
@@ -172,6 +198,7 @@ fn describe(bench: &Bench, missing: Missing, gain: f64) -> Unknown {
     let shape = shape(&missing, bench.lacks_motion(), &moments, most, &large);
     Unknown {
         missing,
+        halves,
         intervals_s,
         shape,
         gain,

@@ -86,7 +86,7 @@ impl Search<'_> {
         }
         let bench = self.bench;
         let before = score::prediction(bench, &bench.windows, &[]);
-        let after = score::held_out(bench, &node.hypotheses);
+        let after = score::held_out(bench, &node.hypotheses, None);
         score::total(&after) < SPOILT * score::total(&before)
     }
 
@@ -116,6 +116,11 @@ impl Search<'_> {
                 at += 1;
                 continue;
             };
+            if score(&less) < score(&node) {
+                // a fit that had not come to its end
+                (node, gains, twins, at) = (less, Vec::new(), Vec::new(), 0);
+                continue;
+            }
             let candidates: Vec<Hypothesis> = self
                 .candidates(&less)
                 .into_iter()
