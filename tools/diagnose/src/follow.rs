@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::bench::{FULL, Node};
+use crate::bench::{FULL, HELD_OUT, Node};
 use crate::hypothesis::Hypothesis;
 use crate::promise::Promise;
 use crate::search::{SIDE_BY_SIDE, Search, deviance, score};
@@ -26,6 +26,10 @@ const BESIDE: f64 = 60.0;
 const MUCH: f64 = 0.1;
 const KEPT: f64 = 0.3;
 const UNKEPT: usize = 3;
+/// Level of the worst channel (deviations) from which on a model is so far off that what it lacks may
+/// show over the heads of windows alone, and their length (s) there.
+const FAR_OFF: f64 = 30.0;
+const NEAR_S: f64 = 1.0;
 
 impl Search<'_> {
     /// The most promising extensions, fitted to the end.
@@ -34,7 +38,7 @@ impl Search<'_> {
         let before = deviance(node);
         let promises = promises.iter().filter(|p| before - p.deviance > least);
         let chosen = chosen(promises);
-        let mut glances = distinct(self.glances(node, &chosen));
+        let mut glances = distinct(self.glances(node, &chosen, candidates));
         glances.truncate(FOLLOWED[1]);
         let looks = self.looks(&glances);
         let full = looks.par_iter().filter_map(|look| {
@@ -69,7 +73,7 @@ impl Search<'_> {
 
     /// A first look at promises, best first: where one explains all, only at what promises nearly as
     /// much.
-    fn glances(&self, node: &Node, chosen: &[&Promise]) -> Vec<Node> {
+    fn glances(&self, node: &Node, chosen: &[&Promise], candidates: &[Hypothesis]) -> Vec<Node> {
         let before = deviance(node);
         let glance = |promise: &Promise| self.bench.follow(node, promise, GLANCE);
         let Some(best) = chosen.first().and_then(|first| glance(first)) else {
@@ -82,6 +86,9 @@ impl Search<'_> {
         glances.push(best);
         if !glances.iter().any(|glance| self.is_right(node, glance)) {
             glances.extend(self.unkept(node, chosen, &glances));
+            if self.bench.worst(node).1 > FAR_OFF {
+                glances.extend(self.near(node, candidates));
+            }
         }
         glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let first = deviance(&glances[0]);
@@ -111,6 +118,35 @@ impl Search<'_> {
         });
         let unkept: Vec<&Promise> = unkept.take(UNKEPT).copied().collect();
         let led = unkept.par_iter().filter_map(|promise| {
+            let mut hypotheses = node.hypotheses.clone();
+            hypotheses.push(promise.hypothesis.clone());
+            self.bench.led(&hypotheses)
+        });
+        led.collect()
+    }
+
+    /// What promises most over the heads of the windows, led from there over ever longer ones: what is
+    /// far off after seconds may be a matter of first order before.
+    fn near(&self, node: &Node, candidates: &[Hypothesis]) -> Vec<Node> {
+        let heads = self.bench.over(self.bench.heads(NEAR_S));
+        let Some(begun) = heads.fit(&node.hypotheses, &node.fit.starts, HELD_OUT) else {
+            return Vec::new();
+        };
+        let lasting: Vec<Hypothesis> = candidates
+            .iter()
+            .filter(|h| !h.is_local())
+            .cloned()
+            .collect();
+        let promises = heads.promises(&begun, &lasting);
+        let mut best: Vec<&Promise> = Vec::new();
+        for promise in &promises {
+            let known = |b: &&Promise| b.hypothesis.is_like(&promise.hypothesis);
+            if !best.iter().any(known) {
+                best.push(promise);
+            }
+        }
+        best.truncate(UNKEPT);
+        let led = best.par_iter().filter_map(|promise| {
             let mut hypotheses = node.hypotheses.clone();
             hypotheses.push(promise.hypothesis.clone());
             self.bench.led(&hypotheses)

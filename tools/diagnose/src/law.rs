@@ -90,3 +90,75 @@ impl Law {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use super::*;
+    use crate::bench::FULL;
+    use crate::drivers::Driver;
+    use crate::fixture;
+    use crate::force::{self, Part};
+
+    const GRADE: f64 = 0.02;
+
+    /// A robot on a slope, the level model of it, and what the weight pulls along the body as a function
+    /// of the heading φ: m g sin(atan(grade)) cos φ.
+    fn slope() -> (Bench, Node, Missing) {
+        let model = RobotModel::default();
+        let downhill = [("grade", GRADE), ("downhill_rad", 0.0)];
+        let truth = model.clone().with("floor_slope", &downhill);
+        let body = &model.robot;
+        let mass = body.body_mass_kg.unwrap() + 2.0 * body.wheel_mass_kg.unwrap();
+        let bench = fixture::bench(fixture::driven(&truth, 10.0, fixture::gentle), model);
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let node = bench.fit(&[], &starts, FULL).unwrap();
+        let answers = force::answers(&bench, &node, 1.0).unwrap();
+        let drivers = Driver::all(&force::samples(&bench, &answers));
+        let driver = drivers.into_iter().find(|d| d.name == "heading").unwrap();
+        let mut weights = vec![0.0; driver.functions()];
+        weights[2] = mass * 9.81 * GRADE.atan().sin();
+        let missing = Missing {
+            part: Part::Longitudinal,
+            driver,
+            against: false,
+            weights,
+            deviance: 0.0,
+        };
+        (bench, node, missing)
+    }
+
+    /// The law is held for 10 ms, so that it lags by 5 ms, in which the robot turns by some hundredths of
+    /// a radian at most: that share of what was missing is left.
+    #[test]
+    fn what_is_missing_predicts_as_a_law() {
+        let (bench, node, missing) = slope();
+        let before = bench.worst(&node).1;
+        assert!(before > 30.0, "{before}");
+        let law = Law::new(&bench, missing.clone());
+        let moved = moved(&bench.under(Some(law.clone())), &node).unwrap();
+        let after = bench.worst(&moved).1;
+        assert!(after < 0.03 * before, "{after} of {before}");
+        assert!(law.holds(&bench, &node));
+        let mut uphill = missing;
+        uphill.weights[2] *= -1.0;
+        assert!(!Law::new(&bench, uphill).holds(&bench, &node));
+    }
+
+    #[test]
+    fn nothing_acts_against_a_rest() {
+        let (bench, _, mut missing) = slope();
+        let track = &bench.tracks[0];
+        let mut sampled = Sampled::new(&bench, track, 1.0);
+        (sampled.v, sampled.w, sampled.pose[2]) = (0.1, 0.0, 0.0);
+        missing.against = true;
+        let force = missing.weights[2];
+        let law = Law::new(&bench, missing);
+        assert_eq!(law.load(&sampled)[0], -force);
+        sampled.v = -0.1;
+        assert_eq!(law.load(&sampled)[0], force);
+        sampled.v = 1e-3;
+        assert_eq!(law.load(&sampled), [0.0; 2]);
+    }
+}

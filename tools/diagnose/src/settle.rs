@@ -73,7 +73,7 @@ impl Bench {
     }
 
     /// The first `over_s` of every window.
-    fn heads(&self, over_s: f64) -> Vec<Window> {
+    pub(crate) fn heads(&self, over_s: f64) -> Vec<Window> {
         let heads = self.windows.iter();
         let heads = heads.map(|window| window.head(&self.tracks[window.run], over_s));
         heads.collect()
