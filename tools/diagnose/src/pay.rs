@@ -14,7 +14,7 @@ use crate::window::Window;
 /// its own that is.
 const CERTAIN: f64 = 10.0;
 /// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
-pub(crate) const PAY: [f64; 2] = [24.0, 6.0];
+pub(crate) const PAY: [f64; 2] = [40.0, 6.0];
 /// The same for an effect whose place or time was searched.
 const PAY_LOCAL: f64 = 40.0;
 /// Pushes at most: a force that acts again and again is no push.
