@@ -37,7 +37,7 @@ impl Search<'_> {
         let promises = self.bench.promises(node, candidates);
         let before = deviance(node);
         let promises = promises.iter().filter(|p| before - p.deviance > least);
-        let chosen = chosen(promises);
+        let chosen = chosen(promises, 2);
         let mut glances = distinct(self.glances(node, &chosen, candidates));
         glances.truncate(FOLLOWED[1]);
         let looks = self.looks(&glances);
@@ -117,12 +117,7 @@ impl Search<'_> {
             promised > MUCH * before && kept(promise) < KEPT * promised
         });
         let unkept: Vec<&Promise> = unkept.take(UNKEPT).copied().collect();
-        let led = unkept.par_iter().filter_map(|promise| {
-            let mut hypotheses = node.hypotheses.clone();
-            hypotheses.push(promise.hypothesis.clone());
-            self.bench.led(&hypotheses)
-        });
-        led.collect()
+        self.led(node, &unkept)
     }
 
     /// What promises most over the heads of the windows, led from there over ever longer ones: what is
@@ -138,15 +133,14 @@ impl Search<'_> {
             .cloned()
             .collect();
         let promises = heads.promises(&begun, &lasting);
-        let mut best: Vec<&Promise> = Vec::new();
-        for promise in &promises {
-            let known = |b: &&Promise| b.hypothesis.is_like(&promise.hypothesis);
-            if !best.iter().any(known) {
-                best.push(promise);
-            }
-        }
+        let mut best = chosen(promises.iter(), 1);
         best.truncate(UNKEPT);
-        let led = best.par_iter().filter_map(|promise| {
+        self.led(node, &best)
+    }
+
+    /// `node` with each of what was promised, led there over ever longer heads of the windows.
+    fn led(&self, node: &Node, promises: &[&Promise]) -> Vec<Node> {
+        let led = promises.par_iter().filter_map(|promise| {
             let mut hypotheses = node.hypotheses.clone();
             hypotheses.push(promise.hypothesis.clone());
             self.bench.led(&hypotheses)
@@ -155,12 +149,12 @@ impl Search<'_> {
     }
 }
 
-/// The best promises; of what has several places or sizes, the best two.
-fn chosen<'a>(promises: impl Iterator<Item = &'a Promise>) -> Vec<&'a Promise> {
+/// The best promises; of what has several places or sizes, the best `each`.
+fn chosen<'a>(promises: impl Iterator<Item = &'a Promise>, each: usize) -> Vec<&'a Promise> {
     let mut chosen: Vec<&Promise> = Vec::new();
     for promise in promises {
         let known = |c: &&&Promise| c.hypothesis.is_like(&promise.hypothesis);
-        if chosen.iter().filter(known).count() < 2 {
+        if chosen.iter().filter(known).count() < each {
             chosen.push(promise);
         }
     }

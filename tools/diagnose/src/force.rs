@@ -14,15 +14,12 @@ use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::motion;
+use crate::ridge;
 use crate::simulate::{Bookmark, Pulse, Simulation};
 use crate::window::{LOCALS, PULSE_S};
 
 /// Charge (−2 ln L) for each number of a force.
 pub(crate) const CHARGE: f64 = 6.0;
-
-/// Share of what is known of the best known number of a force by which all are held near zero where
-/// they are to predict.
-const HELD: f64 = 1e-3;
 
 /// Accelerations of the pulses: along (m/s²) and about (rad/s²).
 const PULSE: [f64; 2] = [0.2, 2.0];
@@ -333,36 +330,25 @@ fn columns(
 }
 
 /// Columns of a missing force, and the steps of all parameters and its numbers that every other
-/// window asks for, from the first and from the second on; its numbers are held near zero by a share
-/// `held` of what is known of the best known.
+/// window asks for, from the first and from the second on.
 fn learnt(
     bench: &Bench,
     node: &Node,
     answers: &[Answers],
     samples: &[Vec<Sampled>],
     missing: &Missing,
-    held: f64,
 ) -> (Vec<Vec<Vec<f64>>>, [Vec<f64>; 2]) {
     let Missing { driver, part, .. } = missing;
     let columns = columns(bench, answers, samples, driver, *part, missing.against);
     let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
     let weights = node.fit.misfit.weights();
-    let all = bench.windows.iter().zip(&node.fit.linear);
-    let normals: Vec<_> = all
-        .enumerate()
-        .map(|(w, (window, linear))| linear.normal(window, &weights, &linear.residuals, &more(w)))
-        .collect();
-    let known = node.fit.values.len();
+    let all = bench.windows.iter().zip(&node.fit.linear).enumerate();
     let learnt = [0, 1].map(|fold| {
-        let own = normals.iter().skip(fold).step_by(2).cloned();
-        let mut own: Vec<_> = own.collect();
-        let told = |i: usize| own.iter().map(|normal| normal.told(i)).sum::<f64>();
-        let most = (known..known + missing.weights.len()).map(told);
-        let believed = held * most.fold(0.0, f64::max);
-        if let Some(first) = own.first_mut() {
-            first.believe(|i| if i < known { 0.0 } else { believed });
-        }
-        linear::step(&own, 1e-6, |_, step| step).globals
+        let own = all.clone().skip(fold).step_by(2);
+        let own = own.map(|(w, (window, linear))| {
+            linear.normal(window, &weights, &linear.residuals, &more(w))
+        });
+        ridge::step(&own.collect::<Vec<_>>(), node.fit.values.len())
     });
     (columns, learnt)
 }
@@ -376,7 +362,7 @@ pub(crate) fn halves(
     samples: &[Vec<Sampled>],
     missing: &Missing,
 ) -> [Missing; 2] {
-    let (_, learnt) = learnt(bench, node, answers, samples, missing, HELD);
+    let (_, learnt) = learnt(bench, node, answers, samples, missing);
     let known = node.fit.values.len();
     learnt.map(|steps| Missing {
         weights: steps[known..].to_vec(),
@@ -393,7 +379,7 @@ pub(crate) fn held_out_gain(
     samples: &[Vec<Sampled>],
     missing: &Missing,
 ) -> f64 {
-    let (columns, learnt) = learnt(bench, node, answers, samples, missing, 0.0);
+    let (columns, learnt) = learnt(bench, node, answers, samples, missing);
     let more = |w: usize| columns[w].iter().map(Vec::as_slice).collect::<Vec<_>>();
     let predicted = node.fit.linear.iter().enumerate().map(|(w, linear)| {
         let others = &learnt[1 - w % 2];

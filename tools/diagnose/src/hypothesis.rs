@@ -106,11 +106,6 @@ impl Hypothesis {
         self.info.id == "friction_patch"
     }
 
-    /// Whether it does less the larger it is.
-    pub(crate) fn is_limit(&self) -> bool {
-        is_limit(self.info)
-    }
-
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {

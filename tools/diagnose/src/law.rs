@@ -73,10 +73,7 @@ impl Law {
         let angle = robot.seen_angle(state);
         let [u, _, rate] = state.velocity();
         let [v, w] = match track.of(Sensor::WheelAngle) {
-            Some(_) => {
-                let [right, left] = robot.seen_speed(state);
-                [r * (right + left) / 2.0, r * (right - left) / (2.0 * b)]
-            }
+            Some(_) => robot.odometry(robot.seen_speed(state)),
             None => [u, rate],
         };
         Sampled {

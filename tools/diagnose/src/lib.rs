@@ -35,6 +35,7 @@ mod pay;
 mod predict;
 mod promise;
 mod recut;
+mod ridge;
 mod score;
 mod search;
 mod settle;

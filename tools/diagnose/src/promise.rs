@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::{Hypothesis, come_round};
+use crate::hypothesis::{Hypothesis, come_round, is_limit};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::window::LOCALS;
@@ -74,7 +74,7 @@ impl Bench {
             return (!worse(&base)).then_some((sized, base));
         }
         // a product of two numbers shows nothing of one where the other is too small
-        let kept = candidate.is_threshold() || candidate.is_limit() || candidate.is_local();
+        let kept = candidate.is_threshold() || is_limit(candidate.info) || candidate.is_local();
         let (times, most) = match candidate.values.len() {
             _ if kept => (0, 1.0),
             1 => (SHRUNK, 0.2),

@@ -39,8 +39,9 @@ pub(crate) fn held_out(
 ) -> Misfit {
     let windows = &bench.windows;
     let law = |half: Option<usize>| unknown.and_then(|unknown| unknown.law(bench, half));
-    if windows.len() < 2 || hypotheses.is_empty() && unknown.is_none() {
-        return prediction(&bench.under(law(None)), windows, hypotheses);
+    let whole = law(None);
+    if windows.len() < 2 || hypotheses.is_empty() && whole.is_none() {
+        return prediction(&bench.under(whole), windows, hypotheses);
     }
     let half =
         |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
