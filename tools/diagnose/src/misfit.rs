@@ -72,13 +72,41 @@ impl Misfit {
         own.sum()
     }
 
-    /// How much less `self` misses than `before`, in −2 ln L, counting residuals that repeat each
-    /// other once.
+    /// How much less `self` misses than `before` in each channel, in −2 ln L, counting residuals that
+    /// repeat each other once.
+    fn gains_over(&self, before: &Self) -> [f64; CHANNELS] {
+        std::array::from_fn(|c| match self.counts[c] > 0.0 {
+            true => {
+                let free = self.counts[c] / self.memory[c].max(1.0);
+                free * (before.floored(c) / self.floored(c)).ln()
+            }
+            false => 0.0,
+        })
+    }
+
+    /// How much less `self` misses than `before`, in all channels.
     pub(crate) fn gain_over(&self, before: &Self) -> f64 {
-        let own = (0..CHANNELS).filter(|c| self.counts[*c] > 0.0).map(|c| {
-            self.counts[c] / self.memory[c].max(1.0) * (before.floored(c) / self.floored(c)).ln()
-        });
-        own.sum()
+        self.gains_over(before).iter().sum()
+    }
+
+    /// The same in those channels alone in which it is more than a `share` of what `before` gained over
+    /// `first`.
+    pub(crate) fn clear_gain_over(&self, before: &Self, first: &Self, share: f64) -> f64 {
+        let gains = self.gains_over(before).into_iter();
+        let so_far = before.gains_over(first);
+        let clear = gains
+            .zip(so_far)
+            .filter(|(gain, so_far)| *gain > share * so_far);
+        clear.map(|(gain, _)| gain).sum()
+    }
+
+    /// What noise alone would leave.
+    pub(crate) fn perfect(&self) -> Self {
+        Self {
+            squares: [0.0; CHANNELS],
+            memory: [1.0; CHANNELS],
+            ..*self
+        }
     }
 
     /// How much wider than for white noise a deviation is: the root of the mean memory.
@@ -213,6 +241,25 @@ mod tests {
         assert!((gain - 600.0 * 4_f64.ln()).abs() < 1e-9);
         let gain = of(4.0, 600.0, 3.0).gain_over(&before);
         assert!((gain - 200.0 * 4_f64.ln()).abs() < 1e-9);
+    }
+
+    /// Wheels that an effect brought from 10⁶ to 4 of a mean square, and a camera that it left at 4.
+    #[test]
+    fn what_is_slight_beside_what_came_before_counts_in_other_channels_alone() {
+        let both = |wheels: f64, camera: f64| {
+            let mut both = of(camera, 600.0, 1.0);
+            (both.squares[0], both.counts[0]) = (wheels * 600.0, 600.0);
+            both
+        };
+        let (first, before) = (both(1e6, 4.0), both(4.0, 4.0));
+        let gain = 600.0 * 4_f64.ln();
+        let of_wheels = both(1.0, 4.0);
+        assert!((of_wheels.gain_over(&before) - gain).abs() < 1e-9);
+        assert_eq!(of_wheels.clear_gain_over(&before, &first, 0.2), 0.0);
+        let of_both = both(1.0, 1.0);
+        assert!((of_both.clear_gain_over(&before, &first, 0.2) - gain).abs() < 1e-9);
+        let left = before.perfect().clear_gain_over(&before, &first, 0.1);
+        assert!((left - 2.0 * gain).abs() < 1e-9);
     }
 
     #[test]

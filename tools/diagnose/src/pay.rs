@@ -22,8 +22,8 @@ const PUSHES: usize = 2;
 /// Share of −2 ln L that a push leaves at most of the window in which it acts: what leaves more is a
 /// piece of another force.
 const PIECE: f64 = 0.5;
-/// Share of the gain so far that one more effect has to bring where noise is reached: less is what
-/// integrators differ by.
+/// Share of the gain so far in a channel that one more effect has to bring there where noise is
+/// reached: less is what integrators differ by.
 const SHARE: f64 = 0.02;
 /// Δ(−2 ln L) that it has to bring on windows that its parameters were not fitted to: 2 ln of some
 /// hundred tests over a hundredth.
@@ -44,11 +44,18 @@ fn due(hypothesis: &Hypothesis) -> f64 {
     first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
 
+/// Whether `after` brings no more over `before` than integrators differ by and what is `due`.
+fn is_slight(nominal: &Node, before: &Node, after: &Node, due: f64) -> bool {
+    let [first, before, misfit] = [nominal, before, after].map(|node| &node.fit.misfit);
+    misfit.clear_gain_over(before, first, SHARE) < due
+}
+
 impl Search<'_> {
     /// Whether so little is left that no further effect could bring its share.
     pub(crate) fn is_done(&self, nominal: &Node, node: &Node) -> bool {
-        let so_far = node.fit.misfit.gain_over(&nominal.fit.misfit);
-        self.bench.is_noise(node) && deviance(node) < (SHARE * so_far).max(PAY[0])
+        let (first, misfit) = (&nominal.fit.misfit, &node.fit.misfit);
+        let left = misfit.perfect().clear_gain_over(misfit, first, SHARE);
+        self.bench.is_noise(node) && left < PAY[0]
     }
 
     /// Small forces without pattern beside `node`, if they explain all that it leaves.
@@ -71,8 +78,7 @@ impl Search<'_> {
             return false;
         };
         let gain = after.fit.misfit.gain_over(&before.fit.misfit);
-        let so_far = before.fit.misfit.gain_over(&nominal.fit.misfit);
-        if self.bench.is_noise(before) && gain < SHARE * so_far {
+        if self.bench.is_noise(before) && is_slight(nominal, before, after, due(own)) {
             return false;
         }
         let last = after.hypotheses.len() - 1;
@@ -154,7 +160,6 @@ impl Search<'_> {
 
     /// Takes out what no longer pays beside what came later.
     pub(crate) fn pruned(&self, nominal: &Node, mut node: Node) -> Node {
-        let share = SHARE * node.fit.misfit.gain_over(&nominal.fit.misfit);
         let mut at = 0;
         while node.hypotheses.len() > 1 && at < node.hypotheses.len() {
             let mut without = node.hypotheses.clone();
@@ -168,7 +173,7 @@ impl Search<'_> {
                         .filter(|w| !self.is_likelier(w, &node, due(&removed)))
                 };
                 gain < due(&removed)
-                    || self.bench.is_noise(less) && gain < share
+                    || self.bench.is_noise(less) && is_slight(nominal, less, &node, due(&removed))
                     || !self.bench.is_noise(&node) && wander().is_some()
             };
             match less.filter(idle) {
