@@ -13,7 +13,7 @@ use crate::misfit::Misfit;
 use crate::score;
 use crate::simulate::is_exact_at_any_step;
 use crate::start;
-use crate::track::{CHANNELS, Track};
+use crate::track::{CHANNELS, ROUNDING, Sensor, Track};
 use crate::window::{LOCALS, Window, cut_all, spread};
 use crate::work::Work;
 
@@ -213,6 +213,16 @@ impl Bench {
     /// Whether the recording says how noisy each of its channels is.
     pub(crate) fn knows_noise(&self) -> bool {
         (0..CHANNELS).all(|channel| self.is_declared(channel))
+    }
+
+    /// Deviations of the encoders by which two integrators may differ: a count, where the deviation is
+    /// that of its rounding; none where the noise is not known.
+    pub(crate) fn count(&self) -> Option<f64> {
+        let counts = self
+            .tracks
+            .iter()
+            .any(|t| t.of(Sensor::WheelAngle).is_some());
+        (counts && self.knows_noise()).then_some(1.0 / ROUNDING)
     }
 
     /// Whether the recording says how noisy a channel is.

@@ -1,7 +1,7 @@
 //! From which size on an effect that was not found would have been seen.
 
 use rayon::prelude::*;
-use slipstream_sim::effects::{Domain, Info};
+use slipstream_sim::effects::{Channel, Domain, Info};
 
 use crate::bench::{Bench, Node};
 use crate::hypothesis::Hypothesis;
@@ -108,6 +108,7 @@ fn sizes(id: &str) -> usize {
 /// Limits from the standard deviation that each parameter has beside the effects of `node`.
 fn by_deviation(bench: &Bench, node: &Node, one: &Hypothesis) -> Vec<Limit> {
     let deviations = deviations(bench, node, one).unwrap_or_default();
+    let sigmas = SIGMAS * grain(bench, one.info);
     let parameters = one.values.iter().enumerate().take(sizes(one.info.id));
     let limits = parameters.map(|(i, (name, _))| {
         let nothing = one.nothing(&bench.model, name);
@@ -121,7 +122,7 @@ fn by_deviation(bench: &Bench, node: &Node, one: &Hypothesis) -> Vec<Limit> {
             one,
             name,
             seen,
-            deviation.map(|deviation| SIGMAS * deviation),
+            deviation.map(|deviation| sigmas * deviation),
         )
     });
     limits.collect()
@@ -201,7 +202,17 @@ fn is_refuted(bench: &Bench, node: &Node, one: &Hypothesis) -> bool {
         let residuals = problem.residuals(values, &node.fit.starts)?;
         Some(Misfit::new(&bench.windows, &residuals).deviance())
     });
-    deviance.is_some_and(|deviance| deviance > node.fit.misfit.deviance() + REFUTED)
+    let refuted = REFUTED * grain(bench, one.info).powi(2);
+    deviance.is_some_and(|deviance| deviance > node.fit.misfit.deviance() + refuted)
+}
+
+/// How many times more an effect has to show: what shows in the encoders, by whole counts.
+fn grain(bench: &Bench, info: &Info) -> f64 {
+    let apart = |channel: &Channel| matches!(channel, Channel::SensorPose | Channel::SensorImu);
+    match info.channels.iter().all(apart) {
+        true => 1.0,
+        false => bench.count().unwrap_or(1.0),
+    }
 }
 
 #[cfg(test)]

@@ -74,7 +74,7 @@ impl Misfit {
 
     /// How much less `self` misses than `before` in each channel, in −2 ln L, counting residuals that
     /// repeat each other once.
-    fn gains_over(&self, before: &Self) -> [f64; CHANNELS] {
+    pub(crate) fn gains_over(&self, before: &Self) -> [f64; CHANNELS] {
         std::array::from_fn(|c| match self.counts[c] > 0.0 {
             true => {
                 let free = self.counts[c] / self.memory[c].max(1.0);

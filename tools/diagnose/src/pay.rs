@@ -4,9 +4,10 @@ use std::cell::LazyCell;
 
 use crate::bench::{FULL, Node};
 use crate::follow::LOOK;
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, is_limit};
 use crate::misfit::Misfit;
 use crate::search::{Search, deviance};
+use crate::track::Sensor;
 use crate::wander::{Judge, Wander};
 use crate::window::Window;
 
@@ -32,7 +33,7 @@ pub(crate) const HELD_OUT: f64 = 18.0;
 /// needed beyond doubt.
 const WORSE: f64 = 3.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
-const SIGMAS: f64 = 4.2;
+pub(crate) const SIGMAS: f64 = 4.2;
 
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
@@ -84,9 +85,13 @@ impl Search<'_> {
         let last = after.hypotheses.len() - 1;
         let brings =
             self.bench.is_noise(after) && gain > CERTAIN * due(own) && self.may(after, last);
+        let sigmas = self.sigmas(before, after);
+        // a size that is tried, and one of which all that is larger does nothing, have no deviation
+        let tried = own.is_threshold() || is_limit(own.info);
         if gain <= due(own)
+            || tried && gain < sigmas * sigmas
             || own.info.id == "push" && self.is_piece(before, after, own)
-            || !(brings || self.is_clear(after, last))
+            || !(brings || self.is_clear(after, last, sigmas))
             || !self.is_right(before, after) && self.bench.spoils(before, after)
         {
             return false;
@@ -132,8 +137,26 @@ impl Search<'_> {
         !node.hypotheses[which].is_at_bound() && pushes.count() <= PUSHES
     }
 
-    /// Whether an effect differs from nothing by its own uncertainty.
-    pub(crate) fn is_clear(&self, node: &Node, which: usize) -> bool {
+    /// Deviations by which the last effect of `after` has to differ from nothing: more where it explains
+    /// less than a count of the encoders, which integrators may differ by.
+    fn sigmas(&self, before: &Node, after: &Node) -> f64 {
+        let [before, after] = [before, after].map(|node| &node.fit.misfit);
+        let gains = after.gains_over(before);
+        let wheels = Sensor::WheelAngle.channel()..Sensor::Pose.channel();
+        let by_wheels: f64 = gains[wheels.clone()].iter().sum();
+        let count = self.bench.count().unwrap_or(1.0);
+        let met = wheels
+            .clone()
+            .all(|c| before.mean_square(c) < count * count);
+        if met && by_wheels > 0.5 * gains.iter().sum::<f64>() {
+            SIGMAS * count
+        } else {
+            SIGMAS
+        }
+    }
+
+    /// Whether an effect differs from nothing by so many of its own deviations.
+    pub(crate) fn is_clear(&self, node: &Node, which: usize, sigmas: f64) -> bool {
         let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
         let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
         let own = &node.hypotheses[which];
@@ -143,7 +166,7 @@ impl Search<'_> {
         own.is_threshold()
             || own.values.iter().enumerate().any(|(i, (name, value))| {
                 let nothing = own.nothing(&self.bench.model, name);
-                (value - nothing).abs() > SIGMAS * node.fit.deviations[first + i]
+                (value - nothing).abs() > sigmas * node.fit.deviations[first + i]
             })
     }
 

@@ -9,7 +9,7 @@ use crate::follow::{FOLLOWED, GLANCE};
 use crate::force::CHARGE;
 use crate::hypothesis::Hypothesis;
 use crate::local;
-use crate::pay::PAY;
+use crate::pay::{PAY, SIGMAS};
 use crate::promise::Promise;
 use crate::weigh::Found;
 
@@ -227,7 +227,7 @@ impl Search<'_> {
     fn freed(&self, node: &Node, followed: &[Node]) -> Option<Node> {
         let best = followed.first()?;
         let own = best.hypotheses.len().checked_sub(1)?;
-        if own == 0 || self.is_clear(best, own) || score(best) > score(node) - UNFINISHED {
+        if own == 0 || self.is_clear(best, own, SIGMAS) || score(best) > score(node) - UNFINISHED {
             return None;
         }
         let freed = self

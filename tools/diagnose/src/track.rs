@@ -13,7 +13,7 @@ use crate::Unusable;
 use crate::noise;
 
 /// Standard deviation of a rounding to whole counts (counts).
-const ROUNDING: f64 = 0.288_675_134_594_812_9;
+pub(crate) const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
 /// Channels of measurement: right and left wheel, x, y and yaw of the pose, v and w of the
 /// odometry, ax, ay and gz of the inertial sensor.

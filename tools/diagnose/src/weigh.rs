@@ -3,6 +3,7 @@
 
 use crate::bench::{FULL, Node, SPOILT};
 use crate::hypothesis::Hypothesis;
+use crate::pay::SIGMAS;
 use crate::score;
 use crate::search::{Search, deviance, score};
 use crate::unknown::{self, Beyond, Unknown};
@@ -131,10 +132,9 @@ impl Search<'_> {
                 &candidates,
                 0.5 * (deviance(&less) - deviance(&node)),
             );
-            if let Some(rival) = rivals
-                .iter()
-                .find(|r| self.is_clear(r, r.hypotheses.len() - 1) && !self.bench.spoils(&node, r))
-                && score(rival) < score(&node) - 3.0
+            if let Some(rival) = rivals.iter().find(|r| {
+                self.is_clear(r, r.hypotheses.len() - 1, SIGMAS) && !self.bench.spoils(&node, r)
+            }) && score(rival) < score(&node) - 3.0
                 && swaps < 3
             {
                 node = rival.clone();
