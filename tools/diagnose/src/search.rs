@@ -200,12 +200,13 @@ impl Search<'_> {
             let local = local::candidates(self.bench, node, self.excluded);
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }
+        followed.sort_by(|a, b| score(a).total_cmp(&score(b)));
         let freed = self.freed(node, &followed);
         let wander = LazyCell::new(|| self.wandering(node));
         let stones: Vec<Node> = followed.iter().take(STONES).cloned().collect();
         followed.retain(|next| self.pays(nominal, node, next, &wander));
         followed.extend(freed);
-        if followed.is_empty() && !self.bench.is_noise(node) && wander.is_none() {
+        if followed.is_empty() && !self.bench.is_noise(node) {
             return self.beyond(node, &stones);
         }
         followed
