@@ -299,3 +299,43 @@ fn a_robot_that_drives_otherwise_than_told_has_an_unknown_motion() {
     let shape = unknown.shape.as_deref().unwrap();
     assert!(shape.contains("speed along the body"), "{shape}");
 }
+
+/// Integrators differ by less than a count of the encoders: a drag so small is none of their physics.
+#[test]
+fn what_moves_the_encoders_by_less_than_a_count_is_no_finding() {
+    let nominal = RobotModel::default();
+    let drag = |coefficient: f64| {
+        let truth = nominal
+            .clone()
+            .with("viscous_drag", &[("coefficient", coefficient)]);
+        answer(&truth, &nominal, 6).0
+    };
+    let found = |answer: &Answer| -> Vec<String> {
+        answer.findings.iter().map(|f| f.effect.clone()).collect()
+    };
+    let slight = drag(5e-5);
+    assert_eq!(slight.verdict, Verdict::Match, "{}", listing(&slight));
+    let clear = drag(4e-4);
+    assert_eq!(found(&clear), ["viscous_drag"], "{}", listing(&clear));
+}
+
+/// What the droop leaves in the window of the push is no part of the push: neither explains the
+/// recording alone.
+#[test]
+fn a_push_is_found_beside_what_acts_always() {
+    let nominal = RobotModel::default();
+    let push = [("t_s", 7.0), ("impulse_n_s", 0.05), ("direction_rad", -0.3)];
+    let truth = nominal
+        .clone()
+        .with("torque_speed_droop", &[("coefficient", 2e-5)])
+        .with("push", &push);
+    let (answer, _) = answer(&truth, &nominal, 7);
+    let mut found: Vec<&str> = answer.findings.iter().map(|f| f.effect.as_str()).collect();
+    found.sort_unstable();
+    assert_eq!(
+        found,
+        ["push", "torque_speed_droop"],
+        "{}",
+        listing(&answer)
+    );
+}
