@@ -216,13 +216,17 @@ impl Bench {
     }
 
     /// Deviations of the encoders by which two integrators may differ: a count, where the deviation is
-    /// that of its rounding; none where the noise is not known.
-    pub(crate) fn count(&self) -> Option<f64> {
+    /// that of its rounding; one where the noise is not known.
+    pub(crate) fn count(&self) -> f64 {
         let counts = self
             .tracks
             .iter()
             .any(|t| t.of(Sensor::WheelAngle).is_some());
-        (counts && self.knows_noise()).then_some(1.0 / ROUNDING)
+        if counts && self.knows_noise() {
+            1.0 / ROUNDING
+        } else {
+            1.0
+        }
     }
 
     /// Whether the recording says how noisy a channel is.

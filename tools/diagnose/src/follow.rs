@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::bench::{FULL, HELD_OUT, Node};
 use crate::hypothesis::Hypothesis;
 use crate::promise::Promise;
-use crate::search::{SIDE_BY_SIDE, Search, deviance, score};
+use crate::search::{SIDE_BY_SIDE, Search, best_first, deviance};
 
 /// Effects whose promise is followed a few rounds, and to the end.
 pub(crate) const FOLLOWED: [usize; 2] = [9, 5];
@@ -51,7 +51,7 @@ impl Search<'_> {
             })
         });
         let mut full: Vec<Node> = full.collect();
-        full.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut full);
         full
     }
 
@@ -62,7 +62,7 @@ impl Search<'_> {
         }
         let look = |glance: &Node| self.bench.fit(&glance.hypotheses, &glance.fit.starts, LOOK);
         let mut looks: Vec<Node> = glances.par_iter().filter_map(look).collect();
-        looks.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut looks);
         let far = looks
             .first()
             .map_or(0.0, |best| BEHIND * deviance(best) + BESIDE);
@@ -90,7 +90,7 @@ impl Search<'_> {
                 glances.extend(self.near(node, candidates));
             }
         }
-        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut glances);
         let first = deviance(&glances[0]);
         if self.bench.is_noise(&glances[0]) {
             let least = (before - CLOSE * (before - first)).max(first + BESIDE);

@@ -211,7 +211,7 @@ fn grain(bench: &Bench, info: &Info) -> f64 {
     let apart = |channel: &Channel| matches!(channel, Channel::SensorPose | Channel::SensorImu);
     match info.channels.iter().all(apart) {
         true => 1.0,
-        false => bench.count().unwrap_or(1.0),
+        false => bench.count(),
     }
 }
 

@@ -16,8 +16,6 @@ use crate::window::Window;
 const CERTAIN: f64 = 10.0;
 /// Δ(−2 ln L) that one more effect has to bring, and for each parameter more.
 pub(crate) const PAY: [f64; 2] = [40.0, 6.0];
-/// The same for an effect whose place or time was searched.
-const PAY_LOCAL: f64 = 40.0;
 /// Pushes at most: a force that acts again and again is no push.
 const PUSHES: usize = 2;
 /// Share of −2 ln L that a push leaves at most of the window in which it acts: what leaves more is a
@@ -37,12 +35,7 @@ pub(crate) const SIGMAS: f64 = 4.2;
 
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
-    let first = if hypothesis.is_local() {
-        PAY_LOCAL
-    } else {
-        PAY[0]
-    };
-    first + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
+    PAY[0] + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
 
 /// Whether `after` brings no more over `before` than integrators differ by and what is `due`.
@@ -144,7 +137,7 @@ impl Search<'_> {
         let gains = after.gains_over(before);
         let wheels = Sensor::WheelAngle.channel()..Sensor::Pose.channel();
         let by_wheels: f64 = gains[wheels.clone()].iter().sum();
-        let count = self.bench.count().unwrap_or(1.0);
+        let count = self.bench.count();
         let met = wheels
             .clone()
             .all(|c| before.mean_square(c) < count * count);

@@ -41,11 +41,12 @@ pub(crate) fn step(normals: &[Normal], known: usize) -> Vec<f64> {
         });
         windows.sum::<f64>()
     };
-    let best = SHARES
-        .iter()
-        .min_by(|a, b| change(**a).total_cmp(&change(**b)));
-    let share = best.copied().filter(|_| each.len() > 1);
-    step(share.unwrap_or(ALONE), None)
+    if each.len() < 2 {
+        return step(ALONE, None);
+    }
+    let tried = SHARES.map(|share| (share, change(share)));
+    let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    step(best.map_or(ALONE, |(share, _)| share), None)
 }
 
 #[cfg(test)]

@@ -58,6 +58,11 @@ pub(crate) fn score(node: &Node) -> f64 {
     deviance(node) + CHARGE * node.fit.values.len() as f64
 }
 
+/// Sorts nodes by what the search makes small.
+pub(crate) fn best_first(nodes: &mut [Node]) {
+    nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
+}
+
 impl Search<'_> {
     /// Searches from the nominal model on. `None` if that cannot be simulated.
     pub(crate) fn run(&self) -> Option<Outcome> {
@@ -99,7 +104,7 @@ impl Search<'_> {
                 self.bench.settled(less)
             });
             nodes = settled.filter(|node| !is_seen(&seen, node)).collect();
-            nodes.sort_by(|a, b| score(a).total_cmp(&score(b)));
+            best_first(&mut nodes);
             let Some(first) = nodes.first() else { break };
             if let Some(slides) = self.slides(first) {
                 return Err(Outcome::Slides(slides, first.hypotheses.clone()));
@@ -159,7 +164,7 @@ impl Search<'_> {
         if seen.len() == 1 && !next.iter().any(near) && self.wandering(nominal).is_none() {
             next.extend(self.beside_slip(nominal));
         }
-        next.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut next);
         let mut kept: Vec<Node> = Vec::new();
         for node in next {
             if !kept.iter().any(|known| same(known, &node)) {
@@ -200,7 +205,7 @@ impl Search<'_> {
             let local = local::candidates(self.bench, node, self.excluded);
             followed.extend(self.followed(node, &local, 0.5 * PAY[0]));
         }
-        followed.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut followed);
         let freed = self.freed(node, &followed);
         let wander = LazyCell::new(|| self.wandering(node));
         let stones: Vec<Node> = followed.iter().take(STONES).cloned().collect();
@@ -253,7 +258,7 @@ impl Search<'_> {
                 .fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
         });
         let mut slips: Vec<Node> = slips.collect();
-        slips.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut slips);
         slips.truncate(SIDE_BY_SIDE);
         let mut pairs: Vec<(usize, Promise)> = Vec::new();
         for (i, slip) in slips.iter().enumerate() {
@@ -272,13 +277,13 @@ impl Search<'_> {
             .par_iter()
             .filter_map(|(i, p)| self.bench.follow(&slips[*i], p, GLANCE));
         let mut glances: Vec<Node> = glances.collect();
-        glances.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut glances);
         glances.truncate(SIDE_BY_SIDE);
         let full = glances
             .par_iter()
             .filter_map(|glance| self.bench.fit(&glance.hypotheses, &glance.fit.starts, FULL));
         let mut full: Vec<Node> = full.collect();
-        full.sort_by(|a, b| score(a).total_cmp(&score(b)));
+        best_first(&mut full);
         if let Some(first) = full.first_mut() {
             *first = self.bench.settle_static(first.clone());
         }
