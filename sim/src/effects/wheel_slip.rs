@@ -27,20 +27,8 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
             Channel::WheelLeft,
         ],
         parameters: &[
-            ParameterInfo::number(
-                "friction_static",
-                "1",
-                1e-3,
-                10.0,
-                &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45],
-            ),
-            ParameterInfo::number(
-                "friction_kinetic",
-                "1",
-                1e-3,
-                10.0,
-                &[0.16, 0.19, 0.22, 0.24, 0.26, 0.3, 0.36, 0.45],
-            ),
+            ParameterInfo::number("friction_static", "1", 1e-3, 10.0, &[0.2]),
+            ParameterInfo::number("friction_kinetic", "1", 1e-3, 10.0, &[0.2]),
         ],
         repeats: false,
         kinematic: false,

@@ -307,9 +307,8 @@ fn starts(
     }
     let alone = |values: &[f64]| values.iter().map(|v| vec![(numbers[0].name, *v)]).collect();
     match info.id {
-        "wheel_slip" => probes(numbers[0])
-            .iter()
-            .map(|&friction| numbers.iter().map(|p| (p.name, friction)).collect())
+        "wheel_slip" => frictions()
+            .map(|friction| numbers.iter().map(|p| (p.name, friction)).collect())
             .collect(),
         "floor_slope" => probes(numbers[1])
             .iter()
@@ -337,6 +336,12 @@ fn starts(
         "command_saturation" => alone(&sizes(track, model, &SATURATIONS)),
         _ => alone(probes(numbers[0])),
     }
+}
+
+/// Frictions from which a fit begins, large to small: rubber on a clean floor to wet ice. One that is a
+/// tenth off may already fit worse than none.
+fn frictions() -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(1.0), |friction| Some(friction / 1.1)).take_while(|f| *f > 0.02)
 }
 
 /// Shares of the sizes that are commanded that lie within a dead band to begin with: what a small one

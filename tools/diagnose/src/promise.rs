@@ -9,7 +9,7 @@ use crate::misfit::Misfit;
 use crate::window::LOCALS;
 
 /// How far a candidate may move what is measured, over what is unexplained, where that makes it
-/// worse; by how much (−2 ln L) that is; and how often it is made smaller.
+/// worse; by how much (−2 ln L) that is, or better; and how often it is made smaller.
 const BESIDE: f64 = 3.0;
 const ARRIVED: f64 = 1.0;
 const SHRUNK: usize = 3;
@@ -65,13 +65,14 @@ impl Bench {
                 problem.residuals(values, &node.fit.starts)
             })
         };
-        let worse = |residuals: &[Vec<f64>]| {
-            self.eased(node, residuals).deviance() > node.fit.misfit.deviance() + ARRIVED
+        let change = |residuals: &[Vec<f64>]| {
+            self.eased(node, residuals).deviance() - node.fit.misfit.deviance()
         };
+        let worse = |residuals: &[Vec<f64>]| change(residuals) > ARRIVED;
         let mut sized = candidate.clone();
         let mut base = residuals(&sized)?;
         if candidate.is_abrupt() {
-            return (!worse(&base)).then_some((sized, base));
+            return (change(&base) < -ARRIVED).then_some((sized, base));
         }
         // a product of two numbers shows nothing of one where the other is too small
         let kept = candidate.is_threshold() || is_limit(candidate.info) || candidate.is_local();

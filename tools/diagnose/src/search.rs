@@ -1,6 +1,7 @@
 //! The search for what is left out: the effects that together bring the residuals to noise.
 
 use std::cell::LazyCell;
+use std::slice;
 
 use rayon::prelude::*;
 
@@ -20,6 +21,8 @@ const HALFWAY: f64 = 0.6;
 const RIGHT_WAY: f64 = 0.15;
 /// Effects that do not pay alone beside which a second one is looked for, where nothing pays.
 const STONES: usize = 2;
+/// Frictions at which slip is tried together with another effect.
+const SLIPS: usize = 8;
 /// Models that are kept side by side while none reaches the noise.
 pub(crate) const SIDE_BY_SIDE: usize = 3;
 /// Gain (−2 ln L) from which on a fit that goes on from elsewhere had not come to its end.
@@ -242,6 +245,20 @@ impl Search<'_> {
         (score(&freed) < score(node) - UNFINISHED).then_some(freed)
     }
 
+    /// Slip at some frictions, from the largest on at which something slides.
+    fn frictions(&self, nominal: &Node) -> Vec<Hypothesis> {
+        let slips = self
+            .all
+            .par_iter()
+            .filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
+        let begun =
+            slips.filter_map(|h| Some((h, self.bench.started(nominal, slice::from_ref(h))?)));
+        let begun: Vec<(&Hypothesis, f64)> = begun.collect();
+        let rolls = |(_, begun): &&(&Hypothesis, f64)| (begun - deviance(nominal)).abs() < 1.0;
+        let sliding = begun.iter().skip_while(rolls).step_by(2).take(SLIPS);
+        sliding.map(|(h, _)| (*h).clone()).collect()
+    }
+
     /// Slip together with one other effect: alone it may fit worse than nothing, because each slide
     /// begins where the other effect lets it.
     fn beside_slip(&self, nominal: &Node) -> Vec<Node> {
@@ -249,15 +266,12 @@ impl Search<'_> {
             return Vec::new();
         }
         (self.progress)("effects beside slip");
-        let slips = self
-            .all
-            .par_iter()
-            .filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
-        let slips = slips.filter_map(|h| {
+        let slips = self.frictions(nominal);
+        let glance = |h: &Hypothesis| {
             self.bench
-                .fit(std::slice::from_ref(h), &nominal.fit.starts, GLANCE)
-        });
-        let mut slips: Vec<Node> = slips.collect();
+                .fit(slice::from_ref(h), &nominal.fit.starts, GLANCE)
+        };
+        let mut slips: Vec<Node> = slips.par_iter().filter_map(glance).collect();
         best_first(&mut slips);
         slips.truncate(SIDE_BY_SIDE);
         let mut pairs: Vec<(usize, Promise)> = Vec::new();

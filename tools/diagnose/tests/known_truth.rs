@@ -339,3 +339,31 @@ fn a_push_is_found_beside_what_acts_always() {
         listing(&answer)
     );
 }
+
+/// A friction that is a few parts in a hundred off fits worse than wheels that never slide, where they
+/// slide now and then: on any floor one has to begin close by.
+#[test]
+fn slip_is_found_on_any_floor() {
+    let nominal = RobotModel::default();
+    let soft = |t_s: f64| made::gentle(t_s).map(|torque_nm| 0.5 * torque_nm);
+    let strong = |t_s: f64| made::gentle(t_s).map(|torque_nm| 2.0 * torque_nm);
+    let floors: [(f64, fn(f64) -> [f64; 2]); 2] = [(0.068, soft), (0.28, strong)];
+    for (friction, torque) in floors {
+        let grip = [
+            ("friction_static", friction),
+            ("friction_kinetic", friction),
+        ];
+        let truth = nominal.clone().with("wheel_slip", &grip);
+        let answer = answered(&made::record(&truth, torque, 12.0, 11), &nominal);
+        let text = listing(&answer);
+        let [slip] = answer.findings.as_slice() else {
+            panic!("{friction}: {text}")
+        };
+        assert_eq!(slip.effect, "wheel_slip", "{friction}: {text}");
+        let kinetic = slip.parameters[1].estimate.unwrap();
+        assert!(
+            (kinetic - friction).abs() < 0.01 * friction,
+            "{friction}: {text}"
+        );
+    }
+}

@@ -83,7 +83,7 @@ pub(crate) fn effect(
     let one = |name: &str, from: f64, to: f64| vec![number(name, within(from, to))];
     let parameters = match id {
         "wheel_slip" => {
-            let slide = within(0.33, 0.16);
+            let slide = within(0.33, 0.05);
             let hold = rounded(slide * chance.between(1.0, 1.08));
             vec![
                 number("friction_static", hold),
