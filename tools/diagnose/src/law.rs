@@ -1,11 +1,12 @@
 //! A force outside of the catalogue as a law: what it is wherever a simulation leads, so that it
-//! predicts what it was not fitted to.
+//! predicts what it was not fitted to. Where wheels turn as they are told it is a motion, and they are
+//! told that as well.
 
 use slipstream_sim::{Command, Robot, State};
 
 use crate::around::moved;
 use crate::bench::{Bench, Node};
-use crate::drivers::Sampled;
+use crate::drivers::{Sampled, rolled};
 use crate::force::{Missing, shares};
 use crate::search::deviance;
 use crate::simulate::{asked, tracked};
@@ -20,6 +21,8 @@ const STILL: [f64; 2] = [2e-3, 2e-3];
 #[derive(Debug, Clone)]
 pub(crate) struct Law {
     missing: Missing,
+    /// Wheels turn as they are told.
+    of_motion: bool,
     /// Wheel radius and half track of the nominal model (m).
     radius_m: f64,
     half_track_m: f64,
@@ -30,6 +33,7 @@ impl Law {
         let body = &bench.model.robot;
         Self {
             missing,
+            of_motion: bench.lacks_motion(),
             radius_m: body.wheel_radius_m,
             half_track_m: body.half_track_m,
         }
@@ -41,8 +45,26 @@ impl Law {
         moved.is_some_and(|moved| deviance(&moved) < deviance(node))
     }
 
-    /// Force along the body (N) and moment about the vertical (N m) at one moment.
-    pub(crate) fn load(&self, sampled: &Sampled) -> [f64; 2] {
+    /// What a command becomes at one moment, and the force along the body (N) and moment about the
+    /// vertical (N m) beside it.
+    pub(crate) fn acts(&self, command: &Command, sampled: &Sampled) -> (Command, Option<[f64; 2]>) {
+        let amount = self.amount(sampled);
+        if !self.of_motion {
+            return (*command, Some(amount));
+        }
+        let [r, b] = [self.radius_m, self.half_track_m];
+        let [right, left] = sampled.asked;
+        let [v, turn] = amount;
+        let told = Command::Speed {
+            right_rad_s: right + (v + b * turn) / r,
+            left_rad_s: left + (v - b * turn) / r,
+        };
+        (told, None)
+    }
+
+    /// Force along the body (N) and moment about the vertical (N m) at one moment, or speed (m/s) and
+    /// turn rate (rad/s).
+    fn amount(&self, sampled: &Sampled) -> [f64; 2] {
         let Missing {
             part,
             driver,
@@ -56,7 +78,7 @@ impl Law {
         }
         let force = driver.force(weights, sampled, *part);
         let lengths = [self.radius_m, self.half_track_m];
-        shares(lengths, false, *part, *against, sampled).map(|share| share * force)
+        shares(lengths, self.of_motion, *part, *against, sampled).map(|share| share * force)
     }
 
     /// What a simulation knows of a moment that a measurement would; how long the robot has stood is
@@ -72,7 +94,9 @@ impl Law {
         let [r, b] = [self.radius_m, self.half_track_m];
         let angle = robot.seen_angle(state);
         let [u, _, rate] = state.velocity();
+        let asked = asked(command, r, b);
         let [v, w] = match track.of(Sensor::WheelAngle) {
+            _ if self.of_motion => rolled([r, b], asked),
             Some(_) => robot.odometry(robot.seen_speed(state)),
             None => [u, rate],
         };
@@ -82,7 +106,7 @@ impl Law {
             w,
             angle: [angle[0] + offset[0], angle[1] + offset[1]],
             pose: tracked(track, robot, state.pose()),
-            asked: asked(command, r, b),
+            asked,
             rested_s: f64::NAN,
         }
     }
@@ -152,10 +176,10 @@ mod tests {
         missing.against = true;
         let force = missing.weights[2];
         let law = Law::new(&bench, missing);
-        assert_eq!(law.load(&sampled)[0], -force);
+        assert_eq!(law.amount(&sampled)[0], -force);
         sampled.v = -0.1;
-        assert_eq!(law.load(&sampled)[0], force);
+        assert_eq!(law.amount(&sampled)[0], force);
         sampled.v = 1e-3;
-        assert_eq!(law.load(&sampled), [0.0; 2]);
+        assert_eq!(law.amount(&sampled), [0.0; 2]);
     }
 }

@@ -203,8 +203,13 @@ fn examine(
             each(bench, &found);
             courses.extend(links::Course::new(bench, &found.node));
             hypotheses.extend(found.node.hypotheses);
-            if let Block::Whole = block {
-                (judged, unknown) = (again, found.unknown);
+            match block {
+                Block::Whole => (judged, unknown) = (again, found.unknown),
+                // a law of how wheels turn acts on the whole robot as well
+                Block::ToWheels if found.unknown.is_some() => {
+                    (judged, unknown) = (Some(whole.cut_as(bench)), found.unknown);
+                }
+                Block::ToWheels | Block::FromWheels => {}
             }
         }
         let judged = judged.as_ref().unwrap_or(&whole);

@@ -242,7 +242,8 @@ impl Search<'_> {
         let freed = self
             .bench
             .fit(&best.hypotheses[..own], &best.fit.starts, FULL)?;
-        (score(&freed) < score(node) - UNFINISHED).then_some(freed)
+        let better = score(&freed) < score(node) - UNFINISHED;
+        (better && !self.bench.spoils(node, &freed)).then_some(freed)
     }
 
     /// Slip at some frictions, from the largest on at which something slides.

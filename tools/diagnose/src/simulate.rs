@@ -156,8 +156,8 @@ impl Simulation<'_> {
         state
     }
 
-    /// What acts at `now_s` beside the effects, and until when (s). `law` is what the law makes of
-    /// the moment.
+    /// What acts at `now_s` beside the effects, and until when (s). `law` is the force that a law makes
+    /// of the moment.
     fn load(
         &self,
         now_s: f64,
@@ -180,7 +180,6 @@ impl Simulation<'_> {
             let own = load.get_or_insert([0.0; 5]);
             own[0] += along;
             own[2] += about;
-            until_s = until_s.min(now_s + HELD_S);
         }
         (load, until_s)
     }
@@ -208,21 +207,24 @@ impl Simulation<'_> {
             {
                 at += 1;
             }
-            let command = &told[at].1;
+            let mut command = told[at].1;
             let change_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
-            let law = self.law.map(|law| {
+            let (mut law, mut held_s) = (None, f64::INFINITY);
+            if let Some(own) = self.law {
                 let seen = (self.track, self.robot);
-                law.load(&law.sampled(seen, &state, offset, now_s, command))
-            });
+                let sampled = own.sampled(seen, &state, offset, now_s, &command);
+                (command, law) = own.acts(&command, &sampled);
+                held_s = now_s + HELD_S;
+            }
             let (load, load_s) = self.load(now_s, pulse, law);
             state.set_load(load);
-            let until_s = load_s.min(change_s);
+            let until_s = load_s.min(held_s).min(change_s);
             let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
             let step_s = (until_s - now_s) / steps;
             let from_s = now_s;
             for k in 0..steps as u32 {
                 let t_s = from_s + f64::from(k) * step_s;
-                self.robot.step(&mut state, t_s, step_s, command);
+                self.robot.step(&mut state, t_s, step_s, &command);
                 let after = Knot::new(self.robot, &state);
                 if seen.due_s <= t_s + step_s {
                     seen.between([t_s, step_s], &before, &after, &state);

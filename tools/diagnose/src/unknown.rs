@@ -97,10 +97,9 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
 }
 
 /// Whether a missing force holds as a law beside `node`: one that follows no more than the time predicts
-/// nothing, and where wheels turn as they are told no force acts.
+/// nothing.
 fn holds(bench: &Bench, node: &Node, missing: &Missing) -> bool {
-    let lasts = missing.driver.name != "t" && !bench.lacks_motion();
-    lasts && Law::new(bench, missing.clone()).holds(bench, node)
+    missing.driver.name != "t" && Law::new(bench, missing.clone()).holds(bench, node)
 }
 
 /// A missing force beside forces without pattern.
