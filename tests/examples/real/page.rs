@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use slipstream_diagnose::{ParameterEstimate, Prediction, in_digits};
+use slipstream_diagnose::{Answer, ParameterEstimate, Prediction, in_digits};
 use toml::Value;
 
 use crate::agreement::{Agreement, Estimate, agree};
@@ -69,6 +69,7 @@ impl Page {
         text += &format!("Licence: {licence}.\n\n");
         text += &steps(study);
         text += &findings(study);
+        text += &held_out(&study.found.answer);
         for left in &study.found.answer.unexplained {
             let _ = writeln!(
                 text,
@@ -110,13 +111,6 @@ fn overview(studies: &[Study<'_>]) -> String {
 
 /// Position and heading before and after, and by which factor each is better.
 fn both(before: &Prediction, after: &Prediction) -> String {
-    let factor = |before: Option<f64>, after: Option<f64>| match (before, after) {
-        (Some(before), Some(after)) if after > before => {
-            format!("**worse, × {:.1}**", after / before)
-        }
-        (Some(before), Some(after)) => format!("÷ {:.1}", before / after),
-        _ => String::new(),
-    };
     format!(
         "{} | {} | {} | {} | {} | {}",
         metres(before),
@@ -126,6 +120,16 @@ fn both(before: &Prediction, after: &Prediction) -> String {
         degrees(after),
         factor(before.heading_rad, after.heading_rad)
     )
+}
+
+fn factor(before: Option<f64>, after: Option<f64>) -> String {
+    match (before, after) {
+        (Some(before), Some(after)) if after > before => {
+            format!("**worse, × {:.1}**", after / before)
+        }
+        (Some(before), Some(after)) => format!("÷ {:.1}", before / after),
+        _ => String::new(),
+    }
 }
 
 fn metres(prediction: &Prediction) -> String {
@@ -173,6 +177,35 @@ fn findings(study: &Study<'_>) -> String {
             finding.effect,
             values.join("<br>"),
             finding.confused_with.join(", ")
+        );
+    }
+    text
+}
+
+/// By what predictions are better where something that no `robot.toml` can say is a law beside the rest.
+fn held_out(answer: &Answer) -> String {
+    let strange = answer.findings.iter().filter(|f| f.effect == "unknown");
+    let mut robots: Vec<&str> = strange.map(|f| f.robot.as_str()).collect();
+    robots.dedup();
+    let mut text = String::new();
+    for robot in robots {
+        let ratio = |names: &[&str]| {
+            let own = answer.held_out.channels.iter();
+            let own = own.filter(|c| c.robot == robot && names.contains(&c.channel.as_str()));
+            let [before, after] = own.fold([0.0; 2], |[before, after], c| {
+                [
+                    before + c.nrmse_before.powi(2),
+                    after + c.nrmse_after.powi(2),
+                ]
+            });
+            factor(Some(before.sqrt()), Some(after.sqrt()))
+        };
+        let _ = writeln!(
+            text,
+            "\n{robot}, with `unknown` as a law, all of it fitted to every other window and judged by the \
+             rest: position {}, heading {}.",
+            ratio(&["pose_x", "pose_y"]),
+            ratio(&["pose_yaw"])
         );
     }
     text
