@@ -319,13 +319,13 @@ fn starts(
                 ]
             })
             .collect(),
-        "payload" => vec![
-            numbers
-                .iter()
-                .enumerate()
-                .map(|(i, p)| (p.name, if i == 0 { probes(p)[1] } else { 0.0 }))
-                .collect(),
-        ],
+        "payload" => {
+            // how a load shows where it lies is a product of both: neither may be small
+            let mass_kg = LOAD * model.robot.body_mass_kg.unwrap_or(1.0);
+            let start =
+                |(i, p): (usize, &&&ParameterInfo)| (p.name, if i == 0 { mass_kg } else { 0.0 });
+            vec![numbers.iter().enumerate().map(start).collect()]
+        }
         "pose_offset" => vec![numbers.iter().map(|p| (p.name, 0.0)).collect()],
         "command_dead_band" => {
             let mut probes = sizes(track, model, &DEAD_BANDS);
@@ -337,6 +337,9 @@ fn starts(
         _ => alone(probes(numbers[0])),
     }
 }
+
+/// Share of the body's mass at which a load begins.
+const LOAD: f64 = 0.1;
 
 /// Frictions from which a fit begins, large to small: rubber on a clean floor to wet ice. One that is a
 /// tenth off may already fit worse than none.

@@ -7,7 +7,7 @@
 
 mod made;
 
-use slipstream_bus::RobotModel;
+use slipstream_bus::{Body, RobotModel};
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream};
@@ -373,5 +373,52 @@ fn slip_is_found_on_any_floor() {
             (kinetic - friction).abs() < 0.01 * friction,
             "{friction}: {text}"
         );
+    }
+}
+
+/// A robot of 68 kg on wheels of a third of a metre.
+fn large() -> RobotModel {
+    let mut model = RobotModel::default();
+    model.motor = None;
+    model.robot = Body {
+        body_mass_kg: Some(60.0),
+        body_yaw_inertia_kg_m2: Some(4.0),
+        wheel_mass_kg: Some(4.0),
+        wheel_spin_inertia_kg_m2: Some(0.08),
+        wheel_yaw_inertia_kg_m2: Some(0.04),
+        wheel_radius_m: 0.165,
+        half_track_m: 0.285,
+        com_to_axle_m: Some(0.15),
+        com_to_caster_m: Some(0.35),
+        com_height_m: Some(0.2),
+    };
+    model
+}
+
+/// The sizes from which effects begin are those of a robot of 1.6 kg.
+#[test]
+fn effects_are_found_on_a_robot_of_any_size() {
+    let nominal = large();
+    let effects: [(&str, &[(&str, f64)]); 3] = [
+        ("axle_friction", &[("torque_nm", 1.0)]),
+        ("payload", &[("mass_kg", 8.0), ("x_m", 0.1), ("y_m", 0.1)]),
+        (
+            "push",
+            &[("t_s", 6.0), ("impulse_n_s", 15.0), ("direction_rad", 1.0)],
+        ),
+    ];
+    for (id, parameters) in effects {
+        let truth = nominal.clone().with(id, parameters);
+        let torque = |t_s: f64| made::gentle(t_s).map(|torque_nm| 100.0 * torque_nm);
+        let answer = answered(&made::record(&truth, torque, 12.0, 11), &nominal);
+        let text = listing(&answer);
+        let [found] = answer.findings.as_slice() else {
+            panic!("{id}: {text}")
+        };
+        assert_eq!(found.effect, id, "{text}");
+        for ((name, value), found) in parameters.iter().zip(&found.parameters) {
+            let estimate = found.estimate.unwrap();
+            assert!((estimate - value).abs() < 0.01 * value, "{name}: {text}");
+        }
     }
 }
