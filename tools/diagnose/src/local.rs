@@ -16,16 +16,17 @@ use crate::window::PULSE_S;
 
 /// Moments that are tried for a push.
 const MOMENTS: usize = 3;
-/// Places that are tried for a patch, and how far they lie apart (m).
+/// Places that are tried for a patch, and how far they lie apart (half tracks).
 const PLACES: usize = 16;
-const APART_M: f64 = 0.05;
+const APART: f64 = 0.5;
 /// Patches that are fitted a few rounds if they promise something, and in any case, and how many of
 /// them at one place.
 const PATCHES: usize = 16;
 const AT_LEAST: usize = 4;
 const A_PLACE: usize = 2;
 const FITTED: usize = 8;
-const RADII_M: [f64; 3] = [0.08, 0.16, 0.32];
+/// Radii (half tracks) and frictions from which patches begin.
+const RADII: [f64; 3] = [0.75, 1.5, 3.0];
 const FRICTIONS: [f64; 3] = [0.06, 0.12, 0.18];
 /// Force that is believable where nothing shows it, as a share of the weight.
 const BELIEVED: f64 = 0.05;
@@ -119,7 +120,7 @@ fn patches(
 ) -> Vec<Hypothesis> {
     let mut tried: Vec<Hypothesis> = Vec::new();
     for [x, y] in places(bench, node, answers) {
-        for radius in RADII_M {
+        for radius in RADII.map(|radius| radius * bench.model.robot.half_track_m) {
             for friction in FRICTIONS {
                 let values = vec![
                     ("x_m", x),
@@ -187,7 +188,7 @@ fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
         for side in [-b, b] {
             let (sin, cos) = yaw.sin_cos();
             let place = [x - d * cos + side * sin, y - d * sin - side * cos];
-            let near = |p: &[f64; 2]| (p[0] - place[0]).hypot(p[1] - place[1]) < APART_M;
+            let near = |p: &[f64; 2]| (p[0] - place[0]).hypot(p[1] - place[1]) < APART * b;
             if place[0].is_finite() && places.len() < PLACES && !places.iter().any(near) {
                 places.push(place);
             }

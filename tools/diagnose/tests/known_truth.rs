@@ -399,12 +399,21 @@ fn large() -> RobotModel {
 #[test]
 fn effects_are_found_on_a_robot_of_any_size() {
     let nominal = large();
-    let effects: [(&str, &[(&str, f64)]); 3] = [
+    let effects: [(&str, &[(&str, f64)]); 4] = [
         ("axle_friction", &[("torque_nm", 1.0)]),
         ("payload", &[("mass_kg", 8.0), ("x_m", 0.1), ("y_m", 0.1)]),
         (
             "push",
             &[("t_s", 6.0), ("impulse_n_s", 15.0), ("direction_rad", 1.0)],
+        ),
+        (
+            "friction_patch",
+            &[
+                ("x_m", 5.12),
+                ("y_m", 0.31),
+                ("radius_m", 0.5),
+                ("friction", 0.05),
+            ],
         ),
     ];
     for (id, parameters) in effects {
