@@ -378,9 +378,7 @@ fn slip_is_found_on_any_floor() {
 
 /// A robot of 68 kg on wheels of a third of a metre.
 fn large() -> RobotModel {
-    let mut model = RobotModel::default();
-    model.motor = None;
-    model.robot = Body {
+    let robot = Body {
         body_mass_kg: Some(60.0),
         body_yaw_inertia_kg_m2: Some(4.0),
         wheel_mass_kg: Some(4.0),
@@ -392,7 +390,11 @@ fn large() -> RobotModel {
         com_to_caster_m: Some(0.35),
         com_height_m: Some(0.2),
     };
-    model
+    RobotModel {
+        robot,
+        motor: None,
+        ..RobotModel::default()
+    }
 }
 
 /// The sizes from which effects begin are those of a robot of 1.6 kg.
