@@ -198,15 +198,17 @@ fn held_out(answer: &Answer) -> String {
                     after + c.nrmse_after.powi(2),
                 ]
             });
-            factor(Some(before.sqrt()), Some(after.sqrt()))
+            // what was not measured has no error
+            (before > 0.0).then(|| factor(Some(before.sqrt()), Some(after.sqrt())))
         };
-        let _ = writeln!(
-            text,
-            "\n{robot}, with `unknown` as a law, all of it fitted to every other window and judged by the \
-             rest: position {}, heading {}.",
-            ratio(&["pose_x", "pose_y"]),
-            ratio(&["pose_yaw"])
-        );
+        let ratios = ratio(&["pose_x", "pose_y"]).zip(ratio(&["pose_yaw"]));
+        if let Some((position, heading)) = ratios {
+            let _ = writeln!(
+                text,
+                "\n{robot}, with `unknown` as a law, all of it fitted to every other window and judged by \
+                 the rest: position {position}, heading {heading}."
+            );
+        }
     }
     text
 }

@@ -40,16 +40,18 @@ impl Sampled {
         let [first, _] = range(&track.commands, t_s + 1e-9, t_s + 1e-9);
         let command = &track.commands[first.saturating_sub(1)].1;
         let asked = asked(command, r, b);
-        let [v, w] = match wheels {
+        let rolls =
+            |[right, left]: [f64; 2]| (r * (right + left) / 2.0, r * (right - left) / (2.0 * b));
+        let (v, w) = match wheels {
             // wheels that turn as they are told
-            _ if bench.lacks_motion() => rolled([r, b], asked),
+            _ if bench.lacks_motion() => rolls(asked),
             Some(wheels) => {
                 let [right, left, _] = rate(wheels, t_s, ABOUT_S);
-                rolled([r, b], [right, left])
+                rolls([right, left])
             }
-            None => poses.map_or([0.0; 2], |poses| {
+            None => poses.map_or((0.0, 0.0), |poses| {
                 let [dx, dy, turn] = rate(poses, t_s, 2.0 * ABOUT_S);
-                [dx * pose[2].cos() + dy * pose[2].sin(), turn]
+                (dx * pose[2].cos() + dy * pose[2].sin(), turn)
             }),
         };
         Self {
@@ -62,11 +64,6 @@ impl Sampled {
             rested_s: wheels.map_or(f64::NAN, |wheels| rested_s(wheels, t_s)),
         }
     }
-}
-
-/// Speed (m/s) and turn rate (rad/s) of wheels that roll at these speeds (rad/s).
-pub(crate) fn rolled([r, b]: [f64; 2], [right, left]: [f64; 2]) -> [f64; 2] {
-    [r * (right + left) / 2.0, r * (right - left) / (2.0 * b)]
 }
 
 /// Values of a series between its rows.

@@ -6,7 +6,7 @@ use slipstream_sim::{Command, Robot, State};
 
 use crate::around::moved;
 use crate::bench::{Bench, Node};
-use crate::drivers::{Sampled, rolled};
+use crate::drivers::Sampled;
 use crate::force::{Missing, shares};
 use crate::search::deviance;
 use crate::simulate::{asked, tracked};
@@ -52,12 +52,12 @@ impl Law {
         if !self.of_motion {
             return (*command, Some(amount));
         }
-        let [r, b] = [self.radius_m, self.half_track_m];
-        let [right, left] = sampled.asked;
-        let [v, turn] = amount;
+        let [v_m_s, w_rad_s] = amount;
+        let twist = Command::Twist { v_m_s, w_rad_s };
+        let more = asked(&twist, self.radius_m, self.half_track_m);
         let told = Command::Speed {
-            right_rad_s: right + (v + b * turn) / r,
-            left_rad_s: left + (v - b * turn) / r,
+            right_rad_s: sampled.asked[0] + more[0],
+            left_rad_s: sampled.asked[1] + more[1],
         };
         (told, None)
     }
@@ -96,7 +96,7 @@ impl Law {
         let [u, _, rate] = state.velocity();
         let asked = asked(command, r, b);
         let [v, w] = match track.of(Sensor::WheelAngle) {
-            _ if self.of_motion => rolled([r, b], asked),
+            _ if self.of_motion => robot.odometry(asked),
             Some(_) => robot.odometry(robot.seen_speed(state)),
             None => [u, rate],
         };

@@ -2,9 +2,11 @@
 //! may drive and turn otherwise than its wheels say. Motion that is added for a moment shifts and
 //! turns all that comes after, as a rigid body, around where the robot was then.
 
+use slipstream_sim::Command;
+
 use crate::bench::{Bench, Node};
 use crate::force::Answers;
-use crate::simulate::Simulation;
+use crate::simulate::{Simulation, asked};
 use crate::track::Sensor;
 use crate::window::PULSE_S;
 
@@ -30,13 +32,14 @@ pub(crate) fn answers(
     let residuals = &node.fit.linear[w].residuals;
     let body = &bench.model.robot;
     let [r, b] = [body.wheel_radius_m, body.half_track_m];
-    let of = |[v, turn]: [f64; 2]| {
+    let of = |[v_m_s, w_rad_s]: [f64; 2]| {
+        let wheels = asked(&Command::Twist { v_m_s, w_rad_s }, r, b);
         let answers = marks.iter().map(|mark| {
             let pulse = Pulse {
                 from_s: mark.t_s,
                 pose: mark.pose(),
-                motion: [v, turn],
-                wheels: [(v + b * turn) / r, (v - b * turn) / r],
+                motion: [v_m_s, w_rad_s],
+                wheels,
             };
             pulse.answer(simulation, residuals)
         });

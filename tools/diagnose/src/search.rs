@@ -247,11 +247,8 @@ impl Search<'_> {
     }
 
     /// Slip at some frictions, from the largest on at which something slides.
-    fn frictions(&self, nominal: &Node) -> Vec<Hypothesis> {
-        let slips = self
-            .all
-            .par_iter()
-            .filter(|h| h.info.id == "wheel_slip" && h.replaces.is_none());
+    fn sliding(&self, nominal: &Node) -> Vec<Hypothesis> {
+        let slips = self.all.par_iter().filter(|h| h.is_abrupt());
         let begun =
             slips.filter_map(|h| Some((h, self.bench.started(nominal, slice::from_ref(h))?)));
         let begun: Vec<(&Hypothesis, f64)> = begun.collect();
@@ -267,7 +264,7 @@ impl Search<'_> {
             return Vec::new();
         }
         (self.progress)("effects beside slip");
-        let slips = self.frictions(nominal);
+        let slips = self.sliding(nominal);
         let glance = |h: &Hypothesis| {
             self.bench
                 .fit(slice::from_ref(h), &nominal.fit.starts, GLANCE)
