@@ -1,6 +1,6 @@
 //! The actuator follows its command gradually.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
         )],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "whenever the command changes",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::Steps,
     };
 
     fn new(values: &Values<S>) -> Self {

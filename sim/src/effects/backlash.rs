@@ -1,6 +1,6 @@
 //! Play in the gears.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -34,6 +34,10 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Apart,
+        condition: "whenever the drive torque changes sign",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::Steps,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! The caster rubs.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -33,6 +33,10 @@ impl<S: Scalar> Effect<S> for CasterDrag<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "whenever it moves",
+        follows: &[(Channel::Longitudinal, Variable::Speed)],
+        experiment: Experiment::SpinInPlace,
     };
 
     fn new(values: &Values<S>) -> Self {

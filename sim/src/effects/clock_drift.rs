@@ -1,6 +1,6 @@
 //! One stream's clock runs fast or slow.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl<S: Scalar> Effect<S> for ClockDrift<S> {
         ],
         repeats: true,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[],
+        experiment: Experiment::SharpStarts,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! Large commands are cut.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::{Limits, Parts};
 use crate::scalar::Scalar;
 
@@ -30,6 +30,10 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
         ],
         repeats: false,
         kinematic: true,
+        acts: When::Above,
+        condition: "whenever much is commanded",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::Steps,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! The encoders count too much or too little.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -25,6 +25,10 @@ impl<S: Scalar> Effect<S> for EncoderScale<S> {
         ],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[],
+        experiment: Experiment::HandTurned,
     };
 
     fn new(values: &Values<S>) -> Self {

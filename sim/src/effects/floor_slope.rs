@@ -1,6 +1,6 @@
 //! The floor tilts.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -25,6 +25,10 @@ impl<S: Scalar> Effect<S> for FloorSlope<S> {
         ],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "always",
+        follows: &[(Channel::Longitudinal, Variable::Heading)],
+        experiment: Experiment::Ramp,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! A slippery, or sticky, spot.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Grip;
 use crate::scalar::{Pair, Scalar, length};
 
@@ -36,6 +36,10 @@ impl<S: Scalar> Effect<S> for FrictionPatch<S> {
         ],
         repeats: true,
         kinematic: false,
+        acts: When::Inside,
+        condition: "while a wheel is on it",
+        follows: &[],
+        experiment: Experiment::UntilItSlips,
     };
 
     fn new(values: &Values<S>) -> Self {

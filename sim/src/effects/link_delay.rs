@@ -1,6 +1,6 @@
 //! Messages tell the past.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for LinkDelay<S> {
         )],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[],
+        experiment: Experiment::Follow,
     };
 
     fn new(values: &Values<S>) -> Self {

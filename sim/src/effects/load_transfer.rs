@@ -1,6 +1,6 @@
 //! Accelerating presses the driven wheels down.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl<S: Scalar> Effect<S> for LoadTransfer<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "always",
+        follows: &[(Channel::Longitudinal, Variable::Command)],
+        experiment: Experiment::AddedMass,
     };
 
     fn new(values: &Values<S>) -> Self {

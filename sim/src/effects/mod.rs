@@ -6,6 +6,10 @@
 use crate::parts::{Grip, Parts};
 use crate::scalar::{Pair, Scalar};
 
+mod shows;
+
+pub use shows::{Experiment, Variable, When};
+
 /// Where in the flow from command to recording an effect acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
@@ -151,6 +155,14 @@ pub struct Info {
     pub repeats: bool,
     /// A model without masses can express it.
     pub kinematic: bool,
+    /// When it acts.
+    pub acts: When,
+    /// The same for a person, without its numbers.
+    pub condition: &'static str,
+    /// Where its force or moment tells most of it, and over what.
+    pub follows: &'static [(Channel, Variable)],
+    /// What shows it best.
+    pub experiment: Experiment,
 }
 
 /// The values of one effect's parameters, judged against [`Info::parameters`].

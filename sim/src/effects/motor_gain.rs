@@ -1,6 +1,6 @@
 //! The motors are not as strong as told.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -30,6 +30,10 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
         ],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::AddedMass,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! Something lies on the robot.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for Payload<S> {
         ],
         repeats: true,
         kinematic: false,
+        acts: When::Always,
+        condition: "always",
+        follows: &[(Channel::Longitudinal, Variable::Command), (Channel::Yaw, Variable::Command)],
+        experiment: Experiment::AddedMass,
     };
 
     fn new(values: &Values<S>) -> Self {

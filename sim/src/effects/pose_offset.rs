@@ -1,6 +1,6 @@
 //! The camera tracks another point.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for PoseOffset<S> {
         ],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[],
+        experiment: Experiment::SpinInPlace,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! Somebody pushes.
 
-use super::{Channel, Effect, Info, Motion, ParameterInfo, Place, Values, Wrench};
+use super::{Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, When, Wrench};
 use crate::scalar::{Scalar, larger};
 
 /// How long a push lasts (s).
@@ -29,6 +29,10 @@ impl<S: Scalar> Effect<S> for Push<S> {
         ],
         repeats: true,
         kinematic: false,
+        acts: When::Once,
+        condition: "once",
+        follows: &[],
+        experiment: Experiment::NobodyNear,
     };
 
     fn new(values: &Values<S>) -> Self {

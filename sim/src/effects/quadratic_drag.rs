@@ -1,6 +1,6 @@
 //! A force in proportion to the square of speed.
 
-use super::{Channel, Effect, Info, Motion, ParameterInfo, Place, Values, Wrench};
+use super::{Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, Variable, When, Wrench};
 use crate::scalar::{Scalar, length};
 
 /// See [`Effect::INFO`].
@@ -30,6 +30,10 @@ impl<S: Scalar> Effect<S> for QuadraticDrag<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "whenever it moves",
+        follows: &[(Channel::Longitudinal, Variable::Speed)],
+        experiment: Experiment::CoastDown,
     };
 
     fn new(values: &Values<S>) -> Self {

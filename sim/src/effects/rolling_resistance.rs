@@ -1,6 +1,6 @@
 //! A force of constant size against the motion.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -31,6 +31,10 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "whenever it moves",
+        follows: &[(Channel::Longitudinal, Variable::Speed)],
+        experiment: Experiment::CoastDown,
     };
 
     fn new(values: &Values<S>) -> Self {

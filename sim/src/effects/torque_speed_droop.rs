@@ -1,6 +1,6 @@
 //! The motor weakens with speed.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "the more, the faster the wheels turn",
+        follows: &[(Channel::WheelRight, Variable::Speed), (Channel::WheelLeft, Variable::Speed)],
+        experiment: Experiment::LiftedWheels,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! The wheels roll as if further apart, or closer, than told.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for TrackWidth<S> {
         )],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "whenever it turns",
+        follows: &[(Channel::Yaw, Variable::TurnRate)],
+        experiment: Experiment::SpinInPlace,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! The wheels are larger or smaller than told.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -31,6 +31,10 @@ impl<S: Scalar> Effect<S> for WheelRadius<S> {
         ],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::HandTurned,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! Traction at the driven wheels ends at Coulomb friction.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::{Grip, Parts};
 use crate::scalar::Scalar;
 
@@ -32,6 +32,10 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
         ],
         repeats: false,
         kinematic: false,
+        acts: When::Sliding,
+        condition: "whenever traction exceeds friction",
+        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        experiment: Experiment::UntilItSlips,
     };
 
     fn new(values: &Values<S>) -> Self {

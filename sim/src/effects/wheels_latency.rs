@@ -1,6 +1,6 @@
 //! The encoders are stamped late.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for WheelsLatency<S> {
         )],
         repeats: false,
         kinematic: true,
+        acts: When::Always,
+        condition: "always",
+        follows: &[],
+        experiment: Experiment::SharpStarts,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -1,6 +1,6 @@
 //! A moment of constant size against turning.
 
-use super::{Channel, Effect, Info, ParameterInfo, Place, Values};
+use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
 use crate::parts::Parts;
 use crate::scalar::Scalar;
 
@@ -27,6 +27,10 @@ impl<S: Scalar> Effect<S> for YawScrub<S> {
         )],
         repeats: false,
         kinematic: false,
+        acts: When::Always,
+        condition: "whenever it turns",
+        follows: &[(Channel::Yaw, Variable::TurnRate)],
+        experiment: Experiment::SpinInPlace,
     };
 
     fn new(values: &Values<S>) -> Self {

@@ -46,12 +46,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 fn in_words(info: &Info) -> String {
     let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
     let mut words = format!(
-        "{}\n  {}\n  {}    [{}]\n  shows in {}\n",
+        "{}\n  {}\n  {}    [{}]\n  acts {}; shows in {}\n  seen best by {}\n",
         info.id,
         info.summary,
         info.equation,
         info.source,
-        channels.join(", ")
+        info.condition,
+        channels.join(", "),
+        info.experiment.words()
     );
     for parameter in info.parameters {
         // writing to a string cannot fail
@@ -94,5 +96,6 @@ fn as_json(info: &Info) -> Value {
         "id": info.id, "summary": info.summary, "equation": info.equation,
         "source": info.source, "channels": channels, "parameters": parameters,
         "repeats": info.repeats, "kinematic": info.kinematic,
+        "acts": info.condition, "experiment": info.experiment.words(),
     })
 }

@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 
 use crate::bench::{Bench, HELD_OUT, Node};
 use crate::force::{self, Answers};
+use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
 use crate::search::deviance;
 use crate::wander::{GROUP, Judge};
@@ -28,7 +29,7 @@ const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 pub(crate) fn around(bench: &Bench, node: &Node) -> Option<(Node, Judge)> {
     let mut judge = Judge::new(bench, node)?;
     let mut seen = node.clone();
-    let bends = node.hypotheses.iter().any(|h| h.info.id == "backlash");
+    let bends = node.hypotheses.iter().any(Hypothesis::has_play);
     if bench.lacks_motion() || bends {
         return Some((seen, judge));
     }

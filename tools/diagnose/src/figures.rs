@@ -3,6 +3,7 @@
 
 use rayon::prelude::*;
 use slipstream_sim::CommandKind;
+use slipstream_sim::effects::{Info, Variable, When};
 
 use crate::Request;
 use crate::bench::{Bench, Node};
@@ -127,10 +128,10 @@ impl Figures {
             .flatten()
             .unwrap_or_default();
         let left = if has_findings { &after } else { &before };
-        let mut effects: Vec<&str> = found.node.hypotheses.iter().map(|h| h.info.id).collect();
-        effects.sort_unstable();
+        let mut effects: Vec<&Info> = found.node.hypotheses.iter().map(|h| h.info).collect();
+        effects.sort_by_key(|info| info.id);
         effects.dedup();
-        let of_effect = |effect: &&str| of_effect(bench, effect, &before, &after);
+        let of_effect = |info: &&Info| of_effect(bench, info, &before, &after);
         let mut against: Vec<Against> = effects.iter().flat_map(of_effect).collect();
         if let Some(unknown) = &found.unknown {
             against.extend(of_unknown(bench, unknown, left));
@@ -266,57 +267,51 @@ fn quantity(bench: &Bench, part: Part) -> String {
     format!("missing {what} ({unit})")
 }
 
-/// The part and the variable that tell most of an effect. Nothing for sensors, which miss no force,
-/// nor for a push, which the force over time shows.
-fn telling(effect: &str) -> &'static [(Part, &'static str)] {
-    match effect {
-        "viscous_drag" | "quadratic_drag" | "rolling_resistance" | "caster_drag" => {
-            &[(Part::Longitudinal, "v")]
-        }
-        "axle_friction" | "torque_speed_droop" => {
-            &[(Part::WheelRight, "v"), (Part::WheelLeft, "v")]
-        }
-        "yaw_scrub" | "track_width" => &[(Part::Yaw, "w")],
-        "floor_slope" => &[(Part::Longitudinal, "heading")],
-        "payload" => &[(Part::Longitudinal, "torque"), (Part::Yaw, "torque")],
-        "load_transfer" => &[(Part::Longitudinal, "torque")],
-        "wheel_slip" | "motor_gain" | "supply_sag" | "command_dead_band" | "command_saturation"
-        | "actuator_lag" | "actuator_delay" | "backlash" | "wheel_radius" => {
-            &[(Part::WheelRight, "torque"), (Part::WheelLeft, "torque")]
-        }
-        _ => &[],
-    }
+/// The parts and the names of the variables that tell most of an effect.
+fn telling(info: &Info) -> impl Iterator<Item = (Part, &'static str)> {
+    info.follows.iter().filter_map(|(channel, variable)| {
+        let part = Part::ALL
+            .into_iter()
+            .find(|part| part.name() == channel.name())?;
+        let name = match variable {
+            Variable::Speed => "v",
+            Variable::TurnRate => "w",
+            Variable::Heading => "heading",
+            Variable::Command => "torque",
+        };
+        Some((part, name))
+    })
 }
 
 /// The variables over which the slip of wheels is shown.
-fn slip_over(effect: &str) -> &'static [&'static str] {
-    match effect {
-        "wheel_slip" => &["torque"],
-        "friction_patch" => &["x", "y"],
+fn slip_over(info: &Info) -> &'static [&'static str] {
+    match info.acts {
+        When::Sliding => &["torque"],
+        When::Inside => &["x", "y"],
         _ => &[],
     }
 }
 
-fn of_effect(bench: &Bench, effect: &str, before: &[Moment], after: &[Moment]) -> Vec<Against> {
-    let slip = of_slip(bench, effect, before);
+fn of_effect(bench: &Bench, info: &Info, before: &[Moment], after: &[Moment]) -> Vec<Against> {
+    let slip = of_slip(bench, info, before);
     if !slip.is_empty() {
         return slip;
     }
     let samples: Vec<Vec<Sampled>> = vec![before.iter().map(|m| m.sampled).collect()];
     let drivers = Driver::all(&samples);
-    let parts = telling(effect).iter().filter_map(|(part, name)| {
-        let driver = drivers.iter().find(|driver| driver.name == *name)?;
+    let parts = telling(info).filter_map(|(part, name)| {
+        let driver = drivers.iter().find(|driver| driver.name == name)?;
         let points = |moments: &[Moment]| -> Vec<Point> {
             let all = moments.iter().map(|moment| {
-                let z = driver.shown(driver.variable(&moment.sampled, *part));
-                (z, acting_on(bench, *part, moment))
+                let z = driver.shown(driver.variable(&moment.sampled, part));
+                (z, acting_on(bench, part, moment))
             });
             all.collect()
         };
         Some(Against {
-            effect: effect.to_owned(),
-            quantity: quantity(bench, *part),
-            variable: variable(bench, driver, *part),
+            effect: info.id.to_owned(),
+            quantity: quantity(bench, part),
+            variable: variable(bench, driver, part),
             before: points(before),
             after: points(after),
             curve: Vec::new(),
@@ -328,7 +323,7 @@ fn of_effect(bench: &Bench, effect: &str, before: &[Moment], after: &[Moment]) -
 
 /// How much faster the wheels turn than the body moves, as encoders and camera saw it: no force can
 /// stand for slip. Nothing without both.
-fn of_slip(bench: &Bench, effect: &str, moments: &[Moment]) -> Vec<Against> {
+fn of_slip(bench: &Bench, info: &Info, moments: &[Moment]) -> Vec<Against> {
     let slip = |moment: &Moment| -> Option<f64> {
         let track = &bench.tracks[moment.run];
         track.of(Sensor::WheelAngle)?;
@@ -338,14 +333,14 @@ fn of_slip(bench: &Bench, effect: &str, moments: &[Moment]) -> Vec<Against> {
     };
     let samples: Vec<Vec<Sampled>> = vec![moments.iter().map(|m| m.sampled).collect()];
     let drivers = Driver::all(&samples);
-    let over = slip_over(effect).iter().filter_map(|name| {
+    let over = slip_over(info).iter().filter_map(|name| {
         let driver = drivers.iter().find(|driver| driver.name == *name)?;
         let part = Part::Longitudinal;
         let points = moments
             .iter()
             .filter_map(|m| Some((driver.variable(&m.sampled, part), slip(m)?)));
         Some(Against {
-            effect: effect.to_owned(),
+            effect: info.id.to_owned(),
             quantity: "wheels faster than the body (m/s)".to_owned(),
             variable: variable(bench, driver, part),
             before: points.collect(),
@@ -521,23 +516,17 @@ fn path(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> [Vec<Point>; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipstream_sim::effects::CATALOGUE;
+    use slipstream_sim::effects::{CATALOGUE, Place};
 
-    /// What misses a force is shown against something; what only a sensor shows is not.
+    /// What misses a force is shown against something, what only a sensor or a link shows is not, nor
+    /// is a push, which the force over time shows.
     #[test]
     fn every_force_has_a_telling_variable() {
         for info in CATALOGUE {
-            let sensor = info.id.ends_with("latency")
-                || [
-                    "pose_offset",
-                    "encoder_scale",
-                    "clock_drift",
-                    "link_delay",
-                    "push",
-                ]
-                .contains(&info.id);
-            let nothing = telling(info.id).is_empty() && slip_over(info.id).is_empty();
-            assert_eq!(nothing, sensor, "{}", info.id);
+            let elsewhere = matches!(info.place, Place::Sensor | Place::Link);
+            let nothing = telling(info).next().is_none() && slip_over(info).is_empty();
+            let expected = elsewhere || info.acts == When::Once;
+            assert_eq!(nothing, expected, "{}", info.id);
         }
     }
 

@@ -7,7 +7,7 @@ use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
-use crate::hypothesis::{KINETIC, STATIC, come_round, is_limit};
+use crate::hypothesis::{KINETIC, STATIC, come_round, is_bound_to_place, is_limit};
 use crate::law::Law;
 use crate::linear::{self, Linear, Normal};
 use crate::misfit::Misfit;
@@ -233,10 +233,7 @@ impl<'a> Problem<'a> {
     /// How residuals of each window move with its start.
     fn locals(&self, values: &[f64], place: &Place) -> Option<Vec<Vec<Vec<f64>>>> {
         let robots = self.robots(values).ok()?;
-        let bound_to_place = self
-            .list
-            .iter()
-            .any(|(info, _)| info.id == "floor_slope" || info.id == "friction_patch");
+        let bound_to_place = self.list.iter().any(|(info, _)| is_bound_to_place(info));
         let windows = self
             .windows
             .par_iter()

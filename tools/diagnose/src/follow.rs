@@ -1,6 +1,7 @@
 //! From what effects promise to what they keep.
 
 use rayon::prelude::*;
+use slipstream_sim::effects::When;
 
 use crate::bench::{FULL, HELD_OUT, Node};
 use crate::hypothesis::Hypothesis;
@@ -44,7 +45,7 @@ impl Search<'_> {
         let full = looks.par_iter().filter_map(|look| {
             let full = self.bench.fit(&look.hypotheses, &look.fit.starts, FULL)?;
             let own = full.hypotheses.last();
-            Some(if own.is_some_and(|h| h.info.id == "wheel_slip") {
+            Some(if own.is_some_and(|h| h.info.acts == When::Sliding) {
                 self.bench.settle_static(full)
             } else {
                 full

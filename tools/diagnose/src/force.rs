@@ -118,7 +118,7 @@ impl Missing {
 /// The answers of every window around `node`. Gears that lose touch for moments hardly change what a
 /// push does, and take long to simulate: they are left out. `share` is that of the usual pulses.
 pub(crate) fn answers(bench: &Bench, node: &Node, share: f64) -> Option<Vec<Answers>> {
-    let engaged = node.hypotheses.iter().filter(|h| h.info.id != "backlash");
+    let engaged = node.hypotheses.iter().filter(|h| !h.has_play());
     let engaged: Vec<Hypothesis> = engaged.cloned().collect();
     bench.posed(&engaged, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, Place, find};
+use slipstream_sim::effects::{CATALOGUE, Channel, Domain, Info, ParameterInfo, Place, When, find};
 use slipstream_sim::{CommandKind, Stream};
 
 use crate::simulate::asked;
@@ -93,30 +93,40 @@ impl Hypothesis {
     /// Whether it changes little by little nowhere: a friction that is far off says nothing of which
     /// way the true one lies.
     pub(crate) fn is_abrupt(&self) -> bool {
-        self.replaces.is_none() && self.info.id == "wheel_slip"
+        self.replaces.is_none() && self.info.acts == When::Sliding
     }
 
     /// Whether it has a place or a time that is searched.
     pub(crate) fn is_local(&self) -> bool {
-        LOCAL.contains(&self.info.id)
+        is_local(self.info)
     }
 
     /// Whether it acts at one place alone.
     pub(crate) fn is_placed(&self) -> bool {
-        self.info.id == "friction_patch"
+        self.info.acts == When::Inside
+    }
+
+    /// Whether it acts once, for a moment.
+    pub(crate) fn is_momentary(&self) -> bool {
+        self.info.acts == When::Once
+    }
+
+    /// Whether gears come apart by it.
+    pub(crate) fn has_play(&self) -> bool {
+        self.info.acts == When::Apart
     }
 
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {
-        self.info.id == "command_dead_band"
+        self.info.acts == When::Below
     }
 }
 
 /// A value of a parameter within its first turn, where it is a direction: one that comes round again
 /// has no bounds to be held by.
 pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
-    if is_direction(info, name) {
+    if comes_round(info, name) {
         value - TAU * (value / TAU).round()
     } else {
         value
@@ -125,11 +135,48 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
 
 /// Whether an effect does less the larger it is, and nothing at all from some size on.
 pub(crate) fn is_limit(info: &Info) -> bool {
-    info.id == "command_saturation"
+    info.acts == When::Above
 }
 
-/// Whether a parameter is a direction on the floor.
+/// Whether wheels may slide by an effect.
+pub(crate) fn slides(info: &Info) -> bool {
+    matches!(info.acts, When::Sliding | When::Inside)
+}
+
+/// Whether an effect has a place or a time that is searched.
+fn is_local(info: &Info) -> bool {
+    matches!(info.acts, When::Inside | When::Once)
+}
+
+/// How many of an effect's numbers say how large it is: the first alone, where others say where a mass
+/// lies or which way is down.
+pub(crate) fn sizes_of(info: &Info) -> usize {
+    let points = |p: &ParameterInfo| is_mass(p) || is_direction(info, p.name);
+    if info.parameters.iter().any(points) {
+        1
+    } else {
+        info.parameters.len()
+    }
+}
+
+fn is_mass(parameter: &ParameterInfo) -> bool {
+    parameter.unit == "kg"
+}
+
+/// Whether what an effect does depends on where the robot is or which way it faces.
+pub(crate) fn is_bound_to_place(info: &Info) -> bool {
+    let mut parameters = info.parameters.iter();
+    info.acts == When::Inside
+        || info.acts == When::Always && parameters.any(|p| is_direction(info, p.name))
+}
+
+/// Whether a parameter is a direction on the floor, not one in which a sensor looks.
 pub(crate) fn is_direction(info: &Info, name: &str) -> bool {
+    comes_round(info, name) && info.place != Place::Sensor
+}
+
+/// Whether a parameter may take any angle.
+fn comes_round(info: &Info, name: &str) -> bool {
     let own = info.parameters.iter().find(|p| p.name == name);
     own.is_some_and(|p| match p.domain {
         Domain::Number { lower, upper, .. } => p.unit == "rad" && upper - lower > TAU,
@@ -145,19 +192,14 @@ fn is_factor(name: &str) -> bool {
 pub(crate) const STATIC: &str = "friction_static";
 pub(crate) const KINETIC: &str = "friction_kinetic";
 
-/// Effects whose start is looked for by place or time.
-const LOCAL: [&str; 2] = ["friction_patch", "push"];
-
-/// Effects that several robots show together.
-const ELSEWHERE: [&str; 1] = ["link_delay"];
-
 /// All hypotheses that `model` can express and `tracks` can show, without `excluded`.
 pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> Vec<Hypothesis> {
     let Some(track) = tracks.first() else {
         return Vec::new();
     };
     let able = |info: &&Info| {
-        let search = !LOCAL.contains(&info.id) && !ELSEWHERE.contains(&info.id);
+        // what links do several robots show together
+        let search = !is_local(info) && info.place != Place::Link;
         search && !excluded.iter().any(|id| id == info.id) && shows(info, track)
     };
     let fresh = CATALOGUE
@@ -173,21 +215,28 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
 fn shows(info: &Info, track: &Track) -> bool {
     let has = |sensor| track.of(sensor).is_some();
     if track.driver == Driver::Wheels {
-        // the wheels' own motion is the input: what acts before it cannot show
-        let seen = matches!(info.place, Place::Contact | Place::Body | Place::Sensor);
-        let geometry = matches!(info.id, "wheel_radius" | "track_width");
-        if !(seen || geometry) || matches!(info.id, "encoder_scale" | "wheels_latency") {
+        // the wheels' own motion is the input: of what acts before it their size alone can show
+        let seen = match info.place {
+            Place::Command | Place::Link => false,
+            Place::DriveTrain => info.kinematic,
+            Place::Contact | Place::Body => true,
+            Place::Sensor => info.channels != [Channel::SensorWheels],
+        };
+        if !seen {
             return false;
         }
     }
     let wheels = has(Sensor::WheelAngle) || has(Sensor::WheelSpeed) || has(Sensor::Odometry);
-    match info.id {
-        "imu_latency" => has(Sensor::Imu),
-        "pose_offset" | "pose_latency" => has(Sensor::Pose),
-        "wheels_latency" => wheels && (has(Sensor::Pose) || has(Sensor::Imu)),
-        "encoder_scale" => wheels,
-        _ => true,
+    // encoders that are late by themselves are actuators that are
+    if info.id == "wheels_latency" && !has(Sensor::Pose) && !has(Sensor::Imu) {
+        return false;
     }
+    info.channels.iter().any(|channel| match channel {
+        Channel::SensorPose => has(Sensor::Pose),
+        Channel::SensorWheels => wheels,
+        Channel::SensorImu => has(Sensor::Imu),
+        _ => true,
+    })
 }
 
 /// Whether a track has the stream that a hypothesis names; one without a name needs none.
@@ -290,8 +339,9 @@ fn probes(p: &ParameterInfo) -> &'static [f64] {
     }
 }
 
-/// Values to start from: factors from 1, places and offsets from 0, limits of the command from what
-/// is commanded, everything else from each of its probes.
+/// Values to start from: a friction from all that there are, limits of the command from what is
+/// commanded, one number from each of its probes, and several from one value each, whichever way is
+/// down.
 fn starts(
     info: &Info,
     numbers: &[&'static ParameterInfo],
@@ -302,39 +352,47 @@ fn starts(
     if numbers.is_empty() {
         return Vec::new();
     }
-    if numbers.iter().all(|p| is_factor(p.name)) {
-        return vec![numbers.iter().map(|p| (p.name, 1.0)).collect()];
-    }
-    let alone = |values: &[f64]| values.iter().map(|v| vec![(numbers[0].name, *v)]).collect();
-    match info.id {
-        "wheel_slip" => frictions()
-            .map(|friction| numbers.iter().map(|p| (p.name, friction)).collect())
-            .collect(),
-        "floor_slope" => probes(numbers[1])
-            .iter()
-            .map(|&downhill| {
-                vec![
-                    (numbers[0].name, probes(numbers[0])[0]),
-                    (numbers[1].name, downhill),
-                ]
-            })
-            .collect(),
-        "payload" => {
-            // how a load shows where it lies is a product of both: neither may be small
-            let mass_kg = LOAD * model.robot.body_mass_kg.unwrap_or(1.0);
-            let start =
-                |(i, p): (usize, &&&ParameterInfo)| (p.name, if i == 0 { mass_kg } else { 0.0 });
-            vec![numbers.iter().enumerate().map(start).collect()]
-        }
-        "pose_offset" => vec![numbers.iter().map(|p| (p.name, 0.0)).collect()],
-        "command_dead_band" => {
+    let of_all = |value: f64| numbers.iter().map(|p| (p.name, value)).collect();
+    let alone = |values: &[f64]| values.iter().copied().map(of_all).collect();
+    match info.acts {
+        When::Sliding => frictions().map(of_all).collect(),
+        When::Below => {
             let mut probes = sizes(track, model, &DEAD_BANDS);
             // or nothing that was commanded does anything
             probes.extend(all_sizes(track, model).last().map(|most| BEYOND * most));
             alone(&probes)
         }
-        "command_saturation" => alone(&sizes(track, model, &SATURATIONS)),
-        _ => alone(probes(numbers[0])),
+        When::Above => alone(&sizes(track, model, &SATURATIONS)),
+        _ if numbers.len() == 1 && !is_factor(numbers[0].name) => alone(probes(numbers[0])),
+        _ => {
+            let usual = |p: &&&ParameterInfo| (p.name, usual(p, model));
+            let start: Vec<(&str, f64)> = numbers.iter().map(usual).collect();
+            let Some(way) = numbers.iter().position(|p| is_direction(info, p.name)) else {
+                return vec![start];
+            };
+            let towards = |&down: &f64| {
+                let mut start = start.clone();
+                start[way].1 = down;
+                start
+            };
+            probes(numbers[way]).iter().map(towards).collect()
+        }
+    }
+}
+
+/// Where one number of several begins: a factor at 1, what lies on either side of 0 there, a load at a
+/// share of the body's mass, all else at its first probe.
+fn usual(parameter: &ParameterInfo, model: &RobotModel) -> f64 {
+    let probes = probes(parameter);
+    if is_factor(parameter.name) {
+        1.0
+    } else if is_mass(parameter) {
+        // how a load shows where it lies is a product of both: neither may be small
+        LOAD * model.robot.body_mass_kg.unwrap_or(1.0)
+    } else if probes.iter().any(|p| *p < 0.0) {
+        0.0
+    } else {
+        probes[0]
     }
 }
 

@@ -1,10 +1,10 @@
 //! From which size on an effect that was not found would have been seen.
 
 use rayon::prelude::*;
-use slipstream_sim::effects::{Channel, Domain, Info};
+use slipstream_sim::effects::{Channel, Domain, Info, When};
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, is_bound_to_place, sizes_of};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::weigh::Found;
@@ -75,14 +75,14 @@ fn remoteness(limit: &Limit, size: f64) -> f64 {
 }
 
 fn of_kind(bench: &Bench, node: &Node, kind: &[&Hypothesis]) -> Vec<Limit> {
-    match kind[0].info.id {
-        "wheel_slip" if kind[0].replaces.is_none() => {
+    match kind[0].info.acts {
+        When::Sliding if kind[0].replaces.is_none() => {
             vec![by_trial(bench, node, kind, Seen::Below)]
         }
-        "command_saturation" => vec![by_trial(bench, node, kind, Seen::Below)],
-        "command_dead_band" => vec![by_trial(bench, node, kind, Seen::Above)],
-        // the grade is a size whichever way is down
-        "floor_slope" => {
+        When::Above => vec![by_trial(bench, node, kind, Seen::Below)],
+        When::Below => vec![by_trial(bench, node, kind, Seen::Above)],
+        // a size whichever way is down
+        _ if is_bound_to_place(kind[0].info) => {
             let all = kind.iter().flat_map(|one| by_deviation(bench, node, one));
             let worst = all.reduce(|a, b| {
                 if b.size.is_none_or(|b| Some(b) > a.size) {
@@ -97,19 +97,11 @@ fn of_kind(bench: &Bench, node: &Node, kind: &[&Hypothesis]) -> Vec<Limit> {
     }
 }
 
-/// The parameters that say how large an effect is; the others say where it is.
-fn sizes(id: &str) -> usize {
-    match id {
-        "payload" | "floor_slope" => 1,
-        _ => usize::MAX,
-    }
-}
-
 /// Limits from the standard deviation that each parameter has beside the effects of `node`.
 fn by_deviation(bench: &Bench, node: &Node, one: &Hypothesis) -> Vec<Limit> {
     let deviations = deviations(bench, node, one).unwrap_or_default();
     let sigmas = SIGMAS * grain(bench, one.info);
-    let parameters = one.values.iter().enumerate().take(sizes(one.info.id));
+    let parameters = one.values.iter().enumerate().take(sizes_of(one.info));
     let limits = parameters.map(|(i, (name, _))| {
         let nothing = one.nothing(&bench.model, name);
         let deviation = deviations.get(i).copied().filter(|d| d.is_finite());

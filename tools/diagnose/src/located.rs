@@ -2,9 +2,10 @@
 
 use slipstream_bus::RobotModel;
 use slipstream_sim::GRAVITY_M_S2;
+use slipstream_sim::effects::When;
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::{Hypothesis, STATIC};
+use crate::hypothesis::{Hypothesis, STATIC, is_direction};
 use crate::simulate::asked;
 use crate::window::Window;
 
@@ -18,10 +19,10 @@ const GAP_S: f64 = 0.021;
 /// When the effect `which` of `node` is at work (s): while a wheel slides, during a push, always.
 pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
     let own = &node.hypotheses[which];
-    match own.info.id {
-        "wheel_slip" => sliding(bench, node, None, 0.0),
-        "friction_patch" => sliding(bench, node, Some(own), 0.0),
-        "push" => {
+    match own.info.acts {
+        When::Sliding => sliding(bench, node, None, 0.0),
+        When::Inside => sliding(bench, node, Some(own), 0.0),
+        When::Once => {
             let t_s = own
                 .values
                 .iter()
@@ -131,31 +132,23 @@ pub(crate) fn condition(bench: &Bench, own: &Hypothesis) -> String {
             .find(|(known, _)| *known == name)
             .map_or(0.0, |v| v.1)
     };
-    match own.info.id {
-        "wheel_slip" => match breakaway_nm(&bench.model, value(STATIC)) {
+    let direction = own.values.iter().find(|v| is_direction(own.info, v.0));
+    match own.info.acts {
+        When::Sliding => match breakaway_nm(&bench.model, value(STATIC)) {
             Some(torque) => format!("drive torque of both wheels above {torque:.3} N m"),
-            None => "whenever traction exceeds friction".to_owned(),
+            None => own.info.condition.to_owned(),
         },
-        "friction_patch" => format!(
+        When::Inside => format!(
             "a wheel within {:.2} m of ({:.2}, {:.2}) m",
             value("radius_m"),
             value("x_m"),
             value("y_m")
         ),
-        "push" => format!("at {:.2} s", value("t_s")),
-        "floor_slope" => format!(
-            "downhill towards {:.0} degrees",
-            value("downhill_rad").to_degrees()
-        ),
-        "yaw_scrub" | "track_width" => "whenever it turns".to_owned(),
-        "rolling_resistance" | "viscous_drag" | "quadratic_drag" | "caster_drag"
-        | "axle_friction" => "whenever it moves".to_owned(),
-        "command_dead_band" => "whenever little is commanded".to_owned(),
-        "command_saturation" => "whenever much is commanded".to_owned(),
-        "backlash" => "whenever the drive torque changes sign".to_owned(),
-        "torque_speed_droop" => "the more, the faster the wheels turn".to_owned(),
-        "actuator_delay" | "actuator_lag" => "whenever the command changes".to_owned(),
-        _ => "always".to_owned(),
+        When::Once => format!("at {:.2} s", value("t_s")),
+        _ => match direction {
+            Some((_, down)) => format!("downhill towards {:.0} degrees", down.to_degrees()),
+            None => own.info.condition.to_owned(),
+        },
     }
 }
 

@@ -83,7 +83,7 @@ impl Search<'_> {
         let tried = own.is_threshold() || is_limit(own.info);
         if gain <= due(own)
             || tried && gain < sigmas * sigmas
-            || own.info.id == "push" && self.is_piece(before, after, own)
+            || own.is_momentary() && self.is_piece(before, after, own)
             || !(brings || self.is_clear(after, last, sigmas))
             || !self.is_right(before, after) && self.bench.spoils(before, after)
         {
@@ -126,7 +126,7 @@ impl Search<'_> {
 
     /// Whether an effect is within its bounds, and no push too many.
     pub(crate) fn may(&self, node: &Node, which: usize) -> bool {
-        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        let pushes = node.hypotheses.iter().filter(|h| h.is_momentary());
         !node.hypotheses[which].is_at_bound() && pushes.count() <= PUSHES
     }
 

@@ -1,6 +1,9 @@
 //! Where no window should begin in a model that is on the way.
 
+use slipstream_sim::effects::find;
+
 use crate::bench::Node;
+use crate::hypothesis::{Hypothesis, slides};
 use crate::located;
 use crate::search::Search;
 use crate::window::{AFTER_S, PULSE_S, Window};
@@ -20,7 +23,7 @@ impl Search<'_> {
             return None;
         }
         let noise = self.bench.is_noise(node);
-        if !noise && has(node, "backlash") {
+        if !noise && has(node, Hypothesis::has_play) {
             return Some(located::apart(self.bench)).filter(|apart| self.begins_in(apart));
         }
         if !self.slips(node) {
@@ -33,7 +36,7 @@ impl Search<'_> {
         }
         let of_model = located::sliding(self.bench, node, None, BEYOND_S);
         // where a patch ends is not known well while a window begins on it
-        let edge_s = if has(node, "friction_patch") {
+        let edge_s = if has(node, Hypothesis::is_placed) {
             EDGE_S
         } else {
             0.0
@@ -57,7 +60,7 @@ impl Search<'_> {
 
     /// Around the pushes with which a window begins, other than the first.
     fn begun_by_push(&self, node: &Node) -> Vec<[f64; 2]> {
-        let pushes = node.hypotheses.iter().filter(|h| h.info.id == "push");
+        let pushes = node.hypotheses.iter().filter(|h| h.is_momentary());
         let begins = |t_s: &f64| {
             let mut later = self.bench.windows.windows(2).map(|pair| pair[1].from_s);
             later.any(|from_s| (from_s - t_s).abs() < PULSE_S)
@@ -68,14 +71,12 @@ impl Search<'_> {
 
     /// Whether wheels may slide in a model.
     pub(crate) fn slips(&self, node: &Node) -> bool {
-        let mut found = node.hypotheses.iter();
         let mut known = self.bench.model.effects.iter();
-        found.any(|h| matches!(h.info.id, "wheel_slip" | "friction_patch"))
-            || known.any(|e| e.effect == "wheel_slip")
+        has(node, |h| slides(h.info)) || known.any(|e| find(&e.effect).is_some_and(slides))
     }
 }
 
-/// Whether an effect is among those of a node.
-fn has(node: &Node, id: &str) -> bool {
-    node.hypotheses.iter().any(|h| h.info.id == id)
+/// Whether some effect of a node is such.
+fn has(node: &Node, such: fn(&Hypothesis) -> bool) -> bool {
+    node.hypotheses.iter().any(such)
 }

@@ -125,7 +125,7 @@ impl Bench {
     /// of many sizes pass.
     pub(crate) fn settle_patch(&self, node: Node) -> Node {
         let mut patches = node.hypotheses.iter();
-        let Some(patch) = patches.position(|h| h.info.id == "friction_patch") else {
+        let Some(patch) = patches.position(Hypothesis::is_placed) else {
             return node;
         };
         let mut best = node;

@@ -49,7 +49,7 @@ impl Search<'_> {
             };
             let gone = |h: &Hypothesis| !fewer.hypotheses.iter().any(|kept| kept.is_like(h));
             let mut without = best.hypotheses.iter().filter(|h| gone(h));
-            let pieces = without.all(|h| h.info.id == "push");
+            let pieces = without.all(Hypothesis::is_momentary);
             let Some((alone, than)) = unknown::beside(self.bench, &fewer).zip(beside.as_ref())
             else {
                 continue;
@@ -93,7 +93,7 @@ impl Search<'_> {
 
     /// The node without its pushes, if it has any and other effects.
     fn without_pushes(&self, node: &Node) -> Option<Node> {
-        let lasting = node.hypotheses.iter().filter(|h| h.info.id != "push");
+        let lasting = node.hypotheses.iter().filter(|h| !h.is_momentary());
         let lasting: Vec<Hypothesis> = lasting.cloned().collect();
         if lasting.len() == node.hypotheses.len() || lasting.is_empty() {
             return None;
