@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use slipstream_bus::RobotModel;
+use slipstream_sim::effects::{Info, When};
 use slipstream_sim::{CommandKind, Listed, read_effects};
 
 use crate::fit::{Fit, Free, Problem};
-use crate::hypothesis::Hypothesis;
+use crate::hypothesis::{Hypothesis, changes_commands_over_time, slides};
 use crate::law::Law;
 use crate::misfit::Misfit;
 use crate::score;
@@ -117,9 +118,9 @@ impl Bench {
     }
 
     fn step_s(&self, list: &[Listed<f64>]) -> f64 {
-        let has = |ids: &[&str]| list.iter().any(|(info, _)| ids.contains(&info.id));
-        let slips = has(&["wheel_slip", "friction_patch", "backlash"]);
-        let lags = has(&["actuator_lag", "actuator_delay", "supply_sag"]);
+        let has = |such: fn(&Info) -> bool| list.iter().any(|(info, _)| such(info));
+        let slips = has(|info| slides(info) || info.acts == When::Apart);
+        let lags = has(changes_commands_over_time);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
         if is_exact_at_any_step(kind, slips, lags) {
             LONG_STEP_S

@@ -143,6 +143,12 @@ pub(crate) fn slides(info: &Info) -> bool {
     matches!(info.acts, When::Sliding | When::Inside)
 }
 
+/// Whether what becomes of a command depends on time, or on the commands before.
+pub(crate) fn changes_commands_over_time(info: &Info) -> bool {
+    let by_factors = info.parameters.iter().all(|p| is_factor(p.name));
+    info.place == Place::Command && info.acts == When::Always && !by_factors
+}
+
 /// Whether an effect has a place or a time that is searched.
 fn is_local(info: &Info) -> bool {
     matches!(info.acts, When::Inside | When::Once)

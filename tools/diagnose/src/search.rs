@@ -220,9 +220,11 @@ impl Search<'_> {
         followed
     }
 
-    /// Two effects that do not pay alone, and together leave next to nothing.
+    /// Two effects that do not pay alone, and together leave next to nothing. A search that has cost
+    /// much does not look for them.
     fn beyond(&self, node: &Node, stones: &[Node]) -> Vec<Node> {
-        let pairs = stones.iter().map(|stone| {
+        let stones = stones.iter().take_while(|_| !self.bench.is_narrow());
+        let pairs = stones.map(|stone| {
             let mut pairs = self.followed(stone, &self.candidates(stone), 0.5 * PAY[0]);
             pairs.retain(|pair| self.is_right(node, pair));
             pairs
