@@ -34,7 +34,10 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
         kinematic: true,
         acts: When::Always,
         condition: "whenever the command changes",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::Steps,
     };
 

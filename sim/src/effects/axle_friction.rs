@@ -34,7 +34,10 @@ impl<S: Scalar> Effect<S> for AxleFriction<S> {
         kinematic: false,
         acts: When::Always,
         condition: "whenever it moves",
-        follows: &[(Channel::WheelRight, Variable::Speed), (Channel::WheelLeft, Variable::Speed)],
+        follows: &[
+            (Channel::WheelRight, Variable::Speed),
+            (Channel::WheelLeft, Variable::Speed),
+        ],
         experiment: Experiment::LiftedWheels,
     };
 

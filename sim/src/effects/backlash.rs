@@ -36,7 +36,10 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
         kinematic: false,
         acts: When::Apart,
         condition: "whenever the drive torque changes sign",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::Steps,
     };
 

@@ -32,7 +32,10 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
         kinematic: true,
         acts: When::Below,
         condition: "whenever little is commanded",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::Steps,
     };
 

@@ -32,7 +32,10 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
         kinematic: true,
         acts: When::Above,
         condition: "whenever much is commanded",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::Steps,
     };
 

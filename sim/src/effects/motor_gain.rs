@@ -32,7 +32,10 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
         kinematic: true,
         acts: When::Always,
         condition: "always",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::AddedMass,
     };
 

@@ -29,7 +29,10 @@ impl<S: Scalar> Effect<S> for Payload<S> {
         kinematic: false,
         acts: When::Always,
         condition: "always",
-        follows: &[(Channel::Longitudinal, Variable::Command), (Channel::Yaw, Variable::Command)],
+        follows: &[
+            (Channel::Longitudinal, Variable::Command),
+            (Channel::Yaw, Variable::Command),
+        ],
         experiment: Experiment::AddedMass,
     };
 

@@ -1,6 +1,8 @@
 //! Somebody pushes.
 
-use super::{Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, When, Wrench};
+use super::{
+    Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, When, Wrench,
+};
 use crate::scalar::{Scalar, larger};
 
 /// How long a push lasts (s).

@@ -1,6 +1,8 @@
 //! A force in proportion to the square of speed.
 
-use super::{Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, Variable, When, Wrench};
+use super::{
+    Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, Variable, When, Wrench,
+};
 use crate::scalar::{Scalar, length};
 
 /// See [`Effect::INFO`].

@@ -34,7 +34,10 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
         kinematic: true,
         acts: When::Always,
         condition: "always",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::SameAgain,
     };
 

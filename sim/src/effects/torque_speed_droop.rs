@@ -34,7 +34,10 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
         kinematic: false,
         acts: When::Always,
         condition: "the more, the faster the wheels turn",
-        follows: &[(Channel::WheelRight, Variable::Speed), (Channel::WheelLeft, Variable::Speed)],
+        follows: &[
+            (Channel::WheelRight, Variable::Speed),
+            (Channel::WheelLeft, Variable::Speed),
+        ],
         experiment: Experiment::LiftedWheels,
     };
 

@@ -33,7 +33,10 @@ impl<S: Scalar> Effect<S> for WheelRadius<S> {
         kinematic: true,
         acts: When::Always,
         condition: "always",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::HandTurned,
     };
 

@@ -34,7 +34,10 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
         kinematic: false,
         acts: When::Sliding,
         condition: "whenever traction exceeds friction",
-        follows: &[(Channel::WheelRight, Variable::Command), (Channel::WheelLeft, Variable::Command)],
+        follows: &[
+            (Channel::WheelRight, Variable::Command),
+            (Channel::WheelLeft, Variable::Command),
+        ],
         experiment: Experiment::UntilItSlips,
     };
 
