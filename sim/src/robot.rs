@@ -265,7 +265,7 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
     let mut text = "";
     for (name, value) in &spec.parameters {
         let at = format!("{key}.{name}");
-        let known = info.parameters.iter().find(|known| known.name == name);
+        let known = info.parameter(name);
         let known = known.ok_or_else(|| {
             let names: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             let remedy = format!("its parameters are {}", names.join(", "));

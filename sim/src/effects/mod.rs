@@ -165,6 +165,13 @@ pub struct Info {
     pub experiment: Experiment,
 }
 
+impl Info {
+    /// The parameter of this name.
+    pub fn parameter(&self, name: &str) -> Option<&'static ParameterInfo> {
+        self.parameters.iter().find(|known| known.name == name)
+    }
+}
+
 /// The values of one effect's parameters, judged against [`Info::parameters`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values<S> {

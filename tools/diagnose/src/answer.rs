@@ -284,7 +284,7 @@ impl HeldOut {
 fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> Finding {
     let info: &Info = hypothesis.info;
     let unit = |name: &str| {
-        let own = info.parameters.iter().find(|p| p.name == name);
+        let own = info.parameter(name);
         own.map_or("1", |p| p.unit).to_owned()
     };
     let intervals = interval::of(bench, &found.node, at);

@@ -7,7 +7,7 @@ use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
-use crate::hypothesis::{KINETIC, STATIC, come_round, is_bound_to_place, is_limit};
+use crate::hypothesis::{KINETIC, STATIC, come_round, is_bound_to_place, is_limit, least_probe};
 use crate::law::Law;
 use crate::linear::{self, Linear, Normal};
 use crate::misfit::Misfit;
@@ -146,8 +146,7 @@ impl<'a> Problem<'a> {
     /// Bounds of a free parameter.
     fn bounds(&self, (place, name): Free) -> [f64; 2] {
         let info = self.list[place].0;
-        let own = info.parameters.iter().find(|p| p.name == name);
-        match own.map(|p| p.domain) {
+        match info.parameter(name).map(|p| p.domain) {
             Some(Domain::Number { lower, upper, .. }) => [lower, upper],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
@@ -157,20 +156,8 @@ impl<'a> Problem<'a> {
     pub(crate) fn first_steps(&self, values: &[f64]) -> Vec<f64> {
         let of = |(i, (place, name)): (usize, &Free)| {
             let info = self.list[*place].0;
-            let own = info.parameters.iter().find(|p| p.name == *name);
-            let probe = match own.map(|p| p.domain) {
-                Some(Domain::Number { probes, .. }) => {
-                    let sizes = probes.iter().map(|p| p.abs()).filter(|p| *p > 0.0);
-                    sizes.fold(f64::INFINITY, f64::min)
-                }
-                _ => f64::INFINITY,
-            };
-            let size = if probe.is_finite() {
-                probe
-            } else {
-                values[i].abs().max(0.1)
-            };
-            0.01 * size
+            let size = least_probe(info, name);
+            0.01 * size.unwrap_or_else(|| values[i].abs().max(0.1))
         };
         self.free.iter().enumerate().map(of).collect()
     }

@@ -71,7 +71,7 @@ impl Hypothesis {
     /// Whether a value lies at the end of what is plausible: the fit wanted something else.
     pub(crate) fn is_at_bound(&self) -> bool {
         self.values.iter().any(|(name, value)| {
-            let own = self.info.parameters.iter().find(|p| p.name == *name);
+            let own = self.info.parameter(name);
             match own.map(|p| p.domain) {
                 Some(Domain::Number { lower, upper, .. }) => {
                     let near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs();
@@ -157,8 +157,7 @@ fn is_local(info: &Info) -> bool {
 /// How many of an effect's numbers say how large it is: the first alone, where others say where a mass
 /// lies or which way is down.
 pub(crate) fn sizes_of(info: &Info) -> usize {
-    let points = |p: &ParameterInfo| is_mass(p) || is_direction(info, p.name);
-    if info.parameters.iter().any(points) {
+    if info.parameters.iter().any(is_mass) || points_downhill(info) {
         1
     } else {
         info.parameters.len()
@@ -171,9 +170,13 @@ fn is_mass(parameter: &ParameterInfo) -> bool {
 
 /// Whether what an effect does depends on where the robot is or which way it faces.
 pub(crate) fn is_bound_to_place(info: &Info) -> bool {
+    info.acts == When::Inside || points_downhill(info)
+}
+
+/// Whether it is a matter of which way is down.
+pub(crate) fn points_downhill(info: &Info) -> bool {
     let mut parameters = info.parameters.iter();
-    info.acts == When::Inside
-        || info.acts == When::Always && parameters.any(|p| is_direction(info, p.name))
+    info.acts == When::Always && parameters.any(|p| is_direction(info, p.name))
 }
 
 /// Whether a parameter is a direction on the floor, not one in which a sensor looks.
@@ -183,8 +186,7 @@ pub(crate) fn is_direction(info: &Info, name: &str) -> bool {
 
 /// Whether a parameter may take any angle.
 fn comes_round(info: &Info, name: &str) -> bool {
-    let own = info.parameters.iter().find(|p| p.name == name);
-    own.is_some_and(|p| match p.domain {
+    info.parameter(name).is_some_and(|p| match p.domain {
         Domain::Number { lower, upper, .. } => p.unit == "rad" && upper - lower > TAU,
         _ => false,
     })
@@ -338,6 +340,12 @@ fn of(info: &'static Info, track: &Track, model: &RobotModel) -> Vec<Hypothesis>
         .collect()
 }
 
+/// The smallest size among a parameter's probes, if it has any.
+pub(crate) fn least_probe(info: &Info, name: &str) -> Option<f64> {
+    let sizes = probes(info.parameter(name)?).iter().map(|p| p.abs());
+    sizes.filter(|p| *p > 0.0).min_by(f64::total_cmp)
+}
+
 fn probes(p: &ParameterInfo) -> &'static [f64] {
     match p.domain {
         Domain::Number { probes, .. } => probes,
@@ -371,8 +379,8 @@ fn starts(
         When::Above => alone(&sizes(track, model, &SATURATIONS)),
         _ if numbers.len() == 1 && !is_factor(numbers[0].name) => alone(probes(numbers[0])),
         _ => {
-            let usual = |p: &&&ParameterInfo| (p.name, usual(p, model));
-            let start: Vec<(&str, f64)> = numbers.iter().map(usual).collect();
+            let begun = |p: &&&ParameterInfo| (p.name, begun(p, model));
+            let start: Vec<(&str, f64)> = numbers.iter().map(begun).collect();
             let Some(way) = numbers.iter().position(|p| is_direction(info, p.name)) else {
                 return vec![start];
             };
@@ -388,7 +396,7 @@ fn starts(
 
 /// Where one number of several begins: a factor at 1, what lies on either side of 0 there, a load at a
 /// share of the body's mass, all else at its first probe.
-fn usual(parameter: &ParameterInfo, model: &RobotModel) -> f64 {
+fn begun(parameter: &ParameterInfo, model: &RobotModel) -> f64 {
     let probes = probes(parameter);
     if is_factor(parameter.name) {
         1.0

@@ -1,10 +1,10 @@
 //! From which size on an effect that was not found would have been seen.
 
 use rayon::prelude::*;
-use slipstream_sim::effects::{Channel, Domain, Info, When};
+use slipstream_sim::effects::{Channel, Info, When};
 
 use crate::bench::{Bench, Node};
-use crate::hypothesis::{Hypothesis, is_bound_to_place, sizes_of};
+use crate::hypothesis::{Hypothesis, least_probe, points_downhill, sizes_of};
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::weigh::Found;
@@ -82,7 +82,7 @@ fn of_kind(bench: &Bench, node: &Node, kind: &[&Hypothesis]) -> Vec<Limit> {
         When::Above => vec![by_trial(bench, node, kind, Seen::Below)],
         When::Below => vec![by_trial(bench, node, kind, Seen::Above)],
         // a size whichever way is down
-        _ if is_bound_to_place(kind[0].info) => {
+        _ if points_downhill(kind[0].info) => {
             let all = kind.iter().flat_map(|one| by_deviation(bench, node, one));
             let worst = all.reduce(|a, b| {
                 if b.size.is_none_or(|b| Some(b) > a.size) {
@@ -121,7 +121,7 @@ fn by_deviation(bench: &Bench, node: &Node, one: &Hypothesis) -> Vec<Limit> {
 }
 
 fn limit(one: &Hypothesis, name: &'static str, seen: Seen, size: Option<f64>) -> Limit {
-    let own = one.info.parameters.iter().find(|p| p.name == name);
+    let own = one.info.parameter(name);
     let usual = usual(one.info, name);
     Limit {
         effect: one.info.id,
@@ -137,16 +137,9 @@ fn limit(one: &Hypothesis, name: &'static str, seen: Seen, size: Option<f64>) ->
     }
 }
 
-/// The smallest size among a parameter's probes, or 1 where it has none.
+/// The smallest size at which the catalogue expects an effect, or 1 where it says none.
 fn usual(info: &Info, name: &str) -> f64 {
-    let own = info.parameters.iter().find(|p| p.name == name);
-    let probes: &[f64] = match own.map(|p| p.domain) {
-        Some(Domain::Number { probes, .. }) => probes,
-        _ => &[],
-    };
-    let sizes = probes.iter().map(|p| p.abs()).filter(|p| *p > 0.0);
-    let least = sizes.fold(f64::INFINITY, f64::min);
-    if least.is_finite() { least } else { 1.0 }
+    least_probe(info, name).unwrap_or(1.0)
 }
 
 /// The standard deviation of each parameter of `one` beside the effects of `node`, to first order.
@@ -211,6 +204,21 @@ fn grain(bench: &Bench, info: &Info) -> f64 {
 mod tests {
     use super::*;
     use slipstream_sim::effects::CATALOGUE;
+
+    /// A push and a patch that a model lists are judged by each of their numbers.
+    #[test]
+    fn only_where_a_mass_lies_and_which_way_is_down_are_no_sizes() {
+        for info in CATALOGUE {
+            let first_alone = ["payload", "floor_slope"].contains(&info.id);
+            let expected = if first_alone {
+                1
+            } else {
+                info.parameters.len()
+            };
+            assert_eq!(sizes_of(info), expected, "{}", info.id);
+            assert_eq!(points_downhill(info), info.id == "floor_slope");
+        }
+    }
 
     #[test]
     fn every_number_has_a_usual_size() {
