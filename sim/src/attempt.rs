@@ -238,13 +238,14 @@ impl<S: Scalar> Robot<S> {
                 verdict: Verdict::Broken(broken),
             };
         }
-        let stiff = self.stiff_operator(state, &first, over_s);
-        if stiff.is_some() && !finest {
+        let brake = self.brake(state, &first, over_s);
+        if brake.is_some() && !finest {
             return Attempt {
                 body: *from,
                 verdict: Verdict::Coarse,
             };
         }
+        let stiff = brake.map(|brake| self.stiff_operator(mode, brake, over_s));
         let operator = stiff.as_ref().unwrap_or(&state.operator);
         let start = operator.accelerate(&first.force) + forced;
         let guess = from.nu + start * S::constant(over_s);
@@ -316,14 +317,9 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    /// Where the wheels' slip is so slow that friction would reverse it within the step, friction's
-    /// dependence on it enters implicitly: the operator for that.
-    fn stiff_operator(
-        &self,
-        state: &State<S>,
-        balance: &Balance<S>,
-        over_s: f64,
-    ) -> Option<Operator<S>> {
+    /// Where the wheels' slip is so slow that friction would reverse it within the step: how friction
+    /// depends on it.
+    fn brake(&self, state: &State<S>, balance: &Balance<S>, over_s: f64) -> Option<Matrix<S>> {
         let mode = &state.mode;
         let mut brake: Option<Matrix<S>> = None;
         if !mode.held.both(Elements::WHEELS).is_empty() {
@@ -350,10 +346,14 @@ impl<S: Scalar> Robot<S> {
             let own = own.map(|entry| S::constant(entry.value()));
             *brake.get_or_insert_with(Matrix::zeros) += own;
         }
-        let brake = brake?;
+        brake
+    }
+
+    /// The operator in which `brake` enters implicitly.
+    fn stiff_operator(&self, mode: &Mode<S>, brake: Matrix<S>, over_s: f64) -> Operator<S> {
         let mut matrix = self.inertia_matrix(self.wheel_inertias(mode.gear));
         matrix += brake * S::constant(ROSENBROCK * over_s);
-        Some(Operator::new(self, inverse(&matrix), mode.held))
+        Operator::new(self, inverse(&matrix), mode.held)
     }
 
     /// The margin of the held elements against sliding.

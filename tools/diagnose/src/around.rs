@@ -106,7 +106,7 @@ fn without(bench: &Bench, node: &Node, answers: &[Answers], forces: &[Vec<[f64; 
     let mut all = Vec::new();
     let windows = gone.fit.linear.iter_mut().zip(answers).zip(forces);
     for ((linear, answers), forces) in windows {
-        let pulses = answers.at_s.len();
+        let pulses = answers.samples.len();
         let mix = DMatrix::from_fn(2 * pulses, 1, |k, _| {
             let force = forces.get(k % pulses).copied().unwrap_or_default();
             force[k / pulses]
@@ -156,7 +156,7 @@ mod tests {
         let (_, judge) = around(&bench, &node).unwrap();
         let wander = judge.alone().unwrap();
         let forces = judge.forces(&wander.level).unwrap();
-        let samples = force::samples(&bench, &judge.answers);
+        let samples = force::samples(&judge.answers);
         let body = &bench.model.robot;
         let mass = body.body_mass_kg.unwrap() + 2.0 * body.wheel_mass_kg.unwrap();
         let most = mass * 9.81 * GRADE;

@@ -22,21 +22,29 @@ pub(crate) struct Sampled {
     pub(crate) pose: [f64; 3],
     /// What is commanded at each wheel.
     pub(crate) asked: [f64; 2],
-    /// How long the robot has stood (s); the last rest's length while it moves.
+    /// How long the robot has stood (s), until shortly after it has set off.
     pub(crate) rested_s: f64,
 }
 
 /// Half of the time over which speeds are taken (s).
 const ABOUT_S: f64 = 0.06;
 
+/// What is shorter is no rest, and how long after one the robot is still setting off (s).
+const REST_S: f64 = 0.1;
+const SETS_OFF_S: f64 = 0.3;
+
 impl Sampled {
-    pub(crate) fn new(bench: &Bench, track: &Track, t_s: f64) -> Self {
+    /// The motion at `t_s`. `heading` (rad) is a model's, for a camera that shows none.
+    pub(crate) fn new(bench: &Bench, track: &Track, t_s: f64, heading: f64) -> Self {
         let body = &bench.model.robot;
         let [r, b] = [body.wheel_radius_m, body.half_track_m];
         let wheels = track.of(Sensor::WheelAngle);
         let poses = track.of(Sensor::Pose);
         let angle = wheels.map_or([f64::NAN; 3], |wheels| at(wheels, t_s));
-        let pose = poses.map_or([f64::NAN; 3], |poses| at(poses, t_s));
+        let mut pose = poses.map_or([f64::NAN; 3], |poses| at(poses, t_s));
+        if poses.is_some() && !pose[2].is_finite() {
+            pose[2] = heading;
+        }
         let [first, _] = range(&track.commands, t_s + 1e-9, t_s + 1e-9);
         let command = &track.commands[first.saturating_sub(1)].1;
         let asked = asked(command, r, b);
@@ -85,33 +93,18 @@ pub(crate) fn rate(series: &Series, t_s: f64, about_s: f64) -> [f64; 3] {
     [0, 1, 2].map(|i| (b[i] - a[i]) / (2.0 * about_s))
 }
 
-/// Length of the rest at `t_s`, or of the last one before it (s).
+/// Length of the rest at `t_s`, or of one that ended shortly before (s).
 fn rested_s(wheels: &Series, t_s: f64) -> f64 {
-    let end = wheels
-        .rows
-        .partition_point(|(stamp_s, _)| *stamp_s < t_s)
-        .max(1)
-        - 1;
-    let same = |i: usize| {
-        wheels.rows[i].1[0] == wheels.rows[i - 1].1[0]
-            && wheels.rows[i].1[1] == wheels.rows[i - 1].1[1]
+    let rows = &wheels.rows;
+    let end = rows.partition_point(|(stamp_s, _)| *stamp_s < t_s);
+    let stands = |i: &usize| rows[*i].1[..2] == rows[i - 1].1[..2];
+    let recent = |i: &usize| t_s - rows[*i].0 < SETS_OFF_S;
+    let Some(last) = (1..end).rev().take_while(recent).find(stands) else {
+        return 0.0;
     };
-    let (mut last, mut length) = (None, 0.0);
-    for i in (1..=end).rev() {
-        if same(i) {
-            length += wheels.rows[i].0 - wheels.rows[i - 1].0;
-            last = Some(i);
-        } else if last.is_some() {
-            if length > 0.1 {
-                return length;
-            }
-            (last, length) = (None, 0.0);
-        }
-        if t_s - wheels.rows[i].0 > 20.0 {
-            break;
-        }
-    }
-    length
+    let first = (1..=last).rev().take_while(stands).last().unwrap_or(last);
+    let length = rows[last].0 - rows[first - 1].0;
+    if length > REST_S { length } else { 0.0 }
 }
 
 /// A variable with the functions of it that a force may be made of.
@@ -173,7 +166,7 @@ impl Driver {
             Self::along(1, samples),
             hats("y", "m", HATS, |s| s.pose[1]),
             grid(&flat),
-            hats("time_at_rest", "s", HATS, |s| s.rested_s),
+            Self::rest(samples),
         ]
         .into_iter()
         .flatten()
@@ -190,7 +183,20 @@ impl Driver {
         values.retain(|value| value.is_finite());
         values.sort_by(f64::total_cmp);
         let rim = (RIM * values.len() as f64) as usize;
-        let (low, high) = (*values.get(rim)?, values[values.len() - 1 - rim]);
+        let inner = values.get(rim..values.len() - rim)?;
+        Self::between(name, unit, count, inner.iter().copied())
+    }
+
+    /// Hats over all of `values`, if they differ.
+    fn between(
+        name: &'static str,
+        unit: &'static str,
+        count: usize,
+        values: impl Iterator<Item = f64>,
+    ) -> Option<Self> {
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
         let knot = |k: usize| low + (high - low) * k as f64 / (count - 1) as f64;
         (high - low > 1e-6).then(|| Self {
             name,
@@ -203,6 +209,12 @@ impl Driver {
     pub(crate) fn along(axis: usize, samples: &[Vec<Sampled>]) -> Option<Self> {
         let places = samples.iter().flatten().map(|s| s.pose[axis]);
         Self::over(["x", "y"][axis], "m", FINE, places.collect())
+    }
+
+    /// How long the robot has stood. A rest is no slip of a sensor, however seldom.
+    pub(crate) fn rest(samples: &[Vec<Sampled>]) -> Option<Self> {
+        let rests = samples.iter().flatten().map(|s| s.rested_s);
+        Self::between("time_at_rest", "s", HATS, rests)
     }
 
     /// Time, with a hat on each of these instants (s).

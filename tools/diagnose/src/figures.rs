@@ -195,11 +195,10 @@ fn moments(bench: &Bench, node: &Node) -> Option<Vec<Moment>> {
     let forces = local::over_time(bench, node, &answers, &[1.0; CHANNELS]);
     let windows = bench.windows.par_iter().zip(&answers).zip(forces);
     let moments = windows.flat_map_iter(|((window, answers), forces)| {
-        let track = &bench.tracks[window.run];
-        let pulses = answers.at_s.iter().zip(forces);
-        pulses.map(|(at_s, force)| Moment {
+        let pulses = answers.samples.iter().zip(forces);
+        pulses.map(|(sampled, force)| Moment {
             run: window.run,
-            sampled: Sampled::new(bench, track, *at_s),
+            sampled: *sampled,
             force,
         })
     });
@@ -370,7 +369,7 @@ fn variable(bench: &Bench, driver: &Driver, part: Part) -> String {
         ("wheel_angle", Part::WheelLeft) => "angle of the left wheel in its turn (rad)".to_owned(),
         ("wheel_angle", _) => "angle of the right wheel in its turn (rad)".to_owned(),
         ("heading", _) => "heading (rad)".to_owned(),
-        ("time_at_rest", _) => "length of the last rest (s)".to_owned(),
+        ("time_at_rest", _) => "time at rest (s)".to_owned(),
         (name, _) => format!("{name} ({})", driver.unit),
     }
 }

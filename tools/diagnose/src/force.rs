@@ -16,6 +16,7 @@ use crate::misfit::Misfit;
 use crate::motion;
 use crate::ridge;
 use crate::simulate::{Bookmark, Pulse, Simulation};
+use crate::track::Track;
 use crate::window::{LOCALS, PULSE_S};
 
 /// Charge (−2 ln L) for each number of a force.
@@ -27,8 +28,8 @@ const PULSE: [f64; 2] = [0.2, 2.0];
 /// Answers of one window: for each pulse, residuals per newton and per newton metre, or per m/s and per
 /// rad/s where a motion is missing.
 pub(crate) struct Answers {
-    /// Middle of each pulse (s).
-    pub(crate) at_s: Vec<f64>,
+    /// The motion in the middle of each pulse.
+    pub(crate) samples: Vec<Sampled>,
     pub(crate) along: Vec<Vec<f64>>,
     pub(crate) about: Vec<Vec<f64>>,
 }
@@ -136,7 +137,7 @@ pub(crate) fn answers(bench: &Bench, node: &Node, share: f64) -> Option<Vec<Answ
                 one(&simulation, start, &base, mark, part, amount[part])
             };
             Answers {
-                at_s: marks.iter().map(|mark| mark.t_s + PULSE_S / 2.0).collect(),
+                samples: sampled(bench, simulation.track, &marks),
                 along: marks.par_iter().map(|mark| answer(mark, 0)).collect(),
                 about: marks.par_iter().map(|mark| answer(mark, 1)).collect(),
             }
@@ -207,15 +208,19 @@ pub(crate) fn shares(
     shares.map(|share| share * sign)
 }
 
-/// The motion at every pulse of every window.
-pub(crate) fn samples(bench: &Bench, answers: &[Answers]) -> Vec<Vec<Sampled>> {
-    let windows = bench.windows.iter().zip(answers);
-    let samples = windows.map(|(window, answers)| {
-        let track = &bench.tracks[window.run];
-        let at_s = answers.at_s.iter();
-        at_s.map(|at_s| Sampled::new(bench, track, *at_s)).collect()
-    });
-    samples.collect()
+/// The motion in the middle of the pulses that begin at `marks`.
+pub(crate) fn sampled(bench: &Bench, track: &Track, marks: &[Bookmark]) -> Vec<Sampled> {
+    let half_s = PULSE_S / 2.0;
+    let marks = marks.iter();
+    let sampled =
+        marks.map(|mark| Sampled::new(bench, track, mark.t_s + half_s, mark.heading(half_s)));
+    sampled.collect()
+}
+
+/// The motion at every pulse of each window.
+pub(crate) fn samples(answers: &[Answers]) -> Vec<Vec<Sampled>> {
+    let answers = answers.iter();
+    answers.map(|answers| answers.samples.clone()).collect()
 }
 
 /// What a unit of each function of `driver` is in pulses of a window: those along, then those about.

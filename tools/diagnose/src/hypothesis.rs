@@ -170,7 +170,7 @@ fn is_mass(parameter: &ParameterInfo) -> bool {
 
 /// Whether what an effect does depends on where the robot is or which way it faces.
 pub(crate) fn is_bound_to_place(info: &Info) -> bool {
-    info.acts == When::Inside || points_downhill(info)
+    is_local(info) || points_downhill(info)
 }
 
 /// Whether it is a matter of which way is down.
@@ -235,10 +235,6 @@ fn shows(info: &Info, track: &Track) -> bool {
         }
     }
     let wheels = has(Sensor::WheelAngle) || has(Sensor::WheelSpeed) || has(Sensor::Odometry);
-    // encoders that are late by themselves are actuators that are
-    if info.id == "wheels_latency" && !has(Sensor::Pose) && !has(Sensor::Imu) {
-        return false;
-    }
     info.channels.iter().any(|channel| match channel {
         Channel::SensorPose => has(Sensor::Pose),
         Channel::SensorWheels => wheels,

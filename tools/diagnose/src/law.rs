@@ -136,7 +136,7 @@ mod tests {
         let starts = bench.guesses(&bench.windows).unwrap();
         let node = bench.fit(&[], &starts, FULL).unwrap();
         let answers = force::answers(&bench, &node, 1.0).unwrap();
-        let drivers = Driver::all(&force::samples(&bench, &answers));
+        let drivers = Driver::all(&force::samples(&answers));
         let driver = drivers.into_iter().find(|d| d.name == "heading").unwrap();
         let mut weights = vec![0.0; driver.functions()];
         weights[2] = mass * 9.81 * GRADE.atan().sin();
@@ -171,7 +171,7 @@ mod tests {
     fn nothing_acts_against_a_rest() {
         let (bench, _, mut missing) = slope();
         let track = &bench.tracks[0];
-        let mut sampled = Sampled::new(&bench, track, 1.0);
+        let mut sampled = Sampled::new(&bench, track, 1.0, 0.0);
         (sampled.v, sampled.w, sampled.pose[2]) = (0.1, 0.0, 0.0);
         missing.against = true;
         let force = missing.weights[2];

@@ -65,7 +65,7 @@ fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) 
             .iter()
             .map(|column| column.iter().map(|v| v * back).collect())
             .collect();
-        let all: Vec<(f64, usize, usize, [f64; 2])> = (0..answers.at_s.len())
+        let all: Vec<(f64, usize, usize, [f64; 2])> = (0..answers.samples.len())
             .map(|k| {
                 let more = [answers.along[k].as_slice(), across[k].as_slice()];
                 let normal = own.normal(window, &weights, &linear.residuals, &more);
@@ -82,7 +82,9 @@ fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) 
     let mut taken: Vec<(usize, f64)> = Vec::new();
     for (_, w, k, [along, across]) in tried {
         let run = bench.windows[w].run;
-        let at_s = answers[w].at_s[k];
+        let Sampled {
+            t_s: at_s, pose, ..
+        } = answers[w].samples[k];
         if taken
             .iter()
             .any(|(known, t_s)| *known == run && (t_s - at_s).abs() < 0.25)
@@ -90,8 +92,7 @@ fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) 
             continue;
         }
         taken.push((run, at_s));
-        let yaw = Sampled::new(bench, &bench.tracks[run], at_s).pose[2];
-        let yaw = if yaw.is_finite() { yaw } else { 0.0 };
+        let yaw = if pose[2].is_finite() { pose[2] } else { 0.0 };
         let direction = (across.atan2(along) + yaw)
             .sin()
             .atan2((across.atan2(along) + yaw).cos());
@@ -171,20 +172,19 @@ fn judge(bench: &Bench, node: &Node, hypothesis: &Hypothesis) -> Option<f64> {
 fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
     let body = &bench.model.robot;
     let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
-    let mut moments: Vec<(f64, usize, f64)> = Vec::new();
+    let mut moments: Vec<(f64, [f64; 3])> = Vec::new();
     for (w, forces) in over_time(bench, node, answers, &node.fit.misfit.weights())
         .into_iter()
         .enumerate()
     {
         for (k, [along, about]) in forces.into_iter().enumerate() {
-            moments.push((along.abs().max(about.abs() / b), w, answers[w].at_s[k]));
+            let size = along.abs().max(about.abs() / b);
+            moments.push((size, answers[w].samples[k].pose));
         }
     }
     moments.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut places: Vec<[f64; 2]> = Vec::new();
-    for (_, w, at_s) in moments {
-        let sampled = Sampled::new(bench, &bench.tracks[bench.windows[w].run], at_s);
-        let [x, y, yaw] = sampled.pose;
+    for (_, [x, y, yaw]) in moments {
         for side in [-b, b] {
             let (sin, cos) = yaw.sin_cos();
             let place = [x - d * cos + side * sin, y - d * sin - side * cos];
@@ -219,7 +219,7 @@ pub(crate) fn over_time(
         let columns = answers.along.iter().chain(&answers.about);
         let more: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
         let mut normal = linear.normal(&bench.windows[w], weights, &linear.residuals, &more);
-        let count = answers.at_s.len();
+        let count = answers.samples.len();
         normal.believe(|i| 1.0 / believed[usize::from(i >= count)].powi(2));
         let step = linear::step(std::slice::from_ref(&normal), 1e-9, |_, step| step);
         (0..count)

@@ -5,7 +5,7 @@
 use slipstream_sim::Command;
 
 use crate::bench::{Bench, Node};
-use crate::force::Answers;
+use crate::force::{self, Answers};
 use crate::simulate::{Simulation, asked};
 use crate::track::Sensor;
 use crate::window::PULSE_S;
@@ -46,7 +46,7 @@ pub(crate) fn answers(
         answers.collect()
     };
     Answers {
-        at_s: marks.iter().map(|mark| mark.t_s + PULSE_S / 2.0).collect(),
+        samples: force::sampled(bench, simulation.track, &marks),
         along: of([1.0, 0.0]),
         about: of([0.0, 1.0]),
     }

@@ -1,4 +1,5 @@
-//! A force that acts for a while and not else: a gust, or a place that the robot comes to.
+//! A force that acts for a while and not else: a gust, a place that the robot comes to, or a floor to
+//! which it sticks where it stands.
 
 use std::ops::Range;
 
@@ -14,6 +15,9 @@ const MARGIN: usize = 2;
 /// Share of a force's energy that has to be the same when the robot comes to a place again, and time
 /// after which it does (s).
 const AGAIN: f64 = 0.5;
+/// Share of a force's energy that has to be spent while the robot stands or sets off where it holds the
+/// robot.
+const HOLDS: f64 = 0.7;
 const APART_S: f64 = 1.0;
 
 /// A force that acts for a while and not else, if that is likelier than one that always wanders.
@@ -53,6 +57,7 @@ pub(crate) fn passing(
     let axes = [0, 1].into_iter();
     let places = axes.filter_map(|axis| placed(Driver::along(axis, samples)?, &pieces));
     let place = places.max_by(|a, b| a.share.total_cmp(&b.share));
+    let place = place.or_else(|| held(Driver::rest(samples)?, &pieces));
     let (driver, against, weights) = match place {
         Some(place) => (place.driver, place.against, place.weights),
         None => {
@@ -103,44 +108,26 @@ struct Piece {
     force: f64,
 }
 
-/// A force that is the same whenever the robot comes to a place.
-struct Placed {
+/// A force that is the same whenever a variable is.
+struct Repeated {
     driver: Driver,
     against: bool,
     weights: Vec<f64>,
-    /// Share of the force's energy that is the same each time.
+    /// Share of the force's energy that speaks for it.
     share: f64,
 }
 
 /// The force of `pieces` as one of a place, if the robot came there again and found most of it again.
-fn placed(driver: Driver, pieces: &[Piece]) -> Option<Placed> {
-    let total: f64 = pieces.iter().map(|p| p.force * p.force).sum();
+fn placed(driver: Driver, pieces: &[Piece]) -> Option<Repeated> {
     let best = [false, true].map(|against| {
-        let signed = |p: &Piece| p.force * if against { -p.sampled.v.signum() } else { 1.0 };
-        let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); driver.functions()];
-        for piece in pieces {
-            let near = driver
-                .values(&piece.sampled, Part::Longitudinal)
-                .into_iter();
-            if let Some((cell, _)) = near.max_by(|a, b| a.1.total_cmp(&b.1)) {
-                cells[cell].push((piece.at_s, signed(piece)));
-            }
-        }
-        let mut again = 0.0;
-        let mut weights = Vec::new();
-        for cell in &cells {
-            let mean = cell.iter().map(|c| c.1).sum::<f64>() / cell.len().max(1) as f64;
-            let comes_back = cell.windows(2).any(|pair| pair[1].0 - pair[0].0 > APART_S);
-            if comes_back {
-                again += mean * mean * cell.len() as f64;
-            }
-            weights.push(mean);
-        }
-        Placed {
+        let cells = cells(&driver, pieces, against);
+        let weights = means(&cells);
+        let again = cells.iter().map(|cell| again(cell));
+        Repeated {
+            share: again.sum::<f64>() / energy(pieces.iter()),
             driver: driver.clone(),
             against,
             weights,
-            share: again / total.max(1e-300),
         }
     });
     let best = best
@@ -149,9 +136,68 @@ fn placed(driver: Driver, pieces: &[Piece]) -> Option<Placed> {
     (best.share > AGAIN).then_some(best)
 }
 
+/// How much of the force of one cell is there at each visit: energy that a visit shares with the others.
+fn again(cell: &[(f64, f64)]) -> f64 {
+    let total: f64 = cell.iter().map(|(_, force)| force).sum();
+    let visits = cell.chunk_by(|(a_s, _), (b_s, _)| b_s - a_s < APART_S);
+    let shared = visits.map(|visit| {
+        let count = visit.len() as f64;
+        let own: f64 = visit.iter().map(|(_, force)| force).sum();
+        let others = (total - own) / (cell.len() as f64 - count).max(1.0);
+        let own = own / count;
+        count * (own * others).clamp(0.0, own * own)
+    });
+    shared.sum()
+}
+
+/// The force of `pieces` as one that holds the robot where it stands, if most of it acts then.
+fn held(driver: Driver, pieces: &[Piece]) -> Option<Repeated> {
+    let stands = pieces.iter().filter(|piece| piece.sampled.rested_s > 0.0);
+    let share = energy(stands) / energy(pieces.iter());
+    let weights = means(&cells(&driver, pieces, false));
+    (share > HOLDS).then_some(Repeated {
+        driver,
+        against: false,
+        weights,
+        share,
+    })
+}
+
+fn energy<'a>(pieces: impl Iterator<Item = &'a Piece>) -> f64 {
+    pieces
+        .map(|piece| piece.force.powi(2))
+        .sum::<f64>()
+        .max(1e-300)
+}
+
+/// When (s) and how large the force is at each function of `driver`; or how large it is against the
+/// motion.
+fn cells(driver: &Driver, pieces: &[Piece], against: bool) -> Vec<Vec<(f64, f64)>> {
+    let mut cells: Vec<Vec<(f64, f64)>> = vec![Vec::new(); driver.functions()];
+    for piece in pieces {
+        let values = driver.values(&piece.sampled, Part::Longitudinal);
+        let nearest = values.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((cell, _)) = nearest {
+            let sign = if against {
+                -piece.sampled.v.signum()
+            } else {
+                1.0
+            };
+            cells[cell].push((piece.at_s, piece.force * sign));
+        }
+    }
+    cells
+}
+
+fn means(cells: &[Vec<(f64, f64)>]) -> Vec<f64> {
+    let cells = cells.iter();
+    let means = cells.map(|cell| cell.iter().map(|c| c.1).sum::<f64>() / cell.len().max(1) as f64);
+    means.collect()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{Piece, active, placed};
+    use super::{Piece, active, held, placed};
     use crate::drivers::{Driver, Sampled};
 
     fn sampled(t_s: f64, x_m: f64, v: f64) -> Sampled {
@@ -199,9 +245,40 @@ mod tests {
 
     #[test]
     fn what_happened_once_follows_no_place() {
-        let (samples, pieces) =
-            pieces(|at_s, _, _| f64::from(u8::from((3.0..5.0).contains(&at_s))));
-        assert!(placed(Driver::along(0, &samples).unwrap(), &pieces).is_none());
+        let gust = |at_s: f64, _: f64, _: f64| f64::from(u8::from((3.0..5.0).contains(&at_s)));
+        let (samples, mut pieces) = pieces(gust);
+        let driver = Driver::along(0, &samples).unwrap();
+        assert!(placed(driver.clone(), &pieces).is_none());
+        // nor where the robot comes back for a fourth of the time only
+        let mut kept = 0;
+        pieces.retain(|piece| {
+            kept += 1;
+            piece.at_s < 10.0 || kept % 4 == 0
+        });
+        assert!(placed(driver, &pieces).is_none());
+    }
+
+    /// At rest for the second and the fifth two seconds, and pulled then, or at any time.
+    #[test]
+    fn what_acts_while_the_robot_stands_holds_it() {
+        let rest = |at_s: f64| at_s.rem_euclid(6.0) - 2.0;
+        let stands = |at_s: f64| (0.0..2.0).contains(&rest(at_s));
+        let begun = |force: &dyn Fn(f64) -> f64| {
+            let (mut samples, mut pieces) = pieces(|at_s, _, _| force(at_s));
+            for (sampled, piece) in samples[0].iter_mut().zip(&mut pieces) {
+                sampled.rested_s = if stands(piece.at_s) {
+                    rest(piece.at_s)
+                } else {
+                    0.0
+                };
+                piece.sampled = *sampled;
+            }
+            held(Driver::rest(&samples).unwrap(), &pieces)
+        };
+        let holding = begun(&|at_s| if stands(at_s) { -0.3 * rest(at_s) } else { 0.0 }).unwrap();
+        let last = *holding.weights.last().unwrap();
+        assert!((last + 0.57).abs() < 0.04, "{:?}", holding.weights);
+        assert!(begun(&|at_s| f64::from(u8::from(at_s > 7.0))).is_none());
     }
 
     #[test]

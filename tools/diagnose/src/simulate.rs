@@ -83,6 +83,11 @@ impl Bookmark {
     pub(crate) fn pose(&self) -> [f64; 3] {
         self.state.pose()
     }
+
+    /// Where it heads `after_s` later (rad).
+    pub(crate) fn heading(&self, after_s: f64) -> f64 {
+        self.state.pose()[2] + self.state.velocity()[2] * after_s
+    }
 }
 
 /// A force from outside while a simulation runs: along, across, about, at the right and at the left

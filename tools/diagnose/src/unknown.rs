@@ -69,7 +69,7 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let (seen, judge) = around(bench, node)?;
     let (begun, node) = (node, &seen);
     let wander = judge.alone()?;
-    let samples = force::samples(bench, &judge.answers);
+    let samples = force::samples(&judge.answers);
     let mut likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
     if !bench.knows_noise() {
         // no level says what is noise, but it does not repeat
@@ -90,7 +90,7 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
             let missing = found.missing;
             let halves = holds(bench, begun, &missing)
                 .then(|| force::halves(bench, node, &judge.answers, &samples, &missing));
-            describe(bench, missing, halves, found.gain / 2.0)
+            describe(bench, &samples, missing, halves, found.gain / 2.0)
         }),
         score: score + CHARGE * node.fit.values.len() as f64,
     })
@@ -158,25 +158,25 @@ fn shortlist(all: Vec<Missing>) -> Vec<Missing> {
     best
 }
 
-fn describe(bench: &Bench, missing: Missing, halves: Option<[Missing; 2]>, gain: f64) -> Unknown {
+fn describe(
+    bench: &Bench,
+    samples: &[Vec<Sampled>],
+    missing: Missing,
+    halves: Option<[Missing; 2]>,
+    gain: f64,
+) -> Unknown {
     let mut moments: Vec<(f64, f64, f64)> = Vec::new();
-    for window in &bench.windows {
-        let track = &bench.tracks[window.run];
-        let steps = ((window.to_s - window.from_s) / PULSE_S) as usize;
-        for k in 0..steps {
-            let at_s = window.from_s + PULSE_S * (k as f64 + 0.5);
-            let sampled = Sampled::new(bench, track, at_s);
-            let force = missing
-                .driver
-                .force(&missing.weights, &sampled, missing.part);
-            let still = missing.against && sampled.v.abs() < 2e-3 && sampled.w.abs() < 2e-3;
-            let z = missing.driver.variable(&sampled, missing.part);
-            moments.push((
-                at_s,
-                missing.driver.shown(z),
-                if still { 0.0 } else { force },
-            ));
-        }
+    for sampled in samples.iter().flatten() {
+        let force = missing
+            .driver
+            .force(&missing.weights, sampled, missing.part);
+        let still = missing.against && sampled.v.abs() < 2e-3 && sampled.w.abs() < 2e-3;
+        let z = missing.driver.variable(sampled, missing.part);
+        moments.push((
+            sampled.t_s,
+            missing.driver.shown(z),
+            if still { 0.0 } else { force },
+        ));
     }
     let middle = median(moments.iter().map(|m| m.2));
     let deviates = |force: f64| force - if missing.against { 0.0 } else { middle };

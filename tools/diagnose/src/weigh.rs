@@ -11,6 +11,8 @@ use crate::wander::Wander;
 
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
+/// Share of what an effect brings that another has to promise to be tried in its place.
+const RIVAL: f64 = 0.25;
 
 /// A model that explains the tracks as far as the catalogue can.
 pub(crate) struct Found {
@@ -130,7 +132,7 @@ impl Search<'_> {
             let rivals = self.followed(
                 &less,
                 &candidates,
-                0.5 * (deviance(&less) - deviance(&node)),
+                RIVAL * (deviance(&less) - deviance(&node)),
             );
             if let Some(rival) = rivals.iter().find(|r| {
                 self.is_clear(r, r.hypotheses.len() - 1, SIGMAS) && !self.bench.spoils(&node, r)
