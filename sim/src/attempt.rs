@@ -37,8 +37,8 @@ pub(crate) enum Verdict<S> {
     Broken(Elements),
     /// It ceases to hold inside the step.
     Event(Event<S>),
-    /// It may hold, but the step is too long to say.
-    Coarse,
+    /// It may hold, but the step is too long to say, until it is halved so often.
+    Coarse(u32),
 }
 
 /// What happens inside a step.
@@ -239,13 +239,13 @@ impl<S: Scalar> Robot<S> {
             };
         }
         let brake = self.brake(state, &first, over_s);
-        if brake.is_some() && !finest {
+        if let Some((_, halvings)) = brake.filter(|_| !finest) {
             return Attempt {
                 body: *from,
-                verdict: Verdict::Coarse,
+                verdict: Verdict::Coarse(halvings),
             };
         }
-        let stiff = brake.map(|brake| self.stiff_operator(mode, brake, over_s));
+        let stiff = brake.map(|(brake, _)| self.stiff_operator(mode, brake, over_s));
         let operator = stiff.as_ref().unwrap_or(&state.operator);
         let start = operator.accelerate(&first.force) + forced;
         let guess = from.nu + start * S::constant(over_s);
@@ -318,10 +318,16 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Where the wheels' slip is so slow that friction would reverse it within the step: how friction
-    /// depends on it.
-    fn brake(&self, state: &State<S>, balance: &Balance<S>, over_s: f64) -> Option<Matrix<S>> {
+    /// depends on it, and how often the step would have to be halved.
+    fn brake(
+        &self,
+        state: &State<S>,
+        balance: &Balance<S>,
+        over_s: f64,
+    ) -> Option<(Matrix<S>, u32)> {
         let mode = &state.mode;
         let mut brake: Option<Matrix<S>> = None;
+        let mut excess: f64 = 1.0;
         if !mode.held.both(Elements::WHEELS).is_empty() {
             // one wheel holds the other's slip to a line
             return None;
@@ -337,6 +343,7 @@ impl<S: Scalar> Robot<S> {
             if change * change <= STIFF * STIFF * square {
                 continue;
             }
+            excess = excess.max(change * change / (STIFF * STIFF * square));
             let row = self.row([ALONG_RIGHT, ALONG_LEFT][i]);
             let speed = square.sqrt();
             let [along, across] = self.direction(mode, wheel, &state.body.nu);
@@ -346,7 +353,9 @@ impl<S: Scalar> Robot<S> {
             let own = own.map(|entry| S::constant(entry.value()));
             *brake.get_or_insert_with(Matrix::zeros) += own;
         }
-        brake
+        // each halving takes a fourth of it
+        let halvings = (0.5 * excess.log2()).ceil().max(1.0);
+        brake.map(|brake| (brake, halvings as u32))
     }
 
     /// The operator in which `brake` enters implicitly.
@@ -482,7 +491,7 @@ impl<S: Scalar> Robot<S> {
             }
             let cross = (seen[0] * then[1] - seen[1] * then[0]).value();
             if !led && cross * cross > TURN * length_square(seen) * length_square(then) {
-                verdict = Verdict::Coarse;
+                verdict = Verdict::Coarse(1);
             }
         }
         if let Some(stop) = stop {

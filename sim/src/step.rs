@@ -273,38 +273,38 @@ impl<S: Scalar> Robot<S> {
                     continue;
                 }
                 Verdict::Broken(_) => self.give_way(state, &piece, &supply),
-                Verdict::Event(_) | Verdict::Coarse if exact => {
-                    let [t_s, over_s] = piece.span;
-                    let (half, depth) = (over_s / 2.0, piece.depth + 1);
-                    self.advance(
-                        state,
-                        Piece {
-                            span: [t_s, half],
-                            depth,
-                            ..piece
-                        },
-                        events,
-                    );
-                    let span = [t_s + half, over_s - half];
-                    self.advance(
-                        state,
-                        Piece {
-                            span,
-                            depth,
-                            ..piece
-                        },
-                        events,
-                    );
+                Verdict::Event(_) if exact => self.halve(state, piece, 1, events),
+                Verdict::Coarse(halvings) if exact => {
+                    let left = self.care.stiff_depth.saturating_sub(piece.depth);
+                    self.halve(state, piece, halvings.min(left), events);
                 }
                 Verdict::Event(event) => {
                     *events = events.saturating_sub(1);
                     state.body = attempt.body;
                     self.pass(state, piece.span, &supply, &event);
                 }
-                Verdict::Coarse => state.body = attempt.body,
+                Verdict::Coarse(_) => state.body = attempt.body,
             }
             return;
         }
+    }
+
+    /// Both halves of a piece, the first of them halved again until there are `halvings`.
+    fn halve(&self, state: &mut State<S>, piece: Piece<S>, halvings: u32, events: &mut u32) {
+        let [t_s, over_s] = piece.span;
+        let half = |span: Pair<f64>| Piece {
+            span,
+            depth: piece.depth + 1,
+            ..piece
+        };
+        let first = half([t_s, over_s / 2.0]);
+        if halvings > 1 {
+            self.halve(state, first, halvings - 1, events);
+        } else {
+            self.advance(state, first, events);
+        }
+        let second = half([t_s + over_s / 2.0, over_s - over_s / 2.0]);
+        self.advance(state, second, events);
     }
 
     /// Goes on although what was just decided does not hold: the force is at the limit to rounding.
