@@ -11,8 +11,10 @@ use crate::wander::Wander;
 
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
-/// Share of what an effect brings that another has to promise to be tried in its place.
-const RIVAL: f64 = 0.25;
+/// Share of what an effect promises that another has to promise to be tried in its place, and share of
+/// what it brings that this is at least: first steps may be short.
+const RIVAL: f64 = 0.5;
+const SHORT: f64 = 0.2;
 
 /// A model that explains the tracks as far as the catalogue can.
 pub(crate) struct Found {
@@ -103,6 +105,16 @@ impl Search<'_> {
         self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 
+    /// What an effect promises beside `node` from where a search for it begins (−2 ln L).
+    fn promised(&self, node: &Node, effect: &Hypothesis) -> f64 {
+        let own = self.all.iter().filter(|h| h.is_like(effect));
+        let own: Vec<Hypothesis> = own.cloned().collect();
+        let promises = self.bench.promises(node, &own);
+        promises
+            .first()
+            .map_or(0.0, |best| deviance(node) - best.deviance)
+    }
+
     /// What each effect brings, and what could stand in its place. What fits better in its place
     /// takes it.
     fn weighed(&self, nominal: Node, mut node: Node, looked_at: usize) -> Found {
@@ -129,11 +141,12 @@ impl Search<'_> {
                 .into_iter()
                 .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
                 .collect();
-            let rivals = self.followed(
-                &less,
-                &candidates,
-                RIVAL * (deviance(&less) - deviance(&node)),
-            );
+            let brings = deviance(&less) - deviance(&node);
+            let promised = self
+                .promised(&less, &removed)
+                .max(SHORT * brings)
+                .min(brings);
+            let rivals = self.followed(&less, &candidates, RIVAL * promised);
             if let Some(rival) = rivals.iter().find(|r| {
                 self.is_clear(r, r.hypotheses.len() - 1, SIGMAS) && !self.bench.spoils(&node, r)
             }) && score(rival) < score(&node) - 3.0
