@@ -118,6 +118,8 @@ pub(crate) struct Driver {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Basis {
+    /// One alone: dry friction.
+    One,
     /// One and waves of a turn, up to this many in it.
     Waves(usize),
     /// Hats on these knots.
@@ -150,12 +152,21 @@ impl Driver {
                 basis: Basis::Waves(count),
             })
         };
+        let dry = |name, unit| {
+            Some(Self {
+                name,
+                unit,
+                basis: Basis::One,
+            })
+        };
         let yaw = flat.iter().any(|s| s.pose[2].is_finite());
         let angle = flat.iter().any(|s| s.angle[0].is_finite());
         [
             hats("t", "s", HATS, |s| s.t_s),
             hats("v", "m/s", HATS, |s| s.v),
+            dry("v", "m/s"),
             hats("w", "rad/s", HATS, |s| s.w),
+            dry("w", "rad/s"),
             hats("torque", "of the command", HATS, |s| {
                 s.asked[0] + s.asked[1]
             }),
@@ -229,6 +240,8 @@ impl Driver {
     /// Whether a force on this part makes sense as a function of this variable.
     pub(crate) fn suits(&self, part: Part, against: bool) -> bool {
         match (self.name, part) {
+            ("v", Part::Longitudinal) | ("w", Part::Yaw) if self.basis == Basis::One => against,
+            _ if self.basis == Basis::One => false,
             ("wheel_angle", Part::WheelRight | Part::WheelLeft) => !against,
             ("wheel_angle", _) | ("v" | "w" | "torque", _) if against => false,
             ("wheel_angle", _) => false,
@@ -240,6 +253,7 @@ impl Driver {
     /// How many numbers a function of it takes.
     pub(crate) fn functions(&self) -> usize {
         match &self.basis {
+            Basis::One => 1,
             Basis::Waves(count) => 1 + 2 * count,
             Basis::Hats(knots) => knots.len(),
             Basis::Grid(_, _, cells) => cells.len(),
@@ -272,6 +286,7 @@ impl Driver {
         match &self.basis {
             Basis::Grid(origin, spacing, cells) => on_grid(*origin, *spacing, cells, s),
             _ if !z.is_finite() => Vec::new(),
+            Basis::One => vec![(0, 1.0)],
             Basis::Waves(count) => {
                 let waves = (1..=*count).flat_map(|k| {
                     let (sin, cos) = (k as f64 * z).sin_cos();
@@ -466,8 +481,12 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_change_drives_nothing() {
-        assert!(named("w").is_empty());
+    fn what_does_not_change_drives_dry_friction_alone() {
+        let turns = named("w");
+        assert_eq!(turns.len(), 1);
+        assert_eq!(turns[0].functions(), 1);
+        assert!(turns[0].suits(Part::Yaw, true) && !turns[0].suits(Part::Yaw, false));
+        assert!(!turns[0].suits(Part::Longitudinal, true));
         assert!(named("time_at_rest").is_empty());
     }
 }
