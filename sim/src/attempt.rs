@@ -353,9 +353,10 @@ impl<S: Scalar> Robot<S> {
             let own = own.map(|entry| S::constant(entry.value()));
             *brake.get_or_insert_with(Matrix::zeros) += own;
         }
+        let brake = brake?;
         // each halving takes a fourth of it
         let halvings = (0.5 * excess.log2()).ceil().max(1.0);
-        brake.map(|brake| (brake, halvings as u32))
+        Some((brake, halvings as u32))
     }
 
     /// The operator in which `brake` enters implicitly.

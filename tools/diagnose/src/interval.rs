@@ -233,6 +233,9 @@ mod tests {
         let fisher: f64 = slopes.map(|(weight, slope)| weight * slope * slope).sum();
         for side in [-1.0, 1.0] {
             let end = end(&bench, &node, (0, 0), side);
+            assert!(side * (end - value) > 0.0, "{end} beside {value}");
+            assert!(!falls(&bench, &node, (0, 0), end));
+            assert!(falls(&bench, &node, (0, 0), value + (end - value) * 1.05));
             let widths = side * (end - value) / (WILKS / fisher).sqrt();
             // six halvings of a last doubling leave it uncertain by 1/64, and the best by a hundredth
             assert!((widths - 1.0).abs() < 0.05, "{widths}");

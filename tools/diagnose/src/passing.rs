@@ -15,10 +15,10 @@ const MARGIN: usize = 2;
 /// Share of a force's energy that has to be the same when the robot comes to a place again, and time
 /// after which it does (s).
 const AGAIN: f64 = 0.5;
+const APART_S: f64 = 1.0;
 /// Share of a force's energy that has to be spent while the robot stands or sets off where it holds the
 /// robot.
 const HOLDS: f64 = 0.7;
-const APART_S: f64 = 1.0;
 
 /// A force that acts for a while and not else, if that is likelier than one that always wanders.
 pub(crate) fn passing(
@@ -57,9 +57,9 @@ pub(crate) fn passing(
     let axes = [0, 1].into_iter();
     let places = axes.filter_map(|axis| placed(Driver::along(axis, samples)?, &pieces));
     let place = places.max_by(|a, b| a.share.total_cmp(&b.share));
-    let place = place.or_else(|| held(Driver::rest(samples)?, &pieces));
-    let (driver, against, weights) = match place {
-        Some(place) => (place.driver, place.against, place.weights),
+    let repeated = place.or_else(|| held(Driver::rest(samples)?, &pieces));
+    let (driver, against, weights) = match repeated {
+        Some(repeated) => (repeated.driver, repeated.against, repeated.weights),
         None => {
             let forces = pieces.iter().map(|piece| piece.force).collect();
             let instants_s = pieces.iter().map(|piece| piece.at_s).collect();
@@ -258,7 +258,7 @@ mod tests {
         assert!(placed(driver, &pieces).is_none());
     }
 
-    /// At rest for the second and the fifth two seconds, and pulled then, or at any time.
+    /// At rest for the third and fourth of every six seconds, and pulled then, or at another time.
     #[test]
     fn what_acts_while_the_robot_stands_holds_it() {
         let rest = |at_s: f64| at_s.rem_euclid(6.0) - 2.0;
