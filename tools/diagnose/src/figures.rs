@@ -447,7 +447,7 @@ fn driven_over(moments: &[Moment]) -> &'static [&'static str] {
 
 /// The sign that makes a force count against the motion; none where it stands still.
 fn opposing(speed: f64) -> f64 {
-    if speed.abs() < 2e-3 {
+    if force::is_still(speed) {
         f64::NAN
     } else {
         -speed.signum()

@@ -181,6 +181,11 @@ fn one(
     change
 }
 
+/// Whether a speed (m/s, rad/s) is none that a force could act against.
+pub(crate) fn is_still(speed: f64) -> bool {
+    speed.abs() < 2e-3
+}
+
 /// What a force on `part` that opposes the motion, or does not, is in force along and moment about
 /// per unit; or what a motion of it is in speed and turn rate.
 pub(crate) fn shares(
@@ -202,7 +207,7 @@ pub(crate) fn shares(
     };
     let sign = match against {
         false => 1.0,
-        true if speed.abs() < 2e-3 => 0.0,
+        true if is_still(speed) => 0.0,
         true => -speed.signum(),
     };
     shares.map(|share| share * sign)

@@ -7,15 +7,13 @@ use slipstream_sim::{Command, Robot, State};
 use crate::around::moved;
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
-use crate::force::{Missing, shares};
+use crate::force::{Missing, is_still, shares};
 use crate::search::deviance;
 use crate::simulate::{asked, tracked};
 use crate::track::{Sensor, Track};
 
 /// How long a force is held between two looks at what it follows (s).
 pub(crate) const HELD_S: f64 = 0.01;
-/// Speed (m/s) and turn rate (rad/s) below which nothing moves that a force could act against.
-const STILL: [f64; 2] = [2e-3, 2e-3];
 
 /// A missing force that follows a variable.
 #[derive(Debug, Clone)]
@@ -72,7 +70,7 @@ impl Law {
             weights,
             ..
         } = &self.missing;
-        let still = sampled.v.abs() < STILL[0] && sampled.w.abs() < STILL[1];
+        let still = is_still(sampled.v) && is_still(sampled.w);
         if *against && still {
             return [0.0; 2];
         }

@@ -170,7 +170,7 @@ fn describe(
         let force = missing
             .driver
             .force(&missing.weights, sampled, missing.part);
-        let still = missing.against && sampled.v.abs() < 2e-3 && sampled.w.abs() < 2e-3;
+        let still = missing.against && force::is_still(sampled.v) && force::is_still(sampled.w);
         let z = missing.driver.variable(sampled, missing.part);
         moments.push((
             sampled.t_s,

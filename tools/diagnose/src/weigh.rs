@@ -105,14 +105,11 @@ impl Search<'_> {
         self.bench.fit(&lasting, &node.fit.starts, FULL)
     }
 
-    /// What an effect promises beside `node` from where a search for it begins (−2 ln L).
-    fn promised(&self, node: &Node, effect: &Hypothesis) -> f64 {
-        let own = self.all.iter().filter(|h| h.is_like(effect));
-        let own: Vec<Hypothesis> = own.cloned().collect();
-        let promises = self.bench.promises(node, &own);
-        promises
-            .first()
-            .map_or(0.0, |best| deviance(node) - best.deviance)
+    /// What an effect promises beside `node` from where a search for it begins (−2 ln L); none for
+    /// what has no such start.
+    fn promised(&self, node: &Node, starts: &[Hypothesis]) -> Option<f64> {
+        let promises = self.bench.promises(node, starts);
+        promises.first().map(|best| deviance(node) - best.deviance)
     }
 
     /// What each effect brings, and what could stand in its place. What fits better in its place
@@ -136,17 +133,14 @@ impl Search<'_> {
                 (node, gains, twins, at) = (less, Vec::new(), Vec::new(), 0);
                 continue;
             }
-            let candidates: Vec<Hypothesis> = self
-                .candidates(&less)
-                .into_iter()
-                .filter(|h| !h.is_like(&removed) && !node.hypotheses.iter().any(|k| k.is_like(h)))
-                .collect();
+            let candidates = self.candidates(&less).into_iter();
+            let candidates = candidates.filter(|h| !without.iter().any(|k| k.is_like(h)));
+            let (own, others): (Vec<_>, Vec<_>) = candidates.partition(|h| h.is_like(&removed));
             let brings = deviance(&less) - deviance(&node);
             let promised = self
-                .promised(&less, &removed)
-                .max(SHORT * brings)
-                .min(brings);
-            let rivals = self.followed(&less, &candidates, RIVAL * promised);
+                .promised(&less, &own)
+                .map_or(brings, |promised| promised.max(SHORT * brings).min(brings));
+            let rivals = self.followed(&less, &others, RIVAL * promised);
             if let Some(rival) = rivals.iter().find(|r| {
                 self.is_clear(r, r.hypotheses.len() - 1, SIGMAS) && !self.bench.spoils(&node, r)
             }) && score(rival) < score(&node) - 3.0
