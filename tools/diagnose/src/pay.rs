@@ -2,6 +2,7 @@
 
 use std::cell::LazyCell;
 
+use crate::around::around;
 use crate::bench::{FULL, Node};
 use crate::follow::LOOK;
 use crate::hypothesis::{Hypothesis, is_limit};
@@ -94,7 +95,7 @@ impl Search<'_> {
             return true;
         }
         if let Some(wander) = LazyCell::force(wander) {
-            return self.is_likelier(wander, after, due(own));
+            return self.is_likelier(wander, [before, after], due(own));
         }
         // what repeats in every fit may be a part of something else, or how simulators differ in a
         // single slide
@@ -118,10 +119,19 @@ impl Search<'_> {
         })
     }
 
-    /// Whether `node` brings more than `due` over forces without pattern in its place.
-    pub(crate) fn is_likelier(&self, wander: &Wander, node: &Node, due: f64) -> bool {
-        let beside = Judge::new(self.bench, node).and_then(|judge| judge.alone());
-        beside.is_some_and(|beside| beside.deviance < wander.deviance - due)
+    /// Whether the second of two nodes brings more than `due` over the first, forces without pattern
+    /// beside both: `wander` beside the first. It has to where answers are taken around these forces as
+    /// well: where residuals are large, what is of second order is larger than what is due.
+    fn is_likelier(&self, wander: &Wander, [before, after]: [&Node; 2], due: f64) -> bool {
+        let alone = |judge: Option<Judge>| Some(judge?.alone()?.deviance);
+        let there = |node| alone(around(self.bench, node).map(|(_, judge)| judge));
+        let beside = alone(Judge::new(self.bench, after));
+        beside.is_some_and(|beside| beside < wander.deviance - due) && {
+            let [before, after] = [before, after].map(there);
+            before
+                .zip(after)
+                .is_some_and(|(before, after)| after < before - due)
+        }
     }
 
     /// Whether an effect is within its bounds, and no push too many.
@@ -186,7 +196,7 @@ impl Search<'_> {
                 let gain = node.fit.misfit.gain_over(&less.fit.misfit);
                 let wander = || {
                     self.wandering(less)
-                        .filter(|w| !self.is_likelier(w, &node, due(&removed)))
+                        .filter(|w| !self.is_likelier(w, [less, &node], due(&removed)))
                 };
                 gain < due(&removed)
                     || self.bench.is_noise(less) && is_slight(nominal, less, &node, due(&removed))

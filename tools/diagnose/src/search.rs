@@ -158,7 +158,10 @@ impl Search<'_> {
             *looked_at += candidates.len();
             next.extend(self.extended(nominal, node, &candidates, rank == 0));
             // the best comes first: what lies further back could hardly explain more
-            if next.iter().any(|next| self.is_right(node, next)) || self.bench.is_narrow() {
+            let leads_on = !next.is_empty() || self.bench.is_spent();
+            if next.iter().any(|next| self.is_right(node, next))
+                || leads_on && self.bench.is_narrow()
+            {
                 break;
             }
         }
