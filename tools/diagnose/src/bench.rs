@@ -24,8 +24,8 @@ const SHORT_STEP_S: f64 = 2e-3;
 const STEP_S: f64 = 4e-3;
 const LONG_STEP_S: f64 = 0.02;
 
-/// How often all windows are simulated before a search goes on from the best model alone, and before
-/// it stops.
+/// How often all windows are simulated before a search goes on from one model, the best that
+/// leads on, and before it stops.
 const NARROW: f64 = 4000.0;
 const BUDGET: f64 = 8000.0;
 /// What is shorter may be searched longer (s).
@@ -131,7 +131,7 @@ impl Bench {
         }
     }
 
-    /// Whether so much was simulated that a search has to go on from the best model alone.
+    /// Whether so much was simulated that a search has to go on from one model: the best that leads on.
     pub(crate) fn is_narrow(&self) -> bool {
         self.times() > NARROW
     }

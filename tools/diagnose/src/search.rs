@@ -157,7 +157,8 @@ impl Search<'_> {
             let candidates = self.candidates(node);
             *looked_at += candidates.len();
             next.extend(self.extended(nominal, node, &candidates, rank == 0));
-            // the best comes first: what lies further back could hardly explain more
+            // the best comes first: what lies further back could hardly explain more, unless the best
+            // leads nowhere
             let leads_on = !next.is_empty() || self.bench.is_spent();
             if next.iter().any(|next| self.is_right(node, next))
                 || leads_on && self.bench.is_narrow()
