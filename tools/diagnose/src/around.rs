@@ -25,9 +25,8 @@ const SMALL: f64 = 0.05;
 const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 
 /// The node with its residuals as they are to first order around the likeliest forces, and these
-/// ready to be judged.
-pub(crate) fn around(bench: &Bench, node: &Node) -> Option<(Node, Judge)> {
-    let mut judge = Judge::new(bench, node)?;
+/// ready to be judged. `judge` is of the node as it is.
+pub(crate) fn around(bench: &Bench, node: &Node, mut judge: Judge) -> Option<(Node, Judge)> {
     let mut seen = node.clone();
     let bends = node.hypotheses.iter().any(Hypothesis::has_play);
     if bench.lacks_motion() || bends {
@@ -153,7 +152,8 @@ mod tests {
     fn a_large_force_is_what_it_is() {
         let (bench, node) = on_a_slope();
         assert!(bench.worst(&node).1 > 30.0, "{:?}", bench.worst(&node));
-        let (_, judge) = around(&bench, &node).unwrap();
+        let judge = Judge::new(&bench, &node).unwrap();
+        let (_, judge) = around(&bench, &node, judge).unwrap();
         let wander = judge.alone().unwrap();
         let forces = judge.forces(&wander.level).unwrap();
         let samples = force::samples(&judge.answers);
@@ -178,7 +178,8 @@ mod tests {
         let bench = fixture::bench(fixture::driven(&model, 5.0, fixture::gentle), model);
         let starts = bench.guesses(&bench.windows).unwrap();
         let node = bench.fit(&[], &starts, FULL).unwrap();
-        let (seen, _) = around(&bench, &node).unwrap();
+        let judge = Judge::new(&bench, &node).unwrap();
+        let (seen, _) = around(&bench, &node, judge).unwrap();
         let (before, after) = (&node.fit.linear[0], &seen.fit.linear[0]);
         let pairs = before.residuals.iter().zip(&after.residuals);
         assert!(pairs.filter(|(b, _)| b.is_finite()).all(|(b, a)| b == a));

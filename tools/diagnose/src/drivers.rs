@@ -33,7 +33,17 @@ const ABOUT_S: f64 = 0.06;
 const REST_S: f64 = 0.1;
 const SETS_OFF_S: f64 = 0.3;
 
+/// Whether a speed (m/s, rad/s) is none that a force could act against.
+pub(crate) fn is_still(speed: f64) -> bool {
+    speed.abs() < 2e-3
+}
+
 impl Sampled {
+    /// Whether the robot neither drives nor turns.
+    pub(crate) fn stands(&self) -> bool {
+        is_still(self.v) && is_still(self.w)
+    }
+
     /// The motion at `t_s`. `heading` (rad) is a model's, for a camera that shows none.
     pub(crate) fn new(bench: &Bench, track: &Track, t_s: f64, heading: f64) -> Self {
         let body = &bench.model.robot;

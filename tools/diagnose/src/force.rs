@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::drivers::{Driver, Sampled};
+use crate::drivers::{Driver, Sampled, is_still};
 use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::misfit::Misfit;
@@ -179,11 +179,6 @@ fn one(
     let mut change: Vec<f64> = change.collect();
     simulation.window.share(&mut change);
     change
-}
-
-/// Whether a speed (m/s, rad/s) is none that a force could act against.
-pub(crate) fn is_still(speed: f64) -> bool {
-    speed.abs() < 2e-3
 }
 
 /// What a force on `part` that opposes the motion, or does not, is in force along and moment about

@@ -7,7 +7,7 @@ use slipstream_sim::{Command, Robot, State};
 use crate::around::moved;
 use crate::bench::{Bench, Node};
 use crate::drivers::Sampled;
-use crate::force::{Missing, is_still, shares};
+use crate::force::{Missing, shares};
 use crate::search::deviance;
 use crate::simulate::{asked, tracked};
 use crate::track::{Sensor, Track};
@@ -70,8 +70,7 @@ impl Law {
             weights,
             ..
         } = &self.missing;
-        let still = is_still(sampled.v) && is_still(sampled.w);
-        if *against && still {
+        if *against && sampled.stands() {
             return [0.0; 2];
         }
         let force = driver.force(weights, sampled, *part);

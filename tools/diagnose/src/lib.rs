@@ -6,6 +6,7 @@
 //! and patches are looked for by time and place first. What no effect explains is looked for as a
 //! force that follows a variable. ARCHITECTURE.md has the steps, and the limits.
 
+mod against;
 mod answer;
 mod around;
 mod bench;
@@ -28,6 +29,7 @@ mod local;
 mod located;
 mod manoeuvre;
 mod misfit;
+mod moment;
 mod motion;
 mod noise;
 mod passing;
@@ -56,11 +58,12 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 use slipstream_sim::CommandKind;
 
+pub use against::Against;
 pub use answer::{
     Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
 };
 pub use digits::in_digits;
-pub use figures::{Against, Figures, MissingForce, Paths, Point, Residuals};
+pub use figures::{Figures, MissingForce, Paths, Point, Residuals};
 pub use input::Warning;
 pub use limits::{Limit, Seen};
 pub use manoeuvre::manoeuvre;

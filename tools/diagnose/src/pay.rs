@@ -1,6 +1,6 @@
 //! What an effect has to bring to be accepted, and to stay.
 
-use std::cell::LazyCell;
+use std::cell::{LazyCell, OnceCell};
 
 use crate::around::around;
 use crate::bench::{FULL, Node};
@@ -34,6 +34,14 @@ const WORSE: f64 = 3.0;
 /// Estimate over deviation that each effect has to keep in one of its parameters.
 pub(crate) const SIGMAS: f64 = 4.2;
 
+/// Forces without pattern that explain all that a node leaves.
+pub(crate) struct Beside<'a> {
+    node: &'a Node,
+    wander: Wander,
+    /// −2 ln L with answers taken around these forces, once asked for.
+    around: OnceCell<Option<f64>>,
+}
+
 /// What an effect has to bring.
 fn due(hypothesis: &Hypothesis) -> f64 {
     PAY[0] + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
@@ -54,20 +62,24 @@ impl Search<'_> {
     }
 
     /// Small forces without pattern beside `node`, if they explain all that it leaves.
-    pub(crate) fn wandering(&self, node: &Node) -> Option<Wander> {
+    pub(crate) fn wandering<'n>(&self, node: &'n Node) -> Option<Beside<'n>> {
         if self.bench.is_noise(node) {
             return None;
         }
         let wander = Judge::new(self.bench, node)?.alone()?;
-        wander.is_noise(self.bench).then_some(wander)
+        wander.is_noise(self.bench).then(|| Beside {
+            node,
+            wander,
+            around: OnceCell::new(),
+        })
     }
 
-    pub(crate) fn pays(
+    pub(crate) fn pays<'n>(
         &self,
         nominal: &Node,
         before: &Node,
         after: &Node,
-        wander: &LazyCell<Option<Wander>, impl FnOnce() -> Option<Wander>>,
+        beside: &LazyCell<Option<Beside<'n>>, impl FnOnce() -> Option<Beside<'n>>>,
     ) -> bool {
         let Some(own) = after.hypotheses.last() else {
             return false;
@@ -94,8 +106,8 @@ impl Search<'_> {
         if self.bench.is_noise(after) && (certain || own.is_local()) {
             return true;
         }
-        if let Some(wander) = LazyCell::force(wander) {
-            return self.is_likelier(wander, [before, after], due(own));
+        if let Some(beside) = LazyCell::force(beside) {
+            return self.is_likelier(beside, after, due(own));
         }
         // what repeats in every fit may be a part of something else, or how simulators differ in a
         // single slide
@@ -119,19 +131,26 @@ impl Search<'_> {
         })
     }
 
-    /// Whether the second of two nodes brings more than `due` over the first, forces without pattern
-    /// beside both: `wander` beside the first. It has to where answers are taken around these forces as
-    /// well: where residuals are large, what is of second order is larger than what is due.
-    fn is_likelier(&self, wander: &Wander, [before, after]: [&Node; 2], due: f64) -> bool {
-        let alone = |judge: Option<Judge>| Some(judge?.alone()?.deviance);
-        let there = |node| alone(around(self.bench, node).map(|(_, judge)| judge));
-        let beside = alone(Judge::new(self.bench, after));
-        beside.is_some_and(|beside| beside < wander.deviance - due) && {
-            let [before, after] = [before, after].map(there);
-            before
-                .zip(after)
-                .is_some_and(|(before, after)| after < before - due)
+    /// Whether `after` brings more than `due` over the node that forces without pattern are beside,
+    /// such forces beside both. It has to where answers are taken around these forces as well: where
+    /// residuals are large, what is of second order is larger than what is due.
+    fn is_likelier(&self, beside: &Beside, after: &Node, due: f64) -> bool {
+        let Some(judge) = Judge::new(self.bench, after) else {
+            return false;
+        };
+        let alone = judge.alone();
+        if alone.is_none_or(|own| own.deviance >= beside.wander.deviance - due) {
+            return false;
         }
+        let around = |node, judge| Some(around(self.bench, node, judge)?.1.alone()?.deviance);
+        let before = *beside.around.get_or_init(|| {
+            let judge = Judge::new(self.bench, beside.node)?;
+            around(beside.node, judge)
+        });
+        let after = around(after, judge);
+        before
+            .zip(after)
+            .is_some_and(|(before, after)| after < before - due)
     }
 
     /// Whether an effect is within its bounds, and no push too many.
@@ -194,13 +213,13 @@ impl Search<'_> {
             let less = self.less(&node, &without, due(&removed));
             let idle = |less: &Node| {
                 let gain = node.fit.misfit.gain_over(&less.fit.misfit);
-                let wander = || {
+                let explained = || {
                     self.wandering(less)
-                        .filter(|w| !self.is_likelier(w, [less, &node], due(&removed)))
+                        .is_some_and(|beside| !self.is_likelier(&beside, &node, due(&removed)))
                 };
                 gain < due(&removed)
                     || self.bench.is_noise(less) && is_slight(nominal, less, &node, due(&removed))
-                    || !self.bench.is_noise(&node) && wander().is_some()
+                    || !self.bench.is_noise(&node) && explained()
             };
             match less.filter(idle) {
                 Some(less) => (node, at) = (less, 0),

@@ -214,9 +214,9 @@ impl Search<'_> {
         }
         best_first(&mut followed);
         let freed = self.freed(node, &followed);
-        let wander = LazyCell::new(|| self.wandering(node));
+        let beside = LazyCell::new(|| self.wandering(node));
         let stones: Vec<Node> = followed.iter().take(STONES).cloned().collect();
-        followed.retain(|next| self.pays(nominal, node, next, &wander));
+        followed.retain(|next| self.pays(nominal, node, next, &beside));
         followed.extend(freed);
         if followed.is_empty() && !self.bench.is_noise(node) {
             return self.beyond(node, &stones);

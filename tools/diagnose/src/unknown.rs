@@ -66,7 +66,7 @@ impl Beyond {
 
 /// What is beyond the catalogue beside `node`.
 pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
-    let (seen, judge) = around(bench, node)?;
+    let (seen, judge) = around(bench, node, Judge::new(bench, node)?)?;
     let (begun, node) = (node, &seen);
     let wander = judge.alone()?;
     let samples = force::samples(&judge.answers);
@@ -170,7 +170,7 @@ fn describe(
         let force = missing
             .driver
             .force(&missing.weights, sampled, missing.part);
-        let still = missing.against && force::is_still(sampled.v) && force::is_still(sampled.w);
+        let still = missing.against && sampled.stands();
         let z = missing.driver.variable(sampled, missing.part);
         moments.push((
             sampled.t_s,
