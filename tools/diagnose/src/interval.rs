@@ -43,7 +43,8 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
                 if holds && falls(bench, node, (which, i), plain) {
                     plain
                 } else {
-                    end(bench, node, (which, i), side)
+                    let from = if holds { plain } else { value };
+                    end(bench, node, (which, i), side, from)
                 }
             })
         })
@@ -89,8 +90,9 @@ fn falls(bench: &Bench, node: &Node, (which, i): (usize, usize), at: f64) -> boo
     rise.is_none_or(|rise| rise > WILKS)
 }
 
-/// Where, away from the estimate, the likelihood has fallen.
-fn end(bench: &Bench, node: &Node, (which, i): (usize, usize), side: f64) -> f64 {
+/// Where, away from the estimate and beyond `from`, the likelihood has fallen: of what goes in steps it
+/// may have before and risen again.
+fn end(bench: &Bench, node: &Node, (which, i): (usize, usize), side: f64, from: f64) -> f64 {
     let own = &node.hypotheses[which];
     let value = own.values[i].1;
     let least = own
@@ -107,9 +109,12 @@ fn end(bench: &Bench, node: &Node, (which, i): (usize, usize), side: f64) -> f64
     };
     let falls = |at: f64| falls(bench, node, (which, i), at);
     let unit = 1e-4 * value.abs().max(1e-3);
-    let mut inside = value;
+    let mut inside = from;
     for k in 0..DOUBLINGS {
         let at = limit(value + side * unit * 2_f64.powi(k));
+        if side * (at - from) < 0.0 {
+            continue;
+        }
         if falls(at) {
             let mut outside = at;
             for _ in 0..6 {
@@ -232,7 +237,9 @@ mod tests {
         let slopes = slopes.filter(|(_, slope)| slope.is_finite());
         let fisher: f64 = slopes.map(|(weight, slope)| weight * slope * slope).sum();
         for side in [-1.0, 1.0] {
-            let end = end(&bench, &node, (0, 0), side);
+            let far = value + side * 3.0 * (WILKS / fisher).sqrt();
+            assert_eq!(super::end(&bench, &node, (0, 0), side, far), far);
+            let end = end(&bench, &node, (0, 0), side, value);
             assert!(side * (end - value) > 0.0, "{end} beside {value}");
             assert!(!falls(&bench, &node, (0, 0), end));
             assert!(falls(&bench, &node, (0, 0), value + (end - value) * 1.05));
