@@ -238,7 +238,7 @@ mod tests {
         let fisher: f64 = slopes.map(|(weight, slope)| weight * slope * slope).sum();
         for side in [-1.0, 1.0] {
             let far = value + side * 3.0 * (WILKS / fisher).sqrt();
-            assert_eq!(super::end(&bench, &node, (0, 0), side, far), far);
+            assert_eq!(end(&bench, &node, (0, 0), side, far), far);
             let end = end(&bench, &node, (0, 0), side, value);
             assert!(side * (end - value) > 0.0, "{end} beside {value}");
             assert!(!falls(&bench, &node, (0, 0), end));
