@@ -229,3 +229,68 @@ impl Search<'_> {
         node
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+    use slipstream_sim::effects::find;
+
+    use crate::bench::FULL;
+    use crate::fixture;
+
+    use super::*;
+
+    /// Torques (N m) that no record of commands shows, beside those that one does.
+    fn shaken(t_s: f64) -> [f64; 2] {
+        let [right, left] = fixture::gentle(t_s);
+        let hum = |rates: [f64; 3]| rates.iter().map(|w| (w * t_s + w).sin()).sum::<f64>();
+        [
+            right + 0.01 * hum([7.3, 11.9, 2.7]),
+            left + 0.01 * hum([6.1, 13.7, 3.3]),
+        ]
+    }
+
+    /// What other wheel radii bring on a shaken robot whose radii are off by this factor, to first order
+    /// around no forces, and whether they are likelier.
+    fn radii(scale: f64) -> (f64, bool) {
+        let model = RobotModel::default();
+        let scales = [("right_scale", scale), ("left_scale", scale)];
+        let truth = model.clone().with("wheel_radius", &scales);
+        let mut track = fixture::driven(&truth, 10.0, shaken);
+        track.commands = fixture::driven(&truth, 10.0, fixture::gentle).commands;
+        let bench = fixture::bench(track, model);
+        let search = Search {
+            bench: &bench,
+            all: Vec::new(),
+            excluded: &[],
+            known: Vec::new(),
+            cuts: false,
+            progress: &|_| (),
+        };
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let own = Hypothesis::new(find("wheel_radius").unwrap(), scales.to_vec());
+        let before = bench.fit(&[], &starts, FULL).unwrap();
+        let after = bench.fit(&[own], &starts, FULL).unwrap();
+        let alone = |node| Judge::new(&bench, node).unwrap().alone().unwrap();
+        let beside = Beside {
+            node: &before,
+            wander: alone(&before),
+            around: OnceCell::new(),
+        };
+        let brings = beside.wander.deviance - alone(&after).deviance;
+        let due = due(&after.hypotheses[0]);
+        (brings - due, search.is_likelier(&beside, &after, due))
+    }
+
+    #[test]
+    fn what_is_of_second_order_beside_large_forces_is_no_effect() {
+        let (brings, is_likelier) = radii(1.0);
+        assert!(brings > 0.0, "{brings}");
+        assert!(!is_likelier);
+    }
+
+    #[test]
+    fn an_effect_is_likelier_beside_large_forces() {
+        assert!(radii(1.03).1);
+    }
+}
