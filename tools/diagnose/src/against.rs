@@ -136,7 +136,9 @@ fn variable(bench: &Bench, driver: &Driver, part: Part) -> String {
         ("t", _) => "t (s)".to_owned(),
         ("v", _) => "forward speed (m/s)".to_owned(),
         ("w", _) => "yaw rate (rad/s)".to_owned(),
-        ("torque", Part::WheelRight | Part::WheelLeft) => format!("commanded {commanded}"),
+        ("torque", Part::WheelRight | Part::WheelLeft | Part::Wheels) => {
+            format!("commanded {commanded}")
+        }
         ("torque", Part::Yaw) => format!("commanded right minus left {commanded}"),
         ("torque", Part::Longitudinal) => format!("commanded right plus left {commanded}"),
         ("wheel_angle", Part::WheelLeft) => "angle of the left wheel in its turn (rad)".to_owned(),
@@ -156,13 +158,13 @@ pub(crate) fn of_unknown(bench: &Bench, unknown: &Unknown, left: &[Moment]) -> V
         (true, Part::Yaw) => opposing(s.w),
         (true, _) => opposing(s.v),
     };
-    let is_function = driver.name != "position";
+    let is_function = driver.is_function();
     let way = if missing.against {
         ", against the motion"
     } else {
         ""
     };
-    let axes: &[&str] = if is_function {
+    let axes: &[&str] = if driver.name != "position" {
         &[""]
     } else {
         driven_over(left)

@@ -183,41 +183,46 @@ impl Answer {
     /// What the fitted model leaves beyond the noise.
     fn leftover(&mut self, bench: &Bench, found: &Found) {
         let robot = bench.tracks[0].robot.clone();
+        let looked_at = found.looked_at;
         if let Some(unknown) = &found.unknown {
-            self.findings
-                .push(outside(&robot, unknown, found.looked_at));
-            self.unexplained.push(Unexplained {
+            let what = Unexplained {
                 robot,
                 channel: unknown.missing.part.name().to_owned(),
                 driver: unknown.missing.driver.name.to_owned(),
                 intervals_s: unknown.intervals_s.clone(),
                 shape: unknown.shape.clone(),
-            });
+            };
+            let condition = format!("follows {}", what.driver);
+            self.findings
+                .push(outside(&what, condition, unknown.gain, looked_at));
+            self.unexplained.push(what);
             return;
         }
         match found.wander {
-            Some(wander) if wander.is_noise(bench) => {
+            Some((wander, _)) if wander.is_noise(bench) => {
                 self.warnings.push(wandering(bench, &wander));
                 return;
             }
-            Some(wander) if wander.rest < EXPLAINED => {
+            Some((wander, gain)) if wander.rest < EXPLAINED => {
                 let [along, about] = wander.strengths(bench);
                 let channel = if along > about { "longitudinal" } else { "yaw" };
-                self.unexplained.push(Unexplained {
+                let what = if bench.lacks_motion() {
+                    "motions"
+                } else {
+                    "forces"
+                };
+                let sizes = sizes(bench, &wander);
+                let what = Unexplained {
                     robot,
                     channel: channel.to_owned(),
                     driver: "t".to_owned(),
                     intervals_s: vec![bench.tracks[0].span_s()],
-                    shape: format!(
-                        "{} that follow no variable looked at, {}",
-                        if bench.lacks_motion() {
-                            "motions"
-                        } else {
-                            "forces"
-                        },
-                        sizes(bench, &wander)
-                    ),
-                });
+                    shape: format!("{what} that follow no variable looked at, {sizes}"),
+                };
+                let condition = "all the time".to_owned();
+                self.findings
+                    .push(outside(&what, condition, gain, looked_at));
+                self.unexplained.push(what);
                 return;
             }
             _ => {}
@@ -384,26 +389,24 @@ fn wandering(bench: &Bench, wander: &Wander) -> Warning {
 }
 
 /// A finding that the catalogue does not hold.
-fn outside(robot: &str, unknown: &Unknown, looked_at: usize) -> Finding {
+fn outside(what: &Unexplained, condition: String, gain: f64, looked_at: usize) -> Finding {
+    let Unexplained { robot, shape, .. } = what;
     Finding {
-        robot: robot.to_owned(),
+        robot: robot.clone(),
         effect: "unknown".to_owned(),
-        statement: format!(
-            "Robot {robot}: something outside of the catalogue: {}.",
-            unknown.shape
-        ),
+        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
         parameters: Vec::new(),
         place: Place {
-            channel: unknown.missing.part.name().to_owned(),
-            intervals_s: unknown.intervals_s.clone(),
-            condition: format!("follows {}", unknown.missing.driver.name),
+            channel: what.channel.clone(),
+            intervals_s: what.intervals_s.clone(),
+            condition,
         },
         confused_with: Vec::new(),
         evidence: Evidence {
-            log_likelihood_gain: unknown.gain,
-            p_value: (looked_at as f64 * (-unknown.gain).exp()).min(1.0),
+            log_likelihood_gain: gain,
+            p_value: (looked_at as f64 * (-gain).exp()).min(1.0),
         },
-        shape: Some(unknown.shape.clone()),
-        driver: Some(unknown.missing.driver.name.to_owned()),
+        shape: Some(shape.clone()),
+        driver: Some(what.driver.clone()),
     }
 }

@@ -311,6 +311,15 @@ impl Bench {
         }
     }
 
+    /// Every other window, from this one on, and the node as it begins there.
+    pub(crate) fn half(&self, node: &Node, from: usize) -> (Self, Node) {
+        let windows = self.windows.iter().skip(from).step_by(2);
+        let starts = node.fit.starts.iter().skip(from).step_by(2);
+        let mut own = node.clone();
+        own.fit.starts = starts.copied().collect();
+        (self.over(windows.cloned().collect()), own)
+    }
+
     /// The same cut at the times of another.
     pub(crate) fn cut_as(&self, other: &Self) -> Self {
         let windows = other.windows.iter();

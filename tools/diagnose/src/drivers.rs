@@ -18,7 +18,8 @@ pub(crate) struct Sampled {
     pub(crate) w: f64,
     /// Wheel angles since the recording began (rad).
     pub(crate) angle: [f64; 2],
-    /// x and y (m) and heading (rad); NaN without a camera.
+    /// x and y (m) and heading (rad). Without a camera, NaN and how far the wheels have turned it since
+    /// the recording began, if anything.
     pub(crate) pose: [f64; 3],
     /// What is commanded at each wheel.
     pub(crate) asked: [f64; 2],
@@ -51,7 +52,8 @@ impl Sampled {
         let wheels = track.of(Sensor::WheelAngle);
         let poses = track.of(Sensor::Pose);
         let angle = wheels.map_or([f64::NAN; 3], |wheels| at(wheels, t_s));
-        let mut pose = poses.map_or([f64::NAN; 3], |poses| at(poses, t_s));
+        let turned = turned([angle[0], angle[1]], r, b);
+        let mut pose = poses.map_or([f64::NAN, f64::NAN, turned], |poses| at(poses, t_s));
         if poses.is_some() && !pose[2].is_finite() {
             pose[2] = heading;
         }
@@ -82,6 +84,11 @@ impl Sampled {
             rested_s: wheels.map_or(f64::NAN, |wheels| rested_s(wheels, t_s)),
         }
     }
+}
+
+/// How far wheels at these angles have turned the body (rad).
+pub(crate) fn turned([right, left]: [f64; 2], radius_m: f64, half_track_m: f64) -> f64 {
+    radius_m * (right - left) / (2.0 * half_track_m)
 }
 
 /// Values of a series between its rows.
@@ -132,8 +139,18 @@ enum Basis {
     One,
     /// One and waves of a turn, up to this many in it.
     Waves(usize),
+    /// The same for each wheel: the first row is not angle zero of either.
+    Turns(usize),
     /// Hats on these knots.
     Hats(Vec<f64>),
+    /// Hats over the size of the variable: friction that changes with the speed.
+    Sizes(Vec<f64>),
+    /// Hats on these knots, in proportion to what is commanded.
+    Gains(Vec<f64>),
+    /// Hats over a place along this axis, as the floor there falls along it.
+    Falls(usize, Vec<f64>),
+    /// A floor that falls and rises in waves along this direction, of this wave number (rad/m).
+    Swell([f64; 2], f64),
     /// Hats on a grid: origin, spacing and the cells that were visited.
     Grid([f64; 2], f64, Vec<[i64; 2]>),
 }
@@ -145,6 +162,8 @@ const FINE: usize = 27;
 /// Share of the moments at either end of a variable that need no hat of their own: an encoder that
 /// skips shows a speed that never was.
 const RIM: f64 = 0.02;
+/// Cosine of the angle up to which a direction is that of an axis: about 6°.
+const ALIGNED: f64 = 0.995;
 /// Cells over the longer side of the floor.
 const CELLS: f64 = 6.0;
 
@@ -152,40 +171,53 @@ impl Driver {
     /// The drivers that `samples` cover.
     pub(crate) fn all(samples: &[Vec<Sampled>]) -> Vec<Self> {
         let flat: Vec<&Sampled> = samples.iter().flatten().collect();
-        let hats = |name, unit, count, of: fn(&Sampled) -> f64| {
-            Self::over(name, unit, count, flat.iter().map(|s| of(s)).collect())
+        let over = |name, unit, count, of: fn(&Sampled) -> f64, basis: fn(Vec<f64>) -> Basis| {
+            let knots = inner(count, flat.iter().map(|s| of(s)).collect())?;
+            Some(Self::new(name, unit, basis(knots)))
         };
         let waves = |name: &'static str, count: usize, there: bool| {
-            there.then_some(Self {
-                name,
-                unit: "rad",
-                basis: Basis::Waves(count),
-            })
+            there.then(|| Self::new(name, "rad", Basis::Waves(count)))
         };
-        let dry = |name, unit| {
-            Some(Self {
-                name,
-                unit,
-                basis: Basis::One,
-            })
-        };
+        let dry = |name, unit| Some(Self::new(name, unit, Basis::One));
         let yaw = flat.iter().any(|s| s.pose[2].is_finite());
         let angle = flat.iter().any(|s| s.angle[0].is_finite());
         [
-            hats("t", "s", HATS, |s| s.t_s),
-            hats("v", "m/s", HATS, |s| s.v),
+            over("t", "s", HATS, |s| s.t_s, Basis::Hats),
+            over("t", "s", HATS, |s| s.t_s, Basis::Gains),
+            over("v", "m/s", HATS, |s| s.v, Basis::Hats),
+            over("v", "m/s", HATS, |s| s.v.abs(), Basis::Sizes),
             dry("v", "m/s"),
-            hats("w", "rad/s", HATS, |s| s.w),
+            over("w", "rad/s", HATS, |s| s.w, Basis::Hats),
+            over("w", "rad/s", HATS, |s| s.w.abs(), Basis::Sizes),
             dry("w", "rad/s"),
-            hats("torque", "of the command", HATS, |s| {
-                s.asked[0] + s.asked[1]
-            }),
+            over(
+                "torque",
+                "of the command",
+                HATS,
+                |s| s.asked[0] + s.asked[1],
+                Basis::Hats,
+            ),
             waves("wheel_angle", 3, angle),
+            angle.then(|| Self::new("wheel_angle", "rad", Basis::Turns(3))),
             waves("heading", 2, yaw),
-            hats("x", "m", HATS, |s| s.pose[0]),
+            over("x", "m", HATS, |s| s.pose[0], Basis::Hats),
             Self::along(0, samples),
             Self::along(1, samples),
-            hats("y", "m", HATS, |s| s.pose[1]),
+            over("y", "m", HATS, |s| s.pose[1], Basis::Hats),
+            over(
+                "x",
+                "m",
+                FINE,
+                |s| s.pose[0],
+                |knots| Basis::Falls(0, knots),
+            ),
+            over(
+                "y",
+                "m",
+                FINE,
+                |s| s.pose[1],
+                |knots| Basis::Falls(1, knots),
+            ),
             grid(&flat),
             Self::rest(samples),
         ]
@@ -194,48 +226,35 @@ impl Driver {
         .collect()
     }
 
-    /// Hats over what lies between the rims of `values`, if they differ.
-    fn over(
-        name: &'static str,
-        unit: &'static str,
-        count: usize,
-        mut values: Vec<f64>,
-    ) -> Option<Self> {
-        values.retain(|value| value.is_finite());
-        values.sort_by(f64::total_cmp);
-        let rim = (RIM * values.len() as f64) as usize;
-        let inner = values.get(rim..values.len() - rim)?;
-        Self::between(name, unit, count, inner.iter().copied())
-    }
-
-    /// Hats over all of `values`, if they differ.
-    fn between(
-        name: &'static str,
-        unit: &'static str,
-        count: usize,
-        values: impl Iterator<Item = f64>,
-    ) -> Option<Self> {
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
-        let knot = |k: usize| low + (high - low) * k as f64 / (count - 1) as f64;
-        (high - low > 1e-6).then(|| Self {
-            name,
-            unit,
-            basis: Basis::Hats((0..count).map(knot).collect()),
-        })
+    fn new(name: &'static str, unit: &'static str, basis: Basis) -> Self {
+        Self { name, unit, basis }
     }
 
     /// Places along one axis, finely.
     pub(crate) fn along(axis: usize, samples: &[Vec<Sampled>]) -> Option<Self> {
         let places = samples.iter().flatten().map(|s| s.pose[axis]);
-        Self::over(["x", "y"][axis], "m", FINE, places.collect())
+        let knots = inner(FINE, places.collect())?;
+        Some(Self::new(["x", "y"][axis], "m", Basis::Hats(knots)))
     }
 
     /// How long the robot has stood. A rest is no slip of a sensor, however seldom.
     pub(crate) fn rest(samples: &[Vec<Sampled>]) -> Option<Self> {
         let rests = samples.iter().flatten().map(|s| s.rested_s);
-        Self::between("time_at_rest", "s", HATS, rests)
+        let knots = between(HATS, rests)?;
+        Some(Self::new("time_at_rest", "s", Basis::Hats(knots)))
+    }
+
+    /// A floor in waves of this number (rad/m) along this direction.
+    pub(crate) fn swell(direction_rad: f64, wave_rad_m: f64) -> Self {
+        let (sin, cos) = direction_rad.sin_cos();
+        let axis = if cos.abs() > ALIGNED {
+            "x"
+        } else if sin.abs() > ALIGNED {
+            "y"
+        } else {
+            "position"
+        };
+        Self::new(axis, "m", Basis::Swell([cos, sin], wave_rad_m))
     }
 
     /// Time, with a hat on each of these instants (s).
@@ -250,8 +269,13 @@ impl Driver {
     /// Whether a force on this part makes sense as a function of this variable.
     pub(crate) fn suits(&self, part: Part, against: bool) -> bool {
         match (self.name, part) {
-            ("v", Part::Longitudinal) | ("w", Part::Yaw) if self.basis == Basis::One => against,
-            _ if self.basis == Basis::One => false,
+            ("v", Part::Longitudinal) | ("w", Part::Yaw) if self.is_friction() => against,
+            _ if self.is_friction() => false,
+            (_, Part::Longitudinal) if self.falls() => !against,
+            _ if self.falls() => false,
+            _ if matches!(self.basis, Basis::Turns(_)) => part == Part::Wheels && !against,
+            (_, Part::Wheels) => !against && (self.name == "torque" || self.is_gain()),
+            _ if self.is_gain() => false,
             ("wheel_angle", Part::WheelRight | Part::WheelLeft) => !against,
             ("wheel_angle", _) | ("v" | "w" | "torque", _) if against => false,
             ("wheel_angle", _) => false,
@@ -260,12 +284,55 @@ impl Driver {
         }
     }
 
+    /// Whether it makes a force that has no direction but against the motion.
+    fn is_friction(&self) -> bool {
+        matches!(self.basis, Basis::One | Basis::Sizes(_))
+    }
+
+    /// Whether it makes the weight of a robot on a floor that is not level.
+    fn falls(&self) -> bool {
+        matches!(self.basis, Basis::Falls(..) | Basis::Swell(..))
+    }
+
+    /// Whether it makes a share of what is commanded.
+    pub(crate) fn is_gain(&self) -> bool {
+        matches!(self.basis, Basis::Gains(_))
+    }
+
+    /// Whether it makes a force that is of its moments alone.
+    pub(crate) fn is_of_moments(&self) -> bool {
+        self.name == "t" && !self.is_gain()
+    }
+
+    /// Whether the force is a function of the variable alone.
+    pub(crate) fn is_function(&self) -> bool {
+        !(self.falls() || self.is_gain() || matches!(self.basis, Basis::Grid(..)))
+    }
+
+    /// What such a force is like beside following the variable, in words.
+    pub(crate) fn character(&self) -> String {
+        match &self.basis {
+            Basis::Gains(_) => " in proportion to the command".to_owned(),
+            Basis::Falls(..) => ", as the weight makes on a floor that is not level,".to_owned(),
+            Basis::Swell(_, wave_rad_m) => format!(
+                ", as the weight makes on a floor in waves of {:.3} m,",
+                TAU / wave_rad_m
+            ),
+            _ => String::new(),
+        }
+    }
+
     /// How many numbers a function of it takes.
     pub(crate) fn functions(&self) -> usize {
         match &self.basis {
             Basis::One => 1,
             Basis::Waves(count) => 1 + 2 * count,
-            Basis::Hats(knots) => knots.len(),
+            Basis::Turns(count) => 2 * (1 + 2 * count),
+            Basis::Hats(knots)
+            | Basis::Sizes(knots)
+            | Basis::Gains(knots)
+            | Basis::Falls(_, knots) => knots.len(),
+            Basis::Swell(..) => 2,
             Basis::Grid(_, _, cells) => cells.len(),
         }
     }
@@ -276,7 +343,7 @@ impl Driver {
             ("t", _) => s.t_s,
             ("v", _) => s.v,
             ("w", _) => s.w,
-            ("torque", Part::WheelRight) => s.asked[0],
+            ("torque", Part::WheelRight | Part::Wheels) => s.asked[0],
             ("torque", Part::WheelLeft) => s.asked[1],
             ("torque", Part::Yaw) => s.asked[0] - s.asked[1],
             ("torque", Part::Longitudinal) => s.asked[0] + s.asked[1],
@@ -295,23 +362,43 @@ impl Driver {
         let z = self.variable(s, part);
         match &self.basis {
             Basis::Grid(origin, spacing, cells) => on_grid(*origin, *spacing, cells, s),
+            Basis::Falls(..) | Basis::Swell(..) => {
+                let (sin, cos) = s.pose[2].sin_cos();
+                self.pulls(s, [cos, sin])
+            }
             _ if !z.is_finite() => Vec::new(),
             Basis::One => vec![(0, 1.0)],
-            Basis::Waves(count) => {
-                let waves = (1..=*count).flat_map(|k| {
-                    let (sin, cos) = (k as f64 * z).sin_cos();
-                    [(2 * k - 1, sin), (2 * k, cos)]
-                });
-                [(0, 1.0)].into_iter().chain(waves).collect()
+            Basis::Waves(count) => waves(*count, z, 0),
+            Basis::Turns(count) => {
+                let left = part == Part::WheelLeft;
+                waves(*count, z, if left { 1 + 2 * count } else { 0 })
             }
-            Basis::Hats(knots) => {
-                let next = knots
-                    .partition_point(|knot| *knot < z)
-                    .clamp(1, knots.len() - 1);
-                let (a, b) = (knots[next - 1], knots[next]);
-                let share = ((z - a) / (b - a)).clamp(0.0, 1.0);
-                vec![(next - 1, 1.0 - share), (next, share)]
+            Basis::Hats(knots) => hats(knots, z, 1.0),
+            Basis::Sizes(knots) => hats(knots, z.abs(), 1.0),
+            Basis::Gains(knots) => hats(knots, z, s.asked[usize::from(part == Part::WheelLeft)]),
+        }
+    }
+
+    /// The functions that act across the body as well, to its left, and their values there.
+    pub(crate) fn across(&self, s: &Sampled) -> Vec<(usize, f64)> {
+        let (sin, cos) = s.pose[2].sin_cos();
+        self.pulls(s, [-sin, cos])
+    }
+
+    /// What a floor that is not level makes of the weight in this direction; nothing of others.
+    fn pulls(&self, s: &Sampled, direction: [f64; 2]) -> Vec<(usize, f64)> {
+        let [x, y, heading] = s.pose;
+        if !(x + y + heading).is_finite() {
+            return Vec::new();
+        }
+        match &self.basis {
+            Basis::Falls(axis, knots) => hats(knots, s.pose[*axis], direction[*axis]),
+            Basis::Swell([cos, sin], wave_rad_m) => {
+                let share = direction[0] * cos + direction[1] * sin;
+                let (up, out) = (wave_rad_m * (x * cos + y * sin)).sin_cos();
+                vec![(0, share * up), (1, share * out)]
             }
+            _ => Vec::new(),
         }
     }
 
@@ -326,10 +413,47 @@ impl Driver {
     /// The variable of a turn counts modulo a turn.
     pub(crate) fn shown(&self, z: f64) -> f64 {
         match self.basis {
-            Basis::Waves(_) => z.rem_euclid(TAU),
+            Basis::Waves(_) | Basis::Turns(_) => z.rem_euclid(TAU),
             _ => z,
         }
     }
+}
+
+/// One and waves of a turn at `z`, the functions from `first` on.
+fn waves(count: usize, z: f64, first: usize) -> Vec<(usize, f64)> {
+    let waves = (1..=count).flat_map(|k| {
+        let (sin, cos) = (k as f64 * z).sin_cos();
+        [(first + 2 * k - 1, sin), (first + 2 * k, cos)]
+    });
+    [(first, 1.0)].into_iter().chain(waves).collect()
+}
+
+/// Hats on `knots` at `z`, each this high.
+fn hats(knots: &[f64], z: f64, height: f64) -> Vec<(usize, f64)> {
+    let next = knots
+        .partition_point(|knot| *knot < z)
+        .clamp(1, knots.len() - 1);
+    let (a, b) = (knots[next - 1], knots[next]);
+    let share = ((z - a) / (b - a)).clamp(0.0, 1.0);
+    vec![(next - 1, height * (1.0 - share)), (next, height * share)]
+}
+
+/// Knots over what lies between the rims of `values`, if they differ.
+fn inner(count: usize, mut values: Vec<f64>) -> Option<Vec<f64>> {
+    values.retain(|value| value.is_finite());
+    values.sort_by(f64::total_cmp);
+    let rim = (RIM * values.len() as f64) as usize;
+    let inner = values.get(rim..values.len() - rim)?;
+    between(count, inner.iter().copied())
+}
+
+/// Knots over all of `values`, if they differ.
+fn between(count: usize, values: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
+    let knot = |k: usize| low + (high - low) * k as f64 / (count - 1) as f64;
+    (high - low > 1e-6).then(|| (0..count).map(knot).collect())
 }
 
 fn grid(samples: &[&Sampled]) -> Option<Driver> {
@@ -376,11 +500,11 @@ fn on_grid(origin: [f64; 2], spacing: f64, cells: &[[i64; 2]], s: &Sampled) -> V
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// A walk over the floor in a loop of 2 m by 1 m, at speeds that change.
-    fn samples() -> Vec<Vec<Sampled>> {
+    pub(crate) fn samples() -> Vec<Vec<Sampled>> {
         let one = |k: u32| {
             let t_s = f64::from(k) * 0.05;
             let turn = 0.3 * t_s;
@@ -414,10 +538,12 @@ mod tests {
         (beyond.t_s, beyond.v, beyond.pose) = (1e3, -7.0, [40.0, -40.0, 0.0]);
         for name in ["t", "v", "torque", "x", "y"] {
             let drivers = named(name);
+            let hats = |d: &&Driver| matches!(d.basis, Basis::Hats(_) | Basis::Sizes(_));
+            let drivers: Vec<&Driver> = drivers.iter().filter(hats).collect();
             assert!(!drivers.is_empty(), "{name}");
             for driver in drivers {
                 for s in samples[0].iter().chain([&beyond]) {
-                    assert!((sum(&driver, s) - 1.0).abs() < 1e-12, "{name} at {}", s.t_s);
+                    assert!((sum(driver, s) - 1.0).abs() < 1e-12, "{name} at {}", s.t_s);
                     let values = driver.values(s, Part::Longitudinal);
                     let whole = values
                         .iter()
@@ -498,5 +624,58 @@ mod tests {
         assert!(turns[0].suits(Part::Yaw, true) && !turns[0].suits(Part::Yaw, false));
         assert!(!turns[0].suits(Part::Longitudinal, true));
         assert!(named("time_at_rest").is_empty());
+    }
+
+    #[test]
+    fn a_gain_is_a_share_of_what_each_wheel_is_told() {
+        let gains = named("t").into_iter().find(Driver::is_gain).unwrap();
+        let s = &samples()[0][30];
+        for (part, asked) in [
+            (Part::WheelRight, s.asked[0]),
+            (Part::WheelLeft, s.asked[1]),
+        ] {
+            let values = gains.values(s, part);
+            let sum: f64 = values.iter().map(|(_, value)| value).sum();
+            assert!((sum - asked).abs() < 1e-12);
+        }
+        assert!(gains.suits(Part::Wheels, false) && !gains.suits(Part::Wheels, true));
+        assert!(!gains.suits(Part::Longitudinal, false));
+    }
+
+    #[test]
+    fn friction_is_the_same_both_ways() {
+        let friction = named("v").into_iter();
+        let friction = friction.filter(|d| d.functions() > 1 && d.suits(Part::Longitudinal, true));
+        let friction: Vec<Driver> = friction.collect();
+        assert_eq!(friction.len(), 1);
+        let mut s = samples()[0][30];
+        let forth = friction[0].values(&s, Part::Longitudinal);
+        s.v = -s.v;
+        assert_eq!(forth, friction[0].values(&s, Part::Longitudinal));
+    }
+
+    /// On a floor that falls along x a robot that faces along it is pulled forwards, one that faces
+    /// along y to its right.
+    #[test]
+    fn a_floor_pulls_where_it_falls() {
+        let falls = named("x").into_iter().find(Driver::falls).unwrap();
+        let mut s = samples()[0][0];
+        s.pose = [0.2, 0.1, 0.0];
+        let sum = |values: Vec<(usize, f64)>| values.iter().map(|v| v.1).sum::<f64>();
+        let along = |s: &Sampled| sum(falls.values(s, Part::Longitudinal));
+        assert!((along(&s) - 1.0).abs() < 1e-12 && sum(falls.across(&s)).abs() < 1e-12);
+        s.pose[2] = TAU / 4.0;
+        assert!(along(&s).abs() < 1e-12 && (sum(falls.across(&s)) + 1.0).abs() < 1e-12);
+        assert!(falls.suits(Part::Longitudinal, false) && !falls.suits(Part::Yaw, false));
+    }
+
+    #[test]
+    fn each_wheel_has_turns_of_its_own() {
+        let turns = named("wheel_angle");
+        let turns = turns.iter().find(|d| d.suits(Part::Wheels, false)).unwrap();
+        assert_eq!(turns.functions(), 14);
+        let s = &samples()[0][30];
+        let [right, left] = [Part::WheelRight, Part::WheelLeft].map(|part| turns.values(s, part));
+        assert!(right.iter().all(|(f, _)| *f < 7) && left.iter().all(|(f, _)| *f >= 7));
     }
 }

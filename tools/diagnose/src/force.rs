@@ -5,18 +5,19 @@
 //! and a moment about the vertical. Both are sent through the plant, pulse by pulse; a force that is
 //! some function of a variable is then a sum of columns that are there already.
 
-use nalgebra::DMatrix;
+use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
 use crate::drivers::{Driver, Sampled, is_still};
 use crate::hypothesis::Hypothesis;
-use crate::linear;
+use crate::linear::{self, Linear};
 use crate::misfit::Misfit;
 use crate::motion;
 use crate::ridge;
 use crate::simulate::{Bookmark, Pulse, Simulation};
 use crate::track::Track;
+use crate::wander::GROUP;
 use crate::window::{LOCALS, PULSE_S};
 
 /// Charge (−2 ln L) for each number of a force.
@@ -24,6 +25,9 @@ pub(crate) const CHARGE: f64 = 6.0;
 
 /// Accelerations of the pulses: along (m/s²) and about (rad/s²).
 const PULSE: [f64; 2] = [0.2, 2.0];
+
+/// Share of the best known number by which all are held near zero.
+const HELD: f64 = 1e-4;
 
 /// Answers of one window: for each pulse, residuals per newton and per newton metre, or per m/s and per
 /// rad/s where a motion is missing.
@@ -57,19 +61,30 @@ pub(crate) enum Part {
     Yaw,
     WheelRight,
     WheelLeft,
+    /// Both wheels, each after its own variable.
+    Wheels,
 }
 
 impl Part {
-    pub(crate) const ALL: [Self; 4] = [
+    pub(crate) const ALL: [Self; 5] = [
         Self::Longitudinal,
         Self::Yaw,
         Self::WheelRight,
         Self::WheelLeft,
+        Self::Wheels,
     ];
+
+    /// The parts on which a force that is one function of a variable acts by itself.
+    pub(crate) fn each(self) -> Vec<Self> {
+        match self {
+            Self::Wheels => vec![Self::WheelRight, Self::WheelLeft],
+            one => vec![one],
+        }
+    }
 
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Longitudinal => "longitudinal",
+            Self::Longitudinal | Self::Wheels => "longitudinal",
             Self::Yaw => "yaw",
             Self::WheelRight => "wheel_right",
             Self::WheelLeft => "wheel_left",
@@ -83,10 +98,12 @@ impl Part {
             (Self::Yaw, false) => ["moment about the vertical", "N m"],
             (Self::WheelRight, false) => ["torque at the right wheel", "N m"],
             (Self::WheelLeft, false) => ["torque at the left wheel", "N m"],
+            (Self::Wheels, false) => ["torque at each wheel", "N m"],
             (Self::Longitudinal, true) => ["speed along the body", "m/s"],
             (Self::Yaw, true) => ["turn rate", "rad/s"],
             (Self::WheelRight, true) => ["speed of the right wheel", "rad/s"],
             (Self::WheelLeft, true) => ["speed of the left wheel", "rad/s"],
+            (Self::Wheels, true) => ["speed of each wheel", "rad/s"],
         }
     }
 }
@@ -105,6 +122,23 @@ pub(crate) struct Missing {
 }
 
 impl Missing {
+    /// None of it.
+    pub(crate) fn nothing(&self) -> Self {
+        Self {
+            weights: vec![0.0; self.weights.len()],
+            ..self.clone()
+        }
+    }
+
+    /// With this share of `step` more in its numbers.
+    pub(crate) fn further(&self, step: &[f64], share: f64) -> Self {
+        let pairs = self.weights.iter().zip(step);
+        Self {
+            weights: pairs.map(|(from, step)| from + share * step).collect(),
+            ..self.clone()
+        }
+    }
+
     /// −2 ln L with it, to first order, with a charge for each number.
     fn score(&self) -> f64 {
         self.charged(self.deviance)
@@ -181,9 +215,9 @@ fn one(
     change
 }
 
-/// What a force on `part` that opposes the motion, or does not, is in force along and moment about
+/// What a force on one part that opposes the motion, or does not, is in force along and moment about
 /// per unit; or what a motion of it is in speed and turn rate.
-pub(crate) fn shares(
+fn shares(
     [r, b]: [f64; 2],
     of_motion: bool,
     part: Part,
@@ -197,7 +231,7 @@ pub(crate) fn shares(
     let (shares, speed) = match part {
         Part::Longitudinal => ([1.0, 0.0], sampled.v),
         Part::Yaw => ([0.0, 1.0], sampled.w),
-        Part::WheelRight => (wheel(1.0), sampled.v + b * sampled.w),
+        Part::WheelRight | Part::Wheels => (wheel(1.0), sampled.v + b * sampled.w),
         Part::WheelLeft => (wheel(-1.0), sampled.v - b * sampled.w),
     };
     let sign = match against {
@@ -206,6 +240,34 @@ pub(crate) fn shares(
         true => -speed.signum(),
     };
     shares.map(|share| share * sign)
+}
+
+/// Wheel radius, half track and the way from the axle to the centre of mass (m).
+pub(crate) fn lengths(bench: &Bench) -> [f64; 3] {
+    let body = &bench.model.robot;
+    let ahead_m = body.com_to_axle_m.unwrap_or(0.0);
+    [body.wheel_radius_m, body.half_track_m, ahead_m]
+}
+
+/// What a unit of each function of `driver` is in force along and moment about, or in speed and turn
+/// rate. What acts across the centre of mass turns a robot of which the wheels do not slide.
+pub(crate) fn acts(
+    [r, b, ahead_m]: [f64; 3],
+    of_motion: bool,
+    driver: &Driver,
+    part: Part,
+    against: bool,
+    sampled: &Sampled,
+) -> Vec<(usize, [f64; 2])> {
+    let mut all = Vec::new();
+    for part in part.each() {
+        let shares = shares([r, b], of_motion, part, against, sampled);
+        let values = driver.values(sampled, part).into_iter();
+        all.extend(values.map(|(function, value)| (function, shares.map(|share| share * value))));
+    }
+    let across = driver.across(sampled).into_iter();
+    all.extend(across.map(|(function, value)| (function, [0.0, ahead_m * value])));
+    all
 }
 
 /// The motion in the middle of the pulses that begin at `marks`.
@@ -232,26 +294,25 @@ pub(crate) fn mix(
     against: bool,
 ) -> DMatrix<f64> {
     let mut mix = DMatrix::zeros(2 * samples.len(), driver.functions());
-    let body = &bench.model.robot;
-    let lengths = [body.wheel_radius_m, body.half_track_m];
+    let body = lengths(bench);
     for (k, sampled) in samples.iter().enumerate() {
-        let [along, about] = shares(lengths, bench.lacks_motion(), part, against, sampled);
-        for (function, value) in driver.values(sampled, part) {
-            mix[(k, function)] += along * value;
-            mix[(samples.len() + k, function)] += about * value;
+        let all = acts(body, bench.lacks_motion(), driver, part, against, sampled);
+        for (function, [along, about]) in all {
+            mix[(k, function)] += along;
+            mix[(samples.len() + k, function)] += about;
         }
     }
     mix
 }
 
-/// The missing force that explains most beside `node`, best first.
+/// The missing force of each of `drivers` beside `node`, the one that explains most first.
 pub(crate) fn missing(
     bench: &Bench,
     node: &Node,
     answers: &[Answers],
     samples: &[Vec<Sampled>],
+    drivers: &[Driver],
 ) -> Vec<Missing> {
-    let drivers = Driver::all(samples);
     let kinds: Vec<(Driver, Part, bool)> = drivers
         .iter()
         .flat_map(|driver| {
@@ -356,6 +417,56 @@ fn learnt(
         ridge::step(&own.collect::<Vec<_>>(), node.fit.values.len())
     });
     (columns, learnt)
+}
+
+/// The missing force with the numbers that make it most like `forces`: force along (N) and moment about
+/// (N m) in each piece of each window.
+pub(crate) fn like(
+    bench: &Bench,
+    samples: &[Vec<Sampled>],
+    forces: &[Vec<[f64; 2]>],
+    missing: &Missing,
+) -> Missing {
+    let Missing { driver, part, .. } = missing;
+    let count = driver.functions();
+    let (mut matrix, mut slope) = (DMatrix::zeros(count, count), DVector::zeros(count));
+    // a moment acts at the wheels
+    let scale = [1.0, 1.0 / lengths(bench)[1]];
+    for (samples, forces) in samples.iter().zip(forces) {
+        let mix = mix(bench, samples, driver, *part, missing.against);
+        for k in 0..samples.len().min(GROUP * forces.len()) {
+            for i in [0, 1] {
+                let row = mix.row(i * samples.len() + k).transpose() * scale[i];
+                slope += &row * (scale[i] * forces[k / GROUP][i]);
+                matrix += &row * row.transpose();
+            }
+        }
+    }
+    let most = matrix.diagonal().max();
+    (0..count).for_each(|i| matrix[(i, i)] += HELD * most);
+    let weights = Cholesky::new(matrix).map(|factor| factor.solve(&slope));
+    Missing {
+        weights: weights.map_or_else(|| missing.weights.clone(), |w| w.as_slice().to_vec()),
+        ..missing.clone()
+    }
+}
+
+/// Step of the numbers of a missing force that all windows ask for, the effects as they are.
+pub(crate) fn step(bench: &Bench, node: &Node, answers: &[Answers], missing: &Missing) -> Vec<f64> {
+    let Missing { driver, part, .. } = missing;
+    let samples = samples(answers);
+    let columns = columns(bench, answers, &samples, driver, *part, missing.against);
+    let weights = node.fit.misfit.weights();
+    let windows = bench.windows.iter().zip(&node.fit.linear).zip(&columns);
+    let normals = windows.map(|((window, linear), columns)| {
+        let more: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let alone = Linear {
+            globals: Vec::new(),
+            ..linear.clone()
+        };
+        alone.normal(window, &weights, &alone.residuals, &more)
+    });
+    ridge::step(&normals.collect::<Vec<_>>(), 0)
 }
 
 /// The missing force with the numbers that every other window asks for, from the first and from the

@@ -14,7 +14,7 @@ use crate::track::Sensor;
 /// Δ(−2 ln L) at the ends of an interval of 95 % for one parameter (Wilks, 1938).
 const WILKS: f64 = 3.841;
 /// Deviations on either side of the estimate for 95 %.
-const SIDES: f64 = 1.96;
+pub(crate) const SIDES: f64 = 1.96;
 /// Times that an end is looked for further out, each twice as far.
 const DOUBLINGS: i32 = 20;
 

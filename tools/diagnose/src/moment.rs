@@ -42,9 +42,9 @@ pub(crate) fn acting_on(bench: &Bench, part: Part, moment: &Moment) -> f64 {
     match part {
         Part::Longitudinal => along,
         Part::Yaw => about,
-        Part::WheelRight if bench.lacks_motion() => (along + about * b) / r,
+        Part::WheelRight | Part::Wheels if bench.lacks_motion() => (along + about * b) / r,
         Part::WheelLeft if bench.lacks_motion() => (along - about * b) / r,
-        Part::WheelRight => r * (along + about / b) / 2.0,
+        Part::WheelRight | Part::Wheels => r * (along + about / b) / 2.0,
         Part::WheelLeft => r * (along - about / b) / 2.0,
     }
 }

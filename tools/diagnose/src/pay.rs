@@ -43,7 +43,7 @@ pub(crate) struct Beside<'a> {
 }
 
 /// What an effect has to bring.
-fn due(hypothesis: &Hypothesis) -> f64 {
+pub(crate) fn due(hypothesis: &Hypothesis) -> f64 {
     PAY[0] + PAY[1] * (hypothesis.values.len() as f64 - 1.0)
 }
 

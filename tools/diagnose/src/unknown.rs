@@ -5,11 +5,13 @@ use rayon::prelude::*;
 
 use crate::around::around;
 use crate::bench::{Bench, Node};
-use crate::drivers::Sampled;
-use crate::force::{self, CHARGE, Missing};
+use crate::drivers::{Driver, Sampled};
+use crate::force::{self, Answers, CHARGE, Missing};
 use crate::law::Law;
 use crate::passing::passing;
 use crate::pay::HELD_OUT;
+use crate::refine::refined;
+use crate::swell;
 use crate::wander::{Judge, Wander};
 use crate::window::PULSE_S;
 
@@ -23,11 +25,11 @@ const SAYS: f64 = 2.0;
 const AT_WORK: f64 = 0.5;
 
 /// What was found beyond the catalogue.
+#[derive(Clone)]
 pub(crate) struct Unknown {
     pub(crate) missing: Missing,
-    /// The same with the numbers that every other window asks for, from the first and from the second
-    /// on, where it holds as a law.
-    halves: Option<[Missing; 2]>,
+    /// It as a law, where it holds as one.
+    law: Option<Holds>,
     /// When the force is large (s).
     pub(crate) intervals_s: Vec<[f64; 2]>,
     /// What it looks like, for a person.
@@ -36,13 +38,31 @@ pub(crate) struct Unknown {
     pub(crate) gain: f64,
 }
 
+/// A missing force as a law.
+#[derive(Clone)]
+struct Holds {
+    /// The same with the numbers that every other window asks for, from the first and from the second
+    /// on.
+    halves: [Missing; 2],
+    /// −2 ln L under it.
+    deviance: f64,
+}
+
 impl Unknown {
     /// The force as a law, with the numbers that one half of the windows asks for or all. `None` where
     /// it does not hold as one.
     pub(crate) fn law(&self, bench: &Bench, half: Option<usize>) -> Option<Law> {
-        let halves = self.halves.as_ref()?;
+        let halves = &self.law.as_ref()?.halves;
         let missing = half.map_or(&self.missing, |half| &halves[half]);
         Some(Law::new(bench, missing.clone()))
+    }
+
+    /// The same with no claim that it predicts.
+    pub(crate) fn without_law(&self) -> Self {
+        Self {
+            law: None,
+            ..self.clone()
+        }
     }
 }
 
@@ -50,6 +70,8 @@ impl Unknown {
 pub(crate) struct Beyond {
     /// Forces without pattern, were there nothing else.
     pub(crate) wander: Wander,
+    /// ln L that these bring, to first order.
+    pub(crate) gain: f64,
     /// A force with a pattern, if it is likelier.
     pub(crate) unknown: Option<Unknown>,
     /// −2 ln L of the likelier of both with a charge for each number.
@@ -60,7 +82,7 @@ impl Beyond {
     /// Whether there are forces, but none that follows more than the time.
     pub(crate) fn is_of_moments(&self) -> bool {
         let unknown = self.unknown.as_ref();
-        unknown.is_none_or(|unknown| unknown.missing.driver.name == "t")
+        unknown.is_none_or(|unknown| unknown.missing.driver.is_of_moments())
     }
 }
 
@@ -70,7 +92,12 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let (begun, node) = (node, &seen);
     let wander = judge.alone()?;
     let samples = force::samples(&judge.answers);
-    let mut likely = shortlist(force::missing(bench, node, &judge.answers, &samples));
+    let mut drivers = Driver::all(&samples);
+    if !bench.lacks_motion() {
+        drivers.extend(swell::driver(&samples, &judge.forces(&wander.level)?));
+    }
+    let missing = force::missing(bench, node, &judge.answers, &samples, &drivers);
+    let mut likely = shortlist(missing);
     if !bench.knows_noise() {
         // no level says what is noise, but it does not repeat
         likely
@@ -85,21 +112,93 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
         .or(followed);
     let score = found.as_ref().map_or(wander.deviance, |found| found.score);
     Some(Beyond {
+        gain: judge.gain(&wander)?,
         wander,
         unknown: found.map(|found| {
-            let missing = found.missing;
-            let halves = holds(bench, begun, &missing)
-                .then(|| force::halves(bench, node, &judge.answers, &samples, &missing));
-            describe(bench, &samples, missing, halves, found.gain / 2.0)
+            let forces = judge.forces(&wander.level).unwrap_or_default();
+            let around = (node, &judge.answers[..], &samples[..], &forces[..]);
+            let (missing, law) = led(bench, begun, around, found.missing);
+            describe(bench, &samples, missing, law, found.gain / 2.0)
         }),
         score: score + CHARGE * node.fit.values.len() as f64,
     })
 }
 
-/// Whether a missing force holds as a law beside `node`: one that follows no more than the time predicts
-/// nothing.
-fn holds(bench: &Bench, node: &Node, missing: &Missing) -> bool {
-    missing.driver.name != "t" && Law::new(bench, missing.clone()).holds(bench, node)
+/// A node around forces, how its measurements answer, the motion there, and the forces piece by piece.
+type Around<'a> = (
+    &'a Node,
+    &'a [Answers],
+    &'a [Vec<Sampled>],
+    &'a [Vec<[f64; 2]>],
+);
+
+/// A missing force with numbers that lead where measurements were, and it as a law, where it holds as
+/// one beside a node: one that follows no more than the time predicts nothing.
+fn led(
+    bench: &Bench,
+    node: &Node,
+    (seen, answers, samples, forces): Around,
+    missing: Missing,
+) -> (Missing, Option<Holds>) {
+    if missing.driver.is_of_moments() {
+        return (missing, None);
+    }
+    let like = force::like(bench, samples, forces, &missing);
+    let mut fold = 0;
+    let halves = force::halves(bench, seen, answers, samples, &missing).map(|half| {
+        let samples: Vec<_> = samples.iter().skip(fold).step_by(2).cloned().collect();
+        let forces: Vec<_> = forces.iter().skip(fold).step_by(2).cloned().collect();
+        fold += 1;
+        let like = force::like(bench, &samples, &forces, &missing);
+        vec![half, like]
+    });
+    let begun = [missing, like];
+    match holds(bench, node, &begun, &halves, f64::INFINITY) {
+        Some((missing, law)) => (missing, Some(law)),
+        None => {
+            let [missing, _] = begun;
+            (missing, None)
+        }
+    }
+}
+
+/// A missing force as a law beside a node, begun from these numbers and, of every other window, from
+/// those. `None` where it leads no nearer than is `asked` (−2 ln L).
+fn holds(
+    bench: &Bench,
+    node: &Node,
+    begun: &[Missing],
+    halves: &[Vec<Missing>; 2],
+    asked: f64,
+) -> Option<(Missing, Holds)> {
+    let whole = refined(bench, node, begun).filter(|whole| whole.deviance < asked)?;
+    let halves = [0, 1].map(|fold| {
+        let (own, node) = bench.half(node, fold);
+        let half = refined(&own, &node, &halves[fold]);
+        half.map_or_else(|| halves[fold][0].clone(), |half| half.missing)
+    });
+    let deviance = whole.deviance;
+    Some((whole.missing, Holds { halves, deviance }))
+}
+
+/// What an effect was taken for can be a piece of a force outside of the catalogue: that force as a law
+/// beside `node`, which has one effect less, if it leads about as near as it did beside all: what is
+/// `due` further off.
+pub(crate) fn takes_over(
+    bench: &Bench,
+    node: &Node,
+    unknown: &Unknown,
+    due: f64,
+) -> Option<Unknown> {
+    let law = unknown.law.as_ref()?;
+    let begun = [unknown.missing.clone()];
+    let halves = law.halves.clone().map(|half| vec![half]);
+    let (missing, law) = holds(bench, node, &begun, &halves, law.deviance + due)?;
+    Some(Unknown {
+        missing,
+        law: Some(law),
+        ..unknown.clone()
+    })
 }
 
 /// A missing force beside forces without pattern.
@@ -162,7 +261,7 @@ fn describe(
     bench: &Bench,
     samples: &[Vec<Sampled>],
     missing: Missing,
-    halves: Option<[Missing; 2]>,
+    law: Option<Holds>,
     gain: f64,
 ) -> Unknown {
     let mut moments: Vec<(f64, f64, f64)> = Vec::new();
@@ -197,7 +296,7 @@ fn describe(
     let shape = shape(&missing, bench.lacks_motion(), &moments, most, &large);
     Unknown {
         missing,
-        halves,
+        law,
         intervals_s,
         shape,
         gain,
@@ -244,7 +343,8 @@ fn shape(
         String::new()
     };
     format!(
-        "a {what}{way} that follows {}, up to {:.3} {unit}{place}",
+        "a {what}{way}{} that follows {}, up to {:.3} {unit}{place}",
+        driver.character(),
         driver.name,
         if missing.against { most.abs() } else { most }
     )

@@ -137,6 +137,17 @@ impl Judge {
         self.within(&self.everywhere(), self.begin())
     }
 
+    /// ln L that forces as these bring over next to none.
+    pub(crate) fn gain(&self, wander: &Wander) -> Option<f64> {
+        let least = Level {
+            size: self.least,
+            ..wander.level
+        };
+        let nothing: Vec<_> = self.windows.iter().map(Products::nothing).collect();
+        let none = self.beside(&self.everywhere(), &nothing, least, false)?;
+        Some((none.deviance - wander.deviance) / 2.0)
+    }
+
     /// All pieces of each window.
     pub(crate) fn everywhere(&self) -> Vec<Range<usize>> {
         self.windows.iter().map(|own| 0..own.count()).collect()

@@ -3,7 +3,8 @@
 
 use crate::bench::{FULL, Node, SPOILT};
 use crate::hypothesis::Hypothesis;
-use crate::pay::SIGMAS;
+use crate::interval::SIDES;
+use crate::pay::{SIGMAS, due};
 use crate::score;
 use crate::search::{Search, deviance, score};
 use crate::unknown::{self, Beyond, Unknown};
@@ -28,8 +29,9 @@ pub(crate) struct Found {
     pub(crate) looked_at: usize,
     /// What the catalogue does not hold.
     pub(crate) unknown: Option<Unknown>,
-    /// Forces without pattern, were there nothing else beside what the catalogue holds.
-    pub(crate) wander: Option<Wander>,
+    /// Forces without pattern, were there nothing else beside what the catalogue holds, and ln L that
+    /// they bring.
+    pub(crate) wander: Option<(Wander, f64)>,
     /// The search was stopped for the work that it took.
     pub(crate) stopped: bool,
 }
@@ -75,12 +77,39 @@ impl Search<'_> {
                 };
             }
         }
+        if let Some(unknown) = beside.as_mut().and_then(|beyond| beyond.unknown.as_mut()) {
+            best = self.taken_over(best, unknown);
+        }
         let mut found = self.weighed(nominal, best, looked_at);
         if let Some(beyond) = beside.filter(|_| !self.bench.is_noise(&found.node)) {
             found.unknown = beyond.unknown;
-            found.wander = Some(beyond.wander);
+            found.wander = Some((beyond.wander, beyond.gain));
         }
         found
+    }
+
+    /// The node without the effects that a force outside of the catalogue makes needless.
+    fn taken_over(&self, mut node: Node, unknown: &mut Unknown) -> Node {
+        let mut at = 0;
+        while at < node.hypotheses.len() {
+            let mut without = node.hypotheses.clone();
+            let removed = without.remove(at);
+            (self.progress)(&format!("without {}", removed.info.id));
+            let less = self.bench.fit(&without, &node.fit.starts, FULL);
+            // of what may as well be nothing nothing is claimed
+            let idle = !self.is_clear(&node, at, SIDES);
+            let due = if idle { f64::INFINITY } else { due(&removed) };
+            let taken = less.and_then(|less| {
+                let over = unknown::takes_over(self.bench, &less, unknown, due);
+                let over = over.or_else(|| idle.then(|| unknown.without_law()))?;
+                Some((less, over))
+            });
+            match taken {
+                Some((less, over)) => (node, *unknown, at) = (less, over, 0),
+                None => at += 1,
+            }
+        }
+        node
     }
 
     /// Whether the effects of a node, fitted to every other window, predict the rest no worse than the
