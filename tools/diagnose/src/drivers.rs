@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::bench::Bench;
 use crate::force::Part;
 use crate::simulate::asked;
-use crate::track::{Sensor, Series, Track};
+use crate::track::{Sensor, Series, Track, geometry};
 use crate::window::range;
 
 /// The motion at one moment, as it was measured, or as it was told where wheels turn as they are
@@ -18,8 +18,8 @@ pub(crate) struct Sampled {
     pub(crate) w: f64,
     /// Wheel angles since the recording began (rad).
     pub(crate) angle: [f64; 2],
-    /// x and y (m) and heading (rad). Without a camera, NaN and how far the wheels have turned it since
-    /// the recording began, if anything.
+    /// x and y (m) and heading (rad): without a camera, where wheels took the robot since the recording
+    /// began; NaN without either.
     pub(crate) pose: [f64; 3],
     /// What is commanded at each wheel.
     pub(crate) asked: [f64; 2],
@@ -52,8 +52,12 @@ impl Sampled {
         let wheels = track.of(Sensor::WheelAngle);
         let poses = track.of(Sensor::Pose);
         let angle = wheels.map_or([f64::NAN; 3], |wheels| at(wheels, t_s));
-        let turned = turned([angle[0], angle[1]], r, b);
-        let mut pose = poses.map_or([f64::NAN, f64::NAN, turned], |poses| at(poses, t_s));
+        // of wheels that turn as they are told the camera is left out, not absent
+        let reckoned = !bench.lacks_motion();
+        let mut pose = poses
+            .map(|poses| at(poses, t_s))
+            .or_else(|| reckoned.then(|| track.reckoned(t_s, geometry(body)))?)
+            .unwrap_or([f64::NAN; 3]);
         if poses.is_some() && !pose[2].is_finite() {
             pose[2] = heading;
         }
@@ -84,11 +88,6 @@ impl Sampled {
             rested_s: wheels.map_or(f64::NAN, |wheels| rested_s(wheels, t_s)),
         }
     }
-}
-
-/// How far wheels at these angles have turned the body (rad).
-pub(crate) fn turned([right, left]: [f64; 2], radius_m: f64, half_track_m: f64) -> f64 {
-    radius_m * (right - left) / (2.0 * half_track_m)
 }
 
 /// Values of a series between its rows.

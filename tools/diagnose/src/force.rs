@@ -11,12 +11,12 @@ use rayon::prelude::*;
 use crate::bench::{Bench, Node};
 use crate::drivers::{Driver, Sampled, is_still};
 use crate::hypothesis::Hypothesis;
-use crate::linear::{self, Linear};
+use crate::linear;
 use crate::misfit::Misfit;
 use crate::motion;
 use crate::ridge;
 use crate::simulate::{Bookmark, Pulse, Simulation};
-use crate::track::Track;
+use crate::track::{Track, geometry};
 use crate::wander::GROUP;
 use crate::window::{LOCALS, PULSE_S};
 
@@ -242,13 +242,6 @@ fn shares(
     shares.map(|share| share * sign)
 }
 
-/// Wheel radius, half track and the way from the axle to the centre of mass (m).
-pub(crate) fn lengths(bench: &Bench) -> [f64; 3] {
-    let body = &bench.model.robot;
-    let ahead_m = body.com_to_axle_m.unwrap_or(0.0);
-    [body.wheel_radius_m, body.half_track_m, ahead_m]
-}
-
 /// What a unit of each function of `driver` is in force along and moment about, or in speed and turn
 /// rate. What acts across the centre of mass turns a robot of which the wheels do not slide.
 pub(crate) fn acts(
@@ -294,7 +287,7 @@ pub(crate) fn mix(
     against: bool,
 ) -> DMatrix<f64> {
     let mut mix = DMatrix::zeros(2 * samples.len(), driver.functions());
-    let body = lengths(bench);
+    let body = geometry(&bench.model.robot);
     for (k, sampled) in samples.iter().enumerate() {
         let all = acts(body, bench.lacks_motion(), driver, part, against, sampled);
         for (function, [along, about]) in all {
@@ -431,7 +424,7 @@ pub(crate) fn like(
     let count = driver.functions();
     let (mut matrix, mut slope) = (DMatrix::zeros(count, count), DVector::zeros(count));
     // a moment acts at the wheels
-    let scale = [1.0, 1.0 / lengths(bench)[1]];
+    let scale = [1.0, 1.0 / bench.model.robot.half_track_m];
     for (samples, forces) in samples.iter().zip(forces) {
         let mix = mix(bench, samples, driver, *part, missing.against);
         for k in 0..samples.len().min(GROUP * forces.len()) {
@@ -460,10 +453,7 @@ pub(crate) fn step(bench: &Bench, node: &Node, answers: &[Answers], missing: &Mi
     let windows = bench.windows.iter().zip(&node.fit.linear).zip(&columns);
     let normals = windows.map(|((window, linear), columns)| {
         let more: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        let alone = Linear {
-            globals: Vec::new(),
-            ..linear.clone()
-        };
+        let alone = linear.without_globals();
         alone.normal(window, &weights, &alone.residuals, &more)
     });
     ridge::step(&normals.collect::<Vec<_>>(), 0)

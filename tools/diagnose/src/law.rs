@@ -5,10 +5,10 @@
 use slipstream_sim::{Command, Robot, State};
 
 use crate::bench::Bench;
-use crate::drivers::{Sampled, turned};
-use crate::force::{Missing, acts, lengths};
+use crate::drivers::Sampled;
+use crate::force::{Missing, acts};
 use crate::simulate::{asked, tracked};
-use crate::track::{Sensor, Track};
+use crate::track::{Sensor, Track, geometry};
 
 /// How long a force is held between two looks at what it follows (s).
 pub(crate) const HELD_S: f64 = 0.01;
@@ -28,7 +28,7 @@ impl Law {
         Self {
             missing,
             of_motion: bench.lacks_motion(),
-            lengths_m: lengths(bench),
+            lengths_m: geometry(&bench.model.robot),
         }
     }
 
@@ -90,11 +90,6 @@ impl Law {
         let angle = robot.seen_angle(state);
         let [u, _, rate] = state.velocity();
         let asked = asked(command, r, b);
-        let angle = [angle[0] + offset[0], angle[1] + offset[1]];
-        let pose = match (track.of(Sensor::Pose), track.of(Sensor::WheelAngle)) {
-            (None, Some(_)) => [f64::NAN, f64::NAN, turned(angle, r, b)],
-            _ => tracked(track, robot, state.pose()),
-        };
         let [v, w] = match track.of(Sensor::WheelAngle) {
             _ if self.of_motion => robot.odometry(asked),
             Some(_) => robot.odometry(robot.seen_speed(state)),
@@ -104,8 +99,8 @@ impl Law {
             t_s,
             v,
             w,
-            angle,
-            pose,
+            angle: [angle[0] + offset[0], angle[1] + offset[1]],
+            pose: tracked(track, robot, state.pose()),
             asked,
             rested_s: f64::NAN,
         }

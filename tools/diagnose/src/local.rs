@@ -11,7 +11,7 @@ use crate::drivers::Sampled;
 use crate::force::{self, Answers};
 use crate::hypothesis::Hypothesis;
 use crate::linear;
-use crate::track::CHANNELS;
+use crate::track::{CHANNELS, Sensor};
 use crate::window::PULSE_S;
 
 /// Moments that are tried for a push.
@@ -177,6 +177,13 @@ fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
         .into_iter()
         .enumerate()
     {
+        // without a camera nobody knows where on the floor a place is
+        if bench.tracks[bench.windows[w].run]
+            .of(Sensor::Pose)
+            .is_none()
+        {
+            continue;
+        }
         for (k, [along, about]) in forces.into_iter().enumerate() {
             let size = along.abs().max(about.abs() / b);
             moments.push((size, answers[w].samples[k].pose));

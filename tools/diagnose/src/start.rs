@@ -9,8 +9,7 @@ use crate::window::{LOCALS, Window};
 /// one.
 pub(crate) fn guess(problem: &Problem<'_>, values: &[f64], window: &Window) -> [f64; LOCALS] {
     let track = &problem.tracks[window.run];
-    let body = &problem.model.robot;
-    let near = window.guess(track, body.wheel_radius_m, body.half_track_m);
+    let near = window.guess(track, &problem.model.robot);
     turned(problem, values, window, &near).unwrap_or(near)
 }
 

@@ -1,9 +1,10 @@
 //! A recording cut into windows, each with an initial state of its own: what is unknown before a
 //! window cannot spoil it.
 
+use slipstream_bus::Body;
 use slipstream_sim::{Command, CommandKind};
 
-use crate::track::{Sensor, Series, Track};
+use crate::track::{Sensor, Series, Track, geometry};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
@@ -271,14 +272,18 @@ impl Window {
     }
 
     /// A first guess of the unknowns at the start, from the measurements near it.
-    pub(crate) fn guess(&self, track: &Track, radius_m: f64, half_track_m: f64) -> [f64; LOCALS] {
+    /// Without a camera the robot is where wheels took it since the recording began.
+    pub(crate) fn guess(&self, track: &Track, body: &Body) -> [f64; LOCALS] {
+        let [radius_m, half_track_m, _] = geometry(body);
         let rows = |sensor: Sensor| {
             let at = track.series.iter().position(|s| s.sensor == sensor)?;
             let [first, end] = self.rows[at];
             (end > first).then(|| &track.series[at].rows[first..end])
         };
         let poses = rows(Sensor::Pose);
-        let pose = poses.map_or([0.0; 3], |rows| rows[0].1);
+        let reckoned = || track.reckoned(self.from_s, geometry(body));
+        let seen = poses.map(|rows| rows[0].1).or_else(reckoned);
+        let pose = seen.unwrap_or([0.0; 3]);
         let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
         let yaw = if pose[2].is_finite() { pose[2] } else { 0.0 };
         let [mut u, mut rate] = [0.0; 2];
