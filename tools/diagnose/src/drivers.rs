@@ -138,10 +138,13 @@ enum Basis {
     One,
     /// One and waves of a turn, up to this many in it.
     Waves(usize),
-    /// The same for each wheel: the first row is not angle zero of either.
-    Turns(usize),
+    /// One and waves of a turn, from this many to that many in it, for each wheel by itself: the first
+    /// row is not angle zero of either.
+    Turns([usize; 2]),
     /// Hats on these knots.
     Hats(Vec<f64>),
+    /// Hats over what a wheel is told.
+    Told(Vec<f64>),
     /// Hats over the size of the variable: friction that changes with the speed.
     Sizes(Vec<f64>),
     /// Hats on these knots, in proportion to what is commanded.
@@ -177,9 +180,12 @@ impl Driver {
         let waves = |name: &'static str, count: usize, there: bool| {
             there.then(|| Self::new(name, "rad", Basis::Waves(count)))
         };
+        let angle = flat.iter().any(|s| s.angle[0].is_finite());
+        let turns = |waves| angle.then(|| Self::new("wheel_angle", "rad", Basis::Turns(waves)));
+        let told = inner(FINE, flat.iter().flat_map(|s| s.asked).collect());
+        let told = told.map(|knots| Self::new("torque", "of the command", Basis::Told(knots)));
         let dry = |name, unit| Some(Self::new(name, unit, Basis::One));
         let yaw = flat.iter().any(|s| s.pose[2].is_finite());
-        let angle = flat.iter().any(|s| s.angle[0].is_finite());
         [
             over("t", "s", HATS, |s| s.t_s, Basis::Hats),
             over("t", "s", HATS, |s| s.t_s, Basis::Gains),
@@ -196,8 +202,11 @@ impl Driver {
                 |s| s.asked[0] + s.asked[1],
                 Basis::Hats,
             ),
+            told,
             waves("wheel_angle", 3, angle),
-            angle.then(|| Self::new("wheel_angle", "rad", Basis::Turns(3))),
+            turns([1, 3]),
+            turns([4, 6]),
+            turns([7, 9]),
             waves("heading", 2, yaw),
             over("x", "m", HATS, |s| s.pose[0], Basis::Hats),
             Self::along(0, samples),
@@ -273,10 +282,13 @@ impl Driver {
             (_, Part::Longitudinal) if self.falls() => !against,
             _ if self.falls() => false,
             _ if matches!(self.basis, Basis::Turns(_)) => part == Part::Wheels && !against,
-            (_, Part::Wheels) => !against && (self.name == "torque" || self.is_gain()),
+            (_, Part::Wheels | Part::WheelRight | Part::WheelLeft) if self.is_told() => !against,
+            ("torque", Part::Longitudinal | Part::Yaw) if !self.is_told() => !against,
+            ("torque", _) => false,
+            (_, Part::Wheels) => !against && self.is_gain(),
             _ if self.is_gain() => false,
             ("wheel_angle", Part::WheelRight | Part::WheelLeft) => !against,
-            ("wheel_angle", _) | ("v" | "w" | "torque", _) if against => false,
+            ("wheel_angle", _) | ("v" | "w", _) if against => false,
             ("wheel_angle", _) => false,
             (_, Part::WheelRight | Part::WheelLeft) => !against,
             _ => true,
@@ -291,6 +303,11 @@ impl Driver {
     /// Whether it makes the weight of a robot on a floor that is not level.
     fn falls(&self) -> bool {
         matches!(self.basis, Basis::Falls(..) | Basis::Swell(..))
+    }
+
+    /// Whether it is a function of what a wheel is told, and not both.
+    fn is_told(&self) -> bool {
+        matches!(self.basis, Basis::Told(_))
     }
 
     /// Whether it makes a share of what is commanded.
@@ -326,8 +343,9 @@ impl Driver {
         match &self.basis {
             Basis::One => 1,
             Basis::Waves(count) => 1 + 2 * count,
-            Basis::Turns(count) => 2 * (1 + 2 * count),
+            Basis::Turns([first, last]) => 2 * (1 + 2 * (last + 1 - first)),
             Basis::Hats(knots)
+            | Basis::Told(knots)
             | Basis::Sizes(knots)
             | Basis::Gains(knots)
             | Basis::Falls(_, knots) => knots.len(),
@@ -367,12 +385,12 @@ impl Driver {
             }
             _ if !z.is_finite() => Vec::new(),
             Basis::One => vec![(0, 1.0)],
-            Basis::Waves(count) => waves(*count, z, 0),
-            Basis::Turns(count) => {
+            Basis::Waves(count) => waves([1, *count], z, 0),
+            Basis::Turns(which) => {
                 let left = part == Part::WheelLeft;
-                waves(*count, z, if left { 1 + 2 * count } else { 0 })
+                waves(*which, z, if left { self.functions() / 2 } else { 0 })
             }
-            Basis::Hats(knots) => hats(knots, z, 1.0),
+            Basis::Hats(knots) | Basis::Told(knots) => hats(knots, z, 1.0),
             Basis::Sizes(knots) => hats(knots, z.abs(), 1.0),
             Basis::Gains(knots) => hats(knots, z, s.asked[usize::from(part == Part::WheelLeft)]),
         }
@@ -418,13 +436,13 @@ impl Driver {
     }
 }
 
-/// One and waves of a turn at `z`, the functions from `first` on.
-fn waves(count: usize, z: f64, first: usize) -> Vec<(usize, f64)> {
-    let waves = (1..=count).flat_map(|k| {
-        let (sin, cos) = (k as f64 * z).sin_cos();
-        [(first + 2 * k - 1, sin), (first + 2 * k, cos)]
+/// One and waves of a turn at `z`, from this many to that many in it; the functions from `at` on.
+fn waves([first, last]: [usize; 2], z: f64, at: usize) -> Vec<(usize, f64)> {
+    let waves = (first..=last).enumerate().flat_map(|(k, waves)| {
+        let (sin, cos) = (waves as f64 * z).sin_cos();
+        [(at + 2 * k + 1, sin), (at + 2 * k + 2, cos)]
     });
-    [(first, 1.0)].into_iter().chain(waves).collect()
+    [(at, 1.0)].into_iter().chain(waves).collect()
 }
 
 /// Hats on `knots` at `z`, each this high.
@@ -670,11 +688,19 @@ pub(crate) mod tests {
 
     #[test]
     fn each_wheel_has_turns_of_its_own() {
-        let turns = named("wheel_angle");
-        let turns = turns.iter().find(|d| d.suits(Part::Wheels, false)).unwrap();
-        assert_eq!(turns.functions(), 14);
+        let all = named("wheel_angle").into_iter();
+        let turns: Vec<Driver> = all.filter(|d| d.suits(Part::Wheels, false)).collect();
+        assert_eq!(turns.len(), 3);
         let s = &samples()[0][30];
-        let [right, left] = [Part::WheelRight, Part::WheelLeft].map(|part| turns.values(s, part));
-        assert!(right.iter().all(|(f, _)| *f < 7) && left.iter().all(|(f, _)| *f >= 7));
+        for (turns, first) in turns.iter().zip([1.0, 4.0, 7.0]) {
+            assert_eq!(turns.functions(), 14);
+            let of = |part| turns.values(s, part);
+            let [right, left] = [Part::WheelRight, Part::WheelLeft].map(of);
+            let functions: Vec<usize> = right.iter().chain(&left).map(|(f, _)| *f).collect();
+            assert_eq!(functions, (0..14).collect::<Vec<usize>>());
+            for (values, angle) in [(right, s.angle[0]), (left, s.angle[1])] {
+                assert!((values[1].1 - (first * angle).sin()).abs() < 1e-12);
+            }
+        }
     }
 }

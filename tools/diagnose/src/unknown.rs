@@ -79,6 +79,12 @@ pub(crate) struct Beyond {
 }
 
 impl Beyond {
+    /// −2 ln L under the force as a law, with a charge for each of its numbers; `None` where it is none.
+    pub(crate) fn leads(&self) -> Option<f64> {
+        let unknown = self.unknown.as_ref()?;
+        Some(unknown.missing.charged(unknown.law.as_ref()?.deviance))
+    }
+
     /// Whether there are forces, but none that follows more than the time.
     pub(crate) fn is_of_moments(&self) -> bool {
         let unknown = self.unknown.as_ref();

@@ -54,13 +54,15 @@ impl Search<'_> {
                 continue;
             };
             let gone = |h: &Hypothesis| !fewer.hypotheses.iter().any(|kept| kept.is_like(h));
-            let mut without = best.hypotheses.iter().filter(|h| gone(h));
-            let pieces = without.all(Hypothesis::is_momentary);
+            let without = || best.hypotheses.iter().filter(|h| gone(h));
+            let pieces = without().all(Hypothesis::is_momentary);
+            let due: f64 = without().map(due).sum();
             let Some((alone, than)) = unknown::beside(self.bench, &fewer).zip(beside.as_ref())
             else {
                 continue;
             };
-            if alone.score < than.score {
+            let leads = alone.leads().zip(than.leads());
+            if alone.score < than.score || leads.is_some_and(|(alone, than)| alone < than + due) {
                 // what explains more by itself than all that was found needs none of it
                 (best, beside) = (fewer, Some(alone));
             } else if pieces && alone.unknown.is_some() {
