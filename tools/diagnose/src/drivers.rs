@@ -338,7 +338,13 @@ impl Driver {
         }
     }
 
-    /// How many numbers a function of it takes.
+    /// How many numbers are fitted: what waves there are as well.
+    pub(crate) fn numbers(&self) -> usize {
+        let waves = matches!(self.basis, Basis::Swell(..));
+        self.functions() + if waves { 2 } else { 0 }
+    }
+
+    /// How many functions it is made of.
     pub(crate) fn functions(&self) -> usize {
         match &self.basis {
             Basis::One => 1,

@@ -146,7 +146,7 @@ impl Missing {
 
     /// `deviance` with a charge for each number.
     pub(crate) fn charged(&self, deviance: f64) -> f64 {
-        deviance + CHARGE * self.weights.len() as f64
+        deviance + CHARGE * self.driver.numbers() as f64
     }
 }
 

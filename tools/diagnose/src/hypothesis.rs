@@ -179,6 +179,12 @@ pub(crate) fn points_downhill(info: &Info) -> bool {
     info.acts == When::Always && parameters.any(|p| is_direction(info, p.name))
 }
 
+/// Whether a parameter says where, when or which way, and not how much.
+pub(crate) fn is_where(info: &Info, name: &str) -> bool {
+    let place = matches!(name, "t_s" | "x_m" | "y_m") && info.place != Place::Sensor;
+    place || is_direction(info, name)
+}
+
 /// Whether a parameter is a direction on the floor, not one in which a sensor looks.
 pub(crate) fn is_direction(info: &Info, name: &str) -> bool {
     comes_round(info, name) && info.place != Place::Sensor

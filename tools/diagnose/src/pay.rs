@@ -5,7 +5,8 @@ use std::cell::{LazyCell, OnceCell};
 use crate::around::around;
 use crate::bench::{FULL, Node};
 use crate::follow::LOOK;
-use crate::hypothesis::{Hypothesis, is_limit};
+use crate::hypothesis::{Hypothesis, is_limit, is_where};
+use crate::interval::SIDES;
 use crate::misfit::Misfit;
 use crate::search::{Search, deviance};
 use crate::track::Sensor;
@@ -96,7 +97,8 @@ impl Search<'_> {
         let tried = own.is_threshold() || is_limit(own.info);
         if gain <= due(own)
             || tried && gain < sigmas * sigmas
-            || own.is_momentary() && self.is_piece(before, after, own)
+            || own.is_momentary()
+                && (self.is_piece(before, after, own) || !self.is_clear(after, last, SIDES))
             || !(brings || self.is_clear(after, last, sigmas))
             || !self.is_right(before, after) && self.bench.spoils(before, after)
         {
@@ -177,7 +179,7 @@ impl Search<'_> {
         }
     }
 
-    /// Whether an effect differs from nothing by so many of its own deviations.
+    /// Whether an effect's size differs from nothing by so many of its own deviations.
     pub(crate) fn is_clear(&self, node: &Node, which: usize, sigmas: f64) -> bool {
         let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
         let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
@@ -187,6 +189,9 @@ impl Search<'_> {
         }
         own.is_threshold()
             || own.values.iter().enumerate().any(|(i, (name, value))| {
+                if is_where(own.info, name) {
+                    return false;
+                }
                 let nothing = own.nothing(&self.bench.model, name);
                 (value - nothing).abs() > sigmas * node.fit.deviations[first + i]
             })

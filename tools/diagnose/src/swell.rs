@@ -15,6 +15,8 @@ use crate::wander::GROUP;
 const SHORTEST_M: f64 = 0.1;
 /// Wave numbers at most along either axis.
 const FINEST: usize = 160;
+/// Half waves over all that was visited at least: a part of one is a slope.
+const FEWEST: i32 = 4;
 /// Moments at least.
 const MOMENTS: usize = 20;
 /// How often the best wave vector is looked for between its neighbours, each time half as far.
@@ -38,7 +40,7 @@ pub(crate) fn driver(samples: &[Vec<Sampled>], forces: &[Vec<[f64; 2]>]) -> Opti
         places.clone().fold(f64::NEG_INFINITY, f64::max) - places.fold(f64::INFINITY, f64::min)
     };
     let extent_m = extent(0).max(extent(1));
-    if pulls.len() < MOMENTS || extent_m < SHORTEST_M {
+    if pulls.len() < MOMENTS || extent_m < f64::from(FEWEST) * SHORTEST_M {
         return None;
     }
     // half a wave over all that was visited
@@ -47,7 +49,7 @@ pub(crate) fn driver(samples: &[Vec<Sampled>], forces: &[Vec<[f64; 2]>]) -> Opti
     // a wave vector and its opposite are the same floor
     let rows = (0..=most).into_par_iter();
     let rows = rows.filter_map(|i| {
-        let row = (-most..=most).filter(|j| i > 0 || *j > 0);
+        let row = (-most..=most).filter(|j| i * i + j * j >= FEWEST * FEWEST && (i > 0 || *j > 0));
         let vectors = row.map(|j| [f64::from(i) * step, f64::from(j) * step]);
         best(&pulls, vectors)
     });
@@ -58,7 +60,7 @@ pub(crate) fn driver(samples: &[Vec<Sampled>], forces: &[Vec<[f64; 2]>]) -> Opti
         [1.0, 1.0],
     )?;
     let axes = [[1.0, 0.0], [0.0, 1.0]].map(|axis| {
-        let waves = (1..=most).map(|i| axis.map(|along| along * f64::from(i) * step));
+        let waves = (FEWEST..=most).map(|i| axis.map(|along| along * f64::from(i) * step));
         closer(&pulls, best(&pulls, waves)?, step, axis)
     });
     // people lay floors along their axes

@@ -248,7 +248,7 @@ fn followed(
         score,
     });
     found
-        .filter(|found| found.gain > PAY[0] + PAY[1] * found.missing.weights.len() as f64)
+        .filter(|found| found.gain > PAY[0] + PAY[1] * found.missing.driver.numbers() as f64)
         .min_by(|a, b| a.score.total_cmp(&b.score))
 }
 
