@@ -4,10 +4,11 @@ use slipstream_sim::CommandKind;
 use slipstream_sim::effects::{Info, Variable, When};
 
 use crate::bench::Bench;
-use crate::drivers::{Driver, Sampled, is_still, rate};
+use crate::drivers::Driver;
 use crate::figures::Point;
 use crate::force::Part;
 use crate::moment::{Moment, acting_on, quantity};
+use crate::sampled::{Sampled, is_still, rate};
 use crate::track::Sensor;
 use crate::unknown::Unknown;
 

@@ -193,9 +193,7 @@ impl Answer {
                 shape: unknown.shape.clone(),
             };
             let condition = format!("follows {}", what.driver);
-            self.findings
-                .push(outside(&what, condition, unknown.gain, looked_at));
-            self.unexplained.push(what);
+            self.outside(what, condition, unknown.gain, looked_at);
             return;
         }
         match found.wander {
@@ -206,7 +204,7 @@ impl Answer {
             Some((wander, gain)) if wander.rest < EXPLAINED => {
                 let [along, about] = wander.strengths(bench);
                 let channel = if along > about { "longitudinal" } else { "yaw" };
-                let what = if bench.lacks_motion() {
+                let kind = if bench.lacks_motion() {
                     "motions"
                 } else {
                     "forces"
@@ -217,12 +215,10 @@ impl Answer {
                     channel: channel.to_owned(),
                     driver: "t".to_owned(),
                     intervals_s: vec![bench.tracks[0].span_s()],
-                    shape: format!("{what} that follow no variable looked at, {sizes}"),
+                    shape: format!("{kind} that follow no variable looked at, {sizes}"),
                 };
                 let condition = "all the time".to_owned();
-                self.findings
-                    .push(outside(&what, condition, gain, looked_at));
-                self.unexplained.push(what);
+                self.outside(what, condition, gain, looked_at);
                 return;
             }
             _ => {}
@@ -255,6 +251,13 @@ impl Answer {
             intervals_s: vec![[from, to]],
             shape,
         });
+    }
+
+    /// Adds what the catalogue does not hold, as a finding and as unexplained.
+    fn outside(&mut self, what: Unexplained, condition: String, gain: f64, looked_at: usize) {
+        self.findings
+            .push(outside(&what, condition, gain, looked_at));
+        self.unexplained.push(what);
     }
 
     /// Draws the verdict from what was added.

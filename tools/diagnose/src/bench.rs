@@ -85,6 +85,11 @@ pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel 
     better
 }
 
+/// Every other one of what windows have, from this one on.
+pub(crate) fn every_other<T: Clone>(all: &[T], from: usize) -> Vec<T> {
+    all.iter().skip(from).step_by(2).cloned().collect()
+}
+
 impl Bench {
     fn setting(&self, hypotheses: &[Hypothesis]) -> Option<Setting> {
         let model = with(&self.model, hypotheses);
@@ -313,11 +318,9 @@ impl Bench {
 
     /// Every other window, from this one on, and the node as it begins there.
     pub(crate) fn half(&self, node: &Node, from: usize) -> (Self, Node) {
-        let windows = self.windows.iter().skip(from).step_by(2);
-        let starts = node.fit.starts.iter().skip(from).step_by(2);
         let mut own = node.clone();
-        own.fit.starts = starts.copied().collect();
-        (self.over(windows.cloned().collect()), own)
+        own.fit.starts = every_other(&node.fit.starts, from);
+        (self.over(every_other(&self.windows, from)), own)
     }
 
     /// The same cut at the times of another.

@@ -9,14 +9,15 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::drivers::{Driver, Sampled, is_still};
+use crate::drivers::Driver;
 use crate::hypothesis::Hypothesis;
 use crate::linear;
 use crate::misfit::Misfit;
 use crate::motion;
 use crate::ridge;
+use crate::sampled::{Sampled, is_still};
 use crate::simulate::{Bookmark, Pulse, Simulation};
-use crate::track::{Track, geometry};
+use crate::track::{Sensor, Track, geometry};
 use crate::wander::GROUP;
 use crate::window::{LOCALS, PULSE_S};
 
@@ -75,11 +76,12 @@ impl Part {
     ];
 
     /// The parts on which a force that is one function of a variable acts by itself.
-    pub(crate) fn each(self) -> Vec<Self> {
-        match self {
-            Self::Wheels => vec![Self::WheelRight, Self::WheelLeft],
-            one => vec![one],
-        }
+    fn each(self) -> impl Iterator<Item = Self> {
+        let (first, second) = match self {
+            Self::Wheels => (Self::WheelRight, Some(Self::WheelLeft)),
+            one => (one, None),
+        };
+        [first].into_iter().chain(second)
     }
 
     pub(crate) fn name(self) -> &'static str {
@@ -266,9 +268,21 @@ pub(crate) fn acts(
 /// The motion in the middle of the pulses that begin at `marks`.
 pub(crate) fn sampled(bench: &Bench, track: &Track, marks: &[Bookmark]) -> Vec<Sampled> {
     let half_s = PULSE_S / 2.0;
-    let marks = marks.iter();
-    let sampled =
-        marks.map(|mark| Sampled::new(bench, track, mark.t_s + half_s, mark.heading(half_s)));
+    let times_s: Vec<f64> = marks.iter().map(|mark| mark.t_s + half_s).collect();
+    let camera = track.of(Sensor::Pose).is_some();
+    let headings = marks.iter().map(|mark| mark.heading(half_s));
+    let otherwise: Vec<[f64; 3]> = match bench.lacks_motion() {
+        _ if camera => headings
+            .map(|heading| [f64::NAN, f64::NAN, heading])
+            .collect(),
+        // of wheels that turn as they are told the camera is left out, not absent
+        true => vec![[f64::NAN; 3]; marks.len()],
+        false => track
+            .reckoned(&times_s, geometry(&bench.model.robot))
+            .unwrap_or_else(|| vec![[f64::NAN; 3]; marks.len()]),
+    };
+    let pairs = times_s.iter().zip(otherwise);
+    let sampled = pairs.map(|(t_s, otherwise)| Sampled::new(bench, track, *t_s, otherwise));
     sampled.collect()
 }
 

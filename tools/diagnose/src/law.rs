@@ -5,8 +5,8 @@
 use slipstream_sim::{Command, Robot, State};
 
 use crate::bench::Bench;
-use crate::drivers::Sampled;
 use crate::force::{Missing, acts};
+use crate::sampled::Sampled;
 use crate::simulate::{asked, tracked};
 use crate::track::{Sensor, Track, geometry};
 
@@ -163,7 +163,7 @@ pub(crate) mod tests {
     fn nothing_acts_against_a_rest() {
         let (bench, _, mut missing) = slope();
         let track = &bench.tracks[0];
-        let mut sampled = Sampled::new(&bench, track, 1.0, 0.0);
+        let mut sampled = Sampled::new(&bench, track, 1.0, [0.0; 3]);
         (sampled.v, sampled.w, sampled.pose[2]) = (0.1, 0.0, 0.0);
         missing.against = true;
         let force = missing.weights[2];

@@ -39,6 +39,7 @@ mod promise;
 mod recut;
 mod refine;
 mod ridge;
+mod sampled;
 mod score;
 mod search;
 mod settle;

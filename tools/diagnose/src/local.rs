@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use slipstream_sim::effects::{Info, find};
 
 use crate::bench::{Bench, Node};
-use crate::drivers::Sampled;
 use crate::force::{self, Answers};
 use crate::hypothesis::Hypothesis;
 use crate::linear;
-use crate::track::{CHANNELS, Sensor};
+use crate::sampled::Sampled;
+use crate::track::{CHANNELS, Sensor, geometry};
 use crate::window::PULSE_S;
 
 /// Moments that are tried for a push.
@@ -54,7 +54,7 @@ pub(crate) fn candidates(bench: &Bench, node: &Node, excluded: &[String]) -> Vec
 
 /// Pushes at the moments at which one pulse explains most.
 fn pushes(bench: &Bench, node: &Node, answers: &[Answers], info: &'static Info) -> Vec<Hypothesis> {
-    let back = bench.model.robot.com_to_axle_m.unwrap_or(0.0);
+    let [.., back] = geometry(&bench.model.robot);
     let weights = node.fit.misfit.weights();
     let windows = answers.par_iter().enumerate();
     let tried = windows.flat_map_iter(|(w, answers)| {
@@ -170,8 +170,7 @@ fn judge(bench: &Bench, node: &Node, hypothesis: &Hypothesis) -> Option<f64> {
 
 /// Contacts of both wheels at the moments of the largest missing force, largest first.
 fn places(bench: &Bench, node: &Node, answers: &[Answers]) -> Vec<[f64; 2]> {
-    let body = &bench.model.robot;
-    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+    let [_, b, d] = geometry(&bench.model.robot);
     let mut moments: Vec<(f64, [f64; 3])> = Vec::new();
     for (w, forces) in over_time(bench, node, answers, &node.fit.misfit.weights())
         .into_iter()

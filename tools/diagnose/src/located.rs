@@ -7,6 +7,7 @@ use slipstream_sim::effects::When;
 use crate::bench::{Bench, Node};
 use crate::hypothesis::{Hypothesis, STATIC, is_direction};
 use crate::simulate::asked;
+use crate::track::geometry;
 use crate::window::Window;
 
 /// Speed at which a contact counts as sliding (m/s).
@@ -52,7 +53,7 @@ pub(crate) fn sliding(
     };
     let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
     let body = &bench.model.robot;
-    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+    let [_, b, d] = geometry(body);
     let found = bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
         let robots = problem.robots(values).ok()?;
         let mut intervals: Vec<[f64; 2]> = Vec::new();

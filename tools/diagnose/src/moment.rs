@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, Node};
-use crate::drivers::Sampled;
 use crate::force::{self, Answers, Part};
 use crate::local;
+use crate::sampled::Sampled;
 use crate::track::CHANNELS;
 
 /// A missing force at one moment.

@@ -4,8 +4,9 @@
 use std::ops::Range;
 
 use crate::bench::Bench;
-use crate::drivers::{Driver, Sampled};
+use crate::drivers::Driver;
 use crate::force::{self, CHARGE, Missing, Part};
+use crate::sampled::Sampled;
 use crate::unknown::{Likelier, PAY};
 use crate::wander::{EXPLAINED, GROUP, Judge, PIECE_S, Wander};
 
@@ -25,11 +26,11 @@ pub(crate) fn passing(
     bench: &Bench,
     judge: &Judge,
     samples: &[Vec<Sampled>],
+    forces: &[Vec<[f64; 2]>],
     wander: &Wander,
 ) -> Option<Likelier> {
-    let forces = judge.forces(&wander.level)?;
     let scale = scale(bench);
-    let active = active(&forces, scale);
+    let active = active(forces, scale);
     let within = judge.within(&active, wander.level)?;
     let gain = wander.deviance - within.deviance;
     if gain < PAY[0] || within.rest > EXPLAINED {
@@ -198,7 +199,8 @@ fn means(cells: &[Vec<(f64, f64)>]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::{Piece, active, held, placed};
-    use crate::drivers::{Driver, Sampled};
+    use crate::drivers::Driver;
+    use crate::sampled::Sampled;
 
     fn sampled(t_s: f64, x_m: f64, v: f64) -> Sampled {
         Sampled {

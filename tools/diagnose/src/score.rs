@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, every_other};
 use crate::hypothesis::Hypothesis;
 use crate::misfit::Misfit;
 use crate::simulate::hardened;
@@ -43,13 +43,11 @@ pub(crate) fn held_out(
     if windows.len() < 2 || hypotheses.is_empty() && whole.is_none() {
         return prediction(&bench.under(whole), windows, hypotheses);
     }
-    let half =
-        |own: usize| -> Vec<Window> { windows.iter().skip(own).step_by(2).cloned().collect() };
     let folds = (0..2).map(|fold| {
         let bench = &bench.under(law(Some(fold)));
-        let learnt = bench.over(half(fold)).refitted(hypotheses);
+        let learnt = bench.over(every_other(windows, fold)).refitted(hypotheses);
         let learnt = learnt.unwrap_or_else(|| hypotheses.to_vec());
-        prediction(bench, &half(1 - fold), &learnt)
+        prediction(bench, &every_other(windows, 1 - fold), &learnt)
     });
     folds.fold(Misfit::default(), |sum, part| sum.and(&part))
 }

@@ -8,7 +8,8 @@ use std::f64::consts::{PI, TAU};
 
 use rayon::prelude::*;
 
-use crate::drivers::{Driver, Sampled};
+use crate::drivers::Driver;
+use crate::sampled::Sampled;
 use crate::wander::GROUP;
 
 /// Shortest wave that is looked for (m).
@@ -31,8 +32,8 @@ struct Pull {
     force_n: f64,
 }
 
-/// The floor in waves that the force along the body, piece by piece, goes after best. `None` where no
-/// camera sees places.
+/// The floor in waves that the force along the body, piece by piece, goes after best. `None` where
+/// places are not known.
 pub(crate) fn driver(samples: &[Vec<Sampled>], forces: &[Vec<[f64; 2]>]) -> Option<Driver> {
     let pulls = pulls(samples, forces);
     let extent = |i: usize| {

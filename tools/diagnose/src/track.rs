@@ -193,29 +193,39 @@ impl Track {
         })
     }
 
-    /// Where wheels that do not slip took the centre of mass by `t_s`, from the origin and facing along x
-    /// when the recording began: x and y (m) and heading (rad). `None` without wheel angles. The lengths
-    /// are those of [`geometry`].
-    pub(crate) fn reckoned(&self, t_s: f64, [r, b, ahead]: [f64; 3]) -> Option<[f64; 3]> {
+    /// Where wheels that do not slip took the centre of mass by each of these times (s, rising), from the
+    /// origin and facing along x when the recording began: x and y (m) and heading (rad). `None` without
+    /// wheel angles. The lengths are those of [`geometry`].
+    pub(crate) fn reckoned(
+        &self,
+        times_s: &[f64],
+        [r, b, ahead]: [f64; 3],
+    ) -> Option<Vec<[f64; 3]>> {
         let rows = &self.of(Sensor::WheelAngle)?.rows;
-        let until = rows.partition_point(|(stamp_s, _)| *stamp_s <= t_s);
-        let end = rows.get(until).copied();
-        let mut pose = [0.0; 3];
-        for (k, (from_s, from)) in rows[..until].iter().enumerate() {
-            let next = rows[..until].get(k + 1).copied().or(end);
-            let Some((to_s, to)) = next else { break };
-            let share = match to_s > *from_s {
-                true => ((t_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0),
-                false => 1.0,
-            };
+        let further = |[x, y, heading]: [f64; 3], from: [f64; 3], to: [f64; 3], share: f64| {
             let [right, left] = [0, 1].map(|i| share * (to[i] - from[i]));
             let (way, turn) = (r * (right + left) / 2.0, r * (right - left) / (2.0 * b));
-            let (sin, cos) = (pose[2] + turn / 2.0).sin_cos();
-            pose = [pose[0] + way * cos, pose[1] + way * sin, pose[2] + turn];
-        }
-        let [x, y, heading] = pose;
-        let (sin, cos) = heading.sin_cos();
-        Some([x + ahead * (cos - 1.0), y + ahead * sin, heading])
+            let (sin, cos) = (heading + turn / 2.0).sin_cos();
+            [x + way * cos, y + way * sin, heading + turn]
+        };
+        let (mut axle, mut at) = ([0.0; 3], 0);
+        let poses = times_s.iter().map(|t_s| {
+            while let Some([from, to]) = rows.get(at..at + 2)
+                && to.0 <= *t_s
+            {
+                axle = further(axle, from.1, to.1, 1.0);
+                at += 1;
+            }
+            let [x, y, heading] = match rows.get(at..at + 2) {
+                Some([from, to]) if *t_s > from.0 => {
+                    further(axle, from.1, to.1, (t_s - from.0) / (to.0 - from.0))
+                }
+                _ => axle,
+            };
+            let (sin, cos) = heading.sin_cos();
+            [x + ahead * (cos - 1.0), y + ahead * sin, heading]
+        });
+        Some(poses.collect())
     }
 
     /// Believes nothing measured in these times (s).
@@ -513,8 +523,9 @@ mod tests {
         let poses = track.of(Sensor::Pose).unwrap().rows.clone();
         let [.., last] = poses[..] else { panic!() };
         assert!(last.1[0].abs() > 0.5 && last.1[2].abs() > 0.1, "{last:?}");
-        for (t_s, pose) in poses {
-            let reckoned = track.reckoned(t_s, geometry(&model.robot)).unwrap();
+        let times_s: Vec<f64> = poses.iter().map(|(t_s, _)| *t_s).collect();
+        let reckoned = track.reckoned(&times_s, geometry(&model.robot)).unwrap();
+        for (reckoned, (_, pose)) in reckoned.into_iter().zip(poses) {
             for (reckoned, seen) in reckoned.iter().zip(pose) {
                 assert!((reckoned - seen).abs() < 1e-4, "{reckoned} for {seen}");
             }

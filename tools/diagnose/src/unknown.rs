@@ -4,13 +4,14 @@
 use rayon::prelude::*;
 
 use crate::around::around;
-use crate::bench::{Bench, Node};
-use crate::drivers::{Driver, Sampled};
+use crate::bench::{Bench, Node, every_other};
+use crate::drivers::Driver;
 use crate::force::{self, Answers, CHARGE, Missing};
 use crate::law::Law;
 use crate::passing::passing;
 use crate::pay::HELD_OUT;
 use crate::refine::refined;
+use crate::sampled::Sampled;
 use crate::swell;
 use crate::wander::{Judge, Wander};
 use crate::window::PULSE_S;
@@ -49,6 +50,11 @@ struct Holds {
 }
 
 impl Unknown {
+    /// Whether it predicts, as a law.
+    pub(crate) fn predicts(&self) -> bool {
+        self.law.is_some()
+    }
+
     /// The force as a law, with the numbers that one half of the windows asks for or all. `None` where
     /// it does not hold as one.
     pub(crate) fn law(&self, bench: &Bench, half: Option<usize>) -> Option<Law> {
@@ -98,9 +104,10 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let (begun, node) = (node, &seen);
     let wander = judge.alone()?;
     let samples = force::samples(&judge.answers);
+    let forces = judge.forces(&wander.level)?;
     let mut drivers = Driver::all(&samples);
     if !bench.lacks_motion() {
-        drivers.extend(swell::driver(&samples, &judge.forces(&wander.level)?));
+        drivers.extend(swell::driver(&samples, &forces));
     }
     let missing = force::missing(bench, node, &judge.answers, &samples, &drivers);
     let mut likely = shortlist(missing);
@@ -112,7 +119,7 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
     let followed = followed(bench, &judge, &samples, &likely, &wander);
     // a force that follows a variable says more than when it acted
     let gain = followed.as_ref().map_or(0.0, |followed| followed.gain);
-    let passing = passing(bench, &judge, &samples, &wander);
+    let passing = passing(bench, &judge, &samples, &forces, &wander);
     let found = passing
         .filter(|passing| passing.gain > SAYS * gain)
         .or(followed);
@@ -121,7 +128,6 @@ pub(crate) fn beside(bench: &Bench, node: &Node) -> Option<Beyond> {
         gain: judge.gain(&wander)?,
         wander,
         unknown: found.map(|found| {
-            let forces = judge.forces(&wander.level).unwrap_or_default();
             let around = (node, &judge.answers[..], &samples[..], &forces[..]);
             let (missing, law) = led(bench, begun, around, found.missing);
             describe(bench, &samples, missing, law, found.gain / 2.0)
@@ -150,11 +156,9 @@ fn led(
         return (missing, None);
     }
     let like = force::like(bench, samples, forces, &missing);
-    let mut fold = 0;
-    let halves = force::halves(bench, seen, answers, samples, &missing).map(|half| {
-        let samples: Vec<_> = samples.iter().skip(fold).step_by(2).cloned().collect();
-        let forces: Vec<_> = forces.iter().skip(fold).step_by(2).cloned().collect();
-        fold += 1;
+    let [first, second] = force::halves(bench, seen, answers, samples, &missing);
+    let halves = [(0, first), (1, second)].map(|(fold, half)| {
+        let (samples, forces) = (every_other(samples, fold), every_other(forces, fold));
         let like = force::like(bench, &samples, &forces, &missing);
         vec![half, like]
     });

@@ -94,13 +94,17 @@ impl Search<'_> {
     fn taken_over(&self, mut node: Node, unknown: &mut Unknown) -> Node {
         let mut at = 0;
         while at < node.hypotheses.len() {
+            // of what may as well be nothing nothing is claimed
+            let idle = !self.is_clear(&node, at, SIDES);
+            if !(idle || unknown.predicts()) {
+                at += 1;
+                continue;
+            }
             let mut without = node.hypotheses.clone();
             let removed = without.remove(at);
             (self.progress)(&format!("without {}", removed.info.id));
-            let less = self.bench.fit(&without, &node.fit.starts, FULL);
-            // of what may as well be nothing nothing is claimed
-            let idle = !self.is_clear(&node, at, SIDES);
             let due = if idle { f64::INFINITY } else { due(&removed) };
+            let less = self.bench.fit(&without, &node.fit.starts, FULL);
             let taken = less.and_then(|less| {
                 let over = unknown::takes_over(self.bench, &less, unknown, due);
                 let over = over.or_else(|| idle.then(|| unknown.without_law()))?;

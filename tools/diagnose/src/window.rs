@@ -281,7 +281,7 @@ impl Window {
             (end > first).then(|| &track.series[at].rows[first..end])
         };
         let poses = rows(Sensor::Pose);
-        let reckoned = || track.reckoned(self.from_s, geometry(body));
+        let reckoned = || track.reckoned(&[self.from_s], geometry(body))?.pop();
         let seen = poses.map(|rows| rows[0].1).or_else(reckoned);
         let pose = seen.unwrap_or([0.0; 3]);
         let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
