@@ -353,7 +353,10 @@ impl<S: Scalar> Robot<S> {
         if S::NDERIV > 0 {
             self.glide(state, supply, &event.before, shift);
         }
-        self.shift_gears(state);
+        if event.stopped.is_empty() && event.broken.is_empty() {
+            // otherwise the acceleration, and what gears pass on with it, are not those after it
+            self.shift_gears(state);
+        }
         if !event.stopped.is_empty() {
             // what is left of their motion, smaller than what the piece could resolve
             let held = state.mode.held.either(event.stopped);
