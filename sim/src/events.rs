@@ -1,7 +1,7 @@
 //! Where a mode ends for other reasons than friction: the floor changes, gears meet or part.
 
 use crate::attempt::{Event, MOTOR_SHARE};
-use crate::command::CommandKind;
+use crate::command::{Command, CommandKind};
 use crate::parts::Grip;
 use crate::robot::Robot;
 use crate::scalar::{Pair, Scalar, heading};
@@ -93,6 +93,24 @@ impl<S: Scalar> Robot<S> {
             body.torque[i]
         };
         motor - inertia * body.acceleration[3 + i]
+    }
+
+    /// How each motor pushes its wheel under a command that has acted since long ago, at these speeds of
+    /// the wheels (rad/s): a torque (N m), less what it loses with speed. Where wheels turn as they are
+    /// told it is the speed (rad/s), because something resists it.
+    pub fn pushes(&self, command: &Command<S>, wheel_speed: Pair<S>) -> Pair<S> {
+        let (kind, supply) = command.at_wheels(self.nominal);
+        self.push(kind, supply, wheel_speed)
+    }
+
+    /// The same, of what reaches the motors.
+    pub(crate) fn push(&self, kind: CommandKind, supply: Pair<S>, wheel_speed: Pair<S>) -> Pair<S> {
+        if kind == CommandKind::Speed {
+            return supply;
+        }
+        let torque = self.motor_torque(kind, supply);
+        let loss = self.motor_damping(kind);
+        [0, 1].map(|i| torque[i] - loss * wheel_speed[i])
     }
 
     /// Engages gears that have closed and releases those that no longer press.

@@ -159,7 +159,7 @@ impl<S: Scalar> Robot<S> {
         };
         self.settle_drive(state, oldest);
         let ends = past.iter().skip(1).map(|(t_s, _)| *t_s).chain([t_s]);
-        let mut reached = [S::constant(0.0); 2];
+        let mut reached = (CommandKind::Torque, [S::constant(0.0); 2]);
         for ((since_s, command), end_s) in past.iter().zip(ends) {
             let (kind, command) = command.at_wheels(self.nominal);
             self.remember(state, *since_s, command);
@@ -172,20 +172,22 @@ impl<S: Scalar> Robot<S> {
                     .drive
                     .supply(kind, command, &state.history, lagged, span);
                 state.body.lagged = supply.lagged;
-                reached = supply.end;
+                reached = (kind, supply.end);
                 from += span[1];
             }
         }
-        self.take_up_play(state, reached);
+        let (kind, supply) = reached;
+        self.take_up_play(state, kind, supply);
     }
 
-    /// Motors that push their wheels the way that `supply` says lie against them.
-    fn take_up_play(&self, state: &mut State<S>, supply: Pair<S>) {
+    /// Motors that push their wheels lie against them.
+    fn take_up_play(&self, state: &mut State<S>, kind: CommandKind, supply: Pair<S>) {
         let Some(gap_rad) = self.drive.gap_rad else {
             return;
         };
-        for (i, supply) in supply.into_iter().enumerate() {
-            let side = match supply.value() {
+        let push = self.push(kind, supply, [state.body.nu[3], state.body.nu[4]]);
+        for (i, push) in push.into_iter().enumerate() {
+            let side = match push.value() {
                 v if v > 0.0 => Gear::Forward,
                 v if v < 0.0 => Gear::Backward,
                 _ => continue,

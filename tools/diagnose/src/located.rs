@@ -1,19 +1,21 @@
 //! When an effect is at work, and under which condition.
 
 use slipstream_bus::RobotModel;
-use slipstream_sim::GRAVITY_M_S2;
 use slipstream_sim::effects::When;
+use slipstream_sim::{GRAVITY_M_S2, Robot};
 
 use crate::bench::{Bench, Node};
 use crate::hypothesis::{Hypothesis, STATIC, is_direction};
-use crate::simulate::asked;
-use crate::track::geometry;
+use crate::sampled::{ABOUT_S, rate};
+use crate::track::{Sensor, geometry};
 use crate::window::Window;
 
 /// Speed at which a contact counts as sliding (m/s).
 const SLIDING_M_S: f64 = 3e-3;
 /// How long a motor may take to cross the play (s).
 const ACROSS_S: f64 = 0.15;
+/// Share of a torque lost with speed below which the rest of a motor's torque says nothing.
+const SURE: f64 = 0.05;
 /// Gaps shorter than this do not part an interval (s).
 const GAP_S: f64 = 0.021;
 
@@ -101,24 +103,31 @@ pub(crate) fn sliding(
     found.unwrap_or_default()
 }
 
-/// When the motor of a wheel may be on its way across the play (s): after its command has changed
-/// sign, and while nothing is commanded.
+/// When the motor of a wheel may be on its way across the play (s): after it has begun to push the
+/// other way, and while it does not push, or so little that its speed would have to be known better.
 pub(crate) fn apart(bench: &Bench) -> Vec<[f64; 2]> {
-    let body = &bench.model.robot;
+    let robot: Option<Robot> = Robot::new(&bench.model).ok();
+    let Some(robot) = robot else {
+        return Vec::new();
+    };
     let mut intervals = Vec::new();
     for track in &bench.tracks {
+        let wheels = track.of(Sensor::WheelAngle);
         let ends = track.commands.iter().skip(1).map(|(t_s, _)| *t_s);
         let ends = ends.chain([track.span_s()[1]]);
         let mut before = [0.0; 2];
         for ((t_s, command), end_s) in track.commands.iter().zip(ends) {
-            let asked = asked(command, body.wheel_radius_m, body.half_track_m);
-            for (asked, before) in asked.into_iter().zip(&mut before) {
-                if asked == 0.0 {
+            let speeds = wheels.map_or([0.0; 3], |wheels| rate(wheels, *t_s, ABOUT_S));
+            let pushes = robot.pushes(command, [speeds[0], speeds[1]]);
+            let standing = robot.pushes(command, [0.0; 2]);
+            for i in 0..2 {
+                let uncertain = SURE * (standing[i] - pushes[i]).abs();
+                if pushes[i].abs() <= uncertain {
                     intervals.push([*t_s, end_s]);
-                } else if asked * *before <= 0.0 {
+                } else if pushes[i] * before[i] <= 0.0 {
                     intervals.push([*t_s, t_s + ACROSS_S]);
                 }
-                *before = asked;
+                before[i] = pushes[i];
             }
         }
     }

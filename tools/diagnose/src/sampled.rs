@@ -25,7 +25,7 @@ pub(crate) struct Sampled {
 }
 
 /// Half of the time over which speeds are taken (s).
-const ABOUT_S: f64 = 0.06;
+pub(crate) const ABOUT_S: f64 = 0.06;
 
 /// What is shorter is no rest, and how long after one the robot is still setting off (s).
 const REST_S: f64 = 0.1;
