@@ -75,7 +75,7 @@ impl Search<'_> {
             .fit(&[], &self.bench.guesses(&self.bench.windows)?, FULL)?;
         let nominal = self.bench.grown(nominal);
         if let Some(slides) = self.slides(&nominal) {
-            return Some(Outcome::Slides(slides, Vec::new()));
+            return Some(Outcome::Slides(slides, self.known.clone()));
         }
         Some(match self.combined(&nominal) {
             Ok((best, looked_at)) => {
