@@ -125,7 +125,7 @@ impl Search<'_> {
         let known = (!self.known.is_empty()).then_some(&self.known);
         let known = known.and_then(|known| self.bench.fit(known, &nominal.fit.starts, FULL));
         let known = known.map(|node| self.pruned(nominal, self.bench.grown(node)));
-        let known = known.map(|node| self.bench.settle_static(node));
+        let known = known.map(|node| self.bench.settle_gap(self.bench.settle_static(node)));
         let better =
             |known: &Node| score(known) < score(nominal) && !self.bench.spoils(nominal, known);
         match known.filter(better) {

@@ -15,6 +15,13 @@ const STATIC_CLOSER: [[f64; 4]; 3] = [
     [0.94, 0.97, 1.03, 1.06],
 ];
 
+/// Shares of a gap that are tried next, around the best so far.
+const GAP_CLOSER: [[f64; 4]; 3] = [
+    [0.75, 0.88, 1.14, 1.33],
+    [0.94, 0.97, 1.03, 1.06],
+    [0.985, 0.993, 1.007, 1.015],
+];
+
 /// How often a patch is moved, by how many of its radii, and by how much it grows or shrinks.
 const PATCH_ROUNDS: usize = 3;
 const PATCH_MOVES: [[f64; 2]; 5] = [[0.0, 0.0], [0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]];
@@ -27,7 +34,7 @@ impl Bench {
     /// Fits anew in every way that there is, until noise is reached.
     pub(crate) fn settled(&self, node: Node) -> Node {
         let grown = self.settle_static(self.grown(node));
-        let placed = self.settle_patch(grown);
+        let placed = self.settle_patch(self.settle_gap(grown));
         if self.is_noise(&placed) {
             return placed;
         }
@@ -119,6 +126,26 @@ impl Bench {
             Some(hypotheses)
         };
         self.best_of(node, ratios.iter().filter_map(begun).collect())
+    }
+
+    /// Tries gaps around that of a play: the blows with which gears meet make its derivative useless.
+    pub(crate) fn settle_gap(&self, node: Node) -> Node {
+        let Some(own) = node.hypotheses.iter().position(Hypothesis::has_play) else {
+            return node;
+        };
+        let mut best = node;
+        for closer in GAP_CLOSER {
+            if self.is_noise(&best) {
+                break;
+            }
+            let begun = closer.map(|share| {
+                let mut hypotheses = best.hypotheses.clone();
+                hypotheses[own].values[0].1 *= share;
+                hypotheses
+            });
+            best = self.best_of(&best, begun.to_vec());
+        }
+        best
     }
 
     /// Tries places and radii around a patch: where a wheel comes onto it and leaves it again, circles
