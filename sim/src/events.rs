@@ -4,6 +4,7 @@ use crate::attempt::{Event, MOTOR_SHARE};
 use crate::command::{Command, CommandKind};
 use crate::parts::Grip;
 use crate::robot::Robot;
+use crate::rows::Elements;
 use crate::scalar::{Pair, Scalar, heading};
 use crate::state::{Body, Gear, Mode, OperatorKey, State};
 
@@ -131,18 +132,18 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    /// Motor and wheel meet without rebound. A wheel that can slip does: friction has no time to
-    /// act. One that cannot takes the body along.
+    /// Motor and wheel meet without rebound. Friction has no time to act: a wheel that can slip does,
+    /// and what rubs at rest lets go. A wheel that cannot slip takes the body along.
     fn meet(&self, state: &mut State<S>, i: usize) {
         let Mode {
-            held,
+            loose,
             mut gear,
             kind,
             ..
         } = state.mode;
         gear[i] = Gear::Free;
         let operator = self.operator(&OperatorKey {
-            held,
+            held: Elements::WHEELS.without_all(loose),
             gear,
             kind,
             over_s: 0.0,
