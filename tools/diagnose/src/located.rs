@@ -226,7 +226,7 @@ mod tests {
         };
         let commands = told.map(|(t_s, torque_nm)| (t_s, torque(torque_nm)));
         let rows = (0..40).map(|k| (f64::from(k) * 0.1, [0.0; 3])).collect();
-        let wheels = fixture::series(crate::track::Sensor::WheelAngle, rows, 1e-3);
+        let wheels = fixture::series(Sensor::WheelAngle, rows, 1e-3);
         let track = fixture::track(commands.to_vec(), vec![wheels]);
         let bench = fixture::bench(track, RobotModel::default());
         let begun = [0.0, ACROSS_S];
