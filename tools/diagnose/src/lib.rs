@@ -123,9 +123,6 @@ const ROWS: usize = 9000;
 /// How often windows are cut anew, so that none begins in a slide.
 const CUTS: u32 = 4;
 
-/// Windows that are fitted at most.
-const WINDOWS: usize = 24;
-
 /// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
 ///
 /// # Errors
@@ -301,7 +298,7 @@ fn bench(
         track.thin(ROWS);
         tracks.push(track);
     }
-    let windows = window::spread(window::cut_all(&tracks, &[]), WINDOWS);
+    let windows = window::cut_all(&tracks, &[]);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
         return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));

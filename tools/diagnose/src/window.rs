@@ -8,7 +8,8 @@ use crate::track::{Sensor, Series, Track, geometry};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
-
+/// Windows that are simulated of a long recording.
+const MOST: usize = 24;
 /// How far a window's end may be moved to where the robot rolls gently (s).
 const SEARCH_S: f64 = 1.2;
 
@@ -66,7 +67,7 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
             let to_s = if wanted + 0.3 * length_s > end {
                 end
             } else {
-                gentle(track, from_s, wanted, avoided)
+                gentle(track, [from_s, end], wanted, avoided)
             };
             windows.push(Window::new(track, run, from_s, to_s));
             from_s = to_s;
@@ -76,15 +77,16 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
     windows
 }
 
-/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s).
+/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s), as many of them
+/// as are simulated.
 pub(crate) fn cut_all(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
     let runs = tracks.iter().enumerate();
-    runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided))
-        .collect()
+    let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided));
+    spread(windows.collect(), MOST)
 }
 
 /// At most `most` of all windows, from begin to end.
-pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
+fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
     let count = windows.len();
     if count <= most {
         return windows;
@@ -94,8 +96,9 @@ pub(crate) fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
 }
 
 /// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
-/// asked of them for a while; further away where all that is near is to be avoided.
-fn gentle(track: &Track, from_s: f64, wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
+/// asked of them for a while; where all that is near is to be avoided the nearest that is not, or
+/// else the end of the stretch.
+fn gentle(track: &Track, [from_s, end_s]: [f64; 2], wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
     let slides = |t_s: f64| {
         let mut avoided = avoided.iter();
         avoided.any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s))
@@ -103,13 +106,11 @@ fn gentle(track: &Track, from_s: f64, wanted_s: f64, avoided: &[[f64; 2]]) -> f6
     let commands = || track.commands.iter().map(|(t_s, _)| *t_s);
     let near = |t_s: &f64| (t_s - wanted_s).abs() <= SEARCH_S;
     if commands().filter(near).all(slides) {
-        let length_s = wanted_s - from_s;
-        let rest = commands().filter(|t_s| (from_s + 1.0..wanted_s + length_s).contains(t_s));
+        let rest = commands().filter(|t_s| (from_s + 1.0..end_s).contains(t_s));
         let away = |t_s: &f64| (t_s - wanted_s).abs();
         let rolls = rest.filter(|t_s| !slides(*t_s));
-        if let Some(t_s) = rolls.min_by(|a, b| away(a).total_cmp(&away(b))) {
-            return t_s;
-        }
+        let nearest = rolls.min_by(|a, b| away(a).total_cmp(&away(b)));
+        return nearest.unwrap_or(if slides(wanted_s) { end_s } else { wanted_s });
     }
     let wheels = track.of(Sensor::WheelAngle);
     let cost = |t_s: f64| {
