@@ -1,6 +1,6 @@
 //! Where no window should begin in a model that is on the way.
 
-use slipstream_sim::effects::find;
+use slipstream_sim::effects::{Info, When, find};
 
 use crate::bench::Node;
 use crate::hypothesis::{Hypothesis, slides};
@@ -23,30 +23,33 @@ impl Search<'_> {
             return None;
         }
         let noise = self.bench.is_noise(node);
-        if !noise && has(node, Hypothesis::has_play) {
-            return Some(located::apart(self.bench)).filter(|apart| self.begins_in(apart));
+        let mut times_s = Vec::new();
+        if !noise && self.has(node, |info| info.acts == When::Apart) {
+            times_s.extend(located::apart(self.bench));
         }
-        if !self.slips(node) {
-            return None;
+        let pushes = if noise && self.slips(node) {
+            self.begun_by_push(node)
+        } else {
+            Vec::new()
+        };
+        if self.slips(node) && (!noise || !pushes.is_empty()) {
+            times_s.extend(pushes);
+            times_s.extend(self.sliding_times(node));
         }
-        let pushes = noise.then(|| self.begun_by_push(node));
-        let mut slides = pushes.unwrap_or_default();
-        if noise && slides.is_empty() {
-            return None;
-        }
-        let of_model = located::sliding(self.bench, node, None, BEYOND_S);
-        // where a patch ends is not known well while a window begins on it
-        let edge_s = if has(node, Hypothesis::is_placed) {
+        self.begins_in(&times_s).then_some(times_s)
+    }
+
+    /// When wheels slide in a model, with some time around patches: where one ends is not known well
+    /// while a window begins on it.
+    fn sliding_times(&self, node: &Node) -> Vec<[f64; 2]> {
+        let edge_s = if node.hypotheses.iter().any(Hypothesis::is_placed) {
             EDGE_S
         } else {
             0.0
         };
-        slides.extend(
-            of_model
-                .iter()
-                .map(|[from, to]| [from - edge_s, to + edge_s]),
-        );
-        self.begins_in(&slides).then_some(slides)
+        let slides = located::sliding(self.bench, node, None, BEYOND_S);
+        let wider = slides.iter().map(|[from, to]| [from - edge_s, to + edge_s]);
+        wider.collect()
     }
 
     /// Whether a window begins at one of these times (s).
@@ -71,12 +74,13 @@ impl Search<'_> {
 
     /// Whether wheels may slide in a model.
     pub(crate) fn slips(&self, node: &Node) -> bool {
-        let mut known = self.bench.model.effects.iter();
-        has(node, |h| slides(h.info)) || known.any(|e| find(&e.effect).is_some_and(slides))
+        self.has(node, slides)
     }
-}
 
-/// Whether some effect of a node is such.
-fn has(node: &Node, such: fn(&Hypothesis) -> bool) -> bool {
-    node.hypotheses.iter().any(such)
+    /// Whether some effect of a node, or of the model that it begins from, is such.
+    fn has(&self, node: &Node, such: fn(&Info) -> bool) -> bool {
+        let mut known = self.bench.model.effects.iter();
+        node.hypotheses.iter().any(|h| such(h.info))
+            || known.any(|e| find(&e.effect).is_some_and(such))
+    }
 }
