@@ -106,7 +106,13 @@ fn gentle(track: &Track, [from_s, end_s]: [f64; 2], wanted_s: f64, avoided: &[[f
     let commands = || track.commands.iter().map(|(t_s, _)| *t_s);
     let near = |t_s: &f64| (t_s - wanted_s).abs() <= SEARCH_S;
     if commands().filter(near).all(slides) {
-        let rest = commands().filter(|t_s| (from_s + 1.0..end_s).contains(t_s));
+        // commands may be far apart where nothing slides
+        let until_s = if slides(wanted_s) {
+            end_s
+        } else {
+            end_s.min(2.0 * wanted_s - from_s)
+        };
+        let rest = commands().filter(|t_s| (from_s + 1.0..until_s).contains(t_s));
         let away = |t_s: &f64| (t_s - wanted_s).abs();
         let rolls = rest.filter(|t_s| !slides(*t_s));
         let nearest = rolls.min_by(|a, b| away(a).total_cmp(&away(b)));
