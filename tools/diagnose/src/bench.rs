@@ -15,7 +15,7 @@ use crate::score;
 use crate::simulate::is_exact_at_any_step;
 use crate::start;
 use crate::track::{CHANNELS, ROUNDING, Sensor, Track};
-use crate::window::{LOCALS, Window, cut_all};
+use crate::window::{LOCALS, Window, cut_all, cut_fitted};
 use crate::work::Work;
 
 /// Longest step of a simulation (s): where wheels slip or gears have play, where they do not, and
@@ -176,7 +176,7 @@ impl Bench {
 
     /// The same cut anew, so that no window begins in one of these times (s).
     pub(crate) fn avoiding(&self, times_s: &[[f64; 2]]) -> Self {
-        self.over(cut_all(&self.tracks, times_s))
+        self.over(cut_fitted(&self.tracks, times_s))
     }
 
     /// Whether all windows begin as those of `other` do.

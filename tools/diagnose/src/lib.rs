@@ -298,7 +298,7 @@ fn bench(
         track.thin(ROWS);
         tracks.push(track);
     }
-    let windows = window::cut_all(&tracks, &[]);
+    let windows = window::cut_fitted(&tracks, &[]);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
         return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));

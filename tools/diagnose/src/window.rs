@@ -8,7 +8,7 @@ use crate::track::{Sensor, Series, Track, geometry};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
-/// Windows that are simulated of a long recording.
+/// Windows that are fitted of a long recording.
 const MOST: usize = 24;
 /// How far a window's end may be moved to where the robot rolls gently (s).
 const SEARCH_S: f64 = 1.2;
@@ -77,12 +77,16 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
     windows
 }
 
-/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s), as many of them
-/// as are simulated.
+/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s).
 pub(crate) fn cut_all(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
     let runs = tracks.iter().enumerate();
-    let windows = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided));
-    spread(windows.collect(), MOST)
+    runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided))
+        .collect()
+}
+
+/// As many of all windows as are fitted.
+pub(crate) fn cut_fitted(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
+    spread(cut_all(tracks, avoided), MOST)
 }
 
 /// At most `most` of all windows, from begin to end.
