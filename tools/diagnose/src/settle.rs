@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::bench::{Bench, FULL, HELD_OUT, Node};
 use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes, threshold};
+use crate::search::deviance;
 use crate::window::{LOCALS, Window};
 
 /// Static over kinetic friction where a search for the former begins.
@@ -21,6 +22,9 @@ const GAP_CLOSER: [[f64; 4]; 3] = [
     [0.94, 0.97, 1.03, 1.06],
     [0.985, 0.993, 1.007, 1.015],
 ];
+
+/// How many sizes of commands off a threshold may lie behind ones that fit worse.
+const BEHIND: usize = 16;
 
 /// How often a patch is moved, by how many of its radii, and by how much it grows or shrinks.
 const PATCH_ROUNDS: usize = 3;
@@ -47,9 +51,7 @@ impl Bench {
         if self.is_noise(&node) {
             return node;
         }
-        let better = |grown: &Node| {
-            grown.fit.misfit.deviance() < node.fit.misfit.deviance() && !self.spoils(&node, grown)
-        };
+        let better = |grown: &Node| deviance(grown) < deviance(&node) && !self.spoils(&node, grown);
         let grown = self.led(&node.hypotheses);
         grown.filter(better).unwrap_or(node)
     }
@@ -172,7 +174,7 @@ impl Bench {
                 })
             });
             let next = self.best_of(&best, begun.collect());
-            if next.fit.misfit.deviance() > best.fit.misfit.deviance() - 1.0 {
+            if deviance(&next) > deviance(&best) - 1.0 {
                 break;
             }
             best = next;
@@ -182,7 +184,6 @@ impl Bench {
 
     /// The best of the node and of fits from these.
     fn best_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>) -> Node {
-        let deviance = |node: &Node| node.fit.misfit.deviance();
         let tried = begun
             .into_par_iter()
             .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, HELD_OUT));
@@ -194,7 +195,9 @@ impl Bench {
         better.unwrap_or_else(|| node.clone())
     }
 
-    /// Tries the sizes of commands around a threshold until none fits better.
+    /// Tries the sizes of commands around a threshold, by ever smaller strides, until none fits better;
+    /// in the end those around it that lie behind a worse one, too: commands of one moment that are
+    /// nearly the same size fit worst where some of them do something and others nothing.
     pub(crate) fn settle_threshold(&self, node: Node) -> Node {
         let own = node.hypotheses.iter().position(Hypothesis::is_threshold);
         let (Some(track), Some(own)) = (self.tracks.first(), own) else {
@@ -205,32 +208,26 @@ impl Bench {
         let mut best = node;
         let mut stride = (sizes.len() / 8).max(1);
         loop {
-            let near = [at.checked_sub(stride), Some(at + stride)];
-            let near: Vec<usize> = near
-                .into_iter()
-                .flatten()
-                .filter(|i| *i <= sizes.len())
-                .collect();
-            let tried: Vec<(usize, Node)> = near
-                .into_par_iter()
-                .filter_map(|i| {
-                    let mut hypotheses = best.hypotheses.clone();
-                    hypotheses[own].values[0].1 = threshold(&sizes, i);
-                    Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
-                })
-                .collect();
-            let better = tried.into_iter().min_by(|a, b| {
-                a.1.fit
-                    .misfit
-                    .deviance()
-                    .total_cmp(&b.1.fit.misfit.deviance())
+            let strides = match stride {
+                0 => 2..=BEHIND,
+                _ => stride..=stride,
+            };
+            let near = strides.flat_map(|by| [at.checked_sub(by), Some(at + by)]);
+            let near: Vec<usize> = near.flatten().filter(|i| *i <= sizes.len()).collect();
+            let begun = near.into_par_iter().filter_map(|i| {
+                let mut hypotheses = best.hypotheses.clone();
+                hypotheses[own].values[0].1 = threshold(&sizes, i);
+                Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
             });
+            let tried: Vec<(usize, Node)> = begun.collect();
+            let better = tried
+                .into_iter()
+                .min_by(|a, b| deviance(&a.1).total_cmp(&deviance(&b.1)))
+                .filter(|(_, node)| deviance(node) < deviance(&best));
             match better {
-                Some((i, node)) if node.fit.misfit.deviance() < best.fit.misfit.deviance() => {
-                    (at, best) = (i, node);
-                }
-                _ if stride > 1 => stride = stride.div_ceil(2).min(stride - 1),
-                _ => return best,
+                Some((i, node)) => (at, best, stride) = (i, node, stride.max(1)),
+                None if stride > 0 => stride = stride.div_ceil(2).min(stride - 1),
+                None => return best,
             }
         }
     }
