@@ -10,6 +10,10 @@ use slipstream_sim::{CommandKind, Stream};
 use crate::simulate::asked;
 use crate::track::{Driver, Sensor, Series, Track};
 
+/// Latencies below it (s) are none: half a step of the finest simulators of fixed steps, by which events
+/// differ between them.
+const INSTANT_S: f64 = 5e-5;
+
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Hypothesis {
@@ -80,6 +84,15 @@ impl Hypothesis {
                 _ => false,
             }
         })
+    }
+
+    /// Whether it is a latency of next to nothing.
+    pub(crate) fn is_instant(&self) -> bool {
+        let lasts = |name: &str| self.info.parameter(name).is_some_and(|p| p.unit == "s");
+        let latency = |name: &str| lasts(name) && !is_where(self.info, name);
+        let mut values = self.values.iter();
+        self.replaces.is_none()
+            && values.any(|(name, value)| latency(name) && value.abs() < INSTANT_S)
     }
 
     /// Static friction is not below kinetic friction.
@@ -477,4 +490,27 @@ pub(crate) fn all_sizes(track: &Track, model: &RobotModel) -> Vec<f64> {
     sizes.sort_by(f64::total_cmp);
     sizes.dedup();
     sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_delay_below_what_simulators_differ_by_is_none() {
+        let delay =
+            |delay_s| Hypothesis::new(find("actuator_delay").unwrap(), vec![("delay_s", delay_s)]);
+        assert!(delay(8.6e-6).is_instant());
+        assert!(!delay(1e-4).is_instant());
+        let push = Hypothesis::new(
+            find("push").unwrap(),
+            vec![("t_s", 0.0), ("impulse_n_s", 0.1)],
+        );
+        assert!(!push.is_instant());
+        let listed = Hypothesis {
+            replaces: Some(0),
+            ..delay(0.0)
+        };
+        assert!(!listed.is_instant());
+    }
 }

@@ -158,7 +158,8 @@ impl Search<'_> {
     /// Whether an effect is within its bounds, and no push too many.
     pub(crate) fn may(&self, node: &Node, which: usize) -> bool {
         let pushes = node.hypotheses.iter().filter(|h| h.is_momentary());
-        !node.hypotheses[which].is_at_bound() && pushes.count() <= PUSHES
+        let own = &node.hypotheses[which];
+        !own.is_at_bound() && !own.is_instant() && pushes.count() <= PUSHES
     }
 
     /// Deviations by which the last effect of `after` has to differ from nothing: more where it explains
