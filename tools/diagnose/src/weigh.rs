@@ -3,7 +3,6 @@
 
 use crate::bench::{FULL, Node, SPOILT};
 use crate::hypothesis::Hypothesis;
-use crate::interval::SIDES;
 use crate::pay::{SIGMAS, due};
 use crate::score;
 use crate::search::{Search, deviance, score};
@@ -12,6 +11,9 @@ use crate::wander::Wander;
 
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
+/// How many times as clear an effect has to be beside a force outside of the catalogue: what such a
+/// force leaves is no noise.
+const BESIDE: f64 = 2.0;
 /// Share of what an effect promises that another has to promise to be tried in its place, and share of
 /// what it brings that this is at least: first steps may be short.
 const RIVAL: f64 = 0.5;
@@ -95,7 +97,7 @@ impl Search<'_> {
         let mut at = 0;
         while at < node.hypotheses.len() {
             // of what may as well be nothing nothing is claimed
-            let idle = !self.is_clear(&node, at, SIDES);
+            let idle = !self.is_clear(&node, at, BESIDE * SIGMAS);
             if !(idle || unknown.predicts()) {
                 at += 1;
                 continue;
