@@ -17,10 +17,11 @@ const STATIC_CLOSER: [[f64; 4]; 3] = [
 ];
 
 /// Shares of a gap that are tried next, around the best so far.
-const GAP_CLOSER: [[f64; 4]; 3] = [
-    [0.75, 0.88, 1.14, 1.33],
-    [0.94, 0.97, 1.03, 1.06],
-    [0.985, 0.993, 1.007, 1.015],
+const GAP_CLOSER: [&[f64]; 4] = [
+    &[0.4, 0.55, 0.68, 1.25, 1.5, 1.8, 2.2, 2.7],
+    &[0.75, 0.88, 1.14, 1.33],
+    &[0.94, 0.97, 1.03, 1.06],
+    &[0.985, 0.993, 1.007, 1.015],
 ];
 
 /// How many sizes of commands off a threshold may lie behind ones that fit worse.
@@ -140,12 +141,12 @@ impl Bench {
             if self.is_noise(&best) {
                 break;
             }
-            let begun = closer.map(|share| {
+            let begun = closer.iter().map(|share| {
                 let mut hypotheses = best.hypotheses.clone();
                 hypotheses[own].values[0].1 *= share;
                 hypotheses
             });
-            best = self.best_of(&best, begun.to_vec());
+            best = self.best_of(&best, begun.collect());
         }
         best
     }
