@@ -233,3 +233,47 @@ impl Bench {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+    use slipstream_sim::effects::find;
+
+    use super::*;
+    use crate::fixture;
+
+    /// How many commands in a row are nearly the same size.
+    const HELD: f64 = 12.0;
+
+    /// Torques (N m) that for a moment are all nearly the same size, in no order.
+    fn holding(t_s: f64) -> [f64; 2] {
+        let [right, left] = fixture::gentle(t_s);
+        let step = ((t_s - 4.0) / fixture::HOLD_S).round();
+        if !(0.0..HELD).contains(&step) {
+            return [right, left];
+        }
+        let sign = if step < 0.5 * HELD { 1.0 } else { -1.0 };
+        let size = sign * (0.02 + 1e-5 * step);
+        [size, size]
+    }
+
+    #[test]
+    fn a_threshold_is_found_behind_sizes_that_fit_worse() {
+        let model = RobotModel::default();
+        let truth = model
+            .clone()
+            .with("command_dead_band", &[("torque_nm", 0.0202)]);
+        let bench = fixture::bench(fixture::driven(&truth, 10.0, holding), model);
+        let begun = Hypothesis::new(
+            find("command_dead_band").unwrap(),
+            vec![("torque_nm", 0.0156)],
+        );
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let node = bench.fit(&[begun], &starts, FULL).unwrap();
+        let found = bench.settle_threshold(node);
+        let found = found.hypotheses[0].values[0].1;
+        let sizes = all_sizes(&bench.tracks[0], &bench.model);
+        let between = |size: f64| sizes.partition_point(|known| *known < size);
+        assert_eq!(between(found), between(0.0202), "{found}");
+    }
+}

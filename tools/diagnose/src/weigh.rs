@@ -3,6 +3,7 @@
 
 use crate::bench::{FULL, Node, SPOILT};
 use crate::hypothesis::Hypothesis;
+use crate::interval::SIDES;
 use crate::pay::{SIGMAS, due};
 use crate::score;
 use crate::search::{Search, deviance, score};
@@ -11,9 +12,9 @@ use crate::wander::Wander;
 
 /// Δ(−2 ln L) within which two effects cannot be told apart.
 const TWINS: f64 = 9.0;
-/// How many times as clear an effect has to be beside a force outside of the catalogue: what such a
-/// force leaves is no noise.
-const BESIDE: f64 = 2.0;
+/// Deviations by which an effect has to differ from nothing beside a force outside of the catalogue:
+/// what such a force leaves is no noise. Where no level of the noise is known, it counts as such.
+const BESIDE: f64 = 2.0 * SIGMAS;
 /// Share of what an effect promises that another has to promise to be tried in its place, and share of
 /// what it brings that this is at least: first steps may be short.
 const RIVAL: f64 = 0.5;
@@ -94,10 +95,15 @@ impl Search<'_> {
 
     /// The node without the effects that a force outside of the catalogue makes needless.
     fn taken_over(&self, mut node: Node, unknown: &mut Unknown) -> Node {
+        let sigmas = if self.bench.knows_noise() {
+            BESIDE
+        } else {
+            SIDES
+        };
         let mut at = 0;
         while at < node.hypotheses.len() {
             // of what may as well be nothing nothing is claimed
-            let idle = !self.is_clear(&node, at, BESIDE * SIGMAS);
+            let idle = !self.is_clear(&node, at, sigmas);
             if !(idle || unknown.predicts()) {
                 at += 1;
                 continue;
