@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::bench::{Bench, FULL, HELD_OUT, Node};
+use crate::follow::GLANCE;
 use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes, threshold};
 use crate::search::deviance;
 use crate::window::{LOCALS, Window};
@@ -128,7 +129,7 @@ impl Bench {
                 .for_each(|v| v.1 = kinetic * ratio);
             Some(hypotheses)
         };
-        self.best_of(node, ratios.iter().filter_map(begun).collect())
+        self.best_of(node, ratios.iter().filter_map(begun).collect(), HELD_OUT)
     }
 
     /// Tries gaps around that of a play: the blows with which gears meet make its derivative useless.
@@ -146,7 +147,7 @@ impl Bench {
                 hypotheses[own].values[0].1 *= share;
                 hypotheses
             });
-            best = self.best_of(&best, begun.collect());
+            best = self.best_of(&best, begun.collect(), HELD_OUT);
         }
         best
     }
@@ -174,7 +175,7 @@ impl Bench {
                     hypotheses
                 })
             });
-            let next = self.best_of(&best, begun.collect());
+            let next = self.best_of(&best, begun.collect(), HELD_OUT);
             if deviance(&next) > deviance(&best) - 1.0 {
                 break;
             }
@@ -183,11 +184,11 @@ impl Bench {
         best
     }
 
-    /// The best of the node and of fits from these.
-    fn best_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>) -> Node {
+    /// The best of the node and of fits from these of at most so many `rounds`.
+    fn best_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>, rounds: usize) -> Node {
         let tried = begun
             .into_par_iter()
-            .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, HELD_OUT));
+            .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, rounds));
         let tried: Vec<Node> = tried.collect();
         let better = tried
             .into_iter()
@@ -205,7 +206,6 @@ impl Bench {
             return node;
         };
         let sizes = all_sizes(track, &self.model);
-        let mut at = sizes.partition_point(|size| *size < node.hypotheses[own].values[0].1);
         let mut best = node;
         let mut stride = (sizes.len() / 8).max(1);
         loop {
@@ -213,22 +213,21 @@ impl Bench {
                 0 => 2..=BEHIND,
                 _ => stride..=stride,
             };
+            let at = sizes.partition_point(|size| *size < best.hypotheses[own].values[0].1);
             let near = strides.flat_map(|by| [at.checked_sub(by), Some(at + by)]);
-            let near: Vec<usize> = near.flatten().filter(|i| *i <= sizes.len()).collect();
-            let begun = near.into_par_iter().filter_map(|i| {
+            let near = near.flatten().filter(|i| *i <= sizes.len());
+            let begun = near.map(|i| {
                 let mut hypotheses = best.hypotheses.clone();
                 hypotheses[own].values[0].1 = threshold(&sizes, i);
-                Some((i, self.fit(&hypotheses, &best.fit.starts, 2)?))
+                hypotheses
             });
-            let tried: Vec<(usize, Node)> = begun.collect();
-            let better = tried
-                .into_iter()
-                .min_by(|a, b| deviance(&a.1).total_cmp(&deviance(&b.1)))
-                .filter(|(_, node)| deviance(node) < deviance(&best));
-            match better {
-                Some((i, node)) => (at, best, stride) = (i, node, stride.max(1)),
-                None if stride > 0 => stride = stride.div_ceil(2).min(stride - 1),
-                None => return best,
+            let next = self.best_of(&best, begun.collect(), GLANCE);
+            if deviance(&next) < deviance(&best) {
+                (best, stride) = (next, stride.max(1));
+            } else if stride > 0 {
+                stride = stride.div_ceil(2).min(stride - 1);
+            } else {
+                return best;
             }
         }
     }
@@ -245,7 +244,7 @@ mod tests {
     /// How many commands in a row are nearly the same size.
     const HELD: f64 = 12.0;
 
-    /// Torques (N m) that for a moment are all nearly the same size, in no order.
+    /// Torques (N m) that for a moment are nearly the same size, one way and then the other.
     fn holding(t_s: f64) -> [f64; 2] {
         let [right, left] = fixture::gentle(t_s);
         let step = ((t_s - 4.0) / fixture::HOLD_S).round();
