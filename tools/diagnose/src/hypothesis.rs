@@ -129,6 +129,20 @@ impl Hypothesis {
         self.info.acts == When::Apart
     }
 
+    /// The value of a parameter, where it has one of that name.
+    pub(crate) fn value(&self, name: &str) -> Option<f64> {
+        let mut values = self.values.iter();
+        values.find(|(known, _)| *known == name).map(|v| v.1)
+    }
+
+    /// Sets a parameter of that name, where it has one.
+    pub(crate) fn set(&mut self, name: &str, value: f64) {
+        let mut values = self.values.iter_mut();
+        if let Some(own) = values.find(|(known, _)| *known == name) {
+            own.1 = value;
+        }
+    }
+
     /// Whether its size is found by trying values one by one: a threshold on commands of which
     /// there are only so many has no derivative.
     pub(crate) fn is_threshold(&self) -> bool {

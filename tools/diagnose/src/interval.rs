@@ -7,6 +7,8 @@ use rayon::prelude::*;
 use slipstream_sim::effects::{Domain, Info};
 
 use crate::bench::{Bench, Node};
+use crate::fit::Free;
+use crate::follow::GLANCE;
 use crate::hypothesis::{Hypothesis, KINETIC, STATIC, all_sizes, is_direction};
 use crate::misfit::Misfit;
 use crate::track::Sensor;
@@ -23,10 +25,9 @@ const DOUBLINGS: i32 = 20;
 /// derivative, or one that holds for less than that: a sample of what goes in steps does not move with
 /// its time until it crosses one.
 pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
-    let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
-    let first: usize = node.hypotheses[..which].iter().map(fitted).sum();
+    let first = before(&node.hypotheses, which);
     let own = &node.hypotheses[which];
-    (0..own.values.len())
+    let mut intervals: Vec<[f64; 2]> = (0..own.values.len())
         .into_par_iter()
         .map(|i| {
             let value = own.values[i].1;
@@ -48,7 +49,21 @@ pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
                 }
             })
         })
-        .collect()
+        .collect();
+    if let Some(i) = own.values.iter().position(|(name, _)| *name == STATIC) {
+        let [below, above] = intervals[i];
+        let others = other_statics(bench, node, which);
+        intervals[i] = others.into_iter().fold([below, above], |[low, high], at| {
+            [low.min(at), high.max(at)]
+        });
+    }
+    intervals
+}
+
+/// How many parameters are fitted before those of effect `which`.
+fn before(hypotheses: &[Hypothesis], which: usize) -> usize {
+    let fitted = |h: &Hypothesis| if h.is_threshold() { 0 } else { h.values.len() };
+    hypotheses[..which].iter().map(fitted).sum()
 }
 
 /// Whether anything tells which way the robot faces: else its first heading is zero by assumption, and
@@ -75,19 +90,47 @@ fn between_sizes(bench: &Bench, info: &Info, value: f64) -> [f64; 2] {
     [below, sizes.get(next).copied().unwrap_or(most)]
 }
 
-/// Whether the likelihood has fallen where a parameter (effect, number) is `at`. The others stay.
+/// Whether the likelihood has fallen from `best` so far that its interval ends.
+fn fallen(best: &Misfit, there: &Misfit) -> bool {
+    let channels = best.weights().into_iter().enumerate();
+    let rises = channels.map(|(c, weight)| weight * (there.squares[c] - best.squares[c]));
+    rises.sum::<f64>() > WILKS
+}
+
+/// Whether the likelihood has fallen where a parameter (effect, number) is `at`. The others stay: but
+/// those beside a static friction move, as it holds until a time that their misfit shifts as well.
 fn falls(bench: &Bench, node: &Node, (which, i): (usize, usize), at: f64) -> bool {
     let mut hypotheses = node.hypotheses.clone();
     hypotheses[which].values[i].1 = at;
-    let best = &node.fit.misfit;
-    let rise = bench.posed(&hypotheses, &bench.windows, |problem, values| {
-        let residuals = problem.residuals(values, &node.fit.starts)?;
-        let there = Misfit::new(&bench.windows, &residuals);
-        let channels = best.weights().into_iter().enumerate();
-        let rises = channels.map(|(c, weight)| weight * (there.squares[c] - best.squares[c]));
-        Some(rises.sum::<f64>())
-    });
-    rise.is_none_or(|rise| rise > WILKS)
+    let fallen = |there: &Misfit| fallen(&node.fit.misfit, there);
+    bench
+        .posed(&hypotheses, &bench.windows, |problem, values| {
+            let residuals = problem.residuals(values, &node.fit.starts)?;
+            let stays = fallen(&Misfit::new(&bench.windows, &residuals));
+            if !stays || hypotheses[which].values[i].0 != STATIC {
+                return Some(stays);
+            }
+            let own = before(&hypotheses, which) + i;
+            let (free, values): (Vec<Free>, Vec<f64>) = (0..values.len())
+                .filter(|k| *k != own)
+                .map(|k| (problem.free[k], values[k]))
+                .unzip();
+            let others = problem.with_free(&free);
+            let moved = others.fit(&values, &node.fit.starts, GLANCE)?;
+            Some(fallen(&moved.misfit))
+        })
+        .unwrap_or(true)
+}
+
+/// Static frictions of other fits that are as likely: between them the likelihood may fall and rise.
+fn other_statics(bench: &Bench, node: &Node, which: usize) -> Vec<f64> {
+    let as_likely = |other: &Node| !fallen(&node.fit.misfit, &other.fit.misfit);
+    bench
+        .with_other_statics(node, which)
+        .into_iter()
+        .filter(as_likely)
+        .filter_map(|other| other.hypotheses[which].value(STATIC))
+        .collect()
 }
 
 /// Where, away from the estimate and beyond `from`, the likelihood has fallen: of what goes in steps it
@@ -95,11 +138,7 @@ fn falls(bench: &Bench, node: &Node, (which, i): (usize, usize), at: f64) -> boo
 fn end(bench: &Bench, node: &Node, (which, i): (usize, usize), side: f64, from: f64) -> f64 {
     let own = &node.hypotheses[which];
     let value = own.values[i].1;
-    let least = own
-        .values
-        .iter()
-        .find(|(name, _)| *name == KINETIC)
-        .map_or(f64::NEG_INFINITY, |k| k.1);
+    let least = own.value(KINETIC).unwrap_or(f64::NEG_INFINITY);
     let limit = |at: f64| {
         if own.values[i].0 == STATIC {
             at.max(least)
@@ -277,5 +316,45 @@ mod tests {
         // to 1/64 of the last doubling
         assert!((low + 0.013).abs() < 4e-4, "{low}");
         assert!((high - 0.007).abs() < 4e-4, "{high}");
+    }
+
+    /// A static friction of 0.212 over a kinetic one of 0.2, and the fit to it.
+    fn slipping() -> (Bench, Node) {
+        let model = RobotModel::default();
+        let slip = |above| vec![(STATIC, above), (KINETIC, 0.2)];
+        let truth = model.clone().with("wheel_slip", &slip(0.212));
+        let hard = |t_s: f64| {
+            fixture::gentle(0.7 * t_s).map(|torque_nm| 4.0 * torque_nm + 0.06 * (5.0 * t_s).sin())
+        };
+        let bench = fixture::bench(fixture::driven(&truth, 5.0, hard), model);
+        let starts = bench.guesses(&bench.windows).unwrap();
+        let own = Hypothesis::new(find("wheel_slip").unwrap(), slip(0.22));
+        let node = bench.fit(&[own], &starts, FULL).unwrap();
+        (bench, node)
+    }
+
+    #[test]
+    fn what_is_beside_a_static_friction_moves_with_it() {
+        let (bench, mut node) = slipping();
+        let [above, kinetic] = [0, 1].map(|i| node.hypotheses[0].values[i].1);
+        assert!(!falls(&bench, &node, (0, 0), above));
+        // both would have fallen if the other stayed there
+        node.hypotheses[0].values[1].1 = kinetic * 0.99;
+        assert!(falls(&bench, &node, (0, 1), kinetic * 0.99));
+        assert!(!falls(&bench, &node, (0, 0), above));
+    }
+
+    #[test]
+    fn other_static_frictions_are_as_likely_as_the_one_found() {
+        let (bench, node) = slipping();
+        let others = other_statics(&bench, &node, 0);
+        let [low, high] = of(&bench, &node, 0)[0];
+        assert!(!others.is_empty());
+        assert!(others.len() < bench.with_other_statics(&node, 0).len());
+        for other in others {
+            assert!(!falls(&bench, &node, (0, 0), other), "{other}");
+            assert!((low..=high).contains(&other), "{other}");
+        }
+        assert!((low..=high).contains(&0.212), "{low} to {high}");
     }
 }

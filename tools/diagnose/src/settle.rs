@@ -101,11 +101,8 @@ impl Bench {
         };
         let mut best = self.with_static(&node, slip, &STATIC_OVER_KINETIC);
         for closer in STATIC_CLOSER {
-            let of = |name: &str| {
-                let mut values = best.hypotheses[slip].values.iter();
-                values.find(|(known, _)| *known == name).map(|v| v.1)
-            };
-            let (Some(above), Some(kinetic)) = (of(STATIC), of(KINETIC)) else {
+            let own = &best.hypotheses[slip];
+            let (Some(above), Some(kinetic)) = (own.value(STATIC), own.value(KINETIC)) else {
                 break;
             };
             if self.is_noise(&best) {
@@ -119,17 +116,13 @@ impl Bench {
 
     /// The best of the node and of fits that begin with these ratios of static to kinetic friction.
     fn with_static(&self, node: &Node, slip: usize, ratios: &[f64]) -> Node {
-        let begun = |ratio: &f64| {
-            let mut hypotheses = node.hypotheses.clone();
-            let values = &mut hypotheses[slip].values;
-            let kinetic = values.iter().find(|(name, _)| *name == KINETIC)?.1;
-            values
-                .iter_mut()
-                .filter(|(name, _)| *name == STATIC)
-                .for_each(|v| v.1 = kinetic * ratio);
-            Some(hypotheses)
-        };
-        self.best_of(node, ratios.iter().filter_map(begun).collect(), HELD_OUT)
+        self.best_of(node, begun_with_static(node, slip, ratios), HELD_OUT)
+    }
+
+    /// Fits that begin with other ratios of static to kinetic friction than a node has.
+    pub(crate) fn with_other_statics(&self, node: &Node, slip: usize) -> Vec<Node> {
+        let begun = begun_with_static(node, slip, &STATIC_OVER_KINETIC);
+        self.fits_of(node, begun, HELD_OUT)
     }
 
     /// Tries gaps around that of a play: the blows with which gears meet make its derivative useless.
@@ -184,12 +177,17 @@ impl Bench {
         best
     }
 
+    /// Fits from these values and where a node begins.
+    fn fits_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>, rounds: usize) -> Vec<Node> {
+        begun
+            .into_par_iter()
+            .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, rounds))
+            .collect()
+    }
+
     /// The best of the node and of fits from these of at most so many `rounds`.
     fn best_of(&self, node: &Node, begun: Vec<Vec<Hypothesis>>, rounds: usize) -> Node {
-        let tried = begun
-            .into_par_iter()
-            .filter_map(|hypotheses| self.fit(&hypotheses, &node.fit.starts, rounds));
-        let tried: Vec<Node> = tried.collect();
+        let tried = self.fits_of(node, begun, rounds);
         let better = tried
             .into_iter()
             .min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
@@ -231,6 +229,17 @@ impl Bench {
             }
         }
     }
+}
+
+/// The effects of a node with these ratios of static to kinetic friction.
+fn begun_with_static(node: &Node, slip: usize, ratios: &[f64]) -> Vec<Vec<Hypothesis>> {
+    let kinetic = node.hypotheses[slip].value(KINETIC);
+    let begun = ratios.iter().filter_map(|ratio| {
+        let mut hypotheses = node.hypotheses.clone();
+        hypotheses[slip].set(STATIC, kinetic? * ratio);
+        Some(hypotheses)
+    });
+    begun.collect()
 }
 
 #[cfg(test)]
