@@ -97,9 +97,8 @@ impl Hypothesis {
 
     /// Static friction is not below kinetic friction.
     pub(crate) fn keep_in_order(&mut self) {
-        let of = |name: &str| self.values.iter().position(|(known, _)| *known == name);
-        if let (Some(above), Some(below)) = (of(STATIC), of(KINETIC)) {
-            self.values[above].1 = self.values[above].1.max(self.values[below].1);
+        if let (Some(above), Some(below)) = (self.value(STATIC), self.value(KINETIC)) {
+            self.set(STATIC, above.max(below));
         }
     }
 

@@ -25,39 +25,45 @@ const DOUBLINGS: i32 = 20;
 /// derivative, or one that holds for less than that: a sample of what goes in steps does not move with
 /// its time until it crosses one.
 pub(crate) fn of(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2]> {
-    let first = before(&node.hypotheses, which);
-    let own = &node.hypotheses[which];
-    let mut intervals: Vec<[f64; 2]> = (0..own.values.len())
+    (0..node.hypotheses[which].values.len())
         .into_par_iter()
-        .map(|i| {
-            let value = own.values[i].1;
-            if own.is_threshold() {
-                return between_sizes(bench, own.info, value);
-            }
-            if is_direction(own.info, own.values[i].0) && !sees_heading(bench) {
-                return [value - PI, value + PI];
-            }
-            let deviation = node.fit.deviations[first + i];
-            [-1.0, 1.0].map(|side| {
-                let plain = value + side * SIDES * deviation;
-                let holds = deviation.is_finite() && own.values[i].0 != STATIC;
-                if holds && falls(bench, node, (which, i), plain) {
-                    plain
-                } else {
-                    let from = if holds { plain } else { value };
-                    end(bench, node, (which, i), side, from)
-                }
-            })
-        })
-        .collect();
-    if let Some(i) = own.values.iter().position(|(name, _)| *name == STATIC) {
-        let [below, above] = intervals[i];
-        let others = other_statics(bench, node, which);
-        intervals[i] = others.into_iter().fold([below, above], |[low, high], at| {
-            [low.min(at), high.max(at)]
-        });
+        .map(|i| of_parameter(bench, node, (which, i)))
+        .collect()
+}
+
+/// The interval of one parameter (effect, number).
+fn of_parameter(bench: &Bench, node: &Node, (which, i): (usize, usize)) -> [f64; 2] {
+    let own = &node.hypotheses[which];
+    let (name, value) = own.values[i];
+    if own.is_threshold() {
+        return between_sizes(bench, own.info, value);
     }
-    intervals
+    if is_direction(own.info, name) && !sees_heading(bench) {
+        return [value - PI, value + PI];
+    }
+    if name == STATIC {
+        return of_static(bench, node, (which, i));
+    }
+    let deviation = node.fit.deviations[before(&node.hypotheses, which) + i];
+    [-1.0, 1.0].map(|side| {
+        let plain = value + side * SIDES * deviation;
+        let holds = deviation.is_finite();
+        if holds && falls(bench, node, (which, i), plain) {
+            plain
+        } else {
+            let from = if holds { plain } else { value };
+            end(bench, node, (which, i), side, from)
+        }
+    })
+}
+
+/// The interval of a static friction, with those of other fits that are as likely: between them the
+/// likelihood may fall and rise again.
+fn of_static(bench: &Bench, node: &Node, (which, i): (usize, usize)) -> [f64; 2] {
+    let value = node.hypotheses[which].values[i].1;
+    let ends = [-1.0, 1.0].map(|side| end(bench, node, (which, i), side, value));
+    let others = other_statics(bench, node, which).into_iter();
+    others.fold(ends, |[low, high], at| [low.min(at), high.max(at)])
 }
 
 /// How many parameters are fitted before those of effect `which`.
@@ -97,8 +103,8 @@ fn fallen(best: &Misfit, there: &Misfit) -> bool {
     rises.sum::<f64>() > WILKS
 }
 
-/// Whether the likelihood has fallen where a parameter (effect, number) is `at`. The others stay: but
-/// those beside a static friction move, as it holds until a time that their misfit shifts as well.
+/// Whether the likelihood has fallen where a parameter (effect, number) is `at`. The others stay,
+/// but for a static friction they are fitted anew: where wheels break loose they make up for much of it.
 fn falls(bench: &Bench, node: &Node, (which, i): (usize, usize), at: f64) -> bool {
     let mut hypotheses = node.hypotheses.clone();
     hypotheses[which].values[i].1 = at;
@@ -122,7 +128,7 @@ fn falls(bench: &Bench, node: &Node, (which, i): (usize, usize), at: f64) -> boo
         .unwrap_or(true)
 }
 
-/// Static frictions of other fits that are as likely: between them the likelihood may fall and rise.
+/// Static frictions of other fits that are as likely.
 fn other_statics(bench: &Bench, node: &Node, which: usize) -> Vec<f64> {
     let as_likely = |other: &Node| !fallen(&node.fit.misfit, &other.fit.misfit);
     bench

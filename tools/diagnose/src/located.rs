@@ -26,11 +26,7 @@ pub(crate) fn intervals(bench: &Bench, node: &Node, which: usize) -> Vec<[f64; 2
         When::Sliding => sliding(bench, node, None, 0.0),
         When::Inside => sliding(bench, node, Some(own), 0.0),
         When::Once => {
-            let t_s = own
-                .values
-                .iter()
-                .find(|(name, _)| *name == "t_s")
-                .map_or(0.0, |v| v.1);
+            let t_s = own.value("t_s").unwrap_or(0.0);
             vec![[t_s, t_s + 0.06]]
         }
         _ => {
@@ -48,11 +44,7 @@ pub(crate) fn sliding(
     patch: Option<&Hypothesis>,
     beyond_s: f64,
 ) -> Vec<[f64; 2]> {
-    let value = |name: &str| {
-        patch
-            .and_then(|p| p.values.iter().find(|(known, _)| *known == name))
-            .map_or(0.0, |v| v.1)
-    };
+    let value = |name: &str| patch.and_then(|p| p.value(name)).unwrap_or(0.0);
     let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
     let body = &bench.model.robot;
     let [_, b, d] = geometry(body);
@@ -136,12 +128,7 @@ pub(crate) fn apart(bench: &Bench) -> Vec<[f64; 2]> {
 
 /// Under which condition an effect is at work, for a person.
 pub(crate) fn condition(bench: &Bench, own: &Hypothesis) -> String {
-    let value = |name: &str| {
-        own.values
-            .iter()
-            .find(|(known, _)| *known == name)
-            .map_or(0.0, |v| v.1)
-    };
+    let value = |name: &str| own.value(name).unwrap_or(0.0);
     let direction = own.values.iter().find(|v| is_direction(own.info, v.0));
     match own.info.acts {
         When::Sliding => match breakaway_nm(&bench.model, value(STATIC)) {

@@ -95,7 +95,7 @@ impl Bench {
         let slip = node
             .hypotheses
             .iter()
-            .position(|h| h.values.iter().any(|(name, _)| *name == STATIC));
+            .position(|h| h.value(STATIC).is_some());
         let Some(slip) = slip.filter(|_| !self.is_noise(&node)) else {
             return node;
         };
@@ -233,11 +233,13 @@ impl Bench {
 
 /// The effects of a node with these ratios of static to kinetic friction.
 fn begun_with_static(node: &Node, slip: usize, ratios: &[f64]) -> Vec<Vec<Hypothesis>> {
-    let kinetic = node.hypotheses[slip].value(KINETIC);
-    let begun = ratios.iter().filter_map(|ratio| {
+    let Some(kinetic) = node.hypotheses[slip].value(KINETIC) else {
+        return Vec::new();
+    };
+    let begun = ratios.iter().map(|ratio| {
         let mut hypotheses = node.hypotheses.clone();
-        hypotheses[slip].set(STATIC, kinetic? * ratio);
-        Some(hypotheses)
+        hypotheses[slip].set(STATIC, kinetic * ratio);
+        hypotheses
     });
     begun.collect()
 }
