@@ -1,1 +1,3 @@
-//! What the tests of the whole house share.
+//! What the tests of the whole repository share.
+
+pub mod structure;
