@@ -6,7 +6,7 @@ use slipstream_bus::experiment::{Clock, Experiment, Feedforward, Law, Settings, 
 use slipstream_bus::message::{Encoders, Position, RobotIndex};
 use slipstream_bus::record::{InnerTick, OuterTick};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
-use slipstream_bus::{ModelError, RobotSetup};
+use slipstream_bus::{InputError, RobotSetup};
 
 use crate::computed_torque::{Wish, computed_torque, on_this_floor};
 use crate::friction::FrictionEstimate;
@@ -27,7 +27,7 @@ pub struct Agent {
     robot: RobotIndex,
     settings: Settings,
     geometry: Geometry,
-    patience_ns: i64,
+    timeout_ns: i64,
     odometry: Odometry,
     loops: WheelLoops,
     friction: FrictionEstimate,
@@ -54,14 +54,14 @@ impl Agent {
     ///
     /// # Errors
     /// A robot whose model lacks what the chosen control needs.
-    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, ModelError> {
+    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, InputError> {
         let settings = experiment.settings.clone();
         let setup = find(experiment, index)?;
         let geometry = Geometry::new(&setup.model)?;
         let lacks = |key: &str, remedy: &str| {
             let name = &setup.name;
             let problem = format!("needs masses and lengths that the model of {name} lacks");
-            ModelError::new(
+            InputError::new(
                 key,
                 problem,
                 format!("give them in its robot.toml, or set {remedy}"),
@@ -82,7 +82,7 @@ impl Agent {
         };
         Ok(Self {
             robot: index,
-            patience_ns: patience_ns(experiment),
+            timeout_ns: timeout_ns(experiment),
             odometry: Odometry::new(start, &geometry),
             loops: WheelLoops::default(),
             friction: FrictionEstimate::new(
@@ -296,7 +296,7 @@ impl Agent {
         let since = self
             .fresh_ns
             .max(ns_from_s(self.settings.formation.start_s));
-        self.watchdog = self.ahead.is_some() && now_ns - since > self.patience_ns;
+        self.watchdog = self.ahead.is_some() && now_ns - since > self.timeout_ns;
         if self.watchdog {
             let control = &self.settings.control;
             let less = control.watchdog_deceleration_m_s2 * control.outer_period_s;
@@ -407,10 +407,10 @@ impl Agent {
     }
 }
 
-fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, ModelError> {
+fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, InputError> {
     experiment.robots.get(index as usize).ok_or_else(|| {
         let problem = format!("has no robot {}", index + 1);
-        ModelError::new(
+        InputError::new(
             "robots.count",
             problem,
             "give as many robots as are asked for",
@@ -420,8 +420,8 @@ fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, Model
 
 /// How long a follower waits for a fresh position: as long as one takes when all goes well, and
 /// the watchdog's time on top (ns).
-fn patience_ns(experiment: &Experiment) -> i64 {
+fn timeout_ns(experiment: &Experiment) -> i64 {
     let settings = &experiment.settings;
-    settings.expected_turn_ns(experiment.longest_trace_ns())
+    settings.expected_ring_round_ns(experiment.longest_trace_ns())
         + ns_from_s(settings.control.watchdog_s)
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::{ModelError, RobotModel};
+use slipstream_bus::{InputError, RobotModel};
 
 /// Lengths and inertias of the nominal model.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +41,10 @@ impl Geometry {
     ///
     /// # Errors
     /// A robot without encoders: nothing could be controlled.
-    pub fn new(model: &RobotModel) -> Result<Self, ModelError> {
+    pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         let body = &model.robot;
         let Some(encoder) = &model.encoder else {
-            return Err(ModelError::new(
+            return Err(InputError::new(
                 "encoder.counts_per_rev",
                 "is missing: the controller drives by its encoders",
                 "give the counts in one turn of the wheel",

@@ -10,6 +10,7 @@ pub mod node;
 mod odometry;
 mod path;
 mod pose;
+#[cfg(feature = "process")]
 pub mod process;
 mod traction;
 mod wheels;

@@ -1,13 +1,14 @@
 //! An agent with its links: takes positions from the delay line, runs the loops that are due, sends
 //! when the protocol says so, and tells recorder and trace. Still a core: time and transport come in.
 
-use slipstream_bus::ModelError;
+use slipstream_bus::InputError;
 use slipstream_bus::experiment::{Experiment, Protocol};
-use slipstream_bus::link::{Channel, DelayLine, LinkCounts};
+use slipstream_bus::link::{DelayLine, LinkCounts, LinkImpairment};
 use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Fate, InnerTick, OuterTick, Record, Recorder};
 use slipstream_bus::time::{Due, ns_from_s};
-use slipstream_bus::transport::{BusError, Mail};
+use slipstream_bus::topology::Topology;
+use slipstream_bus::transport::{BusError, PositionLink};
 use tracing::field::Empty;
 
 use crate::agent::Agent;
@@ -31,8 +32,8 @@ struct Incoming {
     line: DelayLine,
     /// Something fresh came since the last sending.
     fresh: bool,
-    /// The turn around the ring of what came last.
-    turn: u32,
+    /// The ring_round around the ring of what came last.
+    ring_round: u32,
 }
 
 /// The link to the next robot.
@@ -41,9 +42,9 @@ struct Outgoing {
     to: RobotIndex,
     protocol: Protocol,
     /// After this long without a return the front robot starts the ring anew (ns).
-    patience_ns: i64,
+    timeout_ns: i64,
     seq: u32,
-    turn: u32,
+    ring_round: u32,
     last_ns: Option<i64>,
 }
 
@@ -65,38 +66,33 @@ impl Node {
     ///
     /// # Errors
     /// A robot whose model lacks what the chosen control needs.
-    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, ModelError> {
+    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, InputError> {
         let settings = &experiment.settings;
         let links = &settings.links;
-        let count = settings.robots.count;
-        let ring = links.protocol == Protocol::Ring;
-        let driven = count > 1 && !settings.open_loop.enabled;
-        let from = index
-            .checked_sub(1)
-            .or(ring.then_some(count - 1))
-            .filter(|_| driven);
-        let to = Some((index + 1) % count).filter(|&to| driven && (ring || to != 0));
-        let turn_ns = settings.expected_turn_ns(experiment.longest_trace_ns());
+        let topology = Topology::new(experiment);
+        let from = topology.predecessor(index);
+        let to = topology.successor(index);
+        let round_ns = settings.expected_ring_round_ns(experiment.longest_trace_ns());
         Ok(Self {
             robot: index,
             agent: Agent::new(experiment, index)?,
             incoming: from.map(|from| {
                 let traced = &experiment.half_round_trips_ns;
-                let channel = Channel::new(links, traced, settings.seed, from, index);
-                let line = DelayLine::new(channel, links.reorder);
+                let impairment = LinkImpairment::new(links, traced, settings.seed, from, index);
+                let line = DelayLine::new(impairment, links.reorder);
                 Incoming {
                     from,
                     line,
                     fresh: false,
-                    turn: 0,
+                    ring_round: 0,
                 }
             }),
             outgoing: to.map(|to| Outgoing {
                 to,
                 protocol: links.protocol,
-                patience_ns: turn_ns + ns_from_s(links.ring_timeout_s),
+                timeout_ns: round_ns + ns_from_s(links.ring_timeout_s),
                 seq: 0,
-                turn: 0,
+                ring_round: 0,
                 last_ns: None,
             }),
             watchdog: false,
@@ -117,7 +113,7 @@ impl Node {
         now_ns: i64,
         due: Due,
         encoders: &Encoders,
-        mail: &mut impl Mail,
+        link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<TorqueCommand, BusError> {
         recorder.record(&Record::Encoders {
@@ -126,7 +122,7 @@ impl Node {
             counts: encoders.counts,
         });
         if due.outer {
-            self.collect(mail, recorder)?;
+            self.collect(link, recorder)?;
             let robot = self.robot;
             let span =
                 tracing::debug_span!("outer", robot, due_ns = now_ns, message = Empty).entered();
@@ -145,7 +141,7 @@ impl Node {
                 now_ns,
                 recorder,
             );
-            self.send(now_ns, mail, recorder)?;
+            self.send(now_ns, link, recorder)?;
         }
         if due.inner {
             let robot = self.robot;
@@ -172,13 +168,13 @@ impl Node {
     }
 
     /// What a successor needs to go on: pose of c, counters, and how far the messages have come.
-    pub fn notes(&self) -> [u64; 6] {
+    pub fn checkpoint(&self) -> [u64; 6] {
         let [x, y, yaw] = self.agent.pose().map(f64::to_bits);
         let [right, left] = self.agent.counts().map(i64::cast_unsigned);
         let sent = self
             .outgoing
             .as_ref()
-            .map_or((0, 0), |link| (link.seq, link.turn));
+            .map_or((0, 0), |link| (link.seq, link.ring_round));
         [
             x,
             y,
@@ -194,9 +190,9 @@ impl Node {
         let pose = [x, y, yaw].map(f64::from_bits);
         self.agent.resume(pose, [right, left].map(u64::cast_signed));
         if let Some(link) = &mut self.outgoing {
-            let [seq, turn] = [sent >> 32, sent & u64::from(u32::MAX)];
+            let [seq, ring_round] = [sent >> 32, sent & u64::from(u32::MAX)];
             link.seq = u32::try_from(seq).unwrap_or(u32::MAX);
-            link.turn = u32::try_from(turn).unwrap_or(u32::MAX);
+            link.ring_round = u32::try_from(ring_round).unwrap_or(u32::MAX);
         }
     }
 
@@ -207,10 +203,10 @@ impl Node {
     pub fn finish(
         &mut self,
         last: Option<&Encoders>,
-        mail: &mut impl Mail,
+        link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<NodeReport, BusError> {
-        self.collect(mail, recorder)?;
+        self.collect(link, recorder)?;
         if let Some(encoders) = last {
             self.agent.see(encoders);
             self.empty_line(encoders.sampled_ns, recorder);
@@ -232,13 +228,13 @@ impl Node {
     /// Bus → delay line.
     fn collect(
         &mut self,
-        mail: &mut impl Mail,
+        link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
         let Some(incoming) = &mut self.incoming else {
             return Ok(());
         };
-        while let Some(position) = mail.receive()? {
+        while let Some(position) = link.receive()? {
             let (from, to) = (incoming.from, self.robot);
             let (seq, sent_ns) = (position.seq, position.sent_ns);
             let available_ns = incoming.line.put(position);
@@ -273,7 +269,7 @@ impl Node {
         if let Some(position) = newest {
             tell(position.seq, Fate::Used);
             incoming.fresh = true;
-            incoming.turn = position.turn;
+            incoming.ring_round = position.ring_round;
             self.agent.take(&position, now_ns);
         }
     }
@@ -294,17 +290,18 @@ impl Node {
     fn send(
         &mut self,
         now_ns: i64,
-        mail: &mut impl Mail,
+        link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
         let Some(outgoing) = &mut self.outgoing else {
             return Ok(());
         };
-        let Some(turn) = outgoing.turn_to_send(self.robot, self.incoming.as_ref(), now_ns) else {
+        let Some(ring_round) = outgoing.round_to_send(self.robot, self.incoming.as_ref(), now_ns)
+        else {
             return Ok(());
         };
         if let Some(incoming) = &mut self.incoming {
-            let returned = incoming.fresh && incoming.turn == outgoing.turn;
+            let returned = incoming.fresh && incoming.ring_round == outgoing.ring_round;
             if self.robot == 0 && outgoing.last_ns.is_some() && !returned {
                 let kind = EventKind::RingRestarted;
                 tracing::warn!(name: "change", robot = 0_u32, what = kind.words());
@@ -318,10 +315,10 @@ impl Node {
         }
         let mut position = self.agent.position();
         position.seq = outgoing.seq;
-        position.turn = turn;
-        let queued_ns = mail.send(&mut position)?;
+        position.ring_round = ring_round;
+        let queued_ns = link.send(&mut position)?;
         outgoing.seq += 1;
-        outgoing.turn = turn;
+        outgoing.ring_round = ring_round;
         outgoing.last_ns = Some(now_ns);
         let to = outgoing.to;
         tracing::debug!(
@@ -405,11 +402,11 @@ fn tell_change(
 }
 
 impl Outgoing {
-    /// The turn to send for at an outer tick, if any.
+    /// The ring_round to send for at an outer tick, if any.
     ///
-    /// `periodic`: at every tick. `ring`: the front robot when its last turn came back or is
+    /// `periodic`: at every tick. `ring`: the front robot when its last ring_round came back or is
     /// overdue, every other robot when something fresh came.
-    fn turn_to_send(
+    fn round_to_send(
         &self,
         robot: RobotIndex,
         incoming: Option<&Incoming>,
@@ -418,16 +415,16 @@ impl Outgoing {
         let Some(last_ns) = self.last_ns.filter(|_| self.protocol == Protocol::Ring) else {
             return match (self.protocol, robot, incoming) {
                 (Protocol::Periodic, ..) | (_, 0, _) => Some(0),
-                (_, _, Some(link)) if link.fresh => Some(link.turn),
+                (_, _, Some(link)) if link.fresh => Some(link.ring_round),
                 _ => None,
             };
         };
         let fresh = incoming.filter(|link| link.fresh);
         if robot > 0 {
-            return fresh.map(|link| link.turn);
+            return fresh.map(|link| link.ring_round);
         }
-        let returned = fresh.is_some_and(|link| link.turn == self.turn);
-        let overdue = now_ns - last_ns >= self.patience_ns;
-        (returned || overdue).then_some(self.turn + 1)
+        let returned = fresh.is_some_and(|link| link.ring_round == self.ring_round);
+        let overdue = now_ns - last_ns >= self.timeout_ns;
+        (returned || overdue).then_some(self.ring_round + 1)
     }
 }

@@ -3,24 +3,24 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use slipstream_bus::bell::Stage;
-use slipstream_bus::clock::{Deadlines, Monotonic, RealTime, WallClock};
 use slipstream_bus::message::{Encoders, RobotIndex, robot_name};
 use slipstream_bus::record::{EventKind, Record, Recorder};
-use slipstream_bus::record_pipe::RecordSender;
-use slipstream_bus::role::{Ended, Joined};
-use slipstream_bus::services::AGENT_CHUNK;
-use slipstream_bus::shared::{AgentEnd, await_stage};
 use slipstream_bus::time::{Due, Schedule};
-use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
+use slipstream_ipc::endpoints::{AgentEnd, await_stage};
+use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::record_pipe::RecordSender;
+use slipstream_ipc::services::AGENT_CHUNK;
+use slipstream_ipc::trace;
+use slipstream_ipc::wake_page::Stage;
 
 use crate::node::{Node, NodeReport};
 
 /// Priority of an agent's loops among real-time threads; the plant's is higher.
 const PRIORITY: u8 = 20;
 /// Ticks between two looks at the launcher.
-const TICKS_A_LOOK: u64 = 16;
+const TICKS_PER_PARENT_CHECK: u64 = 16;
 
 /// What an agent's process has to say at its end.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -28,7 +28,7 @@ pub struct AgentOutcome {
     /// The controller's and its links'.
     pub report: NodeReport,
     /// How it ended.
-    pub ended: Ended,
+    pub ended: ProcessStatus,
     /// Deadlines of outer and inner loop; on the wall clock.
     pub deadlines: Option<[Deadlines; 2]>,
     /// What the system permitted; on the wall clock.
@@ -39,7 +39,7 @@ pub struct AgentOutcome {
 
 /// An agent's process inside its run.
 struct Process {
-    joined: Joined,
+    joined: JoinedRun,
     node: Node,
     end: AgentEnd,
     records: RecordSender,
@@ -56,7 +56,7 @@ pub fn run(
     rejoins: bool,
     recording: bool,
 ) -> Result<AgentOutcome, BusError> {
-    let joined = Joined::new(folder)?;
+    let joined = JoinedRun::new(folder)?;
     let mut node = Node::new(&joined.experiment, robot).map_err(|error| BusError::Failed {
         what: robot_name(robot),
         reason: error.to_string(),
@@ -64,14 +64,14 @@ pub fn run(
     let services = joined.services(&robot_name(robot))?;
     if rejoins {
         services.clear_dead();
-        if let Some(notes) = joined.bell.notes(robot as usize) {
-            node.resume(notes);
+        if let Some(checkpoint) = joined.wake_page.checkpoint(robot as usize) {
+            node.resume(checkpoint);
         }
     }
-    let bell = Rc::clone(&joined.bell);
-    let end = AgentEnd::new(&services, Rc::clone(&bell), joined.parent, robot)?;
-    let records = RecordSender::new(&services, bell, robot + 1, AGENT_CHUNK, recording)?;
-    joined.bell.ready();
+    let wake_page = Rc::clone(&joined.wake_page);
+    let end = AgentEnd::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
+    let records = RecordSender::new(&services, wake_page, robot + 1, AGENT_CHUNK, recording)?;
+    joined.wake_page.signal_ready();
     let lockstep = services.lockstep();
     let mut process = Process {
         joined,
@@ -97,13 +97,13 @@ impl Process {
 
     fn answer_rounds(&mut self, schedule: Schedule) -> Result<(), BusError> {
         while let Some(round) = self.end.next_round()? {
-            trace::at(round.now_ns);
+            trace::set_virtual_time(round.now_ns);
             let due = schedule.due(round.now_ns);
             let (links, records) = (self.end.links(), &mut self.records);
             let command = self
                 .node
                 .step(round.now_ns, due, &round.encoders, links, records)?;
-            self.records.breathe();
+            self.records.flush_if_due();
             self.end.answer(command)?;
         }
         Ok(())
@@ -111,9 +111,9 @@ impl Process {
 
     /// Keeps its own deadlines until the plant says that it is over.
     fn wall(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
-        let real_time = RealTime::ask(PRIORITY);
-        await_stage(&self.joined.bell, Stage::Running, self.joined.parent)?;
-        let clock = WallClock::new(Monotonic::from_shared(self.joined.bell.start_ns()));
+        let real_time = RealTime::request(PRIORITY);
+        await_stage(&self.joined.wake_page, Stage::Running, self.joined.parent)?;
+        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page.start_ns()));
         self.end.use_clock(clock);
         trace::use_clock(clock);
         if rejoins {
@@ -145,10 +145,10 @@ impl Process {
         for ticks in 0u64.. {
             clock.sleep_until(tick_ns);
             let began_ns = clock.now_ns();
-            if self.joined.bell.stage() >= Stage::Over {
+            if self.joined.wake_page.stage() >= Stage::Over {
                 return Ok(());
             }
-            if ticks.is_multiple_of(TICKS_A_LOOK) && self.joined.parent.is_gone() {
+            if ticks.is_multiple_of(TICKS_PER_PARENT_CHECK) && self.joined.parent.is_gone() {
                 return Err(BusError::Stopped);
             }
             if let Some((_, newest)) = self.end.newest_world()? {
@@ -161,10 +161,10 @@ impl Process {
                 .step(tick_ns, due, &encoders, links, &mut self.records)?;
             self.end.command(command)?;
             self.joined
-                .bell
-                .leave_notes(self.robot as usize, self.node.notes());
+                .wake_page
+                .store_checkpoint(self.robot as usize, self.node.checkpoint());
             let done_ns = clock.now_ns();
-            self.records.breathe();
+            self.records.flush_if_due();
             count(deadlines, due, schedule, [tick_ns, began_ns, done_ns]);
             tick_ns = self.next_tick(schedule, tick_ns, clock.now_ns(), deadlines);
         }

@@ -1,24 +1,21 @@
-//! What all processes of a run share. The lowest room of the house: it imports from no other.
+//! Plain data and pure logic that every part of a run shares: robot model, experiment, messages,
+//! records, links with their delay line, and the traits of a transport. No operating system: shared
+//! memory, clocks and processes are in `slipstream-ipc`.
 
-pub mod bell;
-mod check;
-pub mod clock;
+mod error;
 pub mod experiment;
 pub mod link;
 pub mod message;
-pub mod model;
-pub mod place;
 pub mod record;
-pub mod record_pipe;
-pub mod role;
+pub mod robot;
 pub mod sensors;
-pub mod services;
-pub mod shared;
 pub mod time;
+pub mod topology;
 pub mod trace;
 pub mod transport;
+mod validate;
 
-pub use check::SettingError;
+pub use error::InputError;
 pub use experiment::{Experiment, RobotSetup, Settings};
-pub use model::{Body, EffectSpec, Encoder, ModelError, Motor, Parameter, RobotModel};
+pub use robot::{Body, EffectSpec, Encoder, Motor, Parameter, RobotModel};
 pub use sensors::{Camera, Imu, Sensors};

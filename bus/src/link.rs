@@ -9,13 +9,13 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, LogNormal, Normal, Uniform};
 use serde::{Deserialize, Serialize};
 
-use crate::experiment::{Distribution, Links};
+use crate::experiment::{Distribution, LinkSettings};
 use crate::message::{Position, RobotIndex};
 use crate::time::ns_from_s;
 
 /// What is drawn for each message of a link, in the order of sending.
 #[derive(Debug, Clone)]
-pub struct Channel {
+pub struct LinkImpairment {
     rng: ChaCha8Rng,
     jitter: Jitter,
     delay_ns: i64,
@@ -40,13 +40,13 @@ enum Loss {
     Bursts { begin: f64, end: f64 },
 }
 
-impl Channel {
+impl LinkImpairment {
     /// The chances of the link `from` → `to` in a run with this seed.
     ///
     /// The settings must have been judged ([`crate::experiment::Settings::validate`]); a
     /// distribution that cannot be built counts as no jitter.
     pub fn new(
-        links: &Links,
+        links: &LinkSettings,
         half_round_trips_ns: &[Option<i64>],
         seed: u64,
         from: RobotIndex,
@@ -95,7 +95,7 @@ impl Channel {
 }
 
 impl Jitter {
-    fn new(links: &Links) -> Self {
+    fn new(links: &LinkSettings) -> Self {
         let (mean, sd) = (links.delay_s, links.jitter_s);
         if sd == 0.0 {
             return Self::None;
@@ -125,7 +125,7 @@ impl Jitter {
 }
 
 impl Loss {
-    fn new(links: &Links) -> Self {
+    fn new(links: &LinkSettings) -> Self {
         if links.burst == 0.0 || links.loss == 0.0 {
             return Self::Independent { share: links.loss };
         }
@@ -162,7 +162,7 @@ pub struct InFlight {
 /// The receiver's end of a link.
 #[derive(Debug, Clone)]
 pub struct DelayLine {
-    channel: Channel,
+    impairment: LinkImpairment,
     reorder: bool,
     /// In the order of arrival; ties in the order of sending.
     in_flight: Vec<InFlight>,
@@ -185,9 +185,9 @@ pub struct Arrival {
 
 impl DelayLine {
     /// An empty line.
-    pub fn new(channel: Channel, reorder: bool) -> Self {
+    pub fn new(impairment: LinkImpairment, reorder: bool) -> Self {
         Self {
-            channel,
+            impairment,
             reorder,
             in_flight: Vec::with_capacity(ROOM),
             last_available_ns: 0,
@@ -200,7 +200,7 @@ impl DelayLine {
     /// it is lost.
     pub fn put(&mut self, position: Position) -> Option<i64> {
         self.counts.received += 1;
-        let Some(delay_ns) = self.channel.draw() else {
+        let Some(delay_ns) = self.impairment.draw() else {
             self.counts.lost += 1;
             return None;
         };
@@ -245,10 +245,10 @@ mod tests {
     use super::*;
     use crate::experiment::Settings;
 
-    fn channel(change: impl Fn(&mut Links)) -> Channel {
+    fn impairment(change: impl Fn(&mut LinkSettings)) -> LinkImpairment {
         let mut links = Settings::default().links;
         change(&mut links);
-        Channel::new(&links, &[], 7, 0, 1)
+        LinkImpairment::new(&links, &[], 7, 0, 1)
     }
 
     fn position(seq: u32, sent_ns: i64) -> Position {
@@ -268,14 +268,14 @@ mod tests {
             Distribution::Uniform,
             Distribution::Lognormal,
         ] {
-            let mut channel = channel(|links| {
+            let mut impairment = impairment(|links| {
                 links.delay_s = 0.1;
                 links.jitter_s = 0.02;
                 links.distribution = distribution;
             });
             let n = 20_000;
             let delays: Vec<f64> = (0..n)
-                .map(|_| crate::time::s_from_ns(channel.draw().unwrap()))
+                .map(|_| crate::time::s_from_ns(impairment.draw().unwrap()))
                 .collect();
             let mean = delays.iter().sum::<f64>() / f64::from(n);
             let sd = (delays.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt();
@@ -289,14 +289,14 @@ mod tests {
 
     #[test]
     fn bursts_keep_the_share_and_have_the_length_that_were_asked_for() {
-        let mut channel = channel(|links| {
+        let mut impairment = impairment(|links| {
             links.loss = 0.1;
             links.burst = 5.0;
         });
         let (mut lost, mut runs, mut before) = (0.0, 0.0, false);
         let n = 200_000;
         for _ in 0..n {
-            let now = channel.draw().is_none();
+            let now = impairment.draw().is_none();
             lost += f64::from(u8::from(now));
             runs += f64::from(u8::from(now && !before));
             before = now;
@@ -307,12 +307,12 @@ mod tests {
 
     #[test]
     fn each_link_has_chances_of_its_own() {
-        let links = Links {
+        let links = LinkSettings {
             jitter_s: 0.01,
             delay_s: 0.1,
             ..Settings::default().links
         };
-        let draw = |seed, to| Channel::new(&links, &[], seed, 0, to).draw();
+        let draw = |seed, to| LinkImpairment::new(&links, &[], seed, 0, to).draw();
         assert_eq!(draw(1, 1), draw(1, 1));
         assert_ne!(draw(1, 1), draw(1, 2));
         assert_ne!(draw(1, 1), draw(2, 1));
@@ -320,23 +320,24 @@ mod tests {
 
     #[test]
     fn a_trace_gives_half_of_each_round_trip_plus_the_delay() {
-        let links = Links {
+        let links = LinkSettings {
             delay_s: 1e-6,
             ..Settings::default().links
         };
-        let mut channel = Channel::new(&links, &[Some(5), None, Some(7)], 7, 0, 1);
-        let delays: Vec<_> = (0..4).map(|_| channel.draw()).collect();
+        let mut impairment = LinkImpairment::new(&links, &[Some(5), None, Some(7)], 7, 0, 1);
+        let delays: Vec<_> = (0..4).map(|_| impairment.draw()).collect();
         assert_eq!(delays, [Some(1005), None, Some(1007), Some(1005)]);
     }
 
     #[test]
     fn the_newest_sampling_time_wins_and_older_arrivals_are_stale() {
-        let links = Links {
+        let links = LinkSettings {
             delay_s: 0.0,
             ..Settings::default().links
         };
         let slow_first = [Some(100), Some(20)];
-        let line = |reorder| DelayLine::new(Channel::new(&links, &slow_first, 1, 0, 1), reorder);
+        let line =
+            |reorder| DelayLine::new(LinkImpairment::new(&links, &slow_first, 1, 0, 1), reorder);
 
         let mut overtaking = line(true);
         assert_eq!(overtaking.put(position(0, 0)), Some(100));
@@ -355,7 +356,7 @@ mod tests {
 
     #[test]
     fn what_was_sent_at_an_instant_is_used_at_a_later_one() {
-        let mut line = DelayLine::new(channel(|_| {}), true);
+        let mut line = DelayLine::new(impairment(|_| {}), true);
         assert_eq!(line.put(position(0, 50)), Some(50));
         assert_eq!(line.take(50), None);
         assert!(line.take(51).is_some());

@@ -1,9 +1,7 @@
-//! What crosses the bus: fixed layouts, values only, times in nanoseconds since the run began.
+//! Messages between plant and agents: plain values, times in nanoseconds since the run began.
 //!
-//! The name of each type carries the version of its layout: two programs that disagree do not
-//! connect. Pairs are always [right, left].
+//! Pairs are always [right, left]. How a transport lays them out in memory is its own affair.
 
-use iceoryx2::prelude::ZeroCopySend;
 use serde::{Deserialize, Serialize};
 
 /// A robot in a run: 0 is the front one, `r1`.
@@ -15,9 +13,7 @@ pub fn robot_name(index: RobotIndex) -> String {
 }
 
 /// The state of one robot's encoders, plant → agent.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
-#[type_name("slipstream.Encoders.1")]
-#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Encoders {
     /// When the counters were read (ns).
     pub sampled_ns: i64,
@@ -25,23 +21,8 @@ pub struct Encoders {
     pub counts: [i64; 2],
 }
 
-/// The header of a sample of all robots' encoders.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
-#[type_name("slipstream.WorldHeader.1")]
-#[repr(C)]
-pub struct WorldHeader {
-    /// The instant of the sample (ns).
-    pub now_ns: i64,
-    /// The round of the barrier that the sample belongs to; 0 on the wall clock.
-    pub epoch: u32,
-    /// Keeps the layout free of holes.
-    pub reserved: u32,
-}
-
 /// What an agent tells its robot's drives, agent → plant.
-#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
-#[type_name("slipstream.Torque.1")]
-#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TorqueCommand {
     /// The robot.
     pub robot: RobotIndex,
@@ -54,18 +35,14 @@ pub struct TorqueCommand {
 }
 
 /// Where a robot believes to be, robot → the next one.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ZeroCopySend)]
-#[type_name("slipstream.Position.1")]
-#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Position {
     /// The sender.
     pub from: RobotIndex,
     /// Counts the sender's messages from 0.
     pub seq: u32,
     /// Counts the front robot's turns around the ring from 0.
-    pub turn: u32,
-    /// Keeps the layout free of holes.
-    pub reserved: u32,
+    pub ring_round: u32,
     /// When the encoders behind it were read (ns).
     pub sampled_ns: i64,
     /// The sender's outer tick (ns).

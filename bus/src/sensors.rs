@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::InputError;
+
 /// What sees a robot, beside its encoders, which the controller reads at every tick.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -67,7 +69,7 @@ impl Sensors {
     ///
     /// # Errors
     /// The first one that no sensor can have.
-    pub fn validate(&self) -> Result<(), crate::ModelError> {
+    pub fn validate(&self) -> Result<(), InputError> {
         let mut values = Vec::new();
         if let Some(Camera {
             rate_hz,
@@ -96,7 +98,7 @@ impl Sensors {
         for (key, value, [low, high]) in values {
             if !(low..=high).contains(&value) {
                 let remedy = format!("give a number from {low} to {high}");
-                return Err(crate::ModelError::new(key, format!("is {value}"), remedy));
+                return Err(InputError::new(key, format!("is {value}"), remedy));
             }
         }
         Ok(())

@@ -1,234 +1,172 @@
-//! The recorded trace: spans and events of the `tracing` crate as compact postcard records.
+//! Format of the recorded trace: postcard, in chunks that are decoded independently of each other.
 //!
-//! [`begin`] lets a thread's spans and events through the filter of `RUST_LOG` onto a tape of the
-//! thread; whoever records takes the tape in, piece by piece, because records one by one cost more
-//! than they are worth. A span becomes one record when it closes. Times are the run's: virtual as
-//! told with [`at`], or the wall clock's ([`use_clock`]). An event with a field `t_ns` happened then.
+//! A chunk is a sequence of [`Entry`]. What all records of one call site share (process, level and
+//! names) stands once, before its first record. Times are differences to the record before.
 
-mod fields;
-mod piece;
-mod subscriber;
-mod tape;
-mod varint;
+use std::borrow::Cow;
 
-use tracing::subscriber::DefaultGuard;
-pub use tracing_subscriber::EnvFilter;
-use tracing_subscriber::layer::SubscriberExt;
+use serde::{Deserialize, Serialize};
 
-pub use self::piece::{Traced, TracedError, Value, read};
-use self::subscriber::{Teller, ToTape, with_teller};
-use self::tape::PIECE;
-pub use self::tape::pieces;
-use crate::clock::WallClock;
-use crate::record::{Record, Recorder};
-
-/// What stands before every piece of a trace in a file. Other versions begin with less.
+/// First byte of every chunk in a file. Other versions begin with a smaller one.
 pub const FORMAT: u8 = 33;
-/// The environment variable with the filter.
-pub const VARIABLE: &str = "RUST_LOG";
-/// What is recorded where the variable says nothing: all but the finest level.
-const DEFAULT: &str = "slipstream=debug";
 
-/// While it lives, the thread's spans and events are recorded.
-#[must_use]
-#[derive(Debug)]
-pub struct Tracing {
-    _guard: DefaultGuard,
+/// A span or an event of the trace.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TraceRecord<'a> {
+    /// When it began (ns).
+    pub begin_ns: i64,
+    /// The process: `plant`, a robot, `recorder`, `launcher`, or `run` if all run in one process.
+    pub process: Cow<'a, str>,
+    /// From 1 (error) to 5 (trace).
+    pub level: u8,
+    /// Name of the span or event.
+    pub name: Cow<'a, str>,
+    /// When the span closed (ns); `None` for an event.
+    pub end_ns: Option<i64>,
+    /// Names and values of its fields.
+    pub fields: Vec<(Cow<'a, str>, Value<'a>)>,
 }
 
-/// The filter of the environment.
+/// The value of a field.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Value<'a> {
+    /// An integer.
+    Int(i64),
+    /// A floating-point number.
+    Float(f64),
+    /// A truth value.
+    Bool(bool),
+    /// Anything else, as text.
+    Text(#[serde(borrow)] Cow<'a, str>),
+}
+
+/// Variant number of [`Value::Int`], for a writer that encodes it in parts.
+pub const INT_TAG: u8 = 0;
+
+/// An element of a chunk.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Entry<'a> {
+    /// The next call site; the first has number 0.
+    CallSite(#[serde(borrow)] CallSite<'a>),
+    /// A record of a call site that stands before it in the chunk.
+    Record(#[serde(borrow)] RecordData<'a>),
+}
+
+/// Variant number of [`Entry::CallSite`], for a writer that encodes it in parts.
+pub const CALL_SITE_TAG: u32 = 0;
+/// Variant number of [`Entry::Record`].
+pub const RECORD_TAG: u8 = 1;
+
+/// What all records of one place in the program share.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CallSite<'a> {
+    /// The process.
+    #[serde(borrow)]
+    pub process: Cow<'a, str>,
+    /// From 1 (error) to 5 (trace).
+    pub level: u8,
+    /// Name of the span or event.
+    #[serde(borrow)]
+    pub name: Cow<'a, str>,
+    /// Names of the fields.
+    #[serde(borrow)]
+    pub fields: Vec<Cow<'a, str>>,
+}
+
+/// What is particular to one record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordData<'a> {
+    /// Number of the call site in its chunk.
+    pub call_site: u32,
+    /// Begin, counted from the begin of the record before; from zero for the first (ns).
+    pub since_previous_ns: i64,
+    /// Duration of a span; `None` for an event (ns).
+    pub duration_ns: Option<i64>,
+    /// Number of the field at its call site, and its value.
+    #[serde(borrow)]
+    pub fields: Vec<(u32, Value<'a>)>,
+}
+
+/// Why a chunk cannot be decoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TraceError {
+    /// Another version of the program wrote it.
+    #[error("its trace has another format than {FORMAT}, the one that this version reads")]
+    OtherFormat,
+    /// It is damaged.
+    #[error("a record of its trace is damaged")]
+    Damaged,
+}
+
+/// Decodes a chunk as it stands in a file and calls `each` with every record.
 ///
 /// # Errors
-/// A variable that is no filter: what it is, and why.
-pub fn filter() -> Result<EnvFilter, String> {
-    let told = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
-    let text = told.as_deref().unwrap_or(DEFAULT);
-    let built = EnvFilter::builder().parse(text);
-    built.map_err(|error| format!("`{text}` is no filter: {error}"))
-}
-
-/// Begins the trace of this thread as `process`.
-pub fn begin(process: &str, filter: EnvFilter) -> Tracing {
-    with_teller(|teller| {
-        *teller = Teller::of(process);
-    });
-    Tracing {
-        _guard: tracing::subscriber::set_default(ToTape.with(filter)),
-    }
-}
-
-/// Tells the virtual time (ns).
-pub fn at(now_ns: i64) {
-    with_teller(|teller| teller.now_ns = now_ns);
-}
-
-/// From now on the clock tells the time.
-pub fn use_clock(clock: WallClock) {
-    with_teller(|teller| teller.clock = Some(clock));
-}
-
-/// Tells what a record of the plant says about a torque's way. The plant itself knows of no trace.
-pub(crate) fn tell(record: &Record) {
-    if let Record::Applied {
-        taken_ns,
-        robot,
-        tick_ns,
-        ..
-    } = *record
-    {
-        tracing::debug!(name: "applied", t_ns = taken_ns, robot, tick_ns);
-    }
-}
-
-/// Gives a record to a recorder, and what it says to the trace; then the tape, if that is long.
-pub fn record(recorder: &mut impl Recorder, record: &Record) {
-    tell(record);
-    recorder.record(record);
-    drain_long(|t_ns, bytes| recorder.trace(t_ns, bytes));
-}
-
-/// Bytes on the tape.
-pub fn waiting() -> usize {
-    with_teller(|teller| teller.tape.len()).unwrap_or(0)
-}
-
-/// As [`drain`], when there is almost a piece.
-pub fn drain_long(each: impl FnMut(i64, &[u8])) {
-    if waiting() > PIECE - PIECE / 8 {
-        drain(each);
-    }
-}
-
-/// Shows `each` the tape piece by piece, with the time of the first record (ns), and empties it.
-pub fn drain(each: impl FnMut(i64, &[u8])) {
-    // Meanwhile something may be told, which then waits for the next time.
-    let mut room = take();
-    pieces(&room, each);
-    room.clear();
-    with_teller(|teller| {
-        if teller.tape.len() == 0 {
-            teller.tape.exchange(room);
+/// A chunk of another format, or a damaged one.
+pub fn read<'a>(chunk: &'a [u8], mut each: impl FnMut(TraceRecord<'a>)) -> Result<(), TraceError> {
+    let mut rest = match chunk.split_first() {
+        Some((&FORMAT, rest)) => rest,
+        Some(_) => return Err(TraceError::OtherFormat),
+        None => return Err(TraceError::Damaged),
+    };
+    let mut call_sites = Vec::new();
+    let mut now_ns = 0_i64;
+    while !rest.is_empty() {
+        let (entry, after) = postcard::take_from_bytes(rest).map_err(|_| TraceError::Damaged)?;
+        rest = after;
+        match entry {
+            Entry::CallSite(call_site) => call_sites.push(call_site),
+            Entry::Record(data) => {
+                now_ns = now_ns.wrapping_add(data.since_previous_ns);
+                each(complete(&call_sites, now_ns, data).ok_or(TraceError::Damaged)?);
+            }
         }
-    });
+    }
+    Ok(())
 }
 
-/// The tape as bytes, for [`pieces`]; the tape is empty then.
-pub fn take() -> Vec<u8> {
-    with_teller(|teller| teller.tape.exchange(Vec::new())).unwrap_or_default()
+/// A record together with what its call site says.
+fn complete<'a>(
+    call_sites: &[CallSite<'a>],
+    begin_ns: i64,
+    data: RecordData<'a>,
+) -> Option<TraceRecord<'a>> {
+    let call_site = call_sites.get(data.call_site as usize)?;
+    let name = |at: u32| call_site.fields.get(at as usize).cloned();
+    let fields = data.fields.into_iter();
+    Some(TraceRecord {
+        begin_ns,
+        process: call_site.process.clone(),
+        level: call_site.level,
+        name: call_site.name.clone(),
+        end_ns: data
+            .duration_ns
+            .map(|duration_ns| begin_ns.wrapping_add(duration_ns)),
+        fields: fields
+            .map(|(at, value)| Some((name(at)?, value)))
+            .collect::<Option<_>>()?,
+    })
 }
 
-/// Records that found no room on the tape.
-pub fn lost() -> u64 {
-    with_teller(|teller| teller.tape.lost).unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::fields::LONGEST;
-    use super::tape::ROOM;
-    use super::*;
-
-    fn in_a_file(piece: &[u8]) -> Vec<u8> {
-        [&[FORMAT], piece].concat()
+impl<'a> TraceRecord<'a> {
+    /// The value of a field.
+    pub fn field(&self, name: &str) -> Option<&Value<'a>> {
+        let found = self.fields.iter().find(|(field, _)| field == name);
+        found.map(|(_, value)| value)
     }
 
-    fn records() -> Vec<Traced<'static>> {
-        let mut all = Vec::new();
-        drain(|t_ns, piece| {
-            let before = all.len();
-            read(Vec::leak(in_a_file(piece)), |record| all.push(record)).unwrap();
-            assert_eq!(all[before].begin_ns, t_ns);
-        });
-        all
-    }
-
-    #[test]
-    fn spans_and_events_come_with_times_and_fields() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
-        at(100);
-        let span = tracing::debug_span!("outer", robot = 0_u32, message = tracing::field::Empty);
-        let entered = span.enter();
-        at(150);
-        tracing::info!(name: "sent", t_ns = 140_i64, share = 0.5, lost = false, "to {}", "r2");
-        tracing::trace!(name: "fine", robot = 0_u32);
-        span.record("message", 7_u32);
-        at(200);
-        drop(entered);
-        drop(span);
-        let all = records();
-        assert_eq!(all.len(), 2);
-        let [sent, outer] = [&all[0], &all[1]];
-        assert_eq!(
-            (&*sent.name, sent.begin_ns, sent.end_ns),
-            ("sent", 140, None)
-        );
-        assert_eq!(sent.text("message"), Some("to r2"));
-        assert_eq!(sent.field("share"), Some(&Value::Float(0.5)));
-        assert_eq!(sent.field("lost"), Some(&Value::Bool(false)));
-        assert_eq!((outer.begin_ns, outer.end_ns), (100, Some(200)));
-        assert_eq!(
-            (outer.int("robot"), outer.int("message")),
-            (Some(0), Some(7))
-        );
-        assert_eq!((&*outer.process, outer.level), ("r1", 4));
-        assert!(records().is_empty());
-    }
-
-    #[test]
-    fn what_is_of_another_format_is_told_from_damage() {
-        let told = |bytes: &[u8]| read(bytes, |_| {});
-        assert_eq!(told(&[5, 1, 2]), Err(TracedError::OtherFormat));
-        assert_eq!(told(&[FORMAT, 200]), Err(TracedError::Damaged));
-        assert_eq!(told(&[]), Err(TracedError::Damaged));
-    }
-
-    #[test]
-    fn a_long_tape_comes_in_pieces_of_whole_records() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
-        for seq in 0..1000_u32 {
-            tracing::debug!(name: "sent", seq);
+    /// The value of an integer field.
+    pub fn int(&self, name: &str) -> Option<i64> {
+        match self.field(name) {
+            Some(Value::Int(value)) => Some(*value),
+            _ => None,
         }
-        let long = "x".repeat(LONGEST);
-        let long = long.as_str();
-        tracing::debug!(name: "long", a = long, b = long, c = long, d = long, e = long);
-        tracing::debug!(name: "too_long", a = long, b = long, c = long, d = long, e = long, f = long);
-        let mut sizes = Vec::new();
-        let tape = take();
-        let mut count = 0;
-        pieces(&tape, |_, piece| {
-            sizes.push(piece.len());
-            read(&in_a_file(piece), |_| count += 1).unwrap();
-        });
-        assert_eq!((count, lost()), (1001, 1));
-        assert!(
-            sizes.len() > 2 && sizes.iter().all(|&size| size <= PIECE),
-            "{sizes:?}"
-        );
     }
 
-    #[test]
-    fn without_a_tape_nothing_is_kept_and_a_full_one_counts() {
-        tracing::error!("nobody listens");
-        assert!(take().is_empty());
-        let _tracing = begin("r1", EnvFilter::new("debug"));
-        for _ in 0..100_000 {
-            tracing::info!(name: "much", text = "more than a tape has room for");
-        }
-        assert!(take().len() < ROOM + PIECE && lost() > 0);
-    }
-
-    #[test]
-    fn a_cut_tape_is_read_as_far_as_it_is_whole() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
-        tracing::info!(name: "one", robot = 1_u32);
-        tracing::info!(name: "two", robot = 2_u32);
-        let bytes = take();
-        for cut in 0..bytes.len() {
-            let mut count = 0;
-            pieces(&bytes[..cut], |_, piece| {
-                read(&in_a_file(piece), |_| count += 1).unwrap();
-            });
-            assert!(count < 2);
+    /// The value of a text field.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        match self.field(name) {
+            Some(Value::Text(value)) => Some(value),
+            _ => None,
         }
     }
 }

@@ -1,11 +1,11 @@
 //! How the cores meet the bus. Two homes: shared memory between processes, and one process.
 //!
-//! An agent's end is [`Mail`]; the plant's end is [`Rounds`]. A core sees nothing else of a run.
+//! An agent's end is [`PositionLink`]; the plant's end is [`LockstepLink`]. A core sees nothing else of a run.
 
 use crate::message::{Encoders, Position, TorqueCommand};
 
 /// A robot's end of the links.
-pub trait Mail {
+pub trait PositionLink {
     /// The next position from the robot ahead, in the order of sending.
     ///
     /// # Errors
@@ -24,7 +24,7 @@ pub trait Mail {
 }
 
 /// The plant's end of the lockstep: one round of all agents.
-pub trait Rounds {
+pub trait LockstepLink {
     /// Wakes every agent at `now_ns` with its encoders and waits for all torques, in robot order.
     ///
     /// # Errors

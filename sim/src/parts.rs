@@ -1,7 +1,7 @@
 //! The numbers that describe one robot and its floor, gathered from the model and its effects
 //! before the plant is assembled from them.
 
-use slipstream_bus::{ModelError, RobotModel};
+use slipstream_bus::{InputError, RobotModel};
 
 use crate::scalar::{Pair, Scalar};
 
@@ -139,7 +139,7 @@ impl<S: Scalar> Parts<S> {
     ///
     /// # Errors
     /// See [`RobotModel::validate`].
-    pub fn new(model: &RobotModel) -> Result<Self, ModelError> {
+    pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         model.validate()?;
         let body = &model.robot;
         let keys = [

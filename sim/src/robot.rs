@@ -1,6 +1,6 @@
 //! One robot on its floor: constants of the equations of motion, assembled once before the run.
 
-use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
+use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
 
 use crate::command::CommandKind;
 use crate::effects::{self, Domain, Effects, Info, ParameterInfo, Values};
@@ -113,7 +113,7 @@ impl Robot<f64> {
     /// # Errors
     /// A value that no robot can have, an effect that is not in the vocabulary, a parameter that is
     /// missing, unknown or out of bounds, an effect that needs masses that the model lacks.
-    pub fn new(model: &RobotModel) -> Result<Self, ModelError> {
+    pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         Self::assemble(model, &read_effects(model)?)
     }
 }
@@ -124,12 +124,12 @@ impl<S: Scalar> Robot<S> {
     ///
     /// # Errors
     /// As [`Robot::new`].
-    pub fn assemble(model: &RobotModel, list: &[Listed<S>]) -> Result<Self, ModelError> {
+    pub fn assemble(model: &RobotModel, list: &[Listed<S>]) -> Result<Self, InputError> {
         let mut parts = Parts::new(model)?;
         if let (Some(key), Some((info, _))) =
             (parts.missing, list.iter().find(|(info, _)| !info.kinematic))
         {
-            return Err(ModelError::new(
+            return Err(InputError::new(
                 key,
                 format!("is not given, and the effect {} needs it", info.id),
                 "give the masses and lengths of [robot], or leave the effect out",
@@ -150,7 +150,7 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    fn build(parts: Parts<S>, effects: Effects<S>) -> Result<Self, ModelError> {
+    fn build(parts: Parts<S>, effects: Effects<S>) -> Result<Self, InputError> {
         let (b, d, e) = (parts.half_track, parts.com_to_axle, parts.com_to_caster);
         let bodies = parts.body_mass + parts.wheel_mass * 2.0;
         let mass = bodies + parts.payload_mass;
@@ -163,7 +163,7 @@ impl<S: Scalar> Robot<S> {
         let payload_about_axle = parts.payload_moment[0] + parts.payload_mass * d;
         let caster = (bodies * d + payload_about_axle) * gravity / (d + e);
         if caster.value() > total.value() || caster.value() < 0.0 {
-            return Err(ModelError::new(
+            return Err(InputError::new(
                 "effects.payload.x_m",
                 "lifts the driven wheels or the caster off the floor",
                 "give a place between axle and caster, or a smaller mass",
@@ -209,14 +209,14 @@ impl<S: Scalar> Robot<S> {
     ///
     /// # Errors
     /// The key that such a command needs and the model does not give.
-    pub fn accepts(&self, kind: CommandKind) -> Result<(), ModelError> {
+    pub fn accepts(&self, kind: CommandKind) -> Result<(), InputError> {
         let needed = match kind {
             CommandKind::Speed => None,
             CommandKind::Voltage if self.drive.torque_per_volt.is_none() => Some("motor"),
             CommandKind::Torque | CommandKind::Voltage => self.missing,
         };
         needed.map_or(Ok(()), |key| {
-            Err(ModelError::new(
+            Err(InputError::new(
                 key,
                 format!("is not given, and a {} command needs it", kind.name()),
                 "give the robot's masses, lengths and motor, or command speeds",
@@ -229,19 +229,19 @@ impl<S: Scalar> Robot<S> {
 ///
 /// # Errors
 /// An effect or parameter that is unknown, missing, twice there or out of bounds.
-pub fn read_effects(model: &RobotModel) -> Result<Vec<Listed<f64>>, ModelError> {
+pub fn read_effects(model: &RobotModel) -> Result<Vec<Listed<f64>>, InputError> {
     let mut list: Vec<Listed<f64>> = Vec::new();
     for spec in &model.effects {
         let key = format!("effects.{}", spec.effect);
         let info = effects::find(&spec.effect).ok_or_else(|| {
-            ModelError::new(
+            InputError::new(
                 &key,
                 "is no effect",
                 "`slipstream effects` lists those that are",
             )
         })?;
         if !info.repeats && list.iter().any(|(known, _)| known.id == info.id) {
-            return Err(ModelError::new(key, "is listed twice", "list it once"));
+            return Err(InputError::new(key, "is listed twice", "list it once"));
         }
         list.push((info, read_values(info, spec, &key)?));
     }
@@ -260,7 +260,7 @@ pub fn lift<S: Scalar>(
         .collect()
 }
 
-fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>, ModelError> {
+fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>, InputError> {
     let mut numbers = Vec::new();
     let mut text = "";
     for (name, value) in &spec.parameters {
@@ -269,13 +269,13 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
         let known = known.ok_or_else(|| {
             let names: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
             let remedy = format!("its parameters are {}", names.join(", "));
-            ModelError::new(&at, "is no parameter of this effect", remedy)
+            InputError::new(&at, "is no parameter of this effect", remedy)
         })?;
         match (known.domain, value) {
             (Domain::Number { lower, upper, .. }, &Parameter::Number(number)) => {
                 if !(lower..=upper).contains(&number) {
                     let remedy = format!("give a number from {lower} to {upper} {}", known.unit);
-                    return Err(ModelError::new(at, format!("is {number}"), remedy));
+                    return Err(InputError::new(at, format!("is {number}"), remedy));
                 }
                 numbers.push((known.name, number));
             }
@@ -284,7 +284,7 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
                 text = found.ok_or_else(|| one_of(&at, word, words))?;
             }
             (Domain::Number { .. }, Parameter::Text(word)) => {
-                return Err(ModelError::new(
+                return Err(InputError::new(
                     at,
                     format!("is \"{word}\""),
                     "give a number",
@@ -299,8 +299,8 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
     Ok(Values::new(numbers, text))
 }
 
-fn one_of(at: &str, given: &str, words: &[&str]) -> ModelError {
-    ModelError::new(
+fn one_of(at: &str, given: &str, words: &[&str]) -> InputError {
+    InputError::new(
         at,
         format!("is \"{given}\""),
         format!("give one of {}", words.join(", ")),
@@ -308,12 +308,12 @@ fn one_of(at: &str, given: &str, words: &[&str]) -> ModelError {
 }
 
 /// Every parameter is given once; of alternatives exactly one.
-fn complete(info: &Info, spec: &EffectSpec, key: &str) -> Result<(), ModelError> {
+fn complete(info: &Info, spec: &EffectSpec, key: &str) -> Result<(), InputError> {
     let given = |p: &ParameterInfo| spec.parameters.iter().filter(|(n, _)| n == p.name).count();
     for parameter in info.parameters {
         let count = given(parameter);
         if count > 1 || (count == 0 && !parameter.alternative) {
-            return Err(ModelError::new(
+            return Err(InputError::new(
                 format!("{key}.{}", parameter.name),
                 if count > 1 {
                     "is given twice"
@@ -328,7 +328,7 @@ fn complete(info: &Info, spec: &EffectSpec, key: &str) -> Result<(), ModelError>
     if alternatives.peek().is_some() && alternatives.clone().map(given).sum::<usize>() != 1 {
         let names: Vec<&str> = alternatives.map(|p| p.name).collect();
         let remedy = format!("give exactly one of {}", names.join(", "));
-        return Err(ModelError::new(key, "has not one parameter", remedy));
+        return Err(InputError::new(key, "has not one parameter", remedy));
     }
     Ok(())
 }

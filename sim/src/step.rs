@@ -22,7 +22,7 @@ pub(crate) struct Care {
     stiff_depth: u32,
     /// Sweeps over all that stands when it is decided anew what sticks.
     pub(crate) sweeps: usize,
-    /// Rounds of normal against lateral forces then.
+    /// LockstepLink of normal against lateral forces then.
     pub(crate) rounds: usize,
 }
 

@@ -1,6 +1,6 @@
 //! N robots on one floor, with their sensors and noise.
 
-use slipstream_bus::{Camera, Imu, ModelError, RobotModel, Sensors};
+use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
 
 use crate::command::Command;
 use crate::noise::{Noise, Purpose};
@@ -108,7 +108,7 @@ impl World {
     ///
     /// # Errors
     /// A model or sensor that cannot be; the key names the robot.
-    pub fn new(setups: &[Setup], seed: u64) -> Result<Self, ModelError> {
+    pub fn new(setups: &[Setup], seed: u64) -> Result<Self, InputError> {
         let machines = setups
             .iter()
             .map(|setup| Machine::new(setup, seed))
@@ -264,9 +264,9 @@ impl World {
 }
 
 impl Machine {
-    fn new(setup: &Setup, seed: u64) -> Result<Self, ModelError> {
-        let named = |error: ModelError| ModelError {
-            key: format!("{}: {}", setup.name, error.key),
+    fn new(setup: &Setup, seed: u64) -> Result<Self, InputError> {
+        let named = |error: InputError| InputError {
+            place: format!("{}: {}", setup.name, error.place),
             ..error
         };
         setup.sensors.validate().map_err(named)?;

@@ -118,7 +118,7 @@ fn wrong_sensors_are_refused() {
         ..Camera::default()
     });
     let error = World::new(&[wrong], 1).unwrap_err();
-    assert_eq!(error.key, "r9: sensors.camera.rate_hz");
+    assert_eq!(error.place, "r9: sensors.camera.rate_hz");
 }
 
 /// A step allocates nothing, whatever rolls, slips, rubs or waits in a delay line.

@@ -5,7 +5,7 @@ use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::time::ns_from_s;
-use slipstream_bus::transport::{BusError, Rounds};
+use slipstream_bus::transport::{BusError, LockstepLink};
 
 use super::observer::Observer;
 use crate::{Command, World};
@@ -28,7 +28,7 @@ pub fn lockstep(
     experiment: &Experiment,
     world: &mut World,
     observer: &mut Observer,
-    rounds: &mut impl Rounds,
+    rounds: &mut impl LockstepLink,
     recorder: &mut impl Recorder,
     progress: &mut impl Progress,
 ) -> Result<(), BusError> {

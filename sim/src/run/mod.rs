@@ -2,13 +2,14 @@
 
 mod lockstep;
 mod observer;
+#[cfg(feature = "process")]
 pub mod process;
 mod spacing;
 
 pub use lockstep::{Progress, lockstep};
 pub use observer::{Observer, PlantReport, RobotReport};
 
-use slipstream_bus::{Experiment, ModelError};
+use slipstream_bus::{Experiment, InputError};
 
 use crate::{Setup, World};
 
@@ -16,7 +17,7 @@ use crate::{Setup, World};
 ///
 /// # Errors
 /// A robot model that cannot be simulated.
-pub fn world(experiment: &Experiment) -> Result<World, ModelError> {
+pub fn world(experiment: &Experiment) -> Result<World, InputError> {
     let setups: Vec<Setup> = experiment
         .robots
         .iter()

@@ -4,16 +4,16 @@ use std::path::Path;
 use std::rc::Rc;
 
 use slipstream_bus::Experiment;
-use slipstream_bus::bell::{Bell, Stage};
-use slipstream_bus::clock::{Deadlines, Monotonic, RealTime, WallClock};
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::Recorder;
-use slipstream_bus::record_pipe::RecordSender;
-use slipstream_bus::role::{Ended, Joined};
-use slipstream_bus::services::{PLANT_CHUNK, Services};
-use slipstream_bus::shared::PlantEnd;
 use slipstream_bus::time::ns_from_s;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
+use slipstream_ipc::endpoints::PlantEnd;
+use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::record_pipe::RecordSender;
+use slipstream_ipc::services::{PLANT_CHUNK, Services};
+use slipstream_ipc::wake_page::{Stage, WakePage};
 
 use super::lockstep::{Progress, applied, command, lockstep, read_encoders, record_sensors};
 use super::observer::{Observer, PlantReport};
@@ -31,7 +31,7 @@ pub struct PlantOutcome {
     /// The truth about the run.
     pub report: PlantReport,
     /// How it ended.
-    pub ended: Ended,
+    pub ended: ProcessStatus,
     /// Deadlines of the step; on the wall clock.
     pub deadlines: Option<Deadlines>,
     /// What the system permitted; on the wall clock.
@@ -50,7 +50,7 @@ pub struct PlantOutcome {
 /// When it cannot join the run.
 pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let begin = std::time::Instant::now();
-    let joined = Joined::new(folder)?;
+    let joined = JoinedRun::new(folder)?;
     let experiment = &joined.experiment;
     let mut world = world(experiment).map_err(|error| BusError::Failed {
         what: "robot".to_owned(),
@@ -58,10 +58,10 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     })?;
     let services = Services::join(&joined.place, experiment, "plant")?;
     let kept = services.create_all()?;
-    joined.bell.advance(Stage::Services);
-    let bell = Rc::clone(&joined.bell);
-    let mut end = PlantEnd::new(&services, Rc::clone(&bell), joined.parent)?;
-    let mut records = RecordSender::new(&services, bell, 0, PLANT_CHUNK, recording)?;
+    joined.wake_page.advance(Stage::Services);
+    let wake_page = Rc::clone(&joined.wake_page);
+    let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), joined.parent)?;
+    let mut records = RecordSender::new(&services, wake_page, 0, PLANT_CHUNK, recording)?;
     end.await_ready(experiment.settings.robots.count + u32::from(recording))?;
     drop(kept);
     let start_up_s = begin.elapsed().as_secs_f64();
@@ -70,8 +70,8 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let mut observer = Observer::new(experiment, true);
     let mut deadlines = Deadlines::default();
     let (ended, real_time) = if services.lockstep() {
-        joined.bell.advance(Stage::Running);
-        let mut teller = Teller(&joined.bell);
+        joined.wake_page.advance(Stage::Running);
+        let mut teller = Teller(&joined.wake_page);
         let ended = lockstep(
             experiment,
             &mut world,
@@ -82,18 +82,18 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
         );
         (ended, RealTime::default())
     } else {
-        let real_time = RealTime::ask(PRIORITY);
+        let real_time = RealTime::request(PRIORITY);
         let mut run = Wall {
             end: &end,
             records: &mut records,
-            bell: &joined.bell,
+            wake_page: &joined.wake_page,
         };
         (
             run.run(experiment, &mut world, &mut observer, &mut deadlines),
             real_time,
         )
     };
-    joined.bell.advance(Stage::Over);
+    joined.wake_page.advance(Stage::Over);
     records.flush();
     Ok(PlantOutcome {
         report: observer.finish(&world),
@@ -107,12 +107,12 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
 }
 
 /// Tells how far the run has come.
-struct Teller<'a>(&'a Bell);
+struct Teller<'a>(&'a WakePage);
 
 impl Progress for Teller<'_> {
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer) {
         let (speed_m_s, spacing_error_m) = observer.glance(world);
-        self.0.tell(now_ns, speed_m_s, spacing_error_m);
+        self.0.publish_progress(now_ns, speed_m_s, spacing_error_m);
     }
 }
 
@@ -120,7 +120,7 @@ impl Progress for Teller<'_> {
 struct Wall<'a> {
     end: &'a PlantEnd,
     records: &'a mut RecordSender,
-    bell: &'a Bell,
+    wake_page: &'a WakePage,
 }
 
 impl Wall<'_> {
@@ -139,10 +139,10 @@ impl Wall<'_> {
         let mut encoders = vec![Encoders::default(); experiment.robots.len()];
         read_encoders(world, 0, &mut encoders);
         self.end.publish(0, &encoders)?;
-        let start = Monotonic::now().later(LEAD_NS);
+        let start = Monotonic::now().plus_ns(LEAD_NS);
         let clock = WallClock::new(start);
-        self.bell.set_start_ns(start.to_shared());
-        self.bell.advance(Stage::Running);
+        self.wake_page.set_start_ns(start.to_shared());
+        self.wake_page.advance(Stage::Running);
         while world.time_ns() < end_ns {
             // The step from `now_ns` on is taken when its end is due.
             let now_ns = world.time_ns();
@@ -156,8 +156,8 @@ impl Wall<'_> {
             self.end.publish(next_ns, &encoders)?;
             observer.step(world, next_ns - now_ns, self.records);
             record_sensors(world, encoders.len(), self.records);
-            Teller(self.bell).at(next_ns, world, observer);
-            self.records.breathe();
+            Teller(self.wake_page).at(next_ns, world, observer);
+            self.records.flush_if_due();
             deadlines.count(next_ns, began_ns, clock.now_ns(), step_ns);
         }
         Ok(())

@@ -479,12 +479,12 @@ fn wrong_effects_are_refused() {
     ];
     for (effect, parameters, key) in cases {
         let error = Robot::new(&RobotModel::default().with(effect, parameters)).unwrap_err();
-        assert_eq!(error.key, key, "{error}");
+        assert_eq!(error.place, key, "{error}");
     }
     let mut kinematic = RobotModel::default().with("viscous_drag", &[("coefficient", 1.0)]);
     kinematic.robot.body_mass_kg = None;
     assert_eq!(
-        Robot::new(&kinematic).unwrap_err().key,
+        Robot::new(&kinematic).unwrap_err().place,
         "robot.body_mass_kg"
     );
 }

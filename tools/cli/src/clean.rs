@@ -1,6 +1,6 @@
 //! `slipstream clean`: what dead runs left behind.
 
-use slipstream_bus::place;
+use slipstream_ipc::run_directory;
 
 use crate::exit::{Error, Exit};
 use crate::say::say;
@@ -10,10 +10,10 @@ pub(crate) fn run() -> Result<Exit, Error> {
     let failed = |error: std::io::Error| {
         Error::Failed(format!(
             "{}: {error}; check its rights",
-            place::SHARED_MEMORY
+            run_directory::SHARED_MEMORY
         ))
     };
-    let (foreign, own): (Vec<_>, Vec<_>) = place::leftovers()
+    let (foreign, own): (Vec<_>, Vec<_>) = run_directory::leftovers()
         .map_err(failed)?
         .into_iter()
         .partition(|run| run.foreign);

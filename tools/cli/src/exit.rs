@@ -2,7 +2,8 @@
 
 use std::process::ExitCode;
 
-use slipstream_launch::{LaunchError, RunError, Unusable};
+use slipstream_bus::InputError;
+use slipstream_launch::{LaunchError, RunError};
 use slipstream_recording::Error as RecordingError;
 use slipstream_study::StudyError;
 use slipstream_trial::TrialError;
@@ -43,7 +44,7 @@ impl From<Exit> for ExitCode {
 pub(crate) enum Error {
     /// The input cannot be used.
     #[error(transparent)]
-    Unusable(#[from] Unusable),
+    Unusable(#[from] InputError),
     /// A file or argument cannot be used.
     #[error("{0}")]
     Input(String),
@@ -61,7 +62,7 @@ pub(crate) enum Error {
 impl From<LaunchError> for Error {
     fn from(error: LaunchError) -> Self {
         match error {
-            LaunchError::Unusable(unusable) => Self::Unusable(unusable),
+            LaunchError::Input(unusable) => Self::Unusable(unusable),
             other => Self::Launch(other),
         }
     }
@@ -70,10 +71,7 @@ impl From<LaunchError> for Error {
 impl From<RunError> for Error {
     fn from(error: RunError) -> Self {
         match error {
-            RunError::Model(model) => {
-                Self::Unusable(Unusable::new(model.key, model.problem, model.remedy))
-            }
-            RunError::Unusable(unusable) => Self::Unusable(unusable),
+            RunError::Input(unusable) => Self::Unusable(unusable),
             other => Self::Failed(other.to_string()),
         }
     }

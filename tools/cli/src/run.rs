@@ -3,9 +3,10 @@
 use std::io::IsTerminal;
 use std::path::PathBuf;
 
+use slipstream_bus::InputError;
 use slipstream_bus::experiment::Clock;
 use slipstream_launch::launcher::{self, Options};
-use slipstream_launch::{Outcome, Request, Resolved, Unusable, Verdict, in_process, resolve};
+use slipstream_launch::{Outcome, Request, Resolved, Verdict, in_process, resolve};
 
 use crate::exit::{Error, Exit};
 use crate::say::{self, complain};
@@ -69,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(path) = &arguments.json {
         outcome.write_json(path).map_err(|error| {
             let place = format!("--json {}", path.display());
-            Unusable::new(
+            InputError::new(
                 place,
                 format!("cannot be written: {error}"),
                 "give another file",
@@ -91,10 +92,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 }
 
 impl Arguments {
-    fn request(&self) -> Result<Request, Unusable> {
+    fn request(&self) -> Result<Request, InputError> {
         let pair = |text: &String| {
             let (key, value) = text.split_once('=').ok_or_else(|| {
-                Unusable::new(format!("--set {text}"), "has no =", "give --set KEY=VALUE")
+                InputError::new(format!("--set {text}"), "has no =", "give --set KEY=VALUE")
             })?;
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         };
@@ -134,7 +135,7 @@ impl Arguments {
 
     fn run_in_process(&self, resolved: &Resolved) -> Result<Outcome, Error> {
         if resolved.experiment.settings.clock == Clock::Wall {
-            return Err(Error::Unusable(Unusable::new(
+            return Err(Error::Unusable(InputError::new(
                 "--in-process",
                 "has no wall clock",
                 "leave one of --in-process and --clock wall",

@@ -143,7 +143,7 @@ fn links(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std::f
     };
     writeln!(
         out,
-        "Links: {sent} positions sent, {lost} lost, {stale} overtaken; delay {delay}."
+        "LinkEndpoints: {sent} positions sent, {lost} lost, {stale} overtaken; delay {delay}."
     )
 }
 

@@ -11,7 +11,7 @@ use std::path::Path;
 
 use common::{read_json, run_json, slipstream};
 use serde_json::Value;
-use slipstream_bus::trace::{self, Traced};
+use slipstream_bus::trace::{self, TraceRecord};
 use slipstream_trace::{Fate, Message, follow};
 
 /// Runs a platoon and traces it.
@@ -118,13 +118,13 @@ fn the_sums_are_those_of_the_records() {
     ];
     traced(folder.path(), &arguments);
     let path = folder.path().join("run.mcap");
-    let mut records: Vec<Traced<'static>> = Vec::new();
+    let mut records: Vec<TraceRecord<'static>> = Vec::new();
     slipstream_recording::read_trace(&path, &mut |bytes| {
         let piece = Vec::leak(bytes.to_vec());
         trace::read(piece, |record| records.push(record)).is_ok()
     })
     .unwrap();
-    let find = |name: &str, fits: &dyn Fn(&Traced<'_>) -> bool, field: &str| {
+    let find = |name: &str, fits: &dyn Fn(&TraceRecord<'_>) -> bool, field: &str| {
         let mut records = records.iter();
         let found = records.find(|record| record.name == name && fits(record));
         found.and_then(|record| record.int(field)).unwrap()
@@ -135,13 +135,13 @@ fn the_sums_are_those_of_the_records() {
             continue;
         };
         used += 1;
-        let ours = |record: &Traced<'_>| {
+        let ours = |record: &TraceRecord<'_>| {
             [record.int("from"), record.int("seq")]
                 == [message.from, message.seq].map(|number| Some(i64::from(number)))
         };
         let sampled_ns = find("sent", &ours, "sampled_ns");
         let tick_ns = find("taken", &ours, "tick_ns");
-        let answers = |record: &Traced<'_>| {
+        let answers = |record: &TraceRecord<'_>| {
             record.int("robot") == Some(i64::from(message.to))
                 && record.int("tick_ns") >= Some(tick_ns)
         };
@@ -444,7 +444,7 @@ fn the_trace_changes_no_state() {
         let mut names = std::collections::BTreeSet::new();
         let path = folder.path().join("run.mcap");
         let read = slipstream_recording::read_trace(&path, &mut |bytes| {
-            let mut take = |record: Traced<'_>| {
+            let mut take = |record: TraceRecord<'_>| {
                 names.insert(record.name.to_string());
             };
             trace::read(bytes, &mut take).is_ok()

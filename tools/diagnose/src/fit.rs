@@ -3,7 +3,7 @@
 //! fast as with four derivatives carried along, so that differences are the cheaper way to them.
 
 use rayon::prelude::*;
-use slipstream_bus::{ModelError, RobotModel};
+use slipstream_bus::{InputError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{Listed, Robot, lift};
 
@@ -78,7 +78,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The robot of each track.
-    pub(crate) fn robots(&self, values: &[f64]) -> Result<Vec<Robot>, ModelError> {
+    pub(crate) fn robots(&self, values: &[f64]) -> Result<Vec<Robot>, InputError> {
         let number = |place: usize, name: &str, value: f64| {
             let at = self.free.iter().position(|free| *free == (place, name));
             at.map_or(value, |at| values[at])

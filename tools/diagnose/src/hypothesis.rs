@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::{EffectSpec, ModelError, Parameter, RobotModel};
+use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
 use slipstream_sim::effects::{CATALOGUE, Channel, Domain, Info, ParameterInfo, Place, When, find};
 use slipstream_sim::{CommandKind, Stream};
 
@@ -336,7 +336,7 @@ fn expressible(
     model: &RobotModel,
     hypothesis: &Hypothesis,
     kind: CommandKind,
-) -> Result<(), ModelError> {
+) -> Result<(), InputError> {
     let mut model = model.clone();
     model.effects.push(hypothesis.spec());
     slipstream_sim::Robot::new(&model)?.accepts(kind)

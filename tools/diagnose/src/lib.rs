@@ -287,13 +287,13 @@ fn bench(
             )
         })?;
     let constants = slipstream_sim::Robot::new(&model)
-        .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+        .map_err(|error| Unusable::new(error.place, error.problem, error.remedy))?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {
         let mut track = Track::new(recording, robot, &model, block)?;
         constants
             .accepts(track.kind())
-            .map_err(|error| Unusable::new(error.key, error.problem, error.remedy))?;
+            .map_err(|error| Unusable::new(error.place, error.problem, error.remedy))?;
         track.leave_out(request.excluded_s);
         track.thin(ROWS);
         tracks.push(track);

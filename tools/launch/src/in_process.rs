@@ -10,13 +10,13 @@ use slipstream_agents::{Node, NodeReport};
 use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{NoRecorder, Record, Recorder};
 use slipstream_bus::time::Schedule;
-use slipstream_bus::trace;
-use slipstream_bus::transport::{BusError, Mail, Rounds};
-use slipstream_bus::{Experiment, ModelError};
+use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
+use slipstream_bus::{Experiment, InputError};
+use slipstream_ipc::trace;
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
 
 use crate::outcome::{Outcome, Parts};
-use crate::resolve::{Resolved, Unusable};
+use crate::resolve::Resolved;
 use crate::sink::Sink;
 use crate::tape;
 
@@ -34,15 +34,12 @@ pub struct Reports {
 /// Why a run in one process failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The robot model or the control cannot be.
-    #[error(transparent)]
-    Model(#[from] ModelError),
     /// The bus, which here is memory of our own.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// The environment will not do.
+    /// A robot model, a setting or a variable of the environment cannot be used.
     #[error(transparent)]
-    Unusable(#[from] Unusable),
+    Input(#[from] InputError),
     /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] slipstream_recording::Error),
@@ -104,16 +101,16 @@ struct Agents<R> {
 }
 
 /// A robot's end of the links, in memory.
-struct LocalMail<'a> {
+struct LocalLink<'a> {
     boxes: &'a mut [VecDeque<Position>],
     robot: usize,
     now_ns: i64,
 }
 
 impl<R: Recorder> Agents<R> {
-    fn new(experiment: &Experiment, recorder: Shared<R>) -> Result<Self, ModelError> {
+    fn new(experiment: &Experiment, recorder: Shared<R>) -> Result<Self, InputError> {
         let count = experiment.settings.robots.count;
-        let nodes: Result<Vec<Node>, ModelError> = (0..count)
+        let nodes: Result<Vec<Node>, InputError> = (0..count)
             .map(|index| Node::new(experiment, index))
             .collect();
         Ok(Self {
@@ -128,35 +125,35 @@ impl<R: Recorder> Agents<R> {
     fn finish(mut self) -> Result<Vec<NodeReport>, BusError> {
         let mut reports = Vec::with_capacity(self.nodes.len());
         for (robot, node) in self.nodes.iter_mut().enumerate() {
-            let mut mail = LocalMail {
+            let mut link = LocalLink {
                 boxes: &mut self.boxes,
                 robot,
                 now_ns: 0,
             };
             let last = self.last.get(robot);
-            reports.push(node.finish(last, &mut mail, &mut self.recorder)?);
+            reports.push(node.finish(last, &mut link, &mut self.recorder)?);
         }
         Ok(reports)
     }
 }
 
-impl<R: Recorder> Rounds for Agents<R> {
+impl<R: Recorder> LockstepLink for Agents<R> {
     fn round(
         &mut self,
         now_ns: i64,
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
-        trace::at(now_ns);
+        trace::set_virtual_time(now_ns);
         let due = self.schedule.due(now_ns);
         for (robot, node) in self.nodes.iter_mut().enumerate() {
-            let mut mail = LocalMail {
+            let mut link = LocalLink {
                 boxes: &mut self.boxes,
                 robot,
                 now_ns,
             };
             commands[robot] =
-                node.step(now_ns, due, &encoders[robot], &mut mail, &mut self.recorder)?;
+                node.step(now_ns, due, &encoders[robot], &mut link, &mut self.recorder)?;
         }
         Ok(())
     }
@@ -167,7 +164,7 @@ impl<R: Recorder> Rounds for Agents<R> {
     }
 }
 
-impl Mail for LocalMail<'_> {
+impl PositionLink for LocalLink<'_> {
     fn receive(&mut self) -> Result<Option<Position>, BusError> {
         Ok(self.boxes[self.robot].pop_front())
     }

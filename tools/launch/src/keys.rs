@@ -6,7 +6,7 @@ use strsim::levenshtein;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use crate::resolve::Unusable;
+use slipstream_bus::InputError;
 
 /// An experiment's file.
 #[derive(Debug)]
@@ -24,7 +24,7 @@ const ASSUMPTIONS: &str = "assumptions";
 
 impl File {
     /// Parses the text of an experiment.
-    pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, Unusable> {
+    pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, InputError> {
         let unusable = |error: toml::de::Error| {
             let line = error.span().map_or(1, |span| line_at(text, span.start));
             let problem = error
@@ -34,7 +34,7 @@ impl File {
                 .unwrap_or_default()
                 .to_owned();
             let place = format!("{}:{line}", path.display());
-            Unusable::new(place, format!("is no TOML: {problem}"), "mend the line")
+            InputError::new(place, format!("is no TOML: {problem}"), "mend the line")
         };
         let table: Table = text.parse().map_err(unusable)?;
         let spanned = DeTable::parse(text).map_err(unusable)?;
@@ -48,7 +48,7 @@ impl File {
         };
         match file.table.get("format") {
             None | Some(Value::Integer(1)) => Ok(file),
-            Some(other) => Err(Unusable::new(
+            Some(other) => Err(InputError::new(
                 file.place("format"),
                 format!("format is {other}"),
                 "this program reads format = 1",
@@ -62,7 +62,7 @@ impl File {
     }
 
     /// What the file assumes: name, keys and reason, in order of the names.
-    pub(crate) fn assumptions(&self) -> Result<Vec<(String, Vec<String>, String)>, Unusable> {
+    pub(crate) fn assumptions(&self) -> Result<Vec<(String, Vec<String>, String)>, InputError> {
         let Some(table) = self.table.get(ASSUMPTIONS).and_then(Value::as_table) else {
             return Ok(Vec::new());
         };
@@ -75,7 +75,7 @@ impl File {
                 let line = first.map_or(1, |&(_, line)| line);
                 let place = format!("{}:{line}", self.path.display());
                 let problem = format!("{ASSUMPTIONS}.{name} is no assumption");
-                Unusable::new(
+                InputError::new(
                     place,
                     problem,
                     "give it keys = [\"KEY\", …] and a reason = \"…\"",

@@ -12,26 +12,27 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use slipstream_agents::process::AgentOutcome;
-use slipstream_bus::bell::{Bell, Stage};
-use slipstream_bus::clock::RealTime;
 use slipstream_bus::experiment::{Clock, OnDeath};
 use slipstream_bus::message::robot_name;
-use slipstream_bus::place::{Alive, Place};
-use slipstream_bus::role::Ended;
 use slipstream_bus::time::s_from_ns;
-use slipstream_bus::trace;
+use slipstream_ipc::clock::RealTime;
+use slipstream_ipc::join::ProcessStatus;
+use slipstream_ipc::run_directory::{RunDirectory, RunLock};
+use slipstream_ipc::trace;
+use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_sim::run::process::PlantOutcome;
 
 use crate::live::Live;
 use crate::outcome::{DeadlineOutcome, Outcome, Parts, Process, Verdict};
 use crate::recorder::RecorderOutcome;
-use crate::resolve::{Resolved, Unusable};
+use crate::resolve::Resolved;
 use crate::roles::read_report;
 use crate::tape::{self, leave_tape};
 use crate::{place_files, preflight};
+use slipstream_bus::InputError;
 
 /// How often the live line is drawn.
-const GLANCE: Duration = Duration::from_millis(100);
+const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Who has not ended so long after the run was stopped is ended.
 const GRACE: Duration = Duration::from_millis(800);
 /// How long the recorder may take to write what is left after an orderly end.
@@ -55,7 +56,7 @@ pub struct Options {
 pub enum LaunchError {
     /// The input or the system will not do.
     #[error(transparent)]
-    Unusable(#[from] Unusable),
+    Input(#[from] InputError),
     /// The system failed.
     #[error("failed to {step}: {error}")]
     System {
@@ -86,8 +87,8 @@ struct Member {
 struct Run<'a> {
     resolved: &'a Resolved,
     options: &'a Options,
-    place: Place,
-    bell: Bell,
+    place: RunDirectory,
+    wake_page: WakePage,
     members: Vec<Member>,
     processes: Vec<Process>,
     verdict: Verdict,
@@ -95,7 +96,7 @@ struct Run<'a> {
     stopping: Option<Instant>,
     /// Since when everybody but the recorder is gone.
     drained: Option<Instant>,
-    _alive: Alive,
+    _alive: RunLock,
 }
 
 /// Runs an experiment as processes of its own.
@@ -120,7 +121,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<Outcome, LaunchErro
     while run.members.iter().any(|member| member.status.is_none()) {
         run.wait(&mut signals)
             .map_err(system("wait for the processes"))?;
-        live.draw(&run.bell);
+        live.draw(&run.wake_page);
     }
     live.clear();
     let mut outcome = run.collect();
@@ -131,16 +132,16 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<Outcome, LaunchErro
 impl<'a> Run<'a> {
     fn prepare(resolved: &'a Resolved, options: &'a Options) -> Result<Self, LaunchError> {
         let full = |error: std::io::Error| {
-            let place = slipstream_bus::place::SHARED_MEMORY;
+            let place = slipstream_ipc::run_directory::SHARED_MEMORY;
             let remedy = "check its rights and free space (slipstream clean)";
-            Unusable::new(place, format!("cannot be written: {error}"), remedy)
+            InputError::new(place, format!("cannot be written: {error}"), remedy)
         };
-        let (place, alive) = Place::create(rand::random()).map_err(full)?;
+        let (place, alive) = RunDirectory::create(rand::random()).map_err(full)?;
         let files = place_files::write(&place, &resolved.experiment, &resolved.to_toml());
         let robots = resolved.experiment.robots.len();
-        let bell = files.and_then(|()| Bell::create(&place.bell(), robots));
-        let bell = match bell {
-            Ok(bell) => bell,
+        let wake_page = files.and_then(|()| WakePage::create(&place.wake_page(), robots));
+        let wake_page = match wake_page {
+            Ok(wake_page) => wake_page,
             Err(error) => {
                 let _ = place.remove();
                 return Err(full(error).into());
@@ -150,7 +151,7 @@ impl<'a> Run<'a> {
             resolved,
             options,
             place,
-            bell,
+            wake_page,
             members: Vec::new(),
             processes: Vec::new(),
             verdict: Verdict::Done,
@@ -233,7 +234,7 @@ impl<'a> Run<'a> {
         for index in ended {
             let status = self.members[index].child.wait()?;
             self.members[index].status = Some(status);
-            trace::at(self.bell.told().0);
+            trace::set_virtual_time(self.wake_page.progress().0);
             let member = &self.members[index];
             tracing::info!(name: "ended", role = member.role, robot = member.robot, status = %status);
             self.after_end(index, status)?;
@@ -242,7 +243,7 @@ impl<'a> Run<'a> {
         if self.drained.is_none() && !self.members.iter().any(working) {
             self.drained = Some(Instant::now());
             leave_tape(self.place.folder(), "launcher");
-            self.bell.advance(Stage::Drained);
+            self.wake_page.advance(Stage::Drained);
         }
         let overdue = |since: Option<Instant>, grace| since.is_some_and(|t| t.elapsed() > grace);
         let grace = if self.drained.is_some() {
@@ -268,7 +269,7 @@ impl<'a> Run<'a> {
             .collect();
         let timeout = Timespec {
             tv_sec: 0,
-            tv_nsec: i64::from(GLANCE.subsec_nanos()),
+            tv_nsec: i64::from(POLL_INTERVAL.subsec_nanos()),
         };
         match poll(&mut fds, Some(&timeout)) {
             Ok(_) | Err(rustix::io::Errno::INTR) => {}
@@ -286,25 +287,26 @@ impl<'a> Run<'a> {
         let member = &self.members[index];
         let (role, robot) = (member.role, member.robot);
         if role == "recorder" {
-            self.bell.recorder_is_gone();
+            self.wake_page.set_recorder_gone();
         }
         let Some(reason) = self.why_dead(index, status) else {
             return Ok(());
         };
         self.fail(reason);
         if role != "recorder" {
-            self.bell.has_died(robot.map(|robot| robot as usize));
+            self.wake_page
+                .count_death(robot.map(|robot| robot as usize));
         }
         let settings = &self.resolved.experiment.settings;
         let goes_on = settings.clock == Clock::Wall
             && settings.on_death != OnDeath::Stop
             && role != "plant"
-            && self.bell.stage() == Stage::Running
+            && self.wake_page.stage() == Stage::Running
             && self.stopping.is_none();
         if !goes_on {
             self.stop();
             if role == "plant" {
-                self.bell.advance(Stage::Over);
+                self.wake_page.advance(Stage::Over);
             }
             return Ok(());
         }
@@ -322,7 +324,7 @@ impl<'a> Run<'a> {
     fn why_dead(&self, index: usize, status: ExitStatus) -> Option<String> {
         let member = &self.members[index];
         let (name, pid) = (member.name(), member.child.id());
-        let when = s_from_ns(self.bell.told().0);
+        let when = s_from_ns(self.wake_page.progress().0);
         if let Some(signal) = status.signal() {
             return Some(format!(
                 "{name} (pid {pid}) died of signal {signal} at {when:.3} s"
@@ -336,11 +338,13 @@ impl<'a> Run<'a> {
             "plant" => read_report(place, "plant").map(|plant: PlantOutcome| plant.ended),
             "agent" => read_report(place, &name).map(|agent: AgentOutcome| agent.ended),
             _ => read_report(place, "recorder").map(|recorder: RecorderOutcome| {
-                recorder.failure.map_or(Ended::Done, Ended::Failed)
+                recorder
+                    .failure
+                    .map_or(ProcessStatus::Done, ProcessStatus::Failed)
             }),
         };
         match ended {
-            Some(Ended::Failed(reason)) => Some(format!("{name} (pid {pid}): {reason}")),
+            Some(ProcessStatus::Failed(reason)) => Some(format!("{name} (pid {pid}): {reason}")),
             _ => None,
         }
     }
@@ -354,7 +358,7 @@ impl<'a> Run<'a> {
 
     fn stop(&mut self) {
         self.stopping.get_or_insert(Instant::now());
-        self.bell.stop();
+        self.wake_page.stop();
     }
 
     fn kill_all(&mut self) {
@@ -395,7 +399,7 @@ impl<'a> Run<'a> {
             let least = all.fold(plant.real_time, RealTime::both);
             outcome.real_time = plant.deadlines.map(|_| least);
         } else {
-            outcome.duration_s = s_from_ns(self.bell.told().0);
+            outcome.duration_s = s_from_ns(self.wake_page.progress().0);
         }
         let step = plant.as_ref().and_then(|plant| plant.deadlines);
         outcome
@@ -447,14 +451,14 @@ fn listen_to_signals() -> std::io::Result<UnixStream> {
 }
 
 /// Whether the recording can be written there; asked before anything is started.
-fn writable(out: &Path) -> Result<(), Unusable> {
+fn writable(out: &Path) -> Result<(), InputError> {
     let opened = std::fs::OpenOptions::new()
         .create(true)
         .append(true)
         .open(out);
     opened.map(drop).map_err(|error| {
         let place = format!("--out {}", out.display());
-        Unusable::new(
+        InputError::new(
             place,
             format!("cannot be written: {error}"),
             "give another file",

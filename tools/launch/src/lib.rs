@@ -18,4 +18,5 @@ mod tape;
 pub use in_process::{Reports, RunError};
 pub use launcher::{LaunchError, Options};
 pub use outcome::{Outcome, Verdict};
-pub use resolve::{Assumption, Request, Resolved, Unusable, resolve};
+pub use resolve::{Assumption, Request, Resolved, resolve};
+pub use slipstream_bus::InputError as Unusable;

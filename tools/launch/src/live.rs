@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipstream_bus::Settings;
-use slipstream_bus::bell::Bell;
 use slipstream_bus::time::{ns_from_s, s_from_ns};
+use slipstream_ipc::wake_page::WakePage;
 
 /// The live line.
 pub(crate) struct Live {
@@ -33,8 +33,8 @@ impl Live {
     }
 
     /// Draws what the plant told last.
-    pub(crate) fn draw(&self, bell: &Bell) {
-        let (now_ns, speed_m_s, spacing_error_m) = bell.told();
+    pub(crate) fn draw(&self, wake_page: &WakePage) {
+        let (now_ns, speed_m_s, spacing_error_m) = wake_page.progress();
         let now_s = s_from_ns(now_ns);
         let pace = now_s / self.begin.elapsed().as_secs_f64();
         self.bar.set_position(u64::try_from(now_ns).unwrap_or(0));

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use slipstream_agents::NodeReport;
 use slipstream_bus::Experiment;
-use slipstream_bus::clock::{Deadlines, RealTime};
 use slipstream_bus::experiment::Clock;
 use slipstream_bus::message::robot_name;
+use slipstream_ipc::clock::{Deadlines, RealTime};
 use slipstream_sim::run::PlantReport;
 
 /// How a run ended.

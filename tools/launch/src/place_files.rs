@@ -4,12 +4,12 @@ use std::fs;
 use std::io;
 
 use slipstream_bus::Experiment;
-use slipstream_bus::place::Place;
-use slipstream_bus::services::iox2_config;
+use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::services::iox2_config;
 
 /// Writes the description for the processes, the keys for the recording, and what `iox2` needs to
 /// see the run.
-pub(crate) fn write(place: &Place, experiment: &Experiment, keys: &str) -> io::Result<()> {
+pub(crate) fn write(place: &RunDirectory, experiment: &Experiment, keys: &str) -> io::Result<()> {
     let bytes = postcard::to_allocvec(experiment).map_err(io::Error::other)?;
     fs::write(place.experiment(), bytes)?;
     fs::write(place.folder().join("experiment.toml"), keys)?;
@@ -19,6 +19,6 @@ pub(crate) fn write(place: &Place, experiment: &Experiment, keys: &str) -> io::R
 }
 
 /// The experiment as it was resolved, as TOML; empty where it is not there.
-pub(crate) fn read_keys(place: &Place) -> String {
+pub(crate) fn read_keys(place: &RunDirectory) -> String {
     fs::read_to_string(place.folder().join("experiment.toml")).unwrap_or_default()
 }

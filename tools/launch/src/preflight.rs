@@ -2,9 +2,9 @@
 //! shows as a signal or as an error that names nothing.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use slipstream_bus::place::SHARED_MEMORY;
+use slipstream_ipc::run_directory::SHARED_MEMORY;
 
-use crate::resolve::Unusable;
+use slipstream_bus::InputError;
 
 /// File descriptors that every process of a run needs, and for each robot besides.
 const DESCRIPTORS: [u64; 2] = [64, 15];
@@ -16,7 +16,7 @@ const SHARED_BYTES: [u64; 2] = [4 << 20, 256 << 10];
 ///
 /// # Errors
 /// When it will not.
-pub(crate) fn check(robots: u32) -> Result<(), Unusable> {
+pub(crate) fn check(robots: u32) -> Result<(), InputError> {
     let need = |[fixed, each]: [u64; 2]| fixed + each * u64::from(robots);
     let descriptors = need(DESCRIPTORS);
     let limit = getrlimit(Resource::Nofile);
@@ -28,7 +28,7 @@ pub(crate) fn check(robots: u32) -> Result<(), Unusable> {
         let enough = limit.maximum.is_none_or(|maximum| maximum >= descriptors);
         if !enough || setrlimit(Resource::Nofile, raised).is_err() {
             let most = limit.maximum.unwrap_or_default();
-            return Err(Unusable::new(
+            return Err(InputError::new(
                 "ulimit -n",
                 format!("{robots} robots need {descriptors} file descriptors, {most} are allowed"),
                 format!("raise it (ulimit -n {descriptors}), or run fewer robots or --in-process"),
@@ -38,7 +38,7 @@ pub(crate) fn check(robots: u32) -> Result<(), Unusable> {
     let bytes = need(SHARED_BYTES);
     let free = rustix::fs::statvfs(SHARED_MEMORY).map_err(|error| {
         let remedy = "mount a tmpfs there, or run --in-process";
-        Unusable::new(
+        InputError::new(
             SHARED_MEMORY,
             format!("is no shared memory: {error}"),
             remedy,
@@ -47,7 +47,7 @@ pub(crate) fn check(robots: u32) -> Result<(), Unusable> {
     let free = free.f_bavail.saturating_mul(free.f_frsize);
     if free < bytes {
         let [need, free] = [bytes, free].map(|bytes| bytes >> 10);
-        return Err(Unusable::new(
+        return Err(InputError::new(
             SHARED_MEMORY,
             format!("{robots} robots need {need} KiB of shared memory, {free} KiB are free"),
             "free some (slipstream clean), or run fewer robots or --in-process",

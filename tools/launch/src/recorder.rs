@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use slipstream_bus::bell::{Bell, Stage};
 use slipstream_bus::experiment::Clock;
 use slipstream_bus::record::{EventKind, Record, Recorder};
-use slipstream_bus::record_pipe::{Entry, RecordReceiver};
-use slipstream_bus::role::Joined;
-use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::join::JoinedRun;
+use slipstream_ipc::record_pipe::{Entry, RecordReceiver};
+use slipstream_ipc::trace;
+use slipstream_ipc::wake_page::{Stage, WakePage};
 
 use crate::place_files::read_keys;
 use crate::sink::Sink;
@@ -40,7 +40,7 @@ pub struct RecorderOutcome {
 /// # Errors
 /// When it cannot join the run or begin the file.
 pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
-    let joined = Joined::new(folder)?;
+    let joined = JoinedRun::new(folder)?;
     let failed = |e: slipstream_recording::Error| BusError::Failed {
         what: "recording".to_owned(),
         reason: e.to_string(),
@@ -49,7 +49,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
     let sink = Sink::create(out, &joined.experiment, &keys).map_err(failed)?;
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
-    joined.bell.ready();
+    joined.wake_page.signal_ready();
     tracing::info!(name: "recording", file = %out.display());
     let sources = joined.experiment.robots.len() + 1;
     let lockstep = joined.experiment.settings.clock == Clock::Virtual;
@@ -58,7 +58,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
         .err()
         .map(|error| error.to_string());
     for tape in read_tapes(&joined.place) {
-        trace::pieces(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
+        trace::chunks(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
     }
     Ok(match order.finish() {
         Ok(records) => RecorderOutcome { records, failure },
@@ -82,12 +82,12 @@ impl Obituary {
         }
     }
 
-    fn write(&mut self, bell: &Bell, sink: &mut Sink) {
+    fn write(&mut self, wake_page: &WakePage, sink: &mut Sink) {
         let processes = std::iter::once(None).chain((0u32..).map(Some));
         for (known, robot) in self.known.iter_mut().zip(processes) {
-            let deaths = bell.deaths(robot.map(|robot| robot as usize));
+            let deaths = wake_page.deaths(robot.map(|robot| robot as usize));
             for _ in *known..deaths {
-                let (t_ns, kind) = (bell.told().0, EventKind::Died);
+                let (t_ns, kind) = (wake_page.progress().0, EventKind::Died);
                 tracing::error!(name: "died", t_ns, robot);
                 sink.record(&Record::Event { t_ns, robot, kind });
             }
@@ -97,7 +97,7 @@ impl Obituary {
 }
 
 /// Takes records in until everybody else is gone and nothing is left.
-fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result<(), BusError> {
+fn pump(joined: &JoinedRun, receiver: &RecordReceiver, order: &mut Order) -> Result<(), BusError> {
     let mut obituary = Obituary::new(joined.experiment.robots.len());
     let mut safe = Instant::now();
     let mut heard = Instant::now();
@@ -105,15 +105,15 @@ fn pump(joined: &Joined, receiver: &RecordReceiver, order: &mut Order) -> Result
         // Asked before the queue is found empty: nothing can come after that. Without a launcher
         // nobody says so; then silence does.
         let orphaned = joined.parent.is_gone() && heard.elapsed() > SILENCE;
-        let last = joined.bell.stage() >= Stage::Drained || orphaned;
+        let last = joined.wake_page.stage() >= Stage::Drained || orphaned;
         let mut idle = true;
-        trace::at(joined.bell.told().0);
+        trace::set_virtual_time(joined.wake_page.progress().0);
         while receiver.take(|source, entry| order.take(source as usize, entry))? {
             idle = false;
             heard = Instant::now();
         }
         order.release();
-        obituary.write(&joined.bell, &mut order.sink);
+        obituary.write(&joined.wake_page, &mut order.sink);
         trace::drain(|t_ns, bytes| order.sink.trace(t_ns, bytes));
         if safe.elapsed() >= SAFE {
             order.sink.flush();

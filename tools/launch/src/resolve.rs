@@ -9,7 +9,7 @@ use serde::Deserialize;
 use slipstream_agents::Node;
 use slipstream_bus::experiment::{Clock, Settings};
 use slipstream_bus::message::robot_name;
-use slipstream_bus::{Experiment, ModelError, RobotModel, RobotSetup};
+use slipstream_bus::{Experiment, InputError, RobotModel, RobotSetup};
 use slipstream_recording::robot_toml;
 use toml::{Table, Value};
 
@@ -66,33 +66,6 @@ pub enum Origin {
     Argument(String),
 }
 
-/// Input that cannot be used: where, what is wrong, what to do.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {problem}; {remedy}")]
-pub struct Unusable {
-    /// File and line, argument or key.
-    pub place: String,
-    /// What is wrong.
-    pub problem: String,
-    /// What to do about it.
-    pub remedy: String,
-}
-
-impl Unusable {
-    /// An error at a place.
-    pub fn new(
-        place: impl Into<String>,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self {
-            place: place.into(),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
-
 impl std::fmt::Display for Origin {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -125,7 +98,7 @@ const PAPERS: [(&str, &str); 2] = [
 ///
 /// # Errors
 /// A key, value or file that cannot be used.
-pub fn resolve(request: &Request) -> Result<Resolved, Unusable> {
+pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     let mut tree = base(request.experiment.as_deref())?;
     for (key, value) in &request.set {
         let argument = Origin::Argument(format!("--set {key}={value}"));
@@ -138,7 +111,7 @@ pub fn resolve(request: &Request) -> Result<Resolved, Unusable> {
     if let Some(seed) = request.seed {
         let argument = Origin::Argument(format!("--seed {seed}"));
         let seed = i64::try_from(seed).map_err(|_| {
-            Unusable::new(
+            InputError::new(
                 "--seed",
                 format!("is {seed}"),
                 format!("give at most {}", i64::MAX),
@@ -164,10 +137,9 @@ pub fn resolve(request: &Request) -> Result<Resolved, Unusable> {
         )?;
     }
     let settings = tree.settings()?;
-    settings.validate().map_err(|error| Unusable {
-        place: tree.place_of(&error.key),
-        problem: format!("{} {}", error.key, error.problem),
-        remedy: error.remedy,
+    settings.validate().map_err(|error| {
+        let problem = format!("{} {}", error.place, error.problem);
+        InputError::new(tree.place_of(&error.place), problem, error.remedy)
     })?;
     let experiment = Experiment {
         robots: robots(&settings, &tree, &request.models)?,
@@ -219,7 +191,7 @@ impl Resolved {
 }
 
 /// The built-in experiment, or the one that a file is laid over, with the file laid over it.
-fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
+fn base(experiment: Option<&str>) -> Result<Tree, InputError> {
     let asked = experiment.unwrap_or("platoon");
     if let Some(tree) = Tree::built_in(asked)? {
         return Ok(tree);
@@ -227,13 +199,13 @@ fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
     let path = Path::new(asked);
     let text = std::fs::read_to_string(path).map_err(|error| {
         let remedy = format!("give a file, or one of {}", BUILT_IN.join(", "));
-        Unusable::new(asked, format!("cannot be read: {error}"), remedy)
+        InputError::new(asked, format!("cannot be read: {error}"), remedy)
     })?;
     let file = keys::File::parse(path, &text)?;
     let name = file.base().unwrap_or("platoon");
     let mut tree = Tree::built_in(name)?.ok_or_else(|| {
         let remedy = format!("give one of {}", BUILT_IN.join(", "));
-        Unusable::new(file.place("base"), format!("base is {name:?}"), remedy)
+        InputError::new(file.place("base"), format!("base is {name:?}"), remedy)
     })?;
     let stem = path
         .file_stem()
@@ -253,7 +225,7 @@ fn base(experiment: Option<&str>) -> Result<Tree, Unusable> {
 }
 
 impl Tree {
-    fn built_in(name: &str) -> Result<Option<Self>, Unusable> {
+    fn built_in(name: &str) -> Result<Option<Self>, InputError> {
         let Some(mut tree) = Self::plain(name) else {
             return Ok(None);
         };
@@ -287,7 +259,7 @@ impl Tree {
     }
 
     /// Takes in what a file assumes.
-    fn assume(&mut self, file: &keys::File) -> Result<(), Unusable> {
+    fn assume(&mut self, file: &keys::File) -> Result<(), InputError> {
         for (name, keys, reason) in file.assumptions()? {
             if let Some(key) = keys
                 .iter()
@@ -298,7 +270,7 @@ impl Tree {
                     Some(near) => format!("did you mean {near}? --dry-run lists all keys"),
                     None => "--dry-run lists all keys".to_owned(),
                 };
-                return Err(Unusable::new(place, format!("{key} is no key"), remedy));
+                return Err(InputError::new(place, format!("{key} is no key"), remedy));
             }
             self.assumed.insert(name, (keys, reason));
         }
@@ -317,17 +289,17 @@ impl Tree {
     }
 
     /// Sets one key; what the settings do not take is refused at once, where it stands.
-    fn set(&mut self, key: &str, value: Value, origin: &Origin) -> Result<(), Unusable> {
+    fn set(&mut self, key: &str, value: Value, origin: &Origin) -> Result<(), InputError> {
         let place = || origin.to_string();
         let before = keys::find(&self.table, key).ok_or_else(|| {
             let remedy = match keys::nearest(&self.table, key) {
                 Some(near) => format!("did you mean {near}? --dry-run lists all keys"),
                 None => "--dry-run lists all keys".to_owned(),
             };
-            Unusable::new(place(), format!("{key} is no key"), remedy)
+            InputError::new(place(), format!("{key} is no key"), remedy)
         })?;
         let value = keys::fit(before, value).map_err(|wanted| {
-            Unusable::new(
+            InputError::new(
                 place(),
                 format!("{key} is no {wanted}"),
                 format!("give a {wanted}"),
@@ -342,7 +314,7 @@ impl Tree {
                 .next()
                 .unwrap_or_default()
                 .to_owned();
-            Unusable::new(
+            InputError::new(
                 place(),
                 format!("{key}: {reason}"),
                 "give a value that fits",
@@ -353,9 +325,9 @@ impl Tree {
         Ok(())
     }
 
-    fn settings(&self) -> Result<Settings, Unusable> {
+    fn settings(&self) -> Result<Settings, InputError> {
         Settings::deserialize(self.table.clone())
-            .map_err(|error| Unusable::new(&self.base, error.message(), "mend the experiment"))
+            .map_err(|error| InputError::new(&self.base, error.message(), "mend the experiment"))
     }
 
     fn origin(&self, key: &str) -> Origin {
@@ -396,7 +368,7 @@ fn robots(
     settings: &Settings,
     tree: &Tree,
     models: &[(Option<String>, PathBuf)],
-) -> Result<Vec<RobotSetup>, Unusable> {
+) -> Result<Vec<RobotSetup>, InputError> {
     let all = match settings.robots.model.as_str() {
         "" => RobotModel::paper_with_slip(),
         path => read_model(&tree.path("robots.model", path))?,
@@ -414,7 +386,7 @@ fn robots(
         };
         let Some(robot) = robots.iter_mut().find(|robot| robot.name == *name) else {
             let last = robot_name(settings.robots.count - 1);
-            return Err(Unusable::new(
+            return Err(InputError::new(
                 format!("--robot {name}={}", path.display()),
                 format!("there is no robot {name}"),
                 format!("give r1 to {last}"),
@@ -426,12 +398,12 @@ fn robots(
 }
 
 /// Whether plant and controllers can be made of the robots: before anything is started.
-fn judge(experiment: &Experiment, models: &[(Option<String>, PathBuf)]) -> Result<(), Unusable> {
-    let unusable = |name: Option<&str>, error: ModelError| {
+fn judge(experiment: &Experiment, models: &[(Option<String>, PathBuf)]) -> Result<(), InputError> {
+    let unusable = |name: Option<&str>, error: InputError| {
         // The plant's errors name the robot in front of the key.
-        let (named, key) = match error.key.split_once(": ") {
+        let (named, key) = match error.place.split_once(": ") {
             Some((named, key)) => (Some(named), key),
-            None => (name, error.key.as_str()),
+            None => (name, error.place.as_str()),
         };
         let own = models
             .iter()
@@ -442,7 +414,7 @@ fn judge(experiment: &Experiment, models: &[(Option<String>, PathBuf)]) -> Resul
             (None, "") => named.unwrap_or("robot").to_owned(),
             (None, path) => path.to_owned(),
         };
-        Unusable::new(place, format!("{key} {}", error.problem), error.remedy)
+        InputError::new(place, format!("{key} {}", error.problem), error.remedy)
     };
     slipstream_sim::run::world(experiment).map_err(|error| unusable(None, error))?;
     for (index, robot) in (0..).zip(&experiment.robots) {
@@ -451,20 +423,20 @@ fn judge(experiment: &Experiment, models: &[(Option<String>, PathBuf)]) -> Resul
     Ok(())
 }
 
-fn read_model(path: &Path) -> Result<RobotModel, Unusable> {
+fn read_model(path: &Path) -> Result<RobotModel, InputError> {
     robot_toml::read(path).map_err(|error| match error {
         slipstream_recording::Error::Input(unusable) => {
             let line = unusable
                 .line
                 .map(|line| format!(":{line}"))
                 .unwrap_or_default();
-            Unusable::new(
+            InputError::new(
                 format!("{}{line}", unusable.path.display()),
                 unusable.problem,
                 unusable.remedy,
             )
         }
-        other => Unusable::new(
+        other => InputError::new(
             path.display().to_string(),
             other.to_string(),
             "check the file",

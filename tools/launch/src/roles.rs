@@ -9,9 +9,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use slipstream_agents::process as agent;
 use slipstream_bus::message::robot_name;
-use slipstream_bus::place::Place;
-use slipstream_bus::trace;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
 
 use crate::recorder;
@@ -160,7 +160,7 @@ fn report(folder: &Path, name: &str, outcome: &impl Serialize) -> Result<(), Bus
 }
 
 /// What a process had to say at its end, if it came to say it.
-pub(crate) fn read_report<T: DeserializeOwned>(place: &Place, name: &str) -> Option<T> {
+pub(crate) fn read_report<T: DeserializeOwned>(place: &RunDirectory, name: &str) -> Option<T> {
     let bytes = std::fs::read(place.folder().join(format!("report-{name}"))).ok()?;
     postcard::from_bytes(&bytes).ok()
 }

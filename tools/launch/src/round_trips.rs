@@ -4,20 +4,20 @@ use std::path::Path;
 
 use slipstream_bus::time::ns_from_s;
 
-use crate::resolve::Unusable;
+use slipstream_bus::InputError;
 
 /// Reads an rtt.csv: half of each round trip (ns), `None` where the cell is empty.
 ///
 /// # Errors
 /// A file that cannot be read, has no column `rtt_ms`, or has a value that no round trip can have.
-pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, Unusable> {
+pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
     let file = path.display();
     let unreadable = |error: csv::Error| {
         let line = error
             .position()
             .map_or(String::new(), |at| format!(":{}", at.line()));
         let remedy = "give a CSV file with the columns seq and rtt_ms";
-        Unusable::new(format!("{file}{line}"), error.to_string(), remedy)
+        InputError::new(format!("{file}{line}"), error.to_string(), remedy)
     };
     let mut reader = csv::Reader::from_path(path).map_err(unreadable)?;
     let head = reader.headers().map_err(unreadable)?;
@@ -25,7 +25,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, Unusable> {
         .iter()
         .position(|name| name.trim() == "rtt_ms")
         .ok_or_else(|| {
-            Unusable::new(
+            InputError::new(
                 format!("{file}:1"),
                 "has no column rtt_ms",
                 "name the column rtt_ms",
@@ -41,7 +41,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, Unusable> {
                 Ok(rtt_ms) if rtt_ms.is_finite() && rtt_ms >= 0.0 => Some(ns_from_s(rtt_ms / 2e3)),
                 _ => {
                     let line = row.position().map_or(0, csv::Position::line);
-                    return Err(Unusable::new(
+                    return Err(InputError::new(
                         format!("{file}:{line}"),
                         format!("rtt_ms is {cell}"),
                         "give milliseconds, 0 or more, or nothing for a lost one",
@@ -52,7 +52,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, Unusable> {
         rows.push(half);
     }
     if rows.is_empty() {
-        return Err(Unusable::new(
+        return Err(InputError::new(
             file.to_string(),
             "has no rows",
             "measure some round trips",

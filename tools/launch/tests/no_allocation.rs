@@ -10,15 +10,15 @@ use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use slipstream_agents::Node;
-use slipstream_bus::bell::{Bell, Stage};
 use slipstream_bus::message::{Encoders, TorqueCommand};
-use slipstream_bus::place::Place;
 use slipstream_bus::record::NoRecorder;
-use slipstream_bus::services::Services;
-use slipstream_bus::shared::{AgentEnd, Parent, PlantEnd};
-use slipstream_bus::trace::{self, EnvFilter};
-use slipstream_bus::transport::Rounds;
+use slipstream_bus::transport::LockstepLink;
 use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
+use slipstream_ipc::endpoints::{AgentEnd, Parent, PlantEnd};
+use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::services::Services;
+use slipstream_ipc::trace::{self, EnvFilter};
+use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_launch::in_process::run;
 
 fn experiment(duration_s: f64) -> Experiment {
@@ -72,18 +72,19 @@ fn the_trace_does_not_allocate() {
     assert_eq!(count(20.0), count(1.0));
 }
 
-/// Rounds over real shared memory, plant and agents in threads of one process.
+/// LockstepLink over real shared memory, plant and agents in threads of one process.
 #[test]
 fn the_bus_allocates_one_block_a_sample() {
     const WARM: i64 = 200;
     const ROUNDS: i64 = 2_000;
     let experiment = experiment(1000.0);
     let schedule = experiment.settings.schedule();
-    let (place, _alive) = Place::create(0xa110_0000 | std::process::id() & 0xf_ffff).unwrap();
+    let (place, _alive) =
+        RunDirectory::create(0xa110_0000 | std::process::id() & 0xf_ffff).unwrap();
     let robots = experiment.settings.robots.count;
-    Bell::create(&place.bell(), robots as usize).unwrap();
-    let open = || Rc::new(Bell::open(&place.bell()).unwrap());
-    let bell = open();
+    WakePage::create(&place.wake_page(), robots as usize).unwrap();
+    let open = || Rc::new(WakePage::open(&place.wake_page()).unwrap());
+    let wake_page = open();
     let services = Services::join(&place, &experiment, "plant").unwrap();
     let kept = services.create_all().unwrap();
     let counted = AtomicU64::new(0);
@@ -91,12 +92,12 @@ fn the_bus_allocates_one_block_a_sample() {
         for robot in 0..robots {
             let (place, experiment, open, counted) = (&place, &experiment, &open, &counted);
             scope.spawn(move || {
-                let bell = open();
+                let wake_page = open();
                 let services = Services::join(place, experiment, "agent").unwrap();
                 let mut end =
-                    AgentEnd::new(&services, Rc::clone(&bell), Parent::now(), robot).unwrap();
+                    AgentEnd::new(&services, Rc::clone(&wake_page), Parent::now(), robot).unwrap();
                 let mut node = Node::new(experiment, robot).unwrap();
-                bell.ready();
+                wake_page.signal_ready();
                 let mut answer = |rounds: i64| {
                     for _ in 0..rounds {
                         let round = end.next_round().unwrap().unwrap();
@@ -111,7 +112,7 @@ fn the_bus_allocates_one_block_a_sample() {
                 counted.fetch_add(allocations(|| answer(ROUNDS)), Ordering::Relaxed);
             });
         }
-        let mut end = PlantEnd::new(&services, Rc::clone(&bell), Parent::now()).unwrap();
+        let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
         end.await_ready(robots).unwrap();
         let encoders = vec![Encoders::default(); robots as usize];
         let mut commands = vec![TorqueCommand::default(); robots as usize];
@@ -124,7 +125,7 @@ fn the_bus_allocates_one_block_a_sample() {
         };
         rounds(WARM);
         counted.fetch_add(allocations(|| rounds(ROUNDS)), Ordering::Relaxed);
-        bell.advance(Stage::Over);
+        wake_page.advance(Stage::Over);
     });
     drop(kept);
     place.remove().unwrap();

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use slipstream_bus::{ModelError, RobotModel};
+use slipstream_bus::{InputError, RobotModel};
 use slipstream_sim::{Command as Told, CommandKind, Robot as Plant, State};
 
 use crate::check::unwrap;
@@ -57,7 +57,7 @@ pub enum CompareError {
         /// The robot.
         robot: String,
         /// What is wrong with its model.
-        source: ModelError,
+        source: InputError,
     },
     /// Nothing drives a simulation.
     #[error(

@@ -70,14 +70,14 @@ pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusabl
 }
 
 /// What the model's own judgement says, at the line of the key that it names.
-fn at_its_line(root: &Section<'_>, error: &slipstream_bus::ModelError) -> Unusable {
-    let entry = error.key.split_once('.').and_then(|(table, key)| {
+fn at_its_line(root: &Section<'_>, error: &slipstream_bus::InputError) -> Unusable {
+    let entry = error.place.split_once('.').and_then(|(table, key)| {
         let section = root.section(table).ok()??;
         section.get(key)
     });
     match entry {
         Some(entry) => entry.error(&error.problem, &error.remedy),
-        None => root.error(format!("{} {}", error.key, error.problem), &error.remedy),
+        None => root.error(format!("{} {}", error.place, error.problem), &error.remedy),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::trace::{self, Traced, TracedError, Value};
+use slipstream_bus::trace::{self, TraceError, TraceRecord, Value};
 use slipstream_recording::{Result, Unusable, read_trace};
 
 use crate::answer::Names;
@@ -47,10 +47,8 @@ pub fn read(path: &Path) -> Result<Reading> {
     })?;
     if let Some(why) = refused {
         let remedy = match why {
-            TracedError::OtherFormat => {
-                "record it again, or read it with the version that wrote it"
-            }
-            TracedError::Damaged => "record it again",
+            TraceError::OtherFormat => "record it again, or read it with the version that wrote it",
+            TraceError::Damaged => "record it again",
         };
         return Err(Unusable::new(path, why.to_string(), remedy).into());
     }
@@ -73,7 +71,7 @@ pub fn read(path: &Path) -> Result<Reading> {
     })
 }
 
-fn take(log: &mut Log, record: &Traced<'_>, robots: &[String]) {
+fn take(log: &mut Log, record: &TraceRecord<'_>, robots: &[String]) {
     let robot_of = |process: &str| {
         let place = robots.iter().position(|robot| robot == process)?;
         RobotIndex::try_from(place).ok()

@@ -2,7 +2,7 @@
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
-use slipstream_bus::trace::{Traced, Value};
+use slipstream_bus::trace::{TraceRecord, Value};
 
 /// One step of a position's way, or a loop's deadline. Times in ns of the run's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,7 +135,10 @@ impl Loop {
 impl Step {
     /// What a record says; `None` where it is about something else. `robot_of` finds a robot by the
     /// name of its process.
-    pub fn of(record: &Traced<'_>, robot_of: impl Fn(&str) -> Option<RobotIndex>) -> Option<Self> {
+    pub fn of(
+        record: &TraceRecord<'_>,
+        robot_of: impl Fn(&str) -> Option<RobotIndex>,
+    ) -> Option<Self> {
         let int = |name: &str| record.int(name);
         let number = |name: &str| u32::try_from(int(name)?).ok();
         let begin_ns = record.begin_ns;

@@ -5,13 +5,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use iceoryx2::prelude::*;
-use slipstream_bus::bell::Bell;
 use slipstream_bus::message::Position;
-use slipstream_bus::place::Place;
-use slipstream_bus::role::Joined;
-use slipstream_bus::services::Services;
-use slipstream_bus::shared::{AgentEnd, Parent};
-use slipstream_bus::transport::Mail;
+use slipstream_bus::transport::PositionLink;
+use slipstream_ipc::WirePosition;
+use slipstream_ipc::endpoints::{AgentEnd, Parent};
+use slipstream_ipc::join::JoinedRun;
+use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::services::Services;
+use slipstream_ipc::wake_page::WakePage;
 use slipstream_launch::{Request, resolve};
 
 use crate::myself;
@@ -71,7 +72,7 @@ pub(crate) fn echo(way: &str, path: &Path) {
 
 /// Sixty-four bytes in a page that both have mapped, polled.
 struct Raw {
-    bell: Bell,
+    wake_page: WakePage,
     side: usize,
     sent: u64,
     seen: u64,
@@ -79,10 +80,10 @@ struct Raw {
 
 impl Raw {
     fn new(page: &Path, side: usize) -> Self {
-        let bell = Bell::open(page).unwrap();
-        bell.ready();
+        let wake_page = WakePage::open(page).unwrap();
+        wake_page.signal_ready();
         Self {
-            bell,
+            wake_page,
             side,
             sent: 0,
             seen: 0,
@@ -93,13 +94,13 @@ impl Raw {
 impl Way for Raw {
     fn send(&mut self, k: u32) {
         self.sent += 1;
-        self.bell
-            .leave_notes(self.side, [self.sent, u64::from(k), 0, 0, 0, 0]);
+        self.wake_page
+            .store_checkpoint(self.side, [self.sent, u64::from(k), 0, 0, 0, 0]);
     }
 
     fn receive(&mut self) -> u32 {
         loop {
-            if let Some([number, k, ..]) = self.bell.notes(1 - self.side)
+            if let Some([number, k, ..]) = self.wake_page.checkpoint(1 - self.side)
                 && number > self.seen
             {
                 self.seen = number;
@@ -112,19 +113,19 @@ impl Way for Raw {
 
 fn raw() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
-    let page = folder.path().join("bell");
-    let bell = Bell::create(&page, 2).unwrap();
+    let page = folder.path().join("wake_page");
+    let wake_page = WakePage::create(&page, 2).unwrap();
     let mut child = myself(&["echo", "raw", page.to_str().unwrap()]);
     let mut way = Raw::new(&page, 0);
-    while !bell.wait_ready(2, std::time::Duration::from_secs(10)) {}
+    while !wake_page.wait_ready(2, std::time::Duration::from_secs(10)) {}
     table("raw shared memory, polled", &mut way);
     child.wait().unwrap();
 }
 
 /// iceoryx2 as it comes, polled.
 struct Iceoryx {
-    publisher: iceoryx2::port::publisher::Publisher<ipc::Service, Position, ()>,
-    subscriber: iceoryx2::port::subscriber::Subscriber<ipc::Service, Position, ()>,
+    publisher: iceoryx2::port::publisher::Publisher<ipc::Service, WirePosition, ()>,
+    subscriber: iceoryx2::port::subscriber::Subscriber<ipc::Service, WirePosition, ()>,
     _node: Node<ipc::Service>,
 }
 
@@ -140,7 +141,7 @@ impl Iceoryx {
             .unwrap();
         let service = |name: &str| {
             node.service_builder(&name.try_into().unwrap())
-                .publish_subscribe::<Position>()
+                .publish_subscribe::<WirePosition>()
                 .open_or_create()
                 .unwrap()
         };
@@ -160,13 +161,13 @@ impl Way for Iceoryx {
             seq: k,
             ..Position::default()
         };
-        while self.publisher.send_copy(position).unwrap() == 0 {}
+        while self.publisher.send_copy(position.into()).unwrap() == 0 {}
     }
 
     fn receive(&mut self) -> u32 {
         loop {
             if let Some(sample) = self.subscriber.receive().unwrap() {
-                return sample.seq;
+                return Position::from(*sample.payload()).seq;
             }
             std::hint::spin_loop();
         }
@@ -193,16 +194,16 @@ fn iceoryx() {
 /// The links of a run of two robots.
 struct Ours {
     end: AgentEnd,
-    _joined: Joined,
+    _joined: JoinedRun,
 }
 
 impl Ours {
     fn new(folder: &Path, robot: u32) -> Self {
-        let joined = Joined::new(folder).unwrap();
+        let joined = JoinedRun::new(folder).unwrap();
         let services = joined.services("agent").unwrap();
-        let bell = std::rc::Rc::clone(&joined.bell);
-        let end = AgentEnd::new(&services, bell, Parent::now(), robot).unwrap();
-        joined.bell.ready();
+        let wake_page = std::rc::Rc::clone(&joined.wake_page);
+        let end = AgentEnd::new(&services, wake_page, Parent::now(), robot).unwrap();
+        joined.wake_page.signal_ready();
         Self {
             end,
             _joined: joined,
@@ -236,19 +237,19 @@ fn ours() {
         ..Request::default()
     };
     let experiment = resolve(&request).unwrap().experiment;
-    let (place, _alive) = Place::create(0xbe0c_1000).unwrap();
+    let (place, _alive) = RunDirectory::create(0xbe0c_1000).unwrap();
     std::fs::write(
         place.experiment(),
         postcard::to_allocvec(&experiment).unwrap(),
     )
     .unwrap();
-    let bell = Bell::create(&place.bell(), 2).unwrap();
+    let wake_page = WakePage::create(&place.wake_page(), 2).unwrap();
     let services = Services::join(&place, &experiment, "plant").unwrap();
     let _kept = services.create_all().unwrap();
-    bell.advance(slipstream_bus::bell::Stage::Services);
+    wake_page.advance(slipstream_ipc::wake_page::Stage::Services);
     let mut child = myself(&["echo", "ours", place.folder().to_str().unwrap()]);
     let mut way = Ours::new(place.folder(), 0);
-    while !bell.wait_ready(2, std::time::Duration::from_secs(10)) {}
+    while !wake_page.wait_ready(2, std::time::Duration::from_secs(10)) {}
     table("ours, polled", &mut way);
     child.wait().unwrap();
     place.remove().unwrap();

@@ -4,19 +4,19 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use slipstream_bus::bell::{Bell, Stage};
 use slipstream_bus::message::{Encoders, TorqueCommand};
-use slipstream_bus::place::Place;
-use slipstream_bus::role::Joined;
-use slipstream_bus::services::Services;
-use slipstream_bus::shared::{AgentEnd, Parent, PlantEnd};
-use slipstream_bus::transport::Rounds;
+use slipstream_bus::transport::LockstepLink;
+use slipstream_ipc::endpoints::{AgentEnd, Parent, PlantEnd};
+use slipstream_ipc::join::JoinedRun;
+use slipstream_ipc::run_directory::RunDirectory;
+use slipstream_ipc::services::Services;
+use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_launch::{Request, resolve};
 
 use crate::{best, myself};
 
 const ROUNDS: u32 = 600;
-const PATIENCE: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The table.
 pub(crate) fn measure() {
@@ -46,24 +46,27 @@ fn series(robots: u32, mut round: impl FnMut()) -> f64 {
 
 fn raw(robots: u32) -> f64 {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
-    let page = folder.path().join("bell");
-    let bell = Bell::create(&page, robots as usize).unwrap();
+    let page = folder.path().join("wake_page");
+    let wake_page = WakePage::create(&page, robots as usize).unwrap();
     let page = page.to_str().unwrap();
     let agents: Vec<_> = (0..robots)
         .map(|robot| myself(&["raw-agent", page, &robot.to_string()]))
         .collect();
-    while !bell.wait_ready(robots, PATIENCE) {}
+    while !wake_page.wait_ready(robots, TIMEOUT) {}
     let mut epoch = 0;
     let time = series(robots, || {
         epoch += 1;
-        bell.tell(i64::from(epoch), 0.0, 0.0);
-        bell.ring(epoch);
-        while !bell.wait_answers(PATIENCE) {}
+        wake_page.publish_progress(i64::from(epoch), 0.0, 0.0);
+        wake_page.begin_round(epoch);
+        while !wake_page.wait_answers(TIMEOUT) {}
         for robot in 0..robots {
-            assert_eq!(bell.notes(robot as usize).unwrap()[0], u64::from(epoch));
+            assert_eq!(
+                wake_page.checkpoint(robot as usize).unwrap()[0],
+                u64::from(epoch)
+            );
         }
     });
-    bell.advance(Stage::Over);
+    wake_page.advance(Stage::Over);
     agents
         .into_iter()
         .for_each(|mut agent| assert!(agent.wait().unwrap().success()));
@@ -73,15 +76,15 @@ fn raw(robots: u32) -> f64 {
 /// Answers with a copy of the data.
 pub(crate) fn raw_agent(page: &Path, robot: &str) {
     let robot: usize = robot.parse().unwrap();
-    let bell = Bell::open(page).unwrap();
-    bell.ready();
+    let wake_page = WakePage::open(page).unwrap();
+    wake_page.signal_ready();
     let mut last = 0;
-    while bell.stage() < Stage::Over {
-        if let Some(epoch) = bell.wait_round(last, PATIENCE) {
+    while wake_page.stage() < Stage::Over {
+        if let Some(epoch) = wake_page.wait_round(last, TIMEOUT) {
             last = epoch;
-            let data = bell.told().0.cast_unsigned();
-            bell.leave_notes(robot, [data, 0, 0, 0, 0, 0]);
-            bell.answer(robot, epoch);
+            let data = wake_page.progress().0.cast_unsigned();
+            wake_page.store_checkpoint(robot, [data, 0, 0, 0, 0, 0]);
+            wake_page.answer(robot, epoch);
         }
     }
 }
@@ -92,27 +95,27 @@ fn ours(robots: u32) -> f64 {
         ..Request::default()
     };
     let experiment = resolve(&request).unwrap().experiment;
-    let (place, _alive) = Place::create(0xbe0c_0000 + robots).unwrap();
+    let (place, _alive) = RunDirectory::create(0xbe0c_0000 + robots).unwrap();
     std::fs::write(
         place.experiment(),
         postcard::to_allocvec(&experiment).unwrap(),
     )
     .unwrap();
-    let bell = Rc::new(Bell::create(&place.bell(), robots as usize).unwrap());
+    let wake_page = Rc::new(WakePage::create(&place.wake_page(), robots as usize).unwrap());
     let folder = place.folder().to_str().unwrap();
     let agents: Vec<_> = (0..robots)
         .map(|robot| myself(&["bus-agent", folder, &robot.to_string()]))
         .collect();
     let services = Services::join(&place, &experiment, "plant").unwrap();
     let kept = services.create_all().unwrap();
-    bell.advance(Stage::Services);
-    let mut end = PlantEnd::new(&services, Rc::clone(&bell), Parent::now()).unwrap();
+    wake_page.advance(Stage::Services);
+    let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
     end.await_ready(robots).unwrap();
     drop(kept);
     let encoders = vec![Encoders::default(); robots as usize];
     let mut commands = vec![TorqueCommand::default(); robots as usize];
     let time = series(robots, || end.round(0, &encoders, &mut commands).unwrap());
-    bell.advance(Stage::Over);
+    wake_page.advance(Stage::Over);
     agents
         .into_iter()
         .for_each(|mut agent| assert!(agent.wait().unwrap().success()));
@@ -123,10 +126,16 @@ fn ours(robots: u32) -> f64 {
 /// Answers without a controller.
 pub(crate) fn bus_agent(folder: &Path, robot: &str) {
     let robot: u32 = robot.parse().unwrap();
-    let joined = Joined::new(folder).unwrap();
+    let joined = JoinedRun::new(folder).unwrap();
     let services = joined.services("agent").unwrap();
-    let mut end = AgentEnd::new(&services, Rc::clone(&joined.bell), joined.parent, robot).unwrap();
-    joined.bell.ready();
+    let mut end = AgentEnd::new(
+        &services,
+        Rc::clone(&joined.wake_page),
+        joined.parent,
+        robot,
+    )
+    .unwrap();
+    joined.wake_page.signal_ready();
     while end.next_round().unwrap().is_some() {
         end.answer(TorqueCommand {
             robot,

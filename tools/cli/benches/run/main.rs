@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use slipstream_bus::clock::{Deadlines, Monotonic, RealTime, WallClock};
+use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
 use slipstream_launch::{Request, in_process, resolve};
 
 fn main() {
@@ -129,7 +129,7 @@ fn deadlines() {
     println!("agents {missed:6}");
     // In a thread of its own, which alone becomes a real-time one.
     let (deadlines, fifo) = std::thread::spawn(move || {
-        let fifo = RealTime::ask(30).fifo;
+        let fifo = RealTime::request(30).fifo;
         let clock = WallClock::new(Monotonic::now());
         let mut deadlines = Deadlines::default();
         for due_ns in (1..=SECONDS * 1000).map(|k| k * 1_000_000) {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeVal;
-use slipstream_bus::trace::{self, EnvFilter};
+use slipstream_ipc::trace::{self, EnvFilter};
 
 use crate::{best, number, run};
 
@@ -106,7 +106,7 @@ fn a_record() -> [f64; 3] {
             let begin = Instant::now();
             for i in 0..RECORDS {
                 tell(i);
-                trace::drain_long(|_, piece| bytes += piece.len());
+                trace::drain_if_long(|_, piece| bytes += piece.len());
             }
             begin.elapsed().as_secs_f64() * 1e9 / f64::from(RECORDS)
         })

@@ -13,7 +13,7 @@ const ACCELERATION: &str = "section 3";
 
 /// The limit and the acceleration as printed, and with what Eq. 6 leaves out.
 pub(super) fn rows(experiment: &Experiment) -> Result<Vec<Row>, StudyError> {
-    let geometry = Geometry::new(&experiment.robots[0].model).map_err(RunError::Model)?;
+    let geometry = Geometry::new(&experiment.robots[0].model).map_err(RunError::Input)?;
     let Some(dynamics) = geometry.dynamics else {
         return Ok(Vec::new());
     };

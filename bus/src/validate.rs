@@ -1,11 +1,8 @@
 //! Judges the keys of an experiment: the first value that no run can have, with its remedy.
 
+use crate::error::InputError;
 use crate::experiment::{Clock, Distribution, Law, OnDeath, Settings, TorqueLimit};
-use crate::model::ModelError;
 use crate::time::ns_from_s;
-
-/// Why an experiment cannot be run: the key, what is wrong with it and what to do.
-pub type SettingError = ModelError;
 
 /// Robots that one run can have: the done counter of the barrier has 16 bits.
 const MOST_ROBOTS: u32 = 10_000;
@@ -15,7 +12,7 @@ impl Settings {
     ///
     /// # Errors
     /// The first key whose value no run can have.
-    pub fn validate(&self) -> Result<(), SettingError> {
+    pub fn validate(&self) -> Result<(), InputError> {
         let Self {
             control,
             links,
@@ -87,7 +84,7 @@ impl Settings {
         self.validate_links()
     }
 
-    fn validate_profile(&self) -> Result<(), SettingError> {
+    fn validate_profile(&self) -> Result<(), InputError> {
         let profile = &self.profile;
         let points = profile.times_s.len();
         if profile.speeds_m_s.len() != points || profile.yaw_rates_rad_s.len() != points {
@@ -110,7 +107,7 @@ impl Settings {
         Ok(())
     }
 
-    fn validate_links(&self) -> Result<(), SettingError> {
+    fn validate_links(&self) -> Result<(), InputError> {
         let links = &self.links;
         if !(0.0..1.0).contains(&links.loss) {
             let problem = format!("is {}", links.loss);
@@ -142,18 +139,18 @@ fn wrong<T>(
     key: &str,
     problem: impl Into<String>,
     remedy: impl Into<String>,
-) -> Result<T, SettingError> {
-    Err(SettingError::new(key, problem, remedy))
+) -> Result<T, InputError> {
+    Err(InputError::new(key, problem, remedy))
 }
 
-fn finite(key: &str, value: f64) -> Result<(), SettingError> {
+fn finite(key: &str, value: f64) -> Result<(), InputError> {
     if value.is_finite() {
         return Ok(());
     }
     wrong(key, format!("is {value}"), "give a finite number")
 }
 
-fn not_negative(key: &str, value: f64) -> Result<(), SettingError> {
+fn not_negative(key: &str, value: f64) -> Result<(), InputError> {
     finite(key, value)?;
     if value >= 0.0 {
         return Ok(());
@@ -161,7 +158,7 @@ fn not_negative(key: &str, value: f64) -> Result<(), SettingError> {
     wrong(key, format!("is {value}"), "give 0 or more")
 }
 
-fn positive(key: &str, value: f64) -> Result<(), SettingError> {
+fn positive(key: &str, value: f64) -> Result<(), InputError> {
     not_negative(key, value)?;
     if value > 0.0 {
         return Ok(());
@@ -169,7 +166,7 @@ fn positive(key: &str, value: f64) -> Result<(), SettingError> {
     wrong(key, "is 0", "give a number above 0")
 }
 
-fn period(key: &str, value: f64) -> Result<(), SettingError> {
+fn period(key: &str, value: f64) -> Result<(), InputError> {
     positive(key, value)?;
     if (10_000..=10_000_000_000).contains(&ns_from_s(value)) {
         return Ok(());
@@ -208,7 +205,7 @@ mod tests {
         for (key, spoil) in cases {
             let mut settings = Settings::default();
             spoil(&mut settings);
-            assert_eq!(settings.validate().unwrap_err().key, key);
+            assert_eq!(settings.validate().unwrap_err().place, key);
         }
     }
 }

@@ -5,6 +5,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::error::InputError;
+
 /// The model of one robot. The default is the robot of Konduri, Torres and Pagilla (section 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -83,33 +85,6 @@ pub enum Parameter {
     Text(String),
 }
 
-/// Why a model cannot be that of a robot: the key, what is wrong with it and what to do.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{key}: {problem}; {remedy}")]
-pub struct ModelError {
-    /// The key as the file spells it, such as `robot.wheel_mass_kg`.
-    pub key: String,
-    /// What is wrong.
-    pub problem: String,
-    /// What to do about it.
-    pub remedy: String,
-}
-
-impl ModelError {
-    /// An error at `key`.
-    pub fn new(
-        key: impl Into<String>,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self {
-            key: key.into(),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
-
 impl EffectSpec {
     /// An effect with numbers for parameters.
     pub fn new(effect: &str, parameters: &[(&str, f64)]) -> Self {
@@ -172,7 +147,7 @@ impl RobotModel {
     /// # Errors
     /// The first value that is not finite or that no robot can have. Effects are judged by the
     /// simulator, which knows their bounds.
-    pub fn validate(&self) -> Result<(), ModelError> {
+    pub fn validate(&self) -> Result<(), InputError> {
         let Body {
             body_mass_kg,
             body_yaw_inertia_kg_m2,
@@ -208,7 +183,7 @@ impl RobotModel {
             .as_ref()
             .is_some_and(|encoder| encoder.counts_per_rev == 0)
         {
-            return Err(ModelError::new(
+            return Err(InputError::new(
                 "encoder.counts_per_rev",
                 "is 0",
                 "give the counts in one turn of the wheel",
@@ -220,16 +195,16 @@ impl RobotModel {
 
 /// Eq. 6 needs the caster ahead of the axle and c between the two, else a wheel or the caster
 /// would pull at the floor.
-fn caster_ahead(d: f64, e: f64) -> Result<(), ModelError> {
+fn caster_ahead(d: f64, e: f64) -> Result<(), InputError> {
     if d < 0.0 {
-        return Err(ModelError::new(
+        return Err(InputError::new(
             "robot.com_to_axle_m",
             format!("is {d}: the axle lies ahead of the centre of mass"),
             "give a distance of 0 or more, measured backwards from the centre of mass",
         ));
     }
     if e < 0.0 || d + e <= 0.0 {
-        return Err(ModelError::new(
+        return Err(InputError::new(
             "robot.com_to_caster_m",
             format!("is {e}: the caster lies behind the centre of mass or on the axle"),
             "give the distance measured forwards from the centre of mass",
@@ -238,9 +213,9 @@ fn caster_ahead(d: f64, e: f64) -> Result<(), ModelError> {
     Ok(())
 }
 
-fn finite(key: &str, value: Option<f64>) -> Result<(), ModelError> {
+fn finite(key: &str, value: Option<f64>) -> Result<(), InputError> {
     match value {
-        Some(value) if !value.is_finite() => Err(ModelError::new(
+        Some(value) if !value.is_finite() => Err(InputError::new(
             key,
             format!("is {value}"),
             "give a finite number",
@@ -249,10 +224,10 @@ fn finite(key: &str, value: Option<f64>) -> Result<(), ModelError> {
     }
 }
 
-fn not_negative(key: &str, value: Option<f64>) -> Result<(), ModelError> {
+fn not_negative(key: &str, value: Option<f64>) -> Result<(), InputError> {
     finite(key, value)?;
     match value {
-        Some(value) if value < 0.0 => Err(ModelError::new(
+        Some(value) if value < 0.0 => Err(InputError::new(
             key,
             format!("is {value}"),
             "give 0 or more",
@@ -261,10 +236,10 @@ fn not_negative(key: &str, value: Option<f64>) -> Result<(), ModelError> {
     }
 }
 
-fn positive(key: &str, value: Option<f64>) -> Result<(), ModelError> {
+fn positive(key: &str, value: Option<f64>) -> Result<(), InputError> {
     not_negative(key, value)?;
     match value {
-        Some(0.0) => Err(ModelError::new(key, "is 0", "give a number above 0")),
+        Some(0.0) => Err(InputError::new(key, "is 0", "give a number above 0")),
         _ => Ok(()),
     }
 }
@@ -302,7 +277,7 @@ mod tests {
         for (key, spoil) in cases {
             let mut model = RobotModel::default();
             spoil(&mut model);
-            assert_eq!(model.validate().unwrap_err().key, key);
+            assert_eq!(model.validate().unwrap_err().place, key);
         }
     }
 }

@@ -7,18 +7,18 @@
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use crate::bell::Bell;
+use crate::wake_page::WakePage;
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Record, Recorder};
 use crate::services::{RecordPublisher, RecordSubscriber, Services};
 use crate::trace;
-use crate::transport::BusError;
+use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::transport::BusError;
 
 /// Wall time after which a chunk goes out even when it is not full.
 pub const PERIOD: Duration = Duration::from_millis(100);
 /// How long a source in lockstep waits for a recorder that does not keep up.
-const PATIENCE: Duration = Duration::from_secs(2);
+const TIMEOUT: Duration = Duration::from_secs(2);
 /// Bytes of the source's number.
 const HEADER: usize = 4;
 /// No record takes more bytes: sixteen varint-encoded times and numbers of ten bytes at most.
@@ -42,7 +42,7 @@ pub enum Entry<'a> {
 #[derive(Debug)]
 pub struct RecordSender {
     publisher: Option<RecordPublisher>,
-    bell: Rc<Bell>,
+    wake_page: Rc<WakePage>,
     chunk: Vec<u8>,
     used: usize,
     in_chunk: u64,
@@ -59,7 +59,7 @@ impl RecordSender {
     /// When the port cannot be made.
     pub fn new(
         services: &Services,
-        bell: Rc<Bell>,
+        wake_page: Rc<WakePage>,
         source: u32,
         chunk: usize,
         recording: bool,
@@ -71,7 +71,7 @@ impl RecordSender {
         bytes[..HEADER].copy_from_slice(&source.to_le_bytes());
         Ok(Self {
             publisher,
-            bell,
+            wake_page,
             chunk: bytes,
             used: HEADER,
             in_chunk: 0,
@@ -82,9 +82,9 @@ impl RecordSender {
     }
 
     /// Sends what has waited long enough. To be called once a round.
-    pub fn breathe(&mut self) {
-        trace::drain_long(|t_ns, bytes| self.trace(t_ns, bytes));
-        if (self.in_chunk > 0 || trace::waiting() > 0) && self.sent.elapsed() >= PERIOD {
+    pub fn flush_if_due(&mut self) {
+        trace::drain_if_long(|t_ns, bytes| self.trace(t_ns, bytes));
+        if (self.in_chunk > 0 || trace::buffered_bytes() > 0) && self.sent.elapsed() >= PERIOD {
             self.flush();
         }
     }
@@ -136,8 +136,8 @@ impl RecordSender {
                 .map(|sample| sample.send());
             match sent {
                 Ok(Ok(1..)) => return true,
-                Ok(Ok(0)) | Err(_) if self.waits && !self.bell.recorder_gone() => {
-                    if begin.elapsed() > PATIENCE {
+                Ok(Ok(0)) | Err(_) if self.waits && !self.wake_page.recorder_gone() => {
+                    if begin.elapsed() > TIMEOUT {
                         return false;
                     }
                     std::thread::sleep(Duration::from_micros(200));
@@ -153,12 +153,12 @@ impl Recorder for RecordSender {
         if self.publisher.is_none() {
             return;
         }
-        trace::tell(record);
+        trace::trace_applied(record);
         // Of an inner tick the recording keeps the trace alone.
         if !matches!(record, Record::Inner(_)) {
             self.put(&Entry::Record(*record), LARGEST);
         }
-        trace::drain_long(|t_ns, bytes| self.trace(t_ns, bytes));
+        trace::drain_if_long(|t_ns, bytes| self.trace(t_ns, bytes));
     }
 
     fn trace(&mut self, t_ns: i64, bytes: &[u8]) {

@@ -1,7 +1,7 @@
 //! Where a run keeps its shared files: names of its own, and a lock that says whether it lives.
 //!
 //! Everything of a run begins with `/dev/shm/slipstream-<identity>`: a folder with the description,
-//! the bell page and iceoryx2's own files, and beside it iceoryx2's shared memory. Every process of
+//! the wake_page page and iceoryx2's own files, and beside it iceoryx2's shared memory. Every process of
 //! the run holds a shared lock in the folder until it ends, whatever ends it.
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
@@ -18,13 +18,13 @@ const BEGINNING: &str = "slipstream-";
 
 /// The place of one run.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct RunDirectory {
     folder: PathBuf,
 }
 
 /// Held by every process of a run while it lives.
 #[derive(Debug)]
-pub struct Alive {
+pub struct RunLock {
     _file: File,
 }
 
@@ -37,12 +37,12 @@ pub struct Leftover {
     pub foreign: bool,
 }
 
-impl Place {
+impl RunDirectory {
     /// Makes the place of a new run.
     ///
     /// # Errors
     /// When the system does not let it be made.
-    pub fn create(identity: u32) -> io::Result<(Self, Alive)> {
+    pub fn create(identity: u32) -> io::Result<(Self, RunLock)> {
         let name = format!("{BEGINNING}{identity:08x}");
         // Made under another name, so that nobody sees it without its lock.
         let making = Path::new(SHARED_MEMORY).join(format!("making-{name}"));
@@ -61,14 +61,14 @@ impl Place {
     ///
     /// # Errors
     /// When there is no such run.
-    pub fn join(folder: &Path) -> io::Result<(Self, Alive)> {
+    pub fn join(folder: &Path) -> io::Result<(Self, RunLock)> {
         let alive = File::open(folder.join("alive"))?;
         flock(&alive, FlockOperation::NonBlockingLockShared)?;
         Ok((
             Self {
                 folder: folder.to_owned(),
             },
-            Alive { _file: alive },
+            RunLock { _file: alive },
         ))
     }
 
@@ -82,9 +82,9 @@ impl Place {
         self.folder.join("experiment")
     }
 
-    /// The bell page.
-    pub fn bell(&self) -> PathBuf {
-        self.folder.join("bell")
+    /// The wake_page page.
+    pub fn wake_page(&self) -> PathBuf {
+        self.folder.join("wake_page")
     }
 
     /// What every shared-memory segment of the run begins with.
@@ -110,12 +110,12 @@ impl Place {
 }
 
 /// Creates the lock of a new run and takes it.
-fn lock_in(folder: &Path) -> io::Result<Alive> {
+fn lock_in(folder: &Path) -> io::Result<RunLock> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true).mode(0o600);
     let file = options.open(folder.join("alive"))?;
     flock(&file, FlockOperation::NonBlockingLockShared)?;
-    Ok(Alive { _file: file })
+    Ok(RunLock { _file: file })
 }
 
 /// What dead runs left behind.
@@ -207,10 +207,10 @@ mod tests {
     #[test]
     fn a_run_is_left_over_when_its_last_process_is_gone() {
         let identity = 0xf000_0000 | std::process::id();
-        let (place, alive) = Place::create(identity).unwrap();
+        let (place, alive) = RunDirectory::create(identity).unwrap();
         let segment = Path::new(SHARED_MEMORY).join(format!("{}data", place.prefix()));
         fs::write(&segment, "x").unwrap();
-        let (_, second) = Place::join(place.folder()).unwrap();
+        let (_, second) = RunDirectory::join(place.folder()).unwrap();
         drop(alive);
         assert!(
             !leftovers().unwrap().iter().any(named(identity)),

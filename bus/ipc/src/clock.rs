@@ -10,7 +10,7 @@ use thread_priority::{
     set_thread_priority_and_policy, thread_native_id,
 };
 
-use crate::time::NS_PER_S;
+use slipstream_bus::time::NS_PER_S;
 
 /// A point on the system's monotonic clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,7 +45,7 @@ impl Monotonic {
 
     /// The point so much later (ns).
     #[must_use]
-    pub fn later(self, ns: i64) -> Self {
+    pub fn plus_ns(self, ns: i64) -> Self {
         Self { ns: self.ns + ns }
     }
 }
@@ -148,7 +148,7 @@ impl RealTime {
     }
 
     /// Asks for all that helps this thread to be punctual.
-    pub fn ask(priority: u8) -> Self {
+    pub fn request(priority: u8) -> Self {
         let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
         let fifo = ThreadPriority::Crossplatform(match priority.try_into() {
             Ok(priority) => priority,

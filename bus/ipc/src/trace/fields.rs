@@ -1,22 +1,23 @@
-//! The fields of a span or an event, encoded as they are told.
+//! Encoder for the fields of a span or an event.
 
 use std::borrow::Cow;
 use std::fmt::{Debug, Write as _};
 
 use tracing::field::{Field, Visit};
 
-use super::piece::{INT, Value};
+use slipstream_bus::trace::{INT_TAG, Value};
+
 use super::varint;
 
-/// No text in a record is longer (bytes).
-pub(super) const LONGEST: usize = 512;
+/// Longer texts are cut (bytes).
+pub(super) const MAX_TEXT: usize = 512;
 
 /// Fields, encoded one after the other.
 #[derive(Debug, Default)]
 pub(super) struct Fields {
     pub(super) bytes: Vec<u8>,
     pub(super) count: u32,
-    /// The field of that name: when an event happened.
+    /// Value of the field `t_ns`: when the event happened (ns).
     pub(super) t_ns: Option<i64>,
     text: String,
 }
@@ -34,10 +35,10 @@ impl Fields {
         self.count += 1;
     }
 
-    /// As `put` of a [`Value::Int`], which most are.
+    /// Like `put` for a [`Value::Int`], the most common case.
     fn put_int(&mut self, field: &Field, value: i64) {
         varint::unsigned(field.index() as u64, &mut self.bytes);
-        self.bytes.push(INT);
+        self.bytes.push(INT_TAG);
         varint::signed(value, &mut self.bytes);
         self.count += 1;
     }
@@ -64,7 +65,7 @@ impl Visit for Fields {
     }
 
     fn record_str(&mut self, field: &Field, value: &str) {
-        let value = &value[..value.floor_char_boundary(LONGEST)];
+        let value = &value[..value.floor_char_boundary(MAX_TEXT)];
         self.put(field, &Value::Text(Cow::Borrowed(value)));
     }
 

@@ -1,4 +1,4 @@
-//! The bell page: a shared mapping through which the processes of a run wake each other.
+//! The wake_page page: a shared mapping through which the processes of a run wake each other.
 //!
 //! Data goes through pub-sub; this page holds only who waits for what. In lockstep the plant raises
 //! the epoch, which wakes all agents with one call; each answers with that epoch, and only the last
@@ -65,24 +65,24 @@ struct Head {
 struct Slot {
     /// The last epoch that it answered.
     answered: AtomicU32,
-    /// Counts the writes of the notes below; odd while one is under way.
+    /// Counts the writes of the checkpoint below; odd while one is under way.
     version: AtomicU32,
     /// How often the agent has died.
     deaths: AtomicU32,
-    notes: [AtomicU64; NOTES],
+    checkpoint: [AtomicU64; CHECKPOINT_WORDS],
 }
 
 /// Words that an agent can leave for its successor.
-pub const NOTES: usize = 6;
+pub const CHECKPOINT_WORDS: usize = 6;
 
 /// The page of a run, mapped.
 #[derive(Debug)]
-pub struct Bell {
+pub struct WakePage {
     map: MmapRaw,
     robots: usize,
 }
 
-impl Bell {
+impl WakePage {
     /// Creates the page of a run of `robots` robots as a new file.
     ///
     /// # Errors
@@ -95,11 +95,11 @@ impl Bell {
             .mode(0o600)
             .open(path)?;
         file.set_len(size(robots) as u64)?;
-        let bell = Self::map(&file, robots)?;
+        let wake_page = Self::map(&file, robots)?;
         let robots = u32::try_from(robots).map_err(io::Error::other)?;
-        bell.head().robots.store(robots, Ordering::Relaxed);
-        bell.head().magic.store(MAGIC, Ordering::Release);
-        Ok(bell)
+        wake_page.head().robots.store(robots, Ordering::Relaxed);
+        wake_page.head().magic.store(MAGIC, Ordering::Release);
+        Ok(wake_page)
     }
 
     /// Opens the page of a run.
@@ -108,20 +108,20 @@ impl Bell {
     /// When the file is no page of this build.
     pub fn open(path: &Path) -> io::Result<Self> {
         let file = OpenOptions::new().read(true).write(true).open(path)?;
-        let bell = Self::map(&file, 0)?;
-        let head = bell.head();
+        let wake_page = Self::map(&file, 0)?;
+        let head = wake_page.head();
         if head.magic.load(Ordering::Acquire) != MAGIC {
-            return Err(io::Error::other("is the bell page of another build"));
+            return Err(io::Error::other("is the wake_page page of another build"));
         }
         let robots = head.robots.load(Ordering::Relaxed) as usize;
-        drop(bell);
+        drop(wake_page);
         Self::map(&file, robots)
     }
 
     fn map(file: &File, robots: usize) -> io::Result<Self> {
         let needed = size(robots);
         if file.metadata()?.len() < needed as u64 {
-            return Err(io::Error::other("is too short for a bell page"));
+            return Err(io::Error::other("is too short for a wake_page page"));
         }
         let map = MmapOptions::new().len(needed).map_raw(file)?;
         Ok(Self { map, robots })
@@ -177,28 +177,28 @@ impl Bell {
         }
     }
 
-    /// Waits until the run has reached `stage`, or `patience` is over. Says whether it has.
-    pub fn wait_stage(&self, stage: Stage, patience: Duration) -> bool {
+    /// Waits until the run has reached `stage`, or `timeout` is over. Says whether it has.
+    pub fn wait_stage(&self, stage: Stage, timeout: Duration) -> bool {
         let word = &self.head().stage.0;
         let now = word.load(Ordering::Acquire);
         if now < stage as u32 {
-            wait(word, now, patience);
+            wait(word, now, timeout);
         }
         word.load(Ordering::Acquire) >= stage as u32
     }
 
     /// One process more is connected.
-    pub fn ready(&self) {
+    pub fn signal_ready(&self) {
         self.head().ready.0.fetch_add(1, Ordering::AcqRel);
         wake_all(&self.head().ready.0);
     }
 
-    /// Waits until `processes` are connected, or `patience` is over. Says whether they are.
-    pub fn wait_ready(&self, processes: u32, patience: Duration) -> bool {
+    /// Waits until `processes` are connected, or `timeout` is over. Says whether they are.
+    pub fn wait_ready(&self, processes: u32, timeout: Duration) -> bool {
         let word = &self.head().ready.0;
         let now = word.load(Ordering::Acquire);
         if now < processes {
-            wait(word, now, patience);
+            wait(word, now, timeout);
         }
         word.load(Ordering::Acquire) >= processes
     }
@@ -215,7 +215,7 @@ impl Bell {
     }
 
     /// Says that nobody takes records any more.
-    pub fn recorder_is_gone(&self) {
+    pub fn set_recorder_gone(&self) {
         self.head().recorder_gone.store(1, Ordering::Release);
     }
 
@@ -225,7 +225,7 @@ impl Bell {
     }
 
     /// Launcher: a robot's agent has died, or the plant.
-    pub fn has_died(&self, robot: Option<usize>) {
+    pub fn count_death(&self, robot: Option<usize>) {
         self.deaths_of(robot).fetch_add(1, Ordering::AcqRel);
     }
 
@@ -242,33 +242,33 @@ impl Bell {
     }
 
     /// Plant: begins round `epoch`, never 0, and wakes all agents.
-    pub fn ring(&self, epoch: u32) {
+    pub fn begin_round(&self, epoch: u32) {
         self.head().done.0.store(0, Ordering::Release);
         self.head().epoch.0.store(epoch, Ordering::Release);
         wake_all(&self.head().epoch.0);
     }
 
-    /// Plant: waits for all answers, or until `patience` is over. Says whether all have come.
-    pub fn wait_answers(&self, patience: Duration) -> bool {
+    /// Plant: waits for all answers, or until `timeout` is over. Says whether all have come.
+    pub fn wait_answers(&self, timeout: Duration) -> bool {
         let all = u32::try_from(self.robots).unwrap_or(u32::MAX);
         let word = &self.head().done.0;
         let now = word.load(Ordering::Acquire);
         if now < all {
-            wait(word, now, patience);
+            wait(word, now, timeout);
         }
         word.load(Ordering::Acquire) >= all
     }
 
     /// Plant: the first robot that has not answered round `epoch`.
-    pub fn silent(&self, epoch: u32) -> Option<usize> {
+    pub fn first_unanswered(&self, epoch: u32) -> Option<usize> {
         (0..self.robots).find(|&i| self.slot(i).answered.load(Ordering::Acquire) != epoch)
     }
 
-    /// Agent: waits for a round other than `last`, or until `patience` is over or the run is over.
-    pub fn wait_round(&self, last: u32, patience: Duration) -> Option<u32> {
+    /// Agent: waits for a round other than `last`, or until `timeout` is over or the run is over.
+    pub fn wait_round(&self, last: u32, timeout: Duration) -> Option<u32> {
         let word = &self.head().epoch.0;
         if word.load(Ordering::Acquire) == last && self.stage() < Stage::Over {
-            wait(word, last, patience);
+            wait(word, last, timeout);
         }
         Some(word.load(Ordering::Acquire)).filter(|&epoch| epoch != last)
     }
@@ -284,7 +284,7 @@ impl Bell {
 
     /// Plant: how far it has come: the time, the front robot's speed (m/s), the largest spacing
     /// error so far (m).
-    pub fn tell(&self, now_ns: i64, speed_m_s: f64, spacing_error_m: f64) {
+    pub fn publish_progress(&self, now_ns: i64, speed_m_s: f64, spacing_error_m: f64) {
         self.head().now_ns.store(now_ns, Ordering::Relaxed);
         self.head()
             .speed_bits
@@ -295,7 +295,7 @@ impl Bell {
     }
 
     /// What the plant told last.
-    pub fn told(&self) -> (i64, f64, f64) {
+    pub fn progress(&self) -> (i64, f64, f64) {
         let head = self.head();
         let float = |word: &AtomicU64| f64::from_bits(word.load(Ordering::Relaxed));
         let now_ns = head.now_ns.load(Ordering::Relaxed);
@@ -312,12 +312,12 @@ impl Bell {
         self.head().start_ns.load(Ordering::Acquire)
     }
 
-    /// Agent: leaves notes for its successor.
-    pub fn leave_notes(&self, robot: usize, notes: [u64; NOTES]) {
+    /// Agent: leaves checkpoint for its successor.
+    pub fn store_checkpoint(&self, robot: usize, checkpoint: [u64; CHECKPOINT_WORDS]) {
         let slot = self.slot(robot);
         let version = slot.version.load(Ordering::Relaxed) | 1;
         slot.version.store(version, Ordering::SeqCst);
-        for (word, note) in slot.notes.iter().zip(notes) {
+        for (word, note) in slot.checkpoint.iter().zip(checkpoint) {
             word.store(note, Ordering::SeqCst);
         }
         slot.version
@@ -325,11 +325,11 @@ impl Bell {
     }
 
     /// Agent: what a predecessor left; `None` when there was none or it died while writing.
-    pub fn notes(&self, robot: usize) -> Option<[u64; NOTES]> {
+    pub fn checkpoint(&self, robot: usize) -> Option<[u64; CHECKPOINT_WORDS]> {
         let slot = self.slot(robot);
         let version = slot.version.load(Ordering::SeqCst);
         let whole = version != 0 && version.is_multiple_of(2);
-        whole.then(|| [0, 1, 2, 3, 4, 5].map(|i: usize| slot.notes[i].load(Ordering::SeqCst)))
+        whole.then(|| [0, 1, 2, 3, 4, 5].map(|i: usize| slot.checkpoint[i].load(Ordering::SeqCst)))
     }
 }
 
@@ -337,11 +337,11 @@ fn size(robots: usize) -> usize {
     size_of::<Head>() + robots * size_of::<Slot>()
 }
 
-/// Sleeps while the word has this value, at most for `patience`. May return early.
-fn wait(word: &AtomicU32, value: u32, patience: Duration) {
+/// Sleeps while the word has this value, at most for `timeout`. May return early.
+fn wait(word: &AtomicU32, value: u32, timeout: Duration) {
     let timeout = Timespec {
-        tv_sec: i64::try_from(patience.as_secs()).unwrap_or(i64::MAX),
-        tv_nsec: i64::from(patience.subsec_nanos()),
+        tv_sec: i64::try_from(timeout.as_secs()).unwrap_or(i64::MAX),
+        tv_nsec: i64::from(timeout.subsec_nanos()),
     };
     // Shared between processes, hence no PRIVATE flag. Whatever ends the wait, callers look again.
     let _ = futex::wait(word, Flags::empty(), value, Some(&timeout));
@@ -359,16 +359,16 @@ mod tests {
     #[test]
     fn rounds_go_back_and_forth_between_two_mappings() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("bell");
-        let plant = Bell::create(&path, 2).unwrap();
-        let patience = Duration::from_secs(10);
+        let path = folder.path().join("wake_page");
+        let plant = WakePage::create(&path, 2).unwrap();
+        let timeout = Duration::from_secs(10);
         std::thread::scope(|scope| {
             for robot in 0..2 {
-                let agent = Bell::open(&path).unwrap();
+                let agent = WakePage::open(&path).unwrap();
                 scope.spawn(move || {
                     let mut last = 0;
                     while agent.stage() < Stage::Over {
-                        if let Some(epoch) = agent.wait_round(last, patience) {
+                        if let Some(epoch) = agent.wait_round(last, timeout) {
                             last = epoch;
                             agent.answer(robot, epoch);
                         }
@@ -376,9 +376,9 @@ mod tests {
                 });
             }
             for epoch in 1..1000 {
-                plant.ring(epoch);
-                while !plant.wait_answers(patience) {}
-                assert_eq!(plant.silent(epoch), None);
+                plant.begin_round(epoch);
+                while !plant.wait_answers(timeout) {}
+                assert_eq!(plant.first_unanswered(epoch), None);
             }
             plant.advance(Stage::Over);
         });
@@ -387,32 +387,32 @@ mod tests {
     #[test]
     fn who_does_not_answer_is_named_and_nobody_waits_for_ever() {
         let folder = tempfile::tempdir().unwrap();
-        let bell = Bell::create(&folder.path().join("bell"), 3).unwrap();
-        bell.ring(7);
-        bell.answer(0, 7);
-        bell.answer(2, 7);
-        assert!(!bell.wait_answers(Duration::from_millis(5)));
-        assert_eq!(bell.silent(7), Some(1));
+        let wake_page = WakePage::create(&folder.path().join("wake_page"), 3).unwrap();
+        wake_page.begin_round(7);
+        wake_page.answer(0, 7);
+        wake_page.answer(2, 7);
+        assert!(!wake_page.wait_answers(Duration::from_millis(5)));
+        assert_eq!(wake_page.first_unanswered(7), Some(1));
     }
 
     #[test]
     fn notes_half_written_are_none() {
         let folder = tempfile::tempdir().unwrap();
-        let bell = Bell::create(&folder.path().join("bell"), 1).unwrap();
-        assert_eq!(bell.notes(0), None);
-        bell.leave_notes(0, [1, 2, 3, 4, 5, 6]);
-        assert_eq!(bell.notes(0), Some([1, 2, 3, 4, 5, 6]));
-        bell.slot(0).version.fetch_add(1, Ordering::SeqCst);
-        assert_eq!(bell.notes(0), None);
+        let wake_page = WakePage::create(&folder.path().join("wake_page"), 1).unwrap();
+        assert_eq!(wake_page.checkpoint(0), None);
+        wake_page.store_checkpoint(0, [1, 2, 3, 4, 5, 6]);
+        assert_eq!(wake_page.checkpoint(0), Some([1, 2, 3, 4, 5, 6]));
+        wake_page.slot(0).version.fetch_add(1, Ordering::SeqCst);
+        assert_eq!(wake_page.checkpoint(0), None);
     }
 
     #[test]
     fn a_file_that_is_no_page_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("bell");
+        let path = folder.path().join("wake_page");
         std::fs::write(&path, [0; 4096]).unwrap();
-        assert!(Bell::open(&path).is_err());
+        assert!(WakePage::open(&path).is_err());
         std::fs::write(&path, []).unwrap();
-        assert!(Bell::open(&path).is_err());
+        assert!(WakePage::open(&path).is_err());
     }
 }

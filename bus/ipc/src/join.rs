@@ -5,30 +5,30 @@ use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::bell::{Bell, Stage};
-use crate::experiment::Experiment;
-use crate::place::{Alive, Place};
+use crate::endpoints::{Parent, await_stage};
+use crate::run_directory::{RunDirectory, RunLock};
 use crate::services::Services;
-use crate::shared::{Parent, await_stage};
-use crate::transport::BusError;
+use crate::wake_page::{Stage, WakePage};
+use slipstream_bus::experiment::Experiment;
+use slipstream_bus::transport::BusError;
 
 /// A process inside its run.
 #[derive(Debug)]
-pub struct Joined {
+pub struct JoinedRun {
     /// The experiment.
     pub experiment: Experiment,
-    /// The bell page.
-    pub bell: Rc<Bell>,
+    /// The wake_page page.
+    pub wake_page: Rc<WakePage>,
     /// The launcher.
     pub parent: Parent,
     /// Where the run's files are.
-    pub place: Place,
-    _alive: Alive,
+    pub place: RunDirectory,
+    _alive: RunLock,
 }
 
 /// How a process came to its end.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Ended {
+pub enum ProcessStatus {
     /// The experiment was over.
     Done,
     /// The run was stopped before.
@@ -37,7 +37,7 @@ pub enum Ended {
     Failed(String),
 }
 
-impl From<Result<(), BusError>> for Ended {
+impl From<Result<(), BusError>> for ProcessStatus {
     fn from(result: Result<(), BusError>) -> Self {
         match result {
             Ok(()) => Self::Done,
@@ -47,7 +47,7 @@ impl From<Result<(), BusError>> for Ended {
     }
 }
 
-impl Joined {
+impl JoinedRun {
     /// Joins the run in `folder`.
     ///
     /// # Errors
@@ -60,14 +60,15 @@ impl Joined {
                 reason: error.to_string(),
             }
         };
-        let (place, alive) = Place::join(folder).map_err(failed(folder.to_owned()))?;
+        let (place, alive) = RunDirectory::join(folder).map_err(failed(folder.to_owned()))?;
         let bytes = std::fs::read(place.experiment()).map_err(failed(place.experiment()))?;
         let experiment =
             postcard::from_bytes(&bytes).map_err(|e| BusError::failed("experiment", e))?;
-        let bell = Rc::new(Bell::open(&place.bell()).map_err(failed(place.bell()))?);
+        let wake_page =
+            Rc::new(WakePage::open(&place.wake_page()).map_err(failed(place.wake_page()))?);
         Ok(Self {
             experiment,
-            bell,
+            wake_page,
             parent,
             place,
             _alive: alive,
@@ -79,7 +80,7 @@ impl Joined {
     /// # Errors
     /// When the run ends before.
     pub fn services(&self, name: &str) -> Result<Services, BusError> {
-        await_stage(&self.bell, Stage::Services, self.parent)?;
+        await_stage(&self.wake_page, Stage::Services, self.parent)?;
         Services::join(&self.place, &self.experiment, name)
     }
 }

@@ -1,25 +1,26 @@
-//! The ends of a run over shared memory: data by pub-sub, waking by the bell page.
+//! The ends of a run over shared memory: data by pub-sub, waking by the wake_page page.
 
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, getppid};
 
-use crate::bell::{Bell, Stage};
 use crate::clock::WallClock;
-use crate::message::{Encoders, Position, RobotIndex, TorqueCommand, WorldHeader, robot_name};
 use crate::services::{
     CommandPublisher, CommandSubscriber, PositionPublisher, PositionSubscriber, Services,
     WorldPublisher, WorldSubscriber,
 };
-use crate::transport::{BusError, Mail, Rounds};
+use crate::wake_page::{Stage, WakePage};
+use crate::wire::{WireEncoders, WorldHeader};
+use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand, robot_name};
+use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 
 /// After this long whoever waits looks whether the others live.
-const GLANCE: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// After this long a process that neither answers nor ends counts as dead.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// Rounds between two looks at the launcher.
-const ROUNDS_A_LOOK: u32 = 64;
+const TIMEOUT: Duration = Duration::from_secs(10);
+/// LockstepLink between two looks at the launcher.
+const ROUNDS_PER_PARENT_CHECK: u32 = 64;
 
 /// Knows whether the launcher still lives.
 #[derive(Debug, Clone, Copy)]
@@ -41,9 +42,9 @@ impl Parent {
 ///
 /// # Errors
 /// When the run ends instead, or the launcher does.
-pub fn await_stage(bell: &Bell, stage: Stage, parent: Parent) -> Result<(), BusError> {
-    while !bell.wait_stage(stage, GLANCE) {
-        if bell.stopping() || parent.is_gone() {
+pub fn await_stage(wake_page: &WakePage, stage: Stage, parent: Parent) -> Result<(), BusError> {
+    while !wake_page.wait_stage(stage, POLL_INTERVAL) {
+        if wake_page.stopping() || parent.is_gone() {
             return Err(BusError::Stopped);
         }
     }
@@ -53,7 +54,7 @@ pub fn await_stage(bell: &Bell, stage: Stage, parent: Parent) -> Result<(), BusE
 /// The plant's end.
 #[derive(Debug)]
 pub struct PlantEnd {
-    bell: Rc<Bell>,
+    wake_page: Rc<WakePage>,
     parent: Parent,
     world: WorldPublisher,
     commands: CommandSubscriber,
@@ -66,9 +67,13 @@ impl PlantEnd {
     ///
     /// # Errors
     /// When a port cannot be made.
-    pub fn new(services: &Services, bell: Rc<Bell>, parent: Parent) -> Result<Self, BusError> {
+    pub fn new(
+        services: &Services,
+        wake_page: Rc<WakePage>,
+        parent: Parent,
+    ) -> Result<Self, BusError> {
         Ok(Self {
-            bell,
+            wake_page,
             parent,
             world: services.world_publisher()?,
             commands: services.command_subscriber()?,
@@ -82,7 +87,7 @@ impl PlantEnd {
     /// # Errors
     /// When the run ends before.
     pub fn await_ready(&self, processes: u32) -> Result<(), BusError> {
-        while !self.bell.wait_ready(processes, GLANCE) {
+        while !self.wake_page.wait_ready(processes, POLL_INTERVAL) {
             self.check()?;
         }
         Ok(())
@@ -103,7 +108,10 @@ impl PlantEnd {
             epoch: self.epoch,
             reserved: 0,
         };
-        sample.write_from_slice(encoders).send().map_err(failed)
+        sample
+            .write_from_fn(|i| WireEncoders::from(encoders[i]))
+            .send()
+            .map_err(failed)
     }
 
     /// Takes all commands that have come; `each` hears them.
@@ -116,7 +124,7 @@ impl PlantEnd {
             .receive()
             .map_err(|e| BusError::failed("command", e))?
         {
-            each(sample.payload());
+            each(&TorqueCommand::from(*sample.payload()));
         }
         Ok(())
     }
@@ -126,7 +134,7 @@ impl PlantEnd {
     /// # Errors
     /// [`BusError::Stopped`] when it is not.
     pub fn check(&self) -> Result<(), BusError> {
-        if self.bell.stopping() || self.parent.is_gone() {
+        if self.wake_page.stopping() || self.parent.is_gone() {
             return Err(BusError::Stopped);
         }
         Ok(())
@@ -134,32 +142,32 @@ impl PlantEnd {
 
     fn await_answers(&self) -> Result<(), BusError> {
         let begin = Instant::now();
-        while !self.bell.wait_answers(GLANCE) {
+        while !self.wake_page.wait_answers(POLL_INTERVAL) {
             self.check()?;
-            if begin.elapsed() > PATIENCE {
-                return Err(self.silent());
+            if begin.elapsed() > TIMEOUT {
+                return Err(self.unanswered());
             }
         }
         Ok(())
     }
 
-    fn silent(&self) -> BusError {
-        let robot = self.bell.silent(self.epoch).unwrap_or(0);
+    fn unanswered(&self) -> BusError {
+        let robot = self.wake_page.first_unanswered(self.epoch).unwrap_or(0);
         BusError::Silent {
             robot: robot_name(u32::try_from(robot).unwrap_or(0)),
         }
     }
 }
 
-impl Rounds for PlantEnd {
+impl LockstepLink for PlantEnd {
     fn round(
         &mut self,
         now_ns: i64,
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
-        if self.bell.stopping()
-            || (self.epoch.is_multiple_of(ROUNDS_A_LOOK) && self.parent.is_gone())
+        if self.wake_page.stopping()
+            || (self.epoch.is_multiple_of(ROUNDS_PER_PARENT_CHECK) && self.parent.is_gone())
         {
             return Err(BusError::Stopped);
         }
@@ -169,7 +177,7 @@ impl Rounds for PlantEnd {
                 what: "world".to_owned(),
             });
         }
-        self.bell.ring(self.epoch);
+        self.wake_page.begin_round(self.epoch);
         self.await_answers()?;
         let mut answers = 0;
         self.take_commands(|command| {
@@ -179,7 +187,7 @@ impl Rounds for PlantEnd {
             }
         })?;
         if answers < self.robots {
-            return Err(self.silent());
+            return Err(self.unanswered());
         }
         Ok(())
     }
@@ -192,18 +200,18 @@ impl Rounds for PlantEnd {
 /// An agent's end.
 #[derive(Debug)]
 pub struct AgentEnd {
-    bell: Rc<Bell>,
+    wake_page: Rc<WakePage>,
     parent: Parent,
     robot: RobotIndex,
     world: WorldSubscriber,
     commands: CommandPublisher,
-    links: Links,
+    links: LinkEndpoints,
     epoch: u32,
 }
 
 /// An agent's end of the links to its neighbours.
 #[derive(Debug)]
-pub struct Links {
+pub struct LinkEndpoints {
     ahead: Option<(RobotIndex, PositionSubscriber)>,
     behind: Option<PositionPublisher>,
     /// How many must receive what is sent; nobody must on the wall clock.
@@ -236,20 +244,20 @@ impl AgentEnd {
     /// When a port cannot be made.
     pub fn new(
         services: &Services,
-        bell: Rc<Bell>,
+        wake_page: Rc<WakePage>,
         parent: Parent,
         robot: RobotIndex,
     ) -> Result<Self, BusError> {
         let topology = services.topology();
-        let ahead = topology.ahead_of(robot);
-        let behind = topology.behind(robot);
+        let ahead = topology.predecessor(robot);
+        let behind = topology.successor(robot);
         Ok(Self {
-            bell,
+            wake_page,
             parent,
             robot,
             world: services.world_subscriber()?,
             commands: services.command_publisher()?,
-            links: Links {
+            links: LinkEndpoints {
                 ahead: ahead
                     .map(|ahead| Ok((ahead, services.position_subscriber(ahead)?)))
                     .transpose()?,
@@ -283,11 +291,11 @@ impl AgentEnd {
     /// When the launcher is gone or the transport fails.
     pub fn next_round(&mut self) -> Result<Option<Round>, BusError> {
         loop {
-            if let Some(epoch) = self.bell.wait_round(self.epoch, GLANCE) {
+            if let Some(epoch) = self.wake_page.wait_round(self.epoch, POLL_INTERVAL) {
                 self.epoch = epoch;
                 break;
             }
-            if self.bell.stage() >= Stage::Over {
+            if self.wake_page.stage() >= Stage::Over {
                 return Ok(None);
             }
             if self.parent.is_gone() {
@@ -321,7 +329,7 @@ impl AgentEnd {
                 what: "command".to_owned(),
             });
         }
-        self.bell.answer(self.robot as usize, self.epoch);
+        self.wake_page.answer(self.robot as usize, self.epoch);
         Ok(())
     }
 
@@ -331,7 +339,7 @@ impl AgentEnd {
     /// When the transport fails.
     pub fn command(&self, command: TorqueCommand) -> Result<usize, BusError> {
         self.commands
-            .send_copy(command)
+            .send_copy(command.into())
             .map_err(|e| BusError::failed("command", e))
     }
 
@@ -342,8 +350,8 @@ impl AgentEnd {
             .receive()
             .map_err(|e| BusError::failed("world", e))?;
         Ok(sample.and_then(|sample| {
-            let encoders = sample.payload().get(self.robot as usize).copied();
-            encoders.map(|encoders| (*sample.user_header(), encoders))
+            let encoders = sample.payload().get(self.robot as usize);
+            encoders.map(|&encoders| (*sample.user_header(), encoders.into()))
         }))
     }
 
@@ -360,12 +368,12 @@ impl AgentEnd {
     }
 
     /// The links to the neighbours.
-    pub fn links(&mut self) -> &mut Links {
+    pub fn links(&mut self) -> &mut LinkEndpoints {
         &mut self.links
     }
 }
 
-impl Mail for Links {
+impl PositionLink for LinkEndpoints {
     fn receive(&mut self) -> Result<Option<Position>, BusError> {
         let Some((ahead, subscriber)) = &self.ahead else {
             return Ok(None);
@@ -375,7 +383,9 @@ impl Mail for Links {
                 .receive()
                 .map_err(|e| BusError::failed("position", e))?
             {
-                Some(sample) if sample.from == *ahead => return Ok(Some(*sample.payload())),
+                Some(sample) if sample.from == *ahead => {
+                    return Ok(Some((*sample.payload()).into()));
+                }
                 Some(_) => {}
                 None => return Ok(None),
             }
@@ -388,7 +398,7 @@ impl Mail for Links {
         };
         position.sent_ns = self.time.now_ns();
         let received = publisher
-            .send_copy(*position)
+            .send_copy((*position).into())
             .map_err(|e| BusError::failed("position", e))?;
         if received < self.listeners {
             return Err(BusError::Full {

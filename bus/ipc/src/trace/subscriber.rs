@@ -1,21 +1,21 @@
-//! Hears the spans and events that the filter lets through, and writes them onto the thread's tape.
+//! Hears the spans and events that the filter lets through, and writes them onto the thread's buffer.
 
 use std::cell::RefCell;
 
 use tracing::span::{Attributes, Id, Record};
 use tracing::{Event, Metadata, Subscriber};
 
+use super::buffer::{NewRecord, TraceBuffer};
 use super::fields::Fields;
-use super::tape::{Tape, Telling};
 use crate::clock::WallClock;
 
 /// What a thread is telling.
 #[derive(Debug, Default)]
-pub(super) struct Teller {
+pub(super) struct ThreadTrace {
     process: String,
     pub(super) now_ns: i64,
     pub(super) clock: Option<WallClock>,
-    pub(super) tape: Tape,
+    pub(super) buffer: TraceBuffer,
     /// Spans that have not closed, the newest last, and room for more.
     open: Vec<Open>,
     spare: Vec<Fields>,
@@ -34,17 +34,17 @@ struct Open {
 }
 
 thread_local! {
-    static TELLER: RefCell<Teller> = RefCell::default();
+    static THREAD_TRACE: RefCell<ThreadTrace> = RefCell::default();
 }
 
-/// Whoever tells something while the teller is in use is not heard.
-pub(super) fn with_teller<T>(work: impl FnOnce(&mut Teller) -> T) -> Option<T> {
-    // A thread that is ending has no teller any more.
-    let told = TELLER.try_with(|teller| Some(work(&mut *teller.try_borrow_mut().ok()?)));
-    told.ok().flatten()
+/// Whoever tells something while the thread is in use is not heard.
+pub(super) fn with_thread_trace<T>(work: impl FnOnce(&mut ThreadTrace) -> T) -> Option<T> {
+    // A thread that is ending has no thread any more.
+    let record = THREAD_TRACE.try_with(|thread| Some(work(&mut *thread.try_borrow_mut().ok()?)));
+    record.ok().flatten()
 }
 
-impl Teller {
+impl ThreadTrace {
     pub(super) fn of(process: &str) -> Self {
         Self {
             process: process.to_owned(),
@@ -80,11 +80,11 @@ impl Teller {
         self.fields.clear();
         event.record(&mut self.fields);
         let begin_ns = self.fields.t_ns.unwrap_or_else(|| self.now_ns());
-        self.tape.write(Telling {
+        self.buffer.write(NewRecord {
             process: &self.process,
             metadata: event.metadata(),
             begin_ns,
-            took_ns: None,
+            duration_ns: None,
             fields: &self.fields,
         });
     }
@@ -100,12 +100,12 @@ impl Teller {
             return false;
         }
         let span = self.open.remove(place);
-        let took_ns = self.now_ns() - span.begin_ns;
-        self.tape.write(Telling {
+        let duration_ns = self.now_ns() - span.begin_ns;
+        self.buffer.write(NewRecord {
             process: &self.process,
             metadata: span.metadata,
             begin_ns: span.begin_ns,
-            took_ns: Some(took_ns),
+            duration_ns: Some(duration_ns),
             fields: &span.fields,
         });
         self.spare.push(span.fields);
@@ -114,25 +114,25 @@ impl Teller {
 }
 
 /// Below the filter. Knows no parents and no contexts: a record says all that is to be read of it.
-pub(super) struct ToTape;
+pub(super) struct TraceSubscriber;
 
-impl Subscriber for ToTape {
+impl Subscriber for TraceSubscriber {
     fn enabled(&self, _: &Metadata<'_>) -> bool {
         true
     }
 
     fn new_span(&self, attributes: &Attributes<'_>) -> Id {
-        Id::from_u64(with_teller(|teller| teller.open(attributes)).unwrap_or(u64::MAX))
+        Id::from_u64(with_thread_trace(|thread| thread.open(attributes)).unwrap_or(u64::MAX))
     }
 
     fn record(&self, id: &Id, values: &Record<'_>) {
-        with_teller(|teller| teller.find(id).map(|span| values.record(&mut span.fields)));
+        with_thread_trace(|thread| thread.find(id).map(|span| values.record(&mut span.fields)));
     }
 
     fn record_follows_from(&self, _: &Id, _: &Id) {}
 
     fn event(&self, event: &Event<'_>) {
-        with_teller(|teller| teller.tell(event));
+        with_thread_trace(|thread| thread.tell(event));
     }
 
     fn enter(&self, _: &Id) {}
@@ -140,11 +140,11 @@ impl Subscriber for ToTape {
     fn exit(&self, _: &Id) {}
 
     fn clone_span(&self, id: &Id) -> Id {
-        with_teller(|teller| teller.find(id).map(|span| span.handles += 1));
+        with_thread_trace(|thread| thread.find(id).map(|span| span.handles += 1));
         id.clone()
     }
 
     fn try_close(&self, id: Id) -> bool {
-        with_teller(|teller| teller.close(&id)).unwrap_or(false)
+        with_thread_trace(|thread| thread.close(&id)).unwrap_or(false)
     }
 }

@@ -11,10 +11,12 @@ use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 
-use crate::experiment::{Clock, Experiment, Protocol};
-use crate::message::{Encoders, Position, RobotIndex, TorqueCommand, WorldHeader};
-use crate::place::Place;
-use crate::transport::BusError;
+use crate::run_directory::RunDirectory;
+use crate::wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
+use slipstream_bus::experiment::{Clock, Experiment};
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::topology::Topology;
+use slipstream_bus::transport::BusError;
 
 /// Robots that share a service for their positions.
 const GROUP: u32 = 8;
@@ -27,55 +29,14 @@ pub const PLANT_CHUNK: usize = 64 << 10;
 
 type Ipc = ipc::Service;
 /// The services' ports, by what they carry.
-pub(crate) type WorldPublisher = Publisher<Ipc, [Encoders], WorldHeader>;
-pub(crate) type WorldSubscriber = Subscriber<Ipc, [Encoders], WorldHeader>;
-pub(crate) type CommandPublisher = Publisher<Ipc, TorqueCommand, ()>;
-pub(crate) type CommandSubscriber = Subscriber<Ipc, TorqueCommand, ()>;
-pub(crate) type PositionPublisher = Publisher<Ipc, Position, ()>;
-pub(crate) type PositionSubscriber = Subscriber<Ipc, Position, ()>;
+pub(crate) type WorldPublisher = Publisher<Ipc, [WireEncoders], WorldHeader>;
+pub(crate) type WorldSubscriber = Subscriber<Ipc, [WireEncoders], WorldHeader>;
+pub(crate) type CommandPublisher = Publisher<Ipc, WireTorque, ()>;
+pub(crate) type CommandSubscriber = Subscriber<Ipc, WireTorque, ()>;
+pub(crate) type PositionPublisher = Publisher<Ipc, WirePosition, ()>;
+pub(crate) type PositionSubscriber = Subscriber<Ipc, WirePosition, ()>;
 pub(crate) type RecordPublisher = Publisher<Ipc, [u8], ()>;
 pub(crate) type RecordSubscriber = Subscriber<Ipc, [u8], ()>;
-
-/// Who listens to whom, known to everybody from the experiment.
-#[derive(Debug, Clone, Copy)]
-pub struct Topology {
-    robots: u32,
-    ring: bool,
-    linked: bool,
-}
-
-impl Topology {
-    /// The links of an experiment.
-    pub fn new(experiment: &Experiment) -> Self {
-        let settings = &experiment.settings;
-        Self {
-            robots: settings.robots.count,
-            ring: settings.links.protocol == Protocol::Ring,
-            linked: settings.robots.count > 1 && !settings.open_loop.enabled,
-        }
-    }
-
-    /// Whose positions `robot` receives.
-    pub fn ahead_of(&self, robot: RobotIndex) -> Option<RobotIndex> {
-        let last = self.ring.then_some(self.robots - 1);
-        robot.checked_sub(1).or(last).filter(|_| self.linked)
-    }
-
-    /// Who receives the positions of `robot`.
-    pub fn behind(&self, robot: RobotIndex) -> Option<RobotIndex> {
-        let next = (robot + 1) % self.robots;
-        Some(next).filter(|&next| self.linked && (self.ring || next != 0))
-    }
-
-    /// How many robots listen to the group of `robot`.
-    fn listeners(&self, robot: RobotIndex) -> usize {
-        let first = robot / GROUP * GROUP;
-        let group = first..(first + GROUP).min(self.robots);
-        group
-            .filter(|&member| self.behind(member).is_some())
-            .count()
-    }
-}
 
 /// A process's way to the services of its run.
 #[derive(Debug)]
@@ -91,7 +52,11 @@ impl Services {
     ///
     /// # Errors
     /// When the system does not let the node be made.
-    pub fn join(place: &Place, experiment: &Experiment, name: &str) -> Result<Self, BusError> {
+    pub fn join(
+        place: &RunDirectory,
+        experiment: &Experiment,
+        name: &str,
+    ) -> Result<Self, BusError> {
         set_log_level_from_env_or(LogLevel::Fatal);
         let config = config(place, experiment.robots.len())?;
         let name = NodeName::new(name).map_err(|e| BusError::failed("node name", e))?;
@@ -148,13 +113,23 @@ impl Services {
 
     /// How many listeners a position of `robot` reaches.
     pub fn listeners(&self, robot: RobotIndex) -> usize {
-        self.topology.listeners(robot)
+        self.group_listeners(robot)
     }
 
-    fn world(&self) -> Result<PortFactory<Ipc, [Encoders], WorldHeader>, BusError> {
+    /// Number of robots that receive what the group of `robot` publishes.
+    fn group_listeners(&self, robot: RobotIndex) -> usize {
+        let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
+        let first = robot / GROUP * GROUP;
+        let group = first..(first + GROUP).min(robots);
+        group
+            .filter(|&member| self.topology.successor(member).is_some())
+            .count()
+    }
+
+    fn world(&self) -> Result<PortFactory<Ipc, [WireEncoders], WorldHeader>, BusError> {
         self.node
             .service_builder(&service_name("world")?)
-            .publish_subscribe::<[Encoders]>()
+            .publish_subscribe::<[WireEncoders]>()
             .user_header::<WorldHeader>()
             .max_publishers(1)
             .max_subscribers(self.robots + 1)
@@ -165,10 +140,10 @@ impl Services {
             .map_err(|e| BusError::failed("service world", e))
     }
 
-    fn commands(&self) -> Result<PortFactory<Ipc, TorqueCommand, ()>, BusError> {
+    fn commands(&self) -> Result<PortFactory<Ipc, WireTorque, ()>, BusError> {
         self.node
             .service_builder(&service_name("command")?)
-            .publish_subscribe::<TorqueCommand>()
+            .publish_subscribe::<WireTorque>()
             .max_publishers(self.robots + 1)
             .max_subscribers(2)
             .max_nodes(self.robots + 8)
@@ -191,10 +166,10 @@ impl Services {
             .map_err(|e| BusError::failed("service records", e))
     }
 
-    fn positions(&self, robot: RobotIndex) -> Result<PortFactory<Ipc, Position, ()>, BusError> {
+    fn positions(&self, robot: RobotIndex) -> Result<PortFactory<Ipc, WirePosition, ()>, BusError> {
         self.node
             .service_builder(&service_name(&format!("position/{}", robot / GROUP))?)
-            .publish_subscribe::<Position>()
+            .publish_subscribe::<WirePosition>()
             .max_publishers(GROUP as usize + 2)
             .max_subscribers(GROUP as usize + 2)
             .max_nodes(2 * GROUP as usize + 8)
@@ -279,13 +254,13 @@ impl Services {
 }
 
 /// What `iox2` needs in `config/iceoryx2.toml` of the current folder to see the run.
-pub fn iox2_config(place: &Place) -> String {
+pub fn iox2_config(place: &RunDirectory) -> String {
     let (root, prefix) = (place.folder().display(), place.prefix());
     format!("[global]\nroot-path = \"{root}\"\nprefix = \"{prefix}\"\n")
 }
 
 /// A domain of the run's own.
-fn config(place: &Place, robots: usize) -> Result<Config, BusError> {
+fn config(place: &RunDirectory, robots: usize) -> Result<Config, BusError> {
     let mut config = Config::default();
     let prefix = place.prefix();
     config.global.prefix =

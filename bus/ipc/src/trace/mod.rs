@@ -1,0 +1,232 @@
+//! Recorder of the trace: spans and events of the `tracing` crate become compact postcard records.
+//!
+//! [`begin`] records the spans and events of a thread that pass the filter of `RUST_LOG` in a buffer of that thread.
+//! The buffer is drained in chunks, because delivering records one by one costs more than recording them. A span becomes
+//! one record when it closes. Times are those of the run: virtual time as set by [`set_virtual_time`], or the wall
+//! clock ([`use_clock`]). A field `t_ns` overrides the time of an event.
+
+mod buffer;
+mod fields;
+mod subscriber;
+mod varint;
+
+use slipstream_bus::record::{Record, Recorder};
+use tracing::subscriber::DefaultGuard;
+pub use tracing_subscriber::EnvFilter;
+use tracing_subscriber::layer::SubscriberExt;
+
+use self::buffer::MAX_CHUNK;
+pub use self::buffer::chunks;
+use self::subscriber::{ThreadTrace, TraceSubscriber, with_thread_trace};
+use crate::clock::WallClock;
+
+/// Environment variable with the filter.
+pub const VARIABLE: &str = "RUST_LOG";
+/// Filter if the variable is not set: all levels but the finest.
+const DEFAULT: &str = "slipstream=debug";
+
+/// Spans and events of the thread are recorded until this guard is dropped.
+#[must_use]
+#[derive(Debug)]
+pub struct Tracing {
+    _guard: DefaultGuard,
+}
+
+/// Reads the filter from the environment.
+///
+/// # Errors
+/// A variable that is not a valid filter, with the reason.
+pub fn filter() -> Result<EnvFilter, String> {
+    let text = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
+    let text = text.as_deref().unwrap_or(DEFAULT);
+    let built = EnvFilter::builder().parse(text);
+    built.map_err(|error| format!("`{text}` is not a valid filter: {error}"))
+}
+
+/// Starts the trace of this thread; its records name `process`.
+pub fn begin(process: &str, filter: EnvFilter) -> Tracing {
+    with_thread_trace(|thread| {
+        *thread = ThreadTrace::of(process);
+    });
+    Tracing {
+        _guard: tracing::subscriber::set_default(TraceSubscriber.with(filter)),
+    }
+}
+
+/// Sets the virtual time (ns).
+pub fn set_virtual_time(now_ns: i64) {
+    with_thread_trace(|thread| thread.now_ns = now_ns);
+}
+
+/// Takes the time from a clock from now on.
+pub fn use_clock(clock: WallClock) {
+    with_thread_trace(|thread| thread.clock = Some(clock));
+}
+
+/// Traces the plant's record of an applied torque. The plant itself does not depend on the trace.
+pub(crate) fn trace_applied(record: &Record) {
+    if let Record::Applied {
+        taken_ns,
+        robot,
+        tick_ns,
+        ..
+    } = *record
+    {
+        tracing::debug!(name: "applied", t_ns = taken_ns, robot, tick_ns);
+    }
+}
+
+/// Passes a record to a recorder and to the trace, then drains the buffer if it is long.
+pub fn record(recorder: &mut impl Recorder, record: &Record) {
+    trace_applied(record);
+    recorder.record(record);
+    drain_if_long(|t_ns, bytes| recorder.trace(t_ns, bytes));
+}
+
+/// Number of bytes in the buffer.
+pub fn buffered_bytes() -> usize {
+    with_thread_trace(|thread| thread.buffer.len()).unwrap_or(0)
+}
+
+/// [`drain`]s the buffer if it holds almost a full chunk.
+pub fn drain_if_long(each: impl FnMut(i64, &[u8])) {
+    if buffered_bytes() > MAX_CHUNK - MAX_CHUNK / 8 {
+        drain(each);
+    }
+}
+
+/// Empties the buffer: calls `each` with the time of the first record (ns) and the bytes of every chunk.
+pub fn drain(each: impl FnMut(i64, &[u8])) {
+    // Records that `each` itself causes stay in the buffer until the next call.
+    let mut bytes = take_buffer();
+    chunks(&bytes, each);
+    bytes.clear();
+    with_thread_trace(|thread| {
+        if thread.buffer.len() == 0 {
+            thread.buffer.exchange(bytes);
+        }
+    });
+}
+
+/// Takes the content of the buffer, for [`chunks`].
+pub fn take_buffer() -> Vec<u8> {
+    with_thread_trace(|thread| thread.buffer.exchange(Vec::new())).unwrap_or_default()
+}
+
+/// Number of records dropped because the buffer was full.
+pub fn lost() -> u64 {
+    with_thread_trace(|thread| thread.buffer.lost).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::trace::{FORMAT, TraceError, TraceRecord, Value, read};
+
+    use super::buffer::MAX_BUFFERED;
+    use super::fields::MAX_TEXT;
+    use super::*;
+
+    fn in_a_file(chunk: &[u8]) -> Vec<u8> {
+        [&[FORMAT], chunk].concat()
+    }
+
+    fn records() -> Vec<TraceRecord<'static>> {
+        let mut all = Vec::new();
+        drain(|t_ns, chunk| {
+            let before = all.len();
+            read(Vec::leak(in_a_file(chunk)), |record| all.push(record)).unwrap();
+            assert_eq!(all[before].begin_ns, t_ns);
+        });
+        all
+    }
+
+    #[test]
+    fn spans_and_events_come_with_times_and_fields() {
+        let _tracing = begin("r1", EnvFilter::new("debug"));
+        set_virtual_time(100);
+        let span = tracing::debug_span!("outer", robot = 0_u32, message = tracing::field::Empty);
+        let entered = span.enter();
+        set_virtual_time(150);
+        tracing::info!(name: "sent", t_ns = 140_i64, share = 0.5, lost = false, "to {}", "r2");
+        tracing::trace!(name: "fine", robot = 0_u32);
+        span.record("message", 7_u32);
+        set_virtual_time(200);
+        drop(entered);
+        drop(span);
+        let all = records();
+        assert_eq!(all.len(), 2);
+        let [sent, outer] = [&all[0], &all[1]];
+        assert_eq!(
+            (&*sent.name, sent.begin_ns, sent.end_ns),
+            ("sent", 140, None)
+        );
+        assert_eq!(sent.text("message"), Some("to r2"));
+        assert_eq!(sent.field("share"), Some(&Value::Float(0.5)));
+        assert_eq!(sent.field("lost"), Some(&Value::Bool(false)));
+        assert_eq!((outer.begin_ns, outer.end_ns), (100, Some(200)));
+        assert_eq!(
+            (outer.int("robot"), outer.int("message")),
+            (Some(0), Some(7))
+        );
+        assert_eq!((&*outer.process, outer.level), ("r1", 4));
+        assert!(records().is_empty());
+    }
+
+    #[test]
+    fn what_is_of_another_format_is_told_from_damage() {
+        let record = |bytes: &[u8]| read(bytes, |_| {});
+        assert_eq!(record(&[5, 1, 2]), Err(TraceError::OtherFormat));
+        assert_eq!(record(&[FORMAT, 200]), Err(TraceError::Damaged));
+        assert_eq!(record(&[]), Err(TraceError::Damaged));
+    }
+
+    #[test]
+    fn a_long_tape_comes_in_pieces_of_whole_records() {
+        let _tracing = begin("r1", EnvFilter::new("debug"));
+        for seq in 0..1000_u32 {
+            tracing::debug!(name: "sent", seq);
+        }
+        let long = "x".repeat(MAX_TEXT);
+        let long = long.as_str();
+        tracing::debug!(name: "long", a = long, b = long, c = long, d = long, e = long);
+        tracing::debug!(name: "too_long", a = long, b = long, c = long, d = long, e = long, f = long);
+        let mut sizes = Vec::new();
+        let buffer = take_buffer();
+        let mut count = 0;
+        chunks(&buffer, |_, chunk| {
+            sizes.push(chunk.len());
+            read(&in_a_file(chunk), |_| count += 1).unwrap();
+        });
+        assert_eq!((count, lost()), (1001, 1));
+        assert!(
+            sizes.len() > 2 && sizes.iter().all(|&size| size <= MAX_CHUNK),
+            "{sizes:?}"
+        );
+    }
+
+    #[test]
+    fn without_a_tape_nothing_is_kept_and_a_full_one_counts() {
+        tracing::error!("nobody listens");
+        assert!(take_buffer().is_empty());
+        let _tracing = begin("r1", EnvFilter::new("debug"));
+        for _ in 0..100_000 {
+            tracing::info!(name: "much", text = "more than a buffer has room for");
+        }
+        assert!(take_buffer().len() < MAX_BUFFERED + MAX_CHUNK && lost() > 0);
+    }
+
+    #[test]
+    fn a_cut_tape_is_read_as_far_as_it_is_whole() {
+        let _tracing = begin("r1", EnvFilter::new("debug"));
+        tracing::info!(name: "one", robot = 1_u32);
+        tracing::info!(name: "two", robot = 2_u32);
+        let bytes = take_buffer();
+        for cut in 0..bytes.len() {
+            let mut count = 0;
+            chunks(&bytes[..cut], |_, chunk| {
+                read(&in_a_file(chunk), |_| count += 1).unwrap();
+            });
+            assert!(count < 2);
+        }
+    }
+}

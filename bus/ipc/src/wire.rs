@@ -1,0 +1,127 @@
+//! Memory layout of messages in shared memory.
+//!
+//! The type name carries the version of the layout: two builds that disagree do not connect.
+
+use iceoryx2::prelude::ZeroCopySend;
+use slipstream_bus::message::{Encoders, Position, TorqueCommand};
+
+/// [`Encoders`] of one robot, plant to agent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
+#[type_name("slipstream.Encoders.1")]
+#[repr(C)]
+pub struct WireEncoders {
+    sampled_ns: i64,
+    counts: [i64; 2],
+}
+
+/// Header of a sample of all robots' encoders.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
+#[type_name("slipstream.WorldHeader.1")]
+#[repr(C)]
+pub struct WorldHeader {
+    /// The instant of the sample (ns).
+    pub now_ns: i64,
+    /// The lockstep round that the sample belongs to; 0 on the wall clock.
+    pub epoch: u32,
+    /// Padding.
+    pub reserved: u32,
+}
+
+/// [`TorqueCommand`], agent to plant.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
+#[type_name("slipstream.Torque.1")]
+#[repr(C)]
+pub struct WireTorque {
+    robot: u32,
+    epoch: u32,
+    tick_ns: i64,
+    torque_nm: [f64; 2],
+}
+
+/// [`Position`], robot to the next one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
+#[type_name("slipstream.Position.1")]
+#[repr(C)]
+pub struct WirePosition {
+    /// The sender.
+    pub(crate) from: u32,
+    seq: u32,
+    ring_round: u32,
+    reserved: u32,
+    sampled_ns: i64,
+    tick_ns: i64,
+    sent_ns: i64,
+    x_m: f64,
+    y_m: f64,
+    yaw_rad: f64,
+    v_m_s: f64,
+    w_rad_s: f64,
+}
+
+/// Two conversions that name every field once.
+macro_rules! same_fields {
+    ($message:ident, $wire:ident { $($field:ident),* } $(, $padding:ident)?) => {
+        impl From<$message> for $wire {
+            fn from(message: $message) -> Self {
+                Self { $($field: message.$field,)* $($padding: 0)? }
+            }
+        }
+
+        impl From<$wire> for $message {
+            fn from(wire: $wire) -> Self {
+                Self { $($field: wire.$field),* }
+            }
+        }
+    };
+}
+
+same_fields!(Encoders, WireEncoders { sampled_ns, counts });
+same_fields!(
+    TorqueCommand,
+    WireTorque {
+        robot,
+        epoch,
+        tick_ns,
+        torque_nm
+    }
+);
+same_fields!(
+    Position,
+    WirePosition {
+        from,
+        seq,
+        ring_round,
+        sampled_ns,
+        tick_ns,
+        sent_ns,
+        x_m,
+        y_m,
+        yaw_rad,
+        v_m_s,
+        w_rad_s
+    },
+    reserved
+);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_survives_the_way_through_shared_memory() {
+        let position = Position {
+            from: 1,
+            seq: 2,
+            ring_round: 3,
+            sampled_ns: 4,
+            tick_ns: 5,
+            sent_ns: 6,
+            x_m: 7.0,
+            y_m: 8.0,
+            yaw_rad: 9.0,
+            v_m_s: 10.0,
+            w_rad_s: 11.0,
+        };
+        assert_eq!(Position::from(WirePosition::from(position)), position);
+    }
+}
