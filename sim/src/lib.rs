@@ -1,32 +1,20 @@
-//! The world: plant, effects and sensors.
+//! The world of a run: plant, effects and sensors.
 
-mod attempt;
-mod balance;
-mod command;
-mod cruise;
-mod drive;
+mod contact;
+mod dynamics;
 pub mod effects;
-mod events;
-mod grouping;
-mod noise;
-mod operator;
+mod integrate;
 mod parts;
 mod robot;
-mod rows;
 pub mod run;
-mod scalar;
-mod sensing;
-mod short;
-mod skid;
-mod state;
-mod step;
-mod travel;
+mod sensors;
 mod world;
 
-pub use command::{Command, CommandKind};
-pub use parts::{Grip, Streams};
+pub use integrate::State;
+pub use parts::command::{Command, CommandKind};
+pub use parts::parameters::{Friction, Streams};
+pub use parts::scalar::{Pair, Scalar};
+pub use robot::body::Contact;
 pub use robot::{GRAVITY_M_S2, Listed, Robot, lift, read_effects};
-pub use scalar::{Pair, Scalar};
-pub use sensing::Stream;
-pub use state::{Contact, State};
+pub use sensors::Stream;
 pub use world::{Sample, Setup, Truth, World};

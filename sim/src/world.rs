@@ -2,11 +2,12 @@
 
 use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
 
-use crate::command::Command;
-use crate::noise::{Noise, Purpose};
+use crate::integrate::State;
+use crate::parts::command::Command;
 use crate::robot::Robot;
-use crate::sensing::{Stream, counts};
-use crate::state::{Contact, State};
+use crate::robot::body::Contact;
+use crate::sensors::measurement::{Stream, counts};
+use crate::sensors::noise::{Noise, Purpose};
 
 const NS_PER_S: f64 = 1e9;
 
@@ -58,24 +59,24 @@ pub struct Sample<T> {
 }
 
 #[derive(Debug)]
-struct Machine {
+struct SimulatedRobot {
     robot: Robot,
     state: State,
     phase: [f64; 2],
-    camera: Option<Eye<Camera>>,
-    imu: Option<Eye<Imu>>,
+    camera: Option<RateSensor<Camera>>,
+    imu: Option<RateSensor<Imu>>,
 }
 
 /// A sensor that samples at a rate of its own.
 #[derive(Debug)]
-struct Eye<T> {
+struct RateSensor<T> {
     sensor: T,
     noise: Noise,
     period_ns: i64,
     due_ns: i64,
 }
 
-impl<T> Eye<T> {
+impl<T> RateSensor<T> {
     fn new(sensor: T, rate_hz: f64, noise: Noise) -> Self {
         let period_ns = nanoseconds(1.0 / rate_hz).max(1);
         Self {
@@ -99,7 +100,7 @@ impl<T> Eye<T> {
 /// N robots, f64 throughout. They do not touch each other.
 #[derive(Debug)]
 pub struct World {
-    machines: Vec<Machine>,
+    machines: Vec<SimulatedRobot>,
     time_ns: i64,
 }
 
@@ -111,7 +112,7 @@ impl World {
     pub fn new(setups: &[Setup], seed: u64) -> Result<Self, InputError> {
         let machines = setups
             .iter()
-            .map(|setup| Machine::new(setup, seed))
+            .map(|setup| SimulatedRobot::new(setup, seed))
             .collect::<Result<_, _>>();
         Ok(Self {
             machines: machines?,
@@ -151,7 +152,7 @@ impl World {
     /// # Panics
     /// If there is no robot `i`, as indexing does.
     pub fn truth(&self, i: usize) -> Truth {
-        let Machine { robot, state, .. } = &self.machines[i];
+        let SimulatedRobot { robot, state, .. } = &self.machines[i];
         let [right, left, across] = robot.slip_m_s(state);
         Truth {
             pose: state.pose(),
@@ -171,7 +172,7 @@ impl World {
     /// # Panics
     /// If there is no robot `i`, as indexing does.
     pub fn encoder_counts(&self, i: usize) -> [i64; 2] {
-        let Machine {
+        let SimulatedRobot {
             robot,
             state,
             phase,
@@ -180,7 +181,7 @@ impl World {
         let per_rev = robot
             .counts_per_rev()
             .unwrap_or(std::f64::consts::TAU * 1e6);
-        let angle = robot.seen_angle(state);
+        let angle = robot.measured_angle(state);
         [0, 1].map(|side| counts(angle[side], per_rev, phase[side]))
     }
 
@@ -204,7 +205,7 @@ impl World {
     pub fn camera(&mut self, i: usize) -> Option<Sample<[f64; 3]>> {
         let stamp_ns = self.stamp_ns(i, Stream::Pose);
         let time_ns = self.time_ns;
-        let Machine {
+        let SimulatedRobot {
             robot,
             state,
             camera,
@@ -221,7 +222,7 @@ impl World {
             latency_s,
             ..
         } = eye.sensor;
-        let exact = robot.seen_pose(state.pose());
+        let exact = robot.measured_pose(state.pose());
         let deviation = [noise_m, noise_m, noise_rad];
         let value = [0, 1, 2].map(|axis| exact[axis] + eye.noise.normal(deviation[axis]));
         let known_ns = time_ns + nanoseconds(latency_s);
@@ -240,14 +241,14 @@ impl World {
     pub fn imu(&mut self, i: usize) -> Option<Sample<[f64; 3]>> {
         let stamp_ns = self.stamp_ns(i, Stream::Imu);
         let time_ns = self.time_ns;
-        let Machine {
+        let SimulatedRobot {
             robot, state, imu, ..
         } = &mut self.machines[i];
         let eye = imu.as_mut()?;
         if !eye.is_due(time_ns) {
             return None;
         }
-        let exact = robot.seen_inertial(state);
+        let exact = robot.measured_inertial(state);
         let Imu {
             noise_m_s2,
             noise_rad_s,
@@ -263,7 +264,7 @@ impl World {
     }
 }
 
-impl Machine {
+impl SimulatedRobot {
     fn new(setup: &Setup, seed: u64) -> Result<Self, InputError> {
         let named = |error: InputError| InputError {
             place: format!("{}: {}", setup.name, error.place),
@@ -280,8 +281,8 @@ impl Machine {
             robot,
             state,
             phase: [phase.uniform(), phase.uniform()],
-            camera: camera.map(|c| Eye::new(c.clone(), c.rate_hz, noise(Purpose::Camera))),
-            imu: imu.map(|s| Eye::new(s.clone(), s.rate_hz, noise(Purpose::Imu))),
+            camera: camera.map(|c| RateSensor::new(c.clone(), c.rate_hz, noise(Purpose::Camera))),
+            imu: imu.map(|s| RateSensor::new(s.clone(), s.rate_hz, noise(Purpose::Imu))),
         })
     }
 }

@@ -39,8 +39,8 @@ struct Module {
     lines: usize,
     children: BTreeSet<String>,
     items: BTreeSet<String>,
-    /// Public name to the path behind it; `*` lists the globs.
-    exports: BTreeMap<String, Vec<Vec<String>>>,
+    /// Imported name to the path behind it; `*` lists the globs.
+    imports: BTreeMap<String, Vec<Vec<String>>>,
     /// Absolute paths that the file names, with the line.
     paths: Vec<(Vec<String>, usize)>,
     functions: Vec<(String, usize)>,
@@ -124,7 +124,7 @@ fn parse(path: &Path, key: &Key) -> Result<Module, String> {
             lines: text.lines().count(),
             children: BTreeSet::new(),
             items: BTreeSet::new(),
-            exports: BTreeMap::new(),
+            imports: BTreeMap::new(),
             paths: Vec::new(),
             functions: Vec::new(),
         },
@@ -156,13 +156,12 @@ impl Reader {
                 return;
             }
             syn::Item::Use(import) => {
-                if !matches!(import.vis, syn::Visibility::Inherited) {
-                    let mut leaves = Vec::new();
-                    flatten(&import.tree, &mut Vec::new(), &mut leaves);
-                    for (path, name) in leaves {
-                        if let Some(path) = self.absolute(&path) {
-                            self.module.exports.entry(name).or_default().push(path);
-                        }
+                // Private imports too: child modules see them.
+                let mut leaves = Vec::new();
+                flatten(&import.tree, &mut Vec::new(), &mut leaves);
+                for (path, name) in leaves {
+                    if let Some(path) = self.absolute(&path) {
+                        self.module.imports.entry(name).or_default().push(path);
                     }
                 }
                 return;
@@ -239,6 +238,13 @@ impl Reader {
         self.module.functions.push((name, lines));
     }
 
+    /// A path of one identifier, such as the `crate` of `pub(crate)`, names no module.
+    fn note_from_tokens(&mut self, path: &[String], line: usize) {
+        if path.len() > 1 {
+            self.note(path, line);
+        }
+    }
+
     /// Paths inside a macro call: `crate :: a :: b` as tokens.
     fn note_tokens(&mut self, tokens: proc_macro2::TokenStream) {
         let mut path: Vec<String> = Vec::new();
@@ -248,7 +254,7 @@ impl Reader {
             match &token {
                 proc_macro2::TokenTree::Ident(ident) => {
                     if colons != 2 {
-                        self.note(&path, line);
+                        self.note_from_tokens(&path, line);
                         path.clear();
                         line = ident.span().start().line;
                     }
@@ -257,19 +263,19 @@ impl Reader {
                 }
                 proc_macro2::TokenTree::Punct(punct) if punct.as_char() == ':' => colons += 1,
                 proc_macro2::TokenTree::Group(group) => {
-                    self.note(&path, line);
+                    self.note_from_tokens(&path, line);
                     path.clear();
                     colons = 0;
                     self.note_tokens(group.stream());
                 }
                 _ => {
-                    self.note(&path, line);
+                    self.note_from_tokens(&path, line);
                     path.clear();
                     colons = 0;
                 }
             }
         }
-        self.note(&path, line);
+        self.note_from_tokens(&path, line);
     }
 }
 
@@ -382,14 +388,14 @@ fn resolve(modules: &BTreeMap<Key, Module>, path: &[String], depth: usize) -> Op
     if module.items.contains(item) {
         return Some(key);
     }
-    for behind in module.exports.get(item).into_iter().flatten() {
+    for behind in module.imports.get(item).into_iter().flatten() {
         let mut target = behind.clone();
         target.extend(rest[1..].iter().cloned());
         if let Some(found) = resolve(modules, &target, depth + 1) {
             return Some(found);
         }
     }
-    for glob in module.exports.get("*").into_iter().flatten() {
+    for glob in module.imports.get("*").into_iter().flatten() {
         let found = resolve(modules, glob, depth + 1);
         if let Some(found) = found.filter(|key| modules[key].items.contains(item)) {
             return Some(found);

@@ -1,14 +1,12 @@
 //! The actuator acts late.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct ActuatorDelay<S> {
-    delay_s: S,
-}
+numbers!(ActuatorDelay { delay_s });
 
 impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
         summary: "pure delay of the command",
         equation: "y(t) = u(t - T)",
         source: "pure delay",
-        place: Place::Command,
+        site: ModelSite::Command,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -24,6 +22,7 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "delay_s",
             "s",
             0.0,
@@ -38,17 +37,11 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::Steps,
+        manoeuvre: Manoeuvre::Steps,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            delay_s: values.number("delay_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.direct = false;
-        parts.drive.delay_s = Some(self.delay_s);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.direct = false;
+        parameters.drive.delay_s = Some(self.delay_s);
     }
 }

@@ -1,14 +1,12 @@
 //! The actuator follows its command gradually.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct ActuatorLag<S> {
-    time_constant_s: S,
-}
+numbers!(ActuatorLag { time_constant_s });
 
 impl<S: Scalar> Effect<S> for ActuatorLag<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
         summary: "first-order lag of the commanded quantity",
         equation: "T dy/dt = u - y",
         source: "first-order system",
-        place: Place::Command,
+        site: ModelSite::Command,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -24,6 +22,7 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "time_constant_s",
             "s",
             1e-4,
@@ -38,17 +37,11 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::Steps,
+        manoeuvre: Manoeuvre::Steps,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            time_constant_s: values.number("time_constant_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.direct = false;
-        parts.drive.lag_s = Some(self.time_constant_s);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.direct = false;
+        parameters.drive.lag_s = Some(self.time_constant_s);
     }
 }

@@ -1,14 +1,12 @@
 //! Dry friction in the wheels' bearings.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct AxleFriction<S> {
-    torque_nm: S,
-}
+numbers!(AxleFriction { torque_nm });
 
 impl<S: Scalar> Effect<S> for AxleFriction<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for AxleFriction<S> {
         summary: "Coulomb torque against wheel rotation, both wheels alike",
         equation: "tau = -tau_0 sign(omega)",
         source: "Coulomb's law",
-        place: Place::DriveTrain,
+        site: ModelSite::DriveTrain,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -24,6 +22,7 @@ impl<S: Scalar> Effect<S> for AxleFriction<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "torque_nm",
             "N m",
             0.0,
@@ -38,16 +37,10 @@ impl<S: Scalar> Effect<S> for AxleFriction<S> {
             (Channel::WheelRight, Variable::Speed),
             (Channel::WheelLeft, Variable::Speed),
         ],
-        experiment: Experiment::LiftedWheels,
+        manoeuvre: Manoeuvre::LiftedWheels,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            torque_nm: values.number("torque_nm"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.axle_torque = Some(self.torque_nm);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.axle_torque = Some(self.torque_nm);
     }
 }

@@ -1,14 +1,12 @@
 //! Play in the gears.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct Backlash<S> {
-    gap_rad: S,
-}
+numbers!(Backlash { gap_rad });
 
 impl<S: Scalar> Effect<S> for Backlash<S> {
     const INFO: Info = Info {
@@ -17,7 +15,7 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
             rebound; a quarter of I_wy turns with the motor, where the encoder is",
         equation: "tau_wheel = 0 while |theta_m - theta_w| < gap / 2",
         source: "dead zone with inelastic contact",
-        place: Place::DriveTrain,
+        site: ModelSite::DriveTrain,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -26,6 +24,7 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
             Channel::SensorWheels,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "gap_rad",
             "rad",
             1e-4,
@@ -40,16 +39,10 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::Steps,
+        manoeuvre: Manoeuvre::Steps,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            gap_rad: values.number("gap_rad"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.gap_rad = Some(self.gap_rad);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.gap_rad = Some(self.gap_rad);
     }
 }

@@ -1,14 +1,12 @@
 //! The caster rubs.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct CasterDrag<S> {
-    friction: S,
-}
+numbers!(CasterDrag { friction });
 
 impl<S: Scalar> Effect<S> for CasterDrag<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for CasterDrag<S> {
         summary: "Coulomb friction at the caster's contact, against its velocity",
         equation: "F = -mu N_ca v_ca / |v_ca|",
         source: "Coulomb's law; N_ca from Eq. 6",
-        place: Place::Contact,
+        site: ModelSite::Contact,
         channels: &[
             Channel::Longitudinal,
             Channel::Lateral,
@@ -25,6 +23,7 @@ impl<S: Scalar> Effect<S> for CasterDrag<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "friction",
             "1",
             0.0,
@@ -36,16 +35,10 @@ impl<S: Scalar> Effect<S> for CasterDrag<S> {
         acts: When::Always,
         condition: "whenever it moves",
         follows: &[(Channel::Longitudinal, Variable::Speed)],
-        experiment: Experiment::SpinInPlace,
+        manoeuvre: Manoeuvre::SpinInPlace,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            friction: values.number("friction"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.caster_friction = Some(self.friction);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.caster_friction = Some(self.friction);
     }
 }

@@ -1,8 +1,10 @@
 //! One stream's clock runs fast or slow.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, When,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
 /// The streams that have a clock of their own.
 const STREAMS: &[&str] = &["pose", "wheels", "imu"];
@@ -14,20 +16,36 @@ pub(super) struct ClockDrift<S> {
     stream: &'static str,
 }
 
+impl<S: Scalar> FromValues<S> for ClockDrift<S> {
+    fn from_values(values: &Values<S>) -> Self {
+        Self {
+            rate: values.number("rate"),
+            stream: values.text,
+        }
+    }
+}
+
 impl<S: Scalar> Effect<S> for ClockDrift<S> {
     const INFO: Info = Info {
         id: "clock_drift",
         summary: "stamp = t (1 + rate) in one stream",
         equation: "z(t (1 + k)) = y(t)",
         source: "first order of a clock's error",
-        place: Place::Sensor,
+        site: ModelSite::Sensor,
         channels: &[
             Channel::SensorPose,
             Channel::SensorWheels,
             Channel::SensorImu,
         ],
         parameters: &[
-            ParameterInfo::number("rate", "s/s", -0.1, 0.1, &[-0.002, -2e-4, 2e-4, 0.002]),
+            ParameterInfo::number(
+                Role::Size,
+                "rate",
+                "s/s",
+                -0.1,
+                0.1,
+                &[-0.002, -2e-4, 2e-4, 0.002],
+            ),
             ParameterInfo::text("stream", STREAMS),
         ],
         repeats: true,
@@ -35,18 +53,11 @@ impl<S: Scalar> Effect<S> for ClockDrift<S> {
         acts: When::Always,
         condition: "always",
         follows: &[],
-        experiment: Experiment::SharpStarts,
+        manoeuvre: Manoeuvre::SharpStarts,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            rate: values.number("rate"),
-            stream: values.text,
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        let rates = &mut parts.sensing.clock_rate;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        let rates = &mut parameters.sensing.clock_rate;
         match self.stream {
             "wheels" => rates.wheels = self.rate,
             "imu" => rates.imu = self.rate,

@@ -1,8 +1,12 @@
 //! Small commands do nothing.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::{Limits, Parts};
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, Variable,
+    When,
+};
+use crate::parts::actuator::Limits;
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
 /// See [`Effect::INFO`].
 #[derive(Debug, Clone)]
@@ -11,13 +15,22 @@ pub(super) struct CommandDeadBand<S> {
     speed_rad_s: Option<S>,
 }
 
+impl<S: Scalar> FromValues<S> for CommandDeadBand<S> {
+    fn from_values(values: &Values<S>) -> Self {
+        Self {
+            torque_nm: values.get("torque_nm"),
+            speed_rad_s: values.get("speed_rad_s"),
+        }
+    }
+}
+
 impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
     const INFO: Info = Info {
         id: "command_dead_band",
         summary: "wheel commands below a size do nothing",
         equation: "y = 0 where |u| < u_0",
         source: "piecewise linear map",
-        place: Place::Command,
+        site: ModelSite::Command,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -25,8 +38,24 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
             Channel::WheelLeft,
         ],
         parameters: &[
-            ParameterInfo::number("torque_nm", "N m", 0.0, 1e3, &[0.004, 0.012, 0.03]).or(),
-            ParameterInfo::number("speed_rad_s", "rad/s", 0.0, 1e4, &[0.05, 0.2, 1.0]).or(),
+            ParameterInfo::number(
+                Role::Size,
+                "torque_nm",
+                "N m",
+                0.0,
+                1e3,
+                &[0.004, 0.012, 0.03],
+            )
+            .or(),
+            ParameterInfo::number(
+                Role::Size,
+                "speed_rad_s",
+                "rad/s",
+                0.0,
+                1e4,
+                &[0.05, 0.2, 1.0],
+            )
+            .or(),
         ],
         repeats: false,
         kinematic: true,
@@ -36,18 +65,11 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::Steps,
+        manoeuvre: Manoeuvre::Steps,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            torque_nm: values.get("torque_nm"),
-            speed_rad_s: values.get("speed_rad_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.dead_band = Limits {
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.dead_band = Limits {
             torque_nm: self.torque_nm,
             speed_rad_s: self.speed_rad_s,
         };

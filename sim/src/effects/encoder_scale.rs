@@ -1,15 +1,13 @@
 //! The encoders count too much or too little.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct EncoderScale<S> {
-    right_scale: S,
-    left_scale: S,
-}
+numbers!(EncoderScale {
+    right_scale,
+    left_scale
+});
 
 impl<S: Scalar> Effect<S> for EncoderScale<S> {
     const INFO: Info = Info {
@@ -17,28 +15,35 @@ impl<S: Scalar> Effect<S> for EncoderScale<S> {
         summary: "counts lost or gained in proportion",
         equation: "n = s theta counts / 2 pi",
         source: "plain factor",
-        place: Place::Sensor,
+        site: ModelSite::Sensor,
         channels: &[Channel::SensorWheels],
         parameters: &[
-            ParameterInfo::number("right_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
-            ParameterInfo::number("left_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
+            ParameterInfo::number(
+                Role::Factor,
+                "right_scale",
+                "1",
+                0.5,
+                2.0,
+                &[0.97, 0.99, 1.01, 1.03],
+            ),
+            ParameterInfo::number(
+                Role::Factor,
+                "left_scale",
+                "1",
+                0.5,
+                2.0,
+                &[0.97, 0.99, 1.01, 1.03],
+            ),
         ],
         repeats: false,
         kinematic: true,
         acts: When::Always,
         condition: "always",
         follows: &[],
-        experiment: Experiment::HandTurned,
+        manoeuvre: Manoeuvre::HandTurned,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            right_scale: values.number("right_scale"),
-            left_scale: values.number("left_scale"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.sensing.encoder_scale = [self.right_scale, self.left_scale];
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.sensing.encoder_scale = [self.right_scale, self.left_scale];
     }
 }

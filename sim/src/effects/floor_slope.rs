@@ -1,15 +1,15 @@
 //! The floor tilts.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct FloorSlope<S> {
-    grade: S,
-    downhill_rad: S,
-}
+numbers!(FloorSlope {
+    grade,
+    downhill_rad
+});
 
 impl<S: Scalar> Effect<S> for FloorSlope<S> {
     const INFO: Info = Info {
@@ -17,30 +17,30 @@ impl<S: Scalar> Effect<S> for FloorSlope<S> {
         summary: "the floor tilts; direction in the world frame",
         equation: "F = m g sin(atan(grade)) downhill, at the centre of all mass",
         source: "component of weight",
-        place: Place::Body,
+        site: ModelSite::Body,
         channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
         parameters: &[
-            ParameterInfo::number("grade", "1", 0.0, 1.0, &[0.002, 0.008, 0.03]),
-            ParameterInfo::number("downhill_rad", "rad", -7.0, 7.0, &[0.0, 1.6, 3.1, -1.6]),
+            ParameterInfo::number(Role::Size, "grade", "1", 0.0, 1.0, &[0.002, 0.008, 0.03]),
+            ParameterInfo::number(
+                Role::Direction,
+                "downhill_rad",
+                "rad",
+                -7.0,
+                7.0,
+                &[0.0, 1.6, 3.1, -1.6],
+            ),
         ],
         repeats: false,
         kinematic: false,
         acts: When::Always,
         condition: "always",
         follows: &[(Channel::Longitudinal, Variable::Heading)],
-        experiment: Experiment::Ramp,
+        manoeuvre: Manoeuvre::Ramp,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            grade: values.number("grade"),
-            downhill_rad: values.number("downhill_rad"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
         let (sin, cos) = self.downhill_rad.sin_cos();
-        parts.gradient[0] += self.grade * cos;
-        parts.gradient[1] += self.grade * sin;
+        parameters.gradient[0] += self.grade * cos;
+        parameters.gradient[1] += self.grade * sin;
     }
 }

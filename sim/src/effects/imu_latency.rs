@@ -1,14 +1,10 @@
 //! The inertial sensor is stamped late.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct ImuLatency<S> {
-    latency_s: S,
-}
+numbers!(ImuLatency { latency_s });
 
 impl<S: Scalar> Effect<S> for ImuLatency<S> {
     const INFO: Info = Info {
@@ -16,9 +12,10 @@ impl<S: Scalar> Effect<S> for ImuLatency<S> {
         summary: "stamp = true time + latency in the imu stream",
         equation: "z(t) = y(t - T)",
         source: "pure delay",
-        place: Place::Sensor,
+        site: ModelSite::Sensor,
         channels: &[Channel::SensorImu],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "latency_s",
             "s",
             -2.0,
@@ -30,16 +27,10 @@ impl<S: Scalar> Effect<S> for ImuLatency<S> {
         acts: When::Always,
         condition: "always",
         follows: &[],
-        experiment: Experiment::SharpStarts,
+        manoeuvre: Manoeuvre::SharpStarts,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            latency_s: values.number("latency_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.sensing.latency_s.imu = self.latency_s;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.sensing.latency_s.imu = self.latency_s;
     }
 }

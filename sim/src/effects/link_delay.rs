@@ -1,14 +1,10 @@
 //! Messages tell the past.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct LinkDelay<S> {
-    delay_s: S,
-}
+numbers!(LinkDelay { delay_s });
 
 impl<S: Scalar> Effect<S> for LinkDelay<S> {
     const INFO: Info = Info {
@@ -16,9 +12,10 @@ impl<S: Scalar> Effect<S> for LinkDelay<S> {
         summary: "a message's content is older than its stamp says; the robot is the receiver",
         equation: "q(t) = q_sender(t - T)",
         source: "pure delay",
-        place: Place::Link,
+        site: ModelSite::Link,
         channels: &[Channel::Link],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "delay_s",
             "s",
             0.0,
@@ -30,16 +27,10 @@ impl<S: Scalar> Effect<S> for LinkDelay<S> {
         acts: When::Always,
         condition: "always",
         follows: &[],
-        experiment: Experiment::Follow,
+        manoeuvre: Manoeuvre::Follow,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            delay_s: values.number("delay_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.sensing.link_delay_s = self.delay_s;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.sensing.link_delay_s = self.delay_s;
     }
 }

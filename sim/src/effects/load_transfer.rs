@@ -1,14 +1,12 @@
 //! Accelerating presses the driven wheels down.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct LoadTransfer<S> {
-    com_height_m: S,
-}
+numbers!(LoadTransfer { com_height_m });
 
 impl<S: Scalar> Effect<S> for LoadTransfer<S> {
     const INFO: Info = Info {
@@ -17,13 +15,14 @@ impl<S: Scalar> Effect<S> for LoadTransfer<S> {
             out)",
         equation: "N_ca (d + e) = m_t g d - m_t a h",
         source: "moment balance about the axle's contact line",
-        place: Place::Contact,
+        site: ModelSite::Contact,
         channels: &[
             Channel::Longitudinal,
             Channel::WheelRight,
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "com_height_m",
             "m",
             0.0,
@@ -35,16 +34,10 @@ impl<S: Scalar> Effect<S> for LoadTransfer<S> {
         acts: When::Always,
         condition: "always",
         follows: &[(Channel::Longitudinal, Variable::Command)],
-        experiment: Experiment::AddedMass,
+        manoeuvre: Manoeuvre::AddedMass,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            com_height_m: values.number("com_height_m"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.transfer_height = Some(self.com_height_m);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.transfer_height = Some(self.com_height_m);
     }
 }

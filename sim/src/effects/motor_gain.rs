@@ -1,15 +1,12 @@
 //! The motors are not as strong as told.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct MotorGain<S> {
-    right: S,
-    left: S,
-}
+numbers!(MotorGain { right, left });
 
 impl<S: Scalar> Effect<S> for MotorGain<S> {
     const INFO: Info = Info {
@@ -17,7 +14,7 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
         summary: "applied torque or speed is a multiple of the commanded one",
         equation: "y = g u",
         source: "plain factor",
-        place: Place::Command,
+        site: ModelSite::Command,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -25,8 +22,22 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
             Channel::WheelLeft,
         ],
         parameters: &[
-            ParameterInfo::number("right", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15]),
-            ParameterInfo::number("left", "1", 0.0, 10.0, &[0.85, 0.95, 1.05, 1.15]),
+            ParameterInfo::number(
+                Role::Factor,
+                "right",
+                "1",
+                0.0,
+                10.0,
+                &[0.85, 0.95, 1.05, 1.15],
+            ),
+            ParameterInfo::number(
+                Role::Factor,
+                "left",
+                "1",
+                0.0,
+                10.0,
+                &[0.85, 0.95, 1.05, 1.15],
+            ),
         ],
         repeats: false,
         kinematic: true,
@@ -36,18 +47,11 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::AddedMass,
+        manoeuvre: Manoeuvre::AddedMass,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            right: values.number("right"),
-            left: values.number("left"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.direct = false;
-        parts.drive.gain = [self.right, self.left];
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.direct = false;
+        parameters.drive.gain = [self.right, self.left];
     }
 }

@@ -1,20 +1,18 @@
 //! Somebody pushes.
 
 use super::{
-    Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, When, Wrench,
+    Channel, Effect, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, When, Wrench, numbers,
 };
-use crate::scalar::{Scalar, larger};
+use crate::parts::scalar::{Scalar, larger};
 
 /// How long a push lasts (s).
 const DURATION_S: f64 = 0.06;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct Push<S> {
-    t_s: S,
-    impulse_n_s: S,
-    direction_rad: S,
-}
+numbers!(Push {
+    t_s,
+    impulse_n_s,
+    direction_rad
+});
 
 impl<S: Scalar> Effect<S> for Push<S> {
     const INFO: Info = Info {
@@ -22,28 +20,34 @@ impl<S: Scalar> Effect<S> for Push<S> {
         summary: "an external force on c lasting 60 ms from t_s, world frame",
         equation: "F = J / 60 ms for t_s < t < t_s + 60 ms",
         source: "impulse and momentum",
-        place: Place::Body,
+        site: ModelSite::Body,
         channels: &[Channel::Longitudinal, Channel::Lateral, Channel::Yaw],
         parameters: &[
-            ParameterInfo::number("t_s", "s", 0.0, 1e6, &[]),
-            ParameterInfo::number("impulse_n_s", "N s", 0.0, 1e3, &[0.02, 0.1, 0.4]),
-            ParameterInfo::number("direction_rad", "rad", -7.0, 7.0, &[0.0, 1.6, 3.1, -1.6]),
+            ParameterInfo::number(Role::Time, "t_s", "s", 0.0, 1e6, &[]),
+            ParameterInfo::number(
+                Role::Size,
+                "impulse_n_s",
+                "N s",
+                0.0,
+                1e3,
+                &[0.02, 0.1, 0.4],
+            ),
+            ParameterInfo::number(
+                Role::Direction,
+                "direction_rad",
+                "rad",
+                -7.0,
+                7.0,
+                &[0.0, 1.6, 3.1, -1.6],
+            ),
         ],
         repeats: true,
         kinematic: false,
         acts: When::Once,
         condition: "once",
         follows: &[],
-        experiment: Experiment::NobodyNear,
+        manoeuvre: Manoeuvre::NobodyNear,
     };
-
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            t_s: values.number("t_s"),
-            impulse_n_s: values.number("impulse_n_s"),
-            direction_rad: values.number("direction_rad"),
-        }
-    }
 
     fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
         let from = larger(self.t_s, S::constant(motion.t_s));

@@ -1,15 +1,12 @@
 //! A force in proportion to the square of speed.
 
 use super::{
-    Channel, Effect, Experiment, Info, Motion, ParameterInfo, Place, Values, Variable, When, Wrench,
+    Channel, Effect, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, Variable, When,
+    Wrench, numbers,
 };
-use crate::scalar::{Scalar, length};
+use crate::parts::scalar::{Scalar, length};
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct QuadraticDrag<S> {
-    coefficient: S,
-}
+numbers!(QuadraticDrag { coefficient });
 
 impl<S: Scalar> Effect<S> for QuadraticDrag<S> {
     const INFO: Info = Info {
@@ -17,13 +14,14 @@ impl<S: Scalar> Effect<S> for QuadraticDrag<S> {
         summary: "drag in proportion to the square of the velocity of c",
         equation: "F = -c |v| v",
         source: "Rayleigh's drag equation",
-        place: Place::Body,
+        site: ModelSite::Body,
         channels: &[
             Channel::Longitudinal,
             Channel::WheelRight,
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "coefficient",
             "N s^2/m^2",
             0.0,
@@ -35,14 +33,8 @@ impl<S: Scalar> Effect<S> for QuadraticDrag<S> {
         acts: When::Always,
         condition: "whenever it moves",
         follows: &[(Channel::Longitudinal, Variable::Speed)],
-        experiment: Experiment::CoastDown,
+        manoeuvre: Manoeuvre::CoastDown,
     };
-
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            coefficient: values.number("coefficient"),
-        }
-    }
 
     fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
         let factor = self.coefficient * length(motion.velocity);

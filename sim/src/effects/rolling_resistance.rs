@@ -1,14 +1,12 @@
 //! A force of constant size against the motion.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct RollingResistance<S> {
-    coefficient: S,
-}
+numbers!(RollingResistance { coefficient });
 
 impl<S: Scalar> Effect<S> for RollingResistance<S> {
     const INFO: Info = Info {
@@ -16,13 +14,14 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
         summary: "force of constant size on the body, along its axis, against the motion",
         equation: "F = -c m g sign(u)",
         source: "Coulomb's law; c = force / weight, payload included",
-        place: Place::Body,
+        site: ModelSite::Body,
         channels: &[
             Channel::Longitudinal,
             Channel::WheelRight,
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "coefficient",
             "1",
             0.0,
@@ -34,16 +33,10 @@ impl<S: Scalar> Effect<S> for RollingResistance<S> {
         acts: When::Always,
         condition: "whenever it moves",
         follows: &[(Channel::Longitudinal, Variable::Speed)],
-        experiment: Experiment::CoastDown,
+        manoeuvre: Manoeuvre::CoastDown,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            coefficient: values.number("coefficient"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.rolling_coefficient = Some(self.coefficient);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.rolling_coefficient = Some(self.coefficient);
     }
 }

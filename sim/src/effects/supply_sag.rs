@@ -1,14 +1,12 @@
 //! The battery runs down.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct SupplySag<S> {
-    rate_per_s: S,
-}
+numbers!(SupplySag { rate_per_s });
 
 impl<S: Scalar> Effect<S> for SupplySag<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
         summary: "drive strength falls in proportion to time from the recording's start",
         equation: "y = u (1 - k t)",
         source: "first order in time of a falling supply",
-        place: Place::Command,
+        site: ModelSite::Command,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -24,6 +22,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "rate_per_s",
             "1/s",
             -0.1,
@@ -38,17 +37,11 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::SameAgain,
+        manoeuvre: Manoeuvre::SameAgain,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            rate_per_s: values.number("rate_per_s"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.direct = false;
-        parts.drive.sag_per_s = self.rate_per_s;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.direct = false;
+        parameters.drive.sag_per_s = self.rate_per_s;
     }
 }

@@ -1,14 +1,12 @@
 //! The motor weakens with speed.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct TorqueSpeedDroop<S> {
-    coefficient: S,
-}
+numbers!(TorqueSpeedDroop { coefficient });
 
 impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
     const INFO: Info = Info {
@@ -16,7 +14,7 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
         summary: "drive torque falls with wheel speed (back-EMF, viscous bearing)",
         equation: "tau = tau_c - k omega",
         source: "DC motor's torque-speed line",
-        place: Place::DriveTrain,
+        site: ModelSite::DriveTrain,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -24,6 +22,7 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "coefficient",
             "N m s/rad",
             0.0,
@@ -38,16 +37,10 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
             (Channel::WheelRight, Variable::Speed),
             (Channel::WheelLeft, Variable::Speed),
         ],
-        experiment: Experiment::LiftedWheels,
+        manoeuvre: Manoeuvre::LiftedWheels,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            coefficient: values.number("coefficient"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drive.droop += self.coefficient;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drive.droop += self.coefficient;
     }
 }

@@ -1,14 +1,12 @@
 //! The wheels roll as if further apart, or closer, than told.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct TrackWidth<S> {
-    scale: S,
-}
+numbers!(TrackWidth { scale });
 
 impl<S: Scalar> Effect<S> for TrackWidth<S> {
     const INFO: Info = Info {
@@ -16,9 +14,10 @@ impl<S: Scalar> Effect<S> for TrackWidth<S> {
         summary: "effective track differs from nominal (skid steering: slip in turns)",
         equation: "b = s b_0",
         source: "plain factor",
-        place: Place::Contact,
+        site: ModelSite::Contact,
         channels: &[Channel::Yaw],
         parameters: &[ParameterInfo::number(
+            Role::Factor,
             "scale",
             "1",
             0.2,
@@ -30,16 +29,10 @@ impl<S: Scalar> Effect<S> for TrackWidth<S> {
         acts: When::Always,
         condition: "whenever it turns",
         follows: &[(Channel::Yaw, Variable::TurnRate)],
-        experiment: Experiment::SpinInPlace,
+        manoeuvre: Manoeuvre::SpinInPlace,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            scale: values.number("scale"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.half_track *= self.scale;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.half_track *= self.scale;
     }
 }

@@ -1,14 +1,12 @@
 //! A force in proportion to speed.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct ViscousDrag<S> {
-    coefficient: S,
-}
+numbers!(ViscousDrag { coefficient });
 
 impl<S: Scalar> Effect<S> for ViscousDrag<S> {
     const INFO: Info = Info {
@@ -16,13 +14,14 @@ impl<S: Scalar> Effect<S> for ViscousDrag<S> {
         summary: "drag in proportion to the full velocity vector of c",
         equation: "F = -c v",
         source: "Stokes's law of drag",
-        place: Place::Body,
+        site: ModelSite::Body,
         channels: &[
             Channel::Longitudinal,
             Channel::WheelRight,
             Channel::WheelLeft,
         ],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "coefficient",
             "N s/m",
             0.0,
@@ -34,16 +33,10 @@ impl<S: Scalar> Effect<S> for ViscousDrag<S> {
         acts: When::Always,
         condition: "whenever it moves",
         follows: &[(Channel::Longitudinal, Variable::Speed)],
-        experiment: Experiment::CoastDown,
+        manoeuvre: Manoeuvre::CoastDown,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            coefficient: values.number("coefficient"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.drag += self.coefficient;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.drag += self.coefficient;
     }
 }

@@ -1,15 +1,15 @@
 //! The wheels are larger or smaller than told.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct WheelRadius<S> {
-    right_scale: S,
-    left_scale: S,
-}
+numbers!(WheelRadius {
+    right_scale,
+    left_scale
+});
 
 impl<S: Scalar> Effect<S> for WheelRadius<S> {
     const INFO: Info = Info {
@@ -17,7 +17,7 @@ impl<S: Scalar> Effect<S> for WheelRadius<S> {
         summary: "radius differs from nominal",
         equation: "r_i = s_i r",
         source: "plain factor",
-        place: Place::DriveTrain,
+        site: ModelSite::DriveTrain,
         channels: &[
             Channel::Longitudinal,
             Channel::Yaw,
@@ -26,8 +26,22 @@ impl<S: Scalar> Effect<S> for WheelRadius<S> {
             Channel::SensorWheels,
         ],
         parameters: &[
-            ParameterInfo::number("right_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
-            ParameterInfo::number("left_scale", "1", 0.5, 2.0, &[0.97, 0.99, 1.01, 1.03]),
+            ParameterInfo::number(
+                Role::Factor,
+                "right_scale",
+                "1",
+                0.5,
+                2.0,
+                &[0.97, 0.99, 1.01, 1.03],
+            ),
+            ParameterInfo::number(
+                Role::Factor,
+                "left_scale",
+                "1",
+                0.5,
+                2.0,
+                &[0.97, 0.99, 1.01, 1.03],
+            ),
         ],
         repeats: false,
         kinematic: true,
@@ -37,18 +51,11 @@ impl<S: Scalar> Effect<S> for WheelRadius<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::HandTurned,
+        manoeuvre: Manoeuvre::HandTurned,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            right_scale: values.number("right_scale"),
-            left_scale: values.number("left_scale"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.radius[0] *= self.right_scale;
-        parts.radius[1] *= self.left_scale;
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.radius[0] *= self.right_scale;
+        parameters.radius[1] *= self.left_scale;
     }
 }

@@ -1,15 +1,15 @@
 //! Traction at the driven wheels ends at Coulomb friction.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::{Grip, Parts};
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::{Friction, RobotParameters};
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct WheelSlip<S> {
-    friction_static: S,
-    friction_kinetic: S,
-}
+numbers!(WheelSlip {
+    friction_static,
+    friction_kinetic
+});
 
 impl<S: Scalar> Effect<S> for WheelSlip<S> {
     const INFO: Info = Info {
@@ -18,7 +18,7 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
             together",
         equation: "|F| <= mu_s N while rolling; F = -mu_k N s / |s| at slip velocity s",
         source: "Konduri, Torres and Pagilla, Eq. 9 and 10",
-        place: Place::Contact,
+        site: ModelSite::Contact,
         channels: &[
             Channel::Longitudinal,
             Channel::Lateral,
@@ -27,8 +27,8 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
             Channel::WheelLeft,
         ],
         parameters: &[
-            ParameterInfo::number("friction_static", "1", 1e-3, 10.0, &[0.2]),
-            ParameterInfo::number("friction_kinetic", "1", 1e-3, 10.0, &[0.2]),
+            ParameterInfo::number(Role::Limit, "friction_static", "1", 1e-3, 10.0, &[0.2]),
+            ParameterInfo::number(Role::Limit, "friction_kinetic", "1", 1e-3, 10.0, &[0.2]),
         ],
         repeats: false,
         kinematic: false,
@@ -38,18 +38,11 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
             (Channel::WheelRight, Variable::Command),
             (Channel::WheelLeft, Variable::Command),
         ],
-        experiment: Experiment::UntilItSlips,
+        manoeuvre: Manoeuvre::UntilItSlips,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            friction_static: values.number("friction_static"),
-            friction_kinetic: values.number("friction_kinetic"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.grip = Some(Grip {
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.grip = Some(Friction {
             friction_static: self.friction_static,
             friction_kinetic: self.friction_kinetic,
         });

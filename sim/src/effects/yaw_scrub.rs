@@ -1,14 +1,12 @@
 //! A moment of constant size against turning.
 
-use super::{Channel, Effect, Experiment, Info, ParameterInfo, Place, Values, Variable, When};
-use crate::parts::Parts;
-use crate::scalar::Scalar;
+use super::{
+    Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
+};
+use crate::parts::parameters::RobotParameters;
+use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
-#[derive(Debug, Clone)]
-pub(super) struct YawScrub<S> {
-    moment_nm: S,
-}
+numbers!(YawScrub { moment_nm });
 
 impl<S: Scalar> Effect<S> for YawScrub<S> {
     const INFO: Info = Info {
@@ -16,9 +14,10 @@ impl<S: Scalar> Effect<S> for YawScrub<S> {
         summary: "moment of constant size against turning",
         equation: "M = -M_0 sign(dphi/dt)",
         source: "Coulomb's law",
-        place: Place::Contact,
+        site: ModelSite::Contact,
         channels: &[Channel::Yaw],
         parameters: &[ParameterInfo::number(
+            Role::Size,
             "moment_nm",
             "N m",
             0.0,
@@ -30,16 +29,10 @@ impl<S: Scalar> Effect<S> for YawScrub<S> {
         acts: When::Always,
         condition: "whenever it turns",
         follows: &[(Channel::Yaw, Variable::TurnRate)],
-        experiment: Experiment::SpinInPlace,
+        manoeuvre: Manoeuvre::SpinInPlace,
     };
 
-    fn new(values: &Values<S>) -> Self {
-        Self {
-            moment_nm: values.number("moment_nm"),
-        }
-    }
-
-    fn shape(&self, parts: &mut Parts<S>) {
-        parts.yaw_moment = Some(self.moment_nm);
+    fn apply(&self, parameters: &mut RobotParameters<S>) {
+        parameters.yaw_moment = Some(self.moment_nm);
     }
 }

@@ -33,9 +33,9 @@ fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> 
         robot.step(&mut state, t_s, STEP_S, &command);
     }
     let second = S::constant(1.5);
-    let mut seen = robot.seen_pose(state.pose()).to_vec();
+    let mut seen = robot.measured_pose(state.pose()).to_vec();
     seen.extend(state.velocity());
-    seen.extend(robot.seen_angle(&state));
+    seen.extend(robot.measured_angle(&state));
     seen.extend(state.wheel_angle());
     seen.extend([Stream::Pose, Stream::Wheels, Stream::Imu].map(|s| robot.stamp_s(s, second)));
     seen.push(robot.link_delay_s());

@@ -241,7 +241,7 @@ fn backlash() {
     let speed = shared + rate * (0.5 - contact_s);
     // the meeting is found to 1 ms / 8192
     assert_near("speed", state.wheel_speed()[0], speed, 1e-4);
-    let apart = robot.seen_angle(&state)[0] - state.wheel_angle()[0];
+    let apart = robot.measured_angle(&state)[0] - state.wheel_angle()[0];
     assert_near("gap", apart, gap / 2.0, 1e-6);
 }
 
@@ -260,7 +260,7 @@ fn backlash_under_slip() {
             left_v: 5.0 * (1.9 * t_s).sin() - 2.0 * (4.3 * t_s).sin(),
         };
         robot.step(&mut state, t_s, STEP_S, &command);
-        let (motor, wheel) = (robot.seen_angle(&state), state.wheel_angle());
+        let (motor, wheel) = (robot.measured_angle(&state), state.wheel_angle());
         for i in 0..2 {
             worst = worst.max((motor[i] - wheel[i]).abs() - gap / 2.0);
         }
@@ -365,7 +365,7 @@ fn sensors() {
         "pose_offset",
         &[("x_m", 0.1), ("y_m", 0.02), ("yaw_rad", 0.3)],
     );
-    let [x, y, yaw] = offset.seen_pose([1.0, 2.0, TAU / 4.0]);
+    let [x, y, yaw] = offset.measured_pose([1.0, 2.0, TAU / 4.0]);
     assert_near("x", x, 1.0 - 0.02, 1e-15);
     assert_near("y", y, 2.0 + 0.1, 1e-15);
     assert_near("yaw", yaw, TAU / 4.0 + 0.3, 1e-15);
@@ -394,7 +394,7 @@ fn sensors() {
         &[("right_scale", 1.1), ("left_scale", 0.9)],
     );
     let state = speed_after(&scaled, 1.0, 2.0, 2.0);
-    let [right, left] = scaled.seen_angle(&state);
+    let [right, left] = scaled.measured_angle(&state);
     assert_near("right", right, 2.2, 1e-12);
     assert_near("left", left, 1.8, 1e-12);
 }
@@ -405,7 +405,7 @@ fn inertial_sensor_on_a_slope() {
     let robot = with("floor_slope", &[("grade", 0.1), ("downhill_rad", 0.0)]);
     let state = speed_after(&robot, 0.1, 0.0, 0.0);
     let g = GRAVITY_M_S2 * 0.1 / (1.0_f64 + 0.01).sqrt();
-    assert_near("along", robot.seen_inertial(&state)[0], -g, 1e-9);
+    assert_near("along", robot.measured_inertial(&state)[0], -g, 1e-9);
 }
 
 /// Every effect of the contract is in the catalogue, once, complete, with probes inside its bounds.

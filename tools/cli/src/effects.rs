@@ -53,7 +53,7 @@ fn in_words(info: &Info) -> String {
         info.source,
         info.condition,
         channels.join(", "),
-        info.experiment.words()
+        info.manoeuvre.words()
     );
     for parameter in info.parameters {
         // writing to a string cannot fail
@@ -68,6 +68,7 @@ fn parameter_in_words(parameter: &ParameterInfo) -> String {
         unit,
         domain,
         alternative,
+        ..
     } = parameter;
     let or = if *alternative { ", one of these" } else { "" };
     match domain {
@@ -85,10 +86,10 @@ fn as_json(info: &Info) -> Value {
         .iter()
         .map(|parameter| match parameter.domain {
             Domain::Number { lower, upper, .. } => json!({
-                "name": parameter.name, "unit": parameter.unit, "lower": lower, "upper": upper,
+                "name": parameter.name, "role": parameter.role.name(), "unit": parameter.unit, "lower": lower, "upper": upper,
             }),
             Domain::Text(words) => json!({
-                "name": parameter.name, "unit": parameter.unit, "words": words,
+                "name": parameter.name, "role": parameter.role.name(), "unit": parameter.unit, "words": words,
             }),
         })
         .collect();
@@ -96,6 +97,6 @@ fn as_json(info: &Info) -> Value {
         "id": info.id, "summary": info.summary, "equation": info.equation,
         "source": info.source, "channels": channels, "parameters": parameters,
         "repeats": info.repeats, "kinematic": info.kinematic,
-        "acts": info.condition, "experiment": info.experiment.words(),
+        "acts": info.condition, "experiment": info.manoeuvre.words(),
     })
 }

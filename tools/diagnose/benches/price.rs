@@ -167,7 +167,7 @@ fn drive(robot: &Robot, case: &Case) -> [f64; 3] {
 }
 
 fn alone(bencher: Bencher<'_, '_>, case: &Case) {
-    let robot = Robot::new(&case.nominal).unwrap().coarse();
+    let robot = Robot::new(&case.nominal).unwrap().draft();
     bencher.bench_local(|| drive(black_box(&robot), case));
 }
 
@@ -224,7 +224,7 @@ fn least_cpu_s(rounds: u32, work: impl Fn()) -> f64 {
 fn prices() {
     println!("\nCPU time on one core, and as a multiple of the plant alone");
     for (name, case) in [("rolling", &ROLLING), ("slipping", &SLIPPING)] {
-        let robot = Robot::new(&case.nominal).unwrap().coarse();
+        let robot = Robot::new(&case.nominal).unwrap().draft();
         let plant_s = least_cpu_s(20, || {
             black_box(drive(&robot, case));
         });

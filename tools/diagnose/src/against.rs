@@ -233,14 +233,14 @@ fn opposing(speed: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipstream_sim::effects::{CATALOGUE, Place};
+    use slipstream_sim::effects::{CATALOGUE, ModelSite};
 
     /// What misses a force is shown against something, what only a sensor or a link shows is not, nor
     /// is a push, which the force over time shows.
     #[test]
     fn every_force_has_a_telling_variable() {
         for info in CATALOGUE {
-            let elsewhere = matches!(info.place, Place::Sensor | Place::Link);
+            let elsewhere = matches!(info.site, ModelSite::Sensor | ModelSite::Link);
             let nothing = telling(info).next().is_none() && slip_over(info).is_empty();
             let expected = elsewhere || info.acts == When::Once;
             assert_eq!(nothing, expected, "{}", info.id);

@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
                 let own = list.iter().zip(self.only);
                 let own = own.filter(|(_, only)| only.is_none_or(|only| only == run));
                 let own: Vec<Listed<f64>> = own.map(|(listed, _)| listed.clone()).collect();
-                Robot::assemble(self.model, &own).map(Robot::coarse)
+                Robot::assemble(self.model, &own).map(Robot::draft)
             })
             .collect()
     }

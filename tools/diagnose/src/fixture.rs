@@ -44,7 +44,7 @@ pub(crate) fn driven(model: &RobotModel, length_s: f64, torque: fn(f64) -> [f64;
         let t_s = f64::from(k) * HOLD_S;
         let [right_nm, left_nm] = torque(t_s);
         let command = Command::Torque { right_nm, left_nm };
-        let [right, left] = robot.seen_angle(&state);
+        let [right, left] = robot.measured_angle(&state);
         angles.push((t_s, [right, left, f64::NAN]));
         poses.push((t_s, state.pose()));
         commands.push((t_s, command));

@@ -4,7 +4,9 @@
 use std::f64::consts::TAU;
 
 use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Channel, Domain, Info, ParameterInfo, Place, When, find};
+use slipstream_sim::effects::{
+    CATALOGUE, Channel, Domain, Info, ModelSite, ParameterInfo, Role, When, find,
+};
 use slipstream_sim::{CommandKind, Stream};
 
 use crate::simulate::asked;
@@ -56,8 +58,9 @@ impl Hypothesis {
 
     /// The value at which a parameter does nothing: 1 for a factor, the model's for what it has.
     pub(crate) fn nothing(&self, model: &RobotModel, name: &str) -> f64 {
+        let factor = self.info.parameter(name).is_some_and(is_factor);
         self.nominal(model, name)
-            .unwrap_or(if is_factor(name) { 1.0 } else { 0.0 })
+            .unwrap_or(if factor { 1.0 } else { 0.0 })
     }
 
     /// The model's value of a parameter, where the model has the effect.
@@ -171,8 +174,8 @@ pub(crate) fn slides(info: &Info) -> bool {
 
 /// Whether what becomes of a command depends on time, or on the commands before.
 pub(crate) fn changes_commands_over_time(info: &Info) -> bool {
-    let by_factors = info.parameters.iter().all(|p| is_factor(p.name));
-    info.place == Place::Command && info.acts == When::Always && !by_factors
+    let by_factors = info.parameters.iter().all(is_factor);
+    info.site == ModelSite::Command && info.acts == When::Always && !by_factors
 }
 
 /// Whether an effect has a place or a time that is searched.
@@ -191,7 +194,7 @@ pub(crate) fn sizes_of(info: &Info) -> usize {
 }
 
 fn is_mass(parameter: &ParameterInfo) -> bool {
-    parameter.unit == "kg"
+    parameter.role == Role::Mass
 }
 
 /// Whether what an effect does depends on where the robot is or which way it faces.
@@ -207,25 +210,24 @@ pub(crate) fn points_downhill(info: &Info) -> bool {
 
 /// Whether a parameter says where, when or which way, and not how much.
 pub(crate) fn is_where(info: &Info, name: &str) -> bool {
-    let place = matches!(name, "t_s" | "x_m" | "y_m") && info.place != Place::Sensor;
+    let role = info.parameter(name).map(|p| p.role);
+    let place = matches!(role, Some(Role::Time | Role::Position)) && info.site != ModelSite::Sensor;
     place || is_direction(info, name)
 }
 
 /// Whether a parameter is a direction on the floor, not one in which a sensor looks.
 pub(crate) fn is_direction(info: &Info, name: &str) -> bool {
-    comes_round(info, name) && info.place != Place::Sensor
+    comes_round(info, name) && info.site != ModelSite::Sensor
 }
 
 /// Whether a parameter may take any angle.
 fn comes_round(info: &Info, name: &str) -> bool {
-    info.parameter(name).is_some_and(|p| match p.domain {
-        Domain::Number { lower, upper, .. } => p.unit == "rad" && upper - lower > TAU,
-        _ => false,
-    })
+    info.parameter(name)
+        .is_some_and(|p| p.role == Role::Direction)
 }
 
-fn is_factor(name: &str) -> bool {
-    name.ends_with("scale") || name == "right" || name == "left"
+fn is_factor(parameter: &ParameterInfo) -> bool {
+    parameter.role == Role::Factor
 }
 
 /// Friction's two coefficients, of which the first is not below the second.
@@ -239,7 +241,7 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
     };
     let able = |info: &&Info| {
         // what links do several robots show together
-        let search = !is_local(info) && info.place != Place::Link;
+        let search = !is_local(info) && info.site != ModelSite::Link;
         search && !excluded.iter().any(|id| id == info.id) && shows(info, track)
     };
     let fresh = CATALOGUE
@@ -256,11 +258,11 @@ fn shows(info: &Info, track: &Track) -> bool {
     let has = |sensor| track.of(sensor).is_some();
     if track.driver == Driver::Wheels {
         // the wheels' own motion is the input: of what acts before it their size alone can show
-        let seen = match info.place {
-            Place::Command | Place::Link => false,
-            Place::DriveTrain => info.kinematic,
-            Place::Contact | Place::Body => true,
-            Place::Sensor => info.channels != [Channel::SensorWheels],
+        let seen = match info.site {
+            ModelSite::Command | ModelSite::Link => false,
+            ModelSite::DriveTrain => info.kinematic,
+            ModelSite::Contact | ModelSite::Body => true,
+            ModelSite::Sensor => info.channels != [Channel::SensorWheels],
         };
         if !seen {
             return false;
@@ -405,7 +407,7 @@ fn starts(
             alone(&probes)
         }
         When::Above => alone(&sizes(track, model, &SATURATIONS)),
-        _ if numbers.len() == 1 && !is_factor(numbers[0].name) => alone(probes(numbers[0])),
+        _ if numbers.len() == 1 && !is_factor(numbers[0]) => alone(probes(numbers[0])),
         _ => {
             let begun = |p: &&&ParameterInfo| (p.name, begun(p, model));
             let start: Vec<(&str, f64)> = numbers.iter().map(begun).collect();
@@ -426,7 +428,7 @@ fn starts(
 /// share of the body's mass, all else at its first probe.
 fn begun(parameter: &ParameterInfo, model: &RobotModel) -> f64 {
     let probes = probes(parameter);
-    if is_factor(parameter.name) {
+    if is_factor(parameter) {
         1.0
     } else if is_mass(parameter) {
         // how a load shows where it lies is a product of both: neither may be small

@@ -87,12 +87,12 @@ impl Law {
         command: &Command,
     ) -> Sampled {
         let [r, b, _] = self.lengths_m;
-        let angle = robot.seen_angle(state);
+        let angle = robot.measured_angle(state);
         let [u, _, rate] = state.velocity();
         let asked = asked(command, r, b);
         let [v, w] = match track.of(Sensor::WheelAngle) {
             _ if self.of_motion => robot.odometry(asked),
-            Some(_) => robot.odometry(robot.seen_speed(state)),
+            Some(_) => robot.odometry(robot.measured_speed(state)),
             None => [u, rate],
         };
         Sampled {

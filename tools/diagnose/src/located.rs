@@ -110,8 +110,8 @@ pub(crate) fn apart(bench: &Bench) -> Vec<[f64; 2]> {
         let mut before = [0.0; 2];
         for ((t_s, command), end_s) in track.commands.iter().zip(ends) {
             let speeds = wheels.map_or([0.0; 3], |wheels| rate(wheels, *t_s, ABOUT_S));
-            let pushes = robot.pushes(command, [speeds[0], speeds[1]]);
-            let standing = robot.pushes(command, [0.0; 2]);
+            let pushes = robot.motor_efforts(command, [speeds[0], speeds[1]]);
+            let standing = robot.motor_efforts(command, [0.0; 2]);
             for i in 0..2 {
                 let uncertain = SURE * (standing[i] - pushes[i]).abs();
                 if pushes[i].abs() <= uncertain {

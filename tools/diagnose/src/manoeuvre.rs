@@ -12,7 +12,7 @@ pub fn manoeuvre(effects: &[&str]) -> String {
 fn of(effect: &str) -> &'static str {
     find(effect).map_or(
         "stop-and-go, spin in place and coast-down in one recording",
-        |info| info.experiment.words(),
+        |info| info.manoeuvre.words(),
     )
 }
 

@@ -49,8 +49,8 @@ impl Knot {
         Self {
             pose: state.pose(),
             velocity: state.velocity(),
-            angle: robot.seen_angle(state),
-            speed: robot.seen_speed(state),
+            angle: robot.measured_angle(state),
+            speed: robot.measured_speed(state),
         }
     }
 
@@ -156,7 +156,7 @@ impl Simulation<'_> {
                 .take_while(|(t_s, _)| *t_s > from_s - MEMORY_S)
                 .count();
             let past = &told[(first + 1).saturating_sub(count + 1)..=first];
-            self.robot.recall(&mut state, past, from_s);
+            self.robot.replay_commands(&mut state, past, from_s);
         }
         state
     }
@@ -222,7 +222,7 @@ impl Simulation<'_> {
                 held_s = now_s + HELD_S;
             }
             let (load, load_s) = self.load(now_s, pulse, law);
-            state.set_load(load);
+            state.set_external_force(load);
             let until_s = load_s.min(held_s).min(change_s);
             let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
             let step_s = (until_s - now_s) / steps;
@@ -374,7 +374,7 @@ impl<'a> Seen<'a> {
                 [along, across, turn]
             }
             Sensor::Imu => {
-                let [along, across, _] = robot.seen_inertial(state);
+                let [along, across, _] = robot.measured_inertial(state);
                 [along, across, turn]
             }
         };
@@ -410,7 +410,7 @@ pub(crate) fn is_exact_at_any_step(kind: CommandKind, slips: bool, lags: bool) -
 
 /// Where the camera sees the tracked point of a robot at `pose`.
 pub(crate) fn tracked(track: &Track, robot: &Robot, pose: [f64; 3]) -> [f64; 3] {
-    let [x, y, yaw] = robot.seen_pose(pose);
+    let [x, y, yaw] = robot.measured_pose(pose);
     let (sin, cos) = yaw.sin_cos();
     let ahead = track.tracked_ahead_m;
     [x + cos * ahead, y + sin * ahead, yaw]

@@ -251,7 +251,7 @@ fn sample(plant: &Plant, t_s: f64, state: &State) -> Sample {
         pose: state.pose(),
         velocity: state.velocity(),
         acceleration: [along, across],
-        angle: plant.seen_angle(state),
+        angle: plant.measured_angle(state),
         speed: state.wheel_speed(),
     }
 }

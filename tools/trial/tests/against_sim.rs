@@ -58,7 +58,7 @@ fn apart_under(model: &RobotModel, quantity: Quantity, rows: Vec<(f64, [f64; 2])
             robot.step(&mut other, t_s + f64::from(i) * 2.5e-4, 2.5e-4, &command);
         }
         plant.advance(&commands, &mut mine, t_s + HOLD_S, |_, _| {});
-        let (pose, angle) = (other.pose(), robot.seen_angle(&other));
+        let (pose, angle) = (other.pose(), robot.measured_angle(&other));
         worst[0] = worst[0].max((mine.pose[0] - pose[0]).hypot(mine.pose[1] - pose[1]));
         for (own, other) in mine.motor.iter().zip(angle) {
             worst[1] = worst[1].max((own - other).abs());

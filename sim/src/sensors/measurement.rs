@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::parts::Streams;
+use crate::integrate::State;
+use crate::parts::parameters::Streams;
+use crate::parts::scalar::{Pair, Scalar, heading};
 use crate::robot::Robot;
-use crate::scalar::{Pair, Scalar, heading};
-use crate::state::State;
 
 /// A stream of measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +47,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// What a camera that tracks the declared point c reports: x, y (m) and yaw (rad, not wrapped).
-    pub fn seen_pose(&self, pose: [S; 3]) -> [S; 3] {
+    pub fn measured_pose(&self, pose: [S; 3]) -> [S; 3] {
         let [forward, left, turn] = self.sensing.pose_offset;
         let [cos, sin] = heading(pose[2]);
         [
@@ -58,7 +58,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Angles that the encoders report (rad): of the motors' side of the gears, scaled.
-    pub fn seen_angle(&self, state: &State<S>) -> Pair<S> {
+    pub fn measured_angle(&self, state: &State<S>) -> Pair<S> {
         let motors = self.drive.gap_rad.is_some();
         let [right, left] = if motors {
             state.body.motor_angle
@@ -70,7 +70,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Speeds of what the encoders count (rad/s).
-    pub fn seen_speed(&self, state: &State<S>) -> Pair<S> {
+    pub fn measured_speed(&self, state: &State<S>) -> Pair<S> {
         let motors = self.drive.gap_rad.is_some();
         let [right, left] = if motors {
             state.body.motor_speed
@@ -93,7 +93,7 @@ impl<S: Scalar> Robot<S> {
 
     /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c. On a slope, weight
     /// shows in it as it does in a real sensor.
-    pub fn seen_inertial(&self, state: &State<S>) -> [S; 3] {
+    pub fn measured_inertial(&self, state: &State<S>) -> [S; 3] {
         let [along, across, _] = state.acceleration();
         let [pull_along, pull_across] = self.pull.map_or([S::constant(0.0); 2], |[x, y]| {
             let [cos, sin] = heading(state.pose()[2]);

@@ -4,24 +4,24 @@
 //! matrices. The step is [`crate::Robot::step`]'s; where a wheel comes near to sticking, turns its
 //! slip fast or lifts, it is refused.
 
-use crate::attempt::{STIFF, TURN};
-use crate::operator::Operator;
-use crate::parts::Grip;
+use crate::dynamics::constrained::ConstrainedDynamics;
+use crate::parts::parameters::Friction;
+use crate::parts::pose::advance_pose;
+use crate::parts::scalar::{Pair, Scalar, Vector};
+use crate::parts::tolerances::{EXPLICIT_MAX, TURN_MAX};
 use crate::robot::Robot;
-use crate::scalar::{Pair, Scalar, Vector};
-use crate::state::{Body, Contact};
-use crate::travel::advance_pose;
+use crate::robot::body::{Body, Contact};
 
 /// Coefficients of a robot that slides on both wheels.
 #[derive(Debug, Clone)]
-pub(crate) struct Skid<S> {
+pub(crate) struct SlidingStep<S> {
     /// Inverse of the body's part of the mass matrix, by rows.
     body: [[S; 3]; 3],
     /// 1 / I_wy.
     per_spin: S,
     /// −μ_k of each wheel.
     friction: Pair<S>,
-    /// Change of each contact's slip in a second for a newton of normal force (m/s²).
+    /// ActiveSetChange of each contact's slip in a second for a newton of normal force (m/s²).
     braking: Pair<f64>,
 }
 
@@ -35,8 +35,8 @@ struct Instant<S> {
     stands: bool,
 }
 
-impl<S: Scalar> Skid<S> {
-    pub(crate) fn new(grip: Pair<Grip<S>>, operator: &Operator<S>) -> Self {
+impl<S: Scalar> SlidingStep<S> {
+    pub(crate) fn new(grip: Pair<Friction<S>>, operator: &ConstrainedDynamics<S>) -> Self {
         let a = &operator.acceleration;
         let kinetic = grip.map(|grip| grip.friction_kinetic);
         let mobility = operator.mobility;
@@ -114,10 +114,10 @@ impl<S: Scalar> Skid<S> {
             let cross = a[0] * c[1] - a[1] * c[0];
             let braked = self.braking[i] * start.contact.normal_n[i].value() * over_s;
             let square = dot(a, a);
-            (braked * braked <= STIFF * STIFF * square)
+            (braked * braked <= EXPLICIT_MAX * EXPLICIT_MAX * square)
                 & (dot(a, b) > 0.0)
                 & (dot(a, c) > 0.0)
-                & (cross * cross <= TURN * square * dot(c, c))
+                & (cross * cross <= TURN_MAX * square * dot(c, c))
         };
         if !(start.stands & end.stands & steady(0) & steady(1)) {
             return false;

@@ -1,14 +1,51 @@
-//! From the command to the motor: delay → dead band → saturation → lag → gain and sag.
+//! Actuator chain, from the command to the motor: delay, dead band, saturation, lag, gain and sag.
 
 use std::collections::VecDeque;
 
-use crate::command::CommandKind;
-use crate::parts::{Drive, Limits};
-use crate::scalar::{Pair, Scalar, clamp};
+use slipstream_bus::RobotModel;
+
+use super::command::CommandKind;
+use super::scalar::{Pair, Scalar, clamp};
+
+/// What stands between the command and the wheels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Actuator<S> {
+    /// Age of the command that acts (s).
+    pub delay_s: Option<S>,
+    /// Size below which a torque (N m), or speed (rad/s), does nothing.
+    pub dead_band: Limits<S>,
+    /// Size above which a torque or speed is cut.
+    pub saturation: Limits<S>,
+    /// Time constant of a first-order lag (s).
+    pub lag_s: Option<S>,
+    /// Factor on the right and the left wheel.
+    pub gain: Pair<S>,
+    /// Loss of drive strength in proportion to time (1/s).
+    pub sag_per_s: S,
+    /// Torque that a volt gives at standstill (N m/V), where the motor is known.
+    pub torque_per_volt: Option<S>,
+    /// Torque lost in proportion to wheel speed under a voltage command (N m s/rad).
+    pub back_emf: S,
+    /// Torque lost in proportion to wheel speed under any command (N m s/rad).
+    pub droop: S,
+    /// Play between motor and wheel (rad).
+    pub gap_rad: Option<S>,
+    /// No delay, no lag, no gain and no sag.
+    pub direct: bool,
+}
+
+/// A limit for each kind of command that can have one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits<S> {
+    /// Limit of a torque (N m).
+    pub torque_nm: Option<S>,
+    /// Limit of a wheel speed (rad/s).
+    pub speed_rad_s: Option<S>,
+}
 
 /// The commanded quantity after everything before the motor, over one span of time.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Supply<S> {
+pub(crate) struct ActuatorOutput<S> {
     /// At the span's start.
     pub(crate) start: Pair<S>,
     /// Mean over the span, exact.
@@ -19,7 +56,7 @@ pub(crate) struct Supply<S> {
     pub(crate) lagged: Pair<S>,
 }
 
-impl<S: Scalar> Supply<S> {
+impl<S: Scalar> ActuatorOutput<S> {
     /// No command, now and always.
     pub(crate) fn none() -> Self {
         let zero = [S::constant(0.0); 2];
@@ -32,7 +69,30 @@ impl<S: Scalar> Supply<S> {
     }
 }
 
-impl<S: Scalar> Drive<S> {
+impl<S: Scalar> Actuator<S> {
+    pub(crate) fn direct(model: &RobotModel) -> Self {
+        let none = Limits {
+            torque_nm: None,
+            speed_rad_s: None,
+        };
+        let zero = S::constant(0.0);
+        let per_volt = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.nominal_voltage_v;
+        let per_speed = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.no_load_speed_rad_s;
+        Self {
+            delay_s: None,
+            dead_band: none,
+            saturation: none,
+            lag_s: None,
+            gain: [S::constant(1.0); 2],
+            sag_per_s: zero,
+            torque_per_volt: model.motor.as_ref().map(per_volt).map(S::constant),
+            back_emf: S::constant(model.motor.as_ref().map_or(0.0, per_speed)),
+            droop: zero,
+            gap_rad: None,
+            direct: true,
+        }
+    }
+
     /// Whether a torque reaches the motors as it is told.
     pub(crate) fn is_direct(&self) -> bool {
         let limited = self.dead_band.torque_nm.is_some() || self.saturation.torque_nm.is_some();
@@ -49,13 +109,13 @@ impl<S: Scalar> Drive<S> {
         history: &VecDeque<(f64, Pair<S>)>,
         lagged: Pair<S>,
         span: Pair<f64>,
-    ) -> Supply<S> {
+    ) -> ActuatorOutput<S> {
         let told = match self.delay_s {
             None => [self.shaped(kind, command[0]), self.shaped(kind, command[1])],
             Some(delay_s) => self.delayed(kind, delay_s, history, span),
         };
         if self.direct {
-            return Supply {
+            return ActuatorOutput {
                 start: told,
                 mean: told,
                 end: told,
@@ -76,7 +136,7 @@ impl<S: Scalar> Drive<S> {
             let sag = -self.sag_per_s * at_s + 1.0;
             [y[0] * self.gain[0] * sag, y[1] * self.gain[1] * sag]
         };
-        Supply {
+        ActuatorOutput {
             start: strength(t_s, start),
             mean: strength(t_s + over_s / 2.0, mean),
             end: strength(t_s + over_s, end),

@@ -6,10 +6,10 @@
 //! the force inside its disc that suits the others' best. In plain numbers: what follows from the
 //! decision is computed with derivatives by the operator of the new set.
 
+use crate::parts::friction_elements::{ELEMENTS, Element, ElementSet};
+use crate::parts::scalar::{Matrix, Pair, Scalar, Vector};
+use crate::robot::body::Mode;
 use crate::robot::{GRAVITY_M_S2, Robot};
-use crate::rows::{ELEMENTS, Element, Elements};
-use crate::scalar::{Matrix, Pair, Scalar, Vector};
-use crate::state::Mode;
 
 /// Steps of Newton's method on one disc; it doubles the digits from the first.
 const NEWTON: usize = 30;
@@ -18,7 +18,7 @@ const NEWTON: usize = 30;
 const AT_REST: f64 = 1e-8;
 
 /// The elements that stand, the forces on the robot, and what answers.
-pub(crate) struct Standing<'a, S> {
+pub(crate) struct FrictionProblem<'a, S> {
     pub(crate) robot: &'a Robot<S>,
     pub(crate) mode: &'a Mode<S>,
     /// M⁻¹ projected on what the elements leave free that cannot slide.
@@ -30,14 +30,14 @@ pub(crate) struct Standing<'a, S> {
     /// Velocities.
     pub(crate) nu: Vector<f64>,
     /// Loose elements that stand: they may stick or begin to slide.
-    pub(crate) candidates: Elements,
+    pub(crate) candidates: ElementSet,
     /// Lateral multiplier of wheels that cannot slide, per unit of each force.
     pub(crate) across: Vector<f64>,
 }
 
 /// How the robot answers to unit forces at one element.
 #[derive(Clone, Copy, Default)]
-struct Touch {
+struct ConstraintResponse {
     /// What the element sees of a velocity.
     rows: [Vector<f64>; 2],
     /// Acceleration of the robot by a unit force along each row.
@@ -47,29 +47,29 @@ struct Touch {
 }
 
 /// What was decided: elements that stick, and the directions in which the others set off.
-pub(crate) struct Decision {
-    pub(crate) sticking: Elements,
+pub(crate) struct ContactModes {
+    pub(crate) sticking: ElementSet,
     pub(crate) direction: [Pair<f64>; ELEMENTS],
 }
 
-impl<S: Scalar> Standing<'_, S> {
+impl<S: Scalar> FrictionProblem<'_, S> {
     /// Decides for each candidate whether it sticks. Those in `broken` have broken away.
-    pub(crate) fn decide(&self, broken: Elements) -> Decision {
+    pub(crate) fn decide(&self, broken: ElementSet) -> ContactModes {
         let mut force = [[0.0; 2]; ELEMENTS];
-        let mut touches = [Touch::default(); ELEMENTS];
+        let mut responses_of = [ConstraintResponse::default(); ELEMENTS];
         for element in self.candidates.iter() {
-            touches[element as usize] = self.touch(element);
+            responses_of[element as usize] = self.touch(element);
         }
         let mut sliding = self.candidates.both(broken);
         loop {
-            let acceleration = self.solve(sliding, &touches, &mut force);
+            let acceleration = self.solve(sliding, &responses_of, &mut force);
             let scale = self.mobility_scale();
             let sets_off = |element: Element| {
                 let [along, across] = self.seen(element, &acceleration);
                 along.hypot(across) > AT_REST * scale
             };
             let set_off = self.candidates.iter().filter(|&element| sets_off(element));
-            let now = set_off.fold(sliding, Elements::with);
+            let now = set_off.fold(sliding, ElementSet::with);
             if now == sliding {
                 return self.decision(&force, sliding);
             }
@@ -77,8 +77,8 @@ impl<S: Scalar> Standing<'_, S> {
         }
     }
 
-    fn touch(&self, element: Element) -> Touch {
-        let mut touch = Touch::default();
+    fn touch(&self, element: Element) -> ConstraintResponse {
+        let mut touch = ConstraintResponse::default();
         for (at, &row) in element.rows().iter().enumerate() {
             touch.rows[at] = self.row(row);
             touch.responses[at] = self.mobility * touch.rows[at];
@@ -89,8 +89,8 @@ impl<S: Scalar> Standing<'_, S> {
     }
 
     /// What slides does so against its force.
-    fn decision(&self, force: &[Pair<f64>; ELEMENTS], sliding: Elements) -> Decision {
-        let mut decision = Decision {
+    fn decision(&self, force: &[Pair<f64>; ELEMENTS], sliding: ElementSet) -> ContactModes {
+        let mut decision = ContactModes {
             sticking: self.candidates,
             direction: [[0.0; 2]; ELEMENTS],
         };
@@ -115,16 +115,16 @@ impl<S: Scalar> Standing<'_, S> {
     /// The accelerations, with normal forces that agree with the lateral forces.
     fn solve(
         &self,
-        sliding: Elements,
-        touches: &[Touch; ELEMENTS],
+        sliding: ElementSet,
+        responses_of: &[ConstraintResponse; ELEMENTS],
         force: &mut [Pair<f64>; ELEMENTS],
     ) -> Vector<f64> {
         let load = &self.robot.load;
         let driven = load.driven.value();
         let mut normal = [driven / 2.0; 2];
-        for _ in 0..self.robot.care.rounds {
+        for _ in 0..self.robot.tolerances.normal_iterations {
             let limits = self.limits(sliding, normal);
-            let acceleration = self.sweep(&limits, touches, force);
+            let acceleration = self.sweep(&limits, responses_of, force);
             let total = self.total(&limits, force);
             let across: f64 = Element::WHEELS
                 .iter()
@@ -143,11 +143,11 @@ impl<S: Scalar> Standing<'_, S> {
                 return acceleration;
             }
         }
-        self.sweep(&self.limits(sliding, normal), touches, force)
+        self.sweep(&self.limits(sliding, normal), responses_of, force)
     }
 
     /// Friction limit of each loose element (N or N m): static for what sticks so far.
-    fn limits(&self, sliding: Elements, normal: Pair<f64>) -> [f64; ELEMENTS] {
+    fn limits(&self, sliding: ElementSet, normal: Pair<f64>) -> [f64; ELEMENTS] {
         let mut limits = [0.0; ELEMENTS];
         let caster = self.robot.load.total.value() - normal[0] - normal[1];
         for element in self.mode.loose.iter() {
@@ -189,17 +189,17 @@ impl<S: Scalar> Standing<'_, S> {
     fn sweep(
         &self,
         limits: &[f64; ELEMENTS],
-        touches: &[Touch; ELEMENTS],
+        responses_of: &[ConstraintResponse; ELEMENTS],
         force: &mut [Pair<f64>; ELEMENTS],
     ) -> Vector<f64> {
         let total = self.total(limits, force);
         let mut acceleration = self.mobility * total + self.forced;
         let scale = self.mobility_scale();
-        for _ in 0..self.robot.care.sweeps {
+        for _ in 0..self.robot.tolerances.sweeps {
             let mut change: f64 = 0.0;
             for element in self.candidates.iter() {
                 let i = element as usize;
-                let touch = &touches[i];
+                let touch = &responses_of[i];
                 let best = self.best(element, touch, limits[i], force[i], &acceleration);
                 let responses = &touch.responses[..element.rows().len()];
                 for (at, response) in responses.iter().enumerate() {
@@ -223,7 +223,7 @@ impl<S: Scalar> Standing<'_, S> {
     fn best(
         &self,
         element: Element,
-        touch: &Touch,
+        touch: &ConstraintResponse,
         limit: f64,
         own: Pair<f64>,
         acceleration: &Vector<f64>,

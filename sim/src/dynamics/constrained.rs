@@ -4,16 +4,16 @@
 //! In the body frame every row of the contact Jacobian and the mass matrix of Eq. 3 are constants
 //! of the robot, so that A changes only when an element starts or stops to slide.
 
+use crate::parts::friction_elements::{ALONG_LEFT, ALONG_RIGHT, Element, ElementSet, ROWS};
+use crate::parts::scalar::{Matrix, Scalar, VELOCITIES, Vector};
 use crate::robot::Robot;
-use crate::rows::{ALONG_LEFT, ALONG_RIGHT, Element, Elements, ROWS};
-use crate::scalar::{Matrix, Scalar, VELOCITIES, Vector};
 
 /// A row depends on earlier ones if what they leave of it is smaller than this share.
 const DEPENDENT: f64 = 1e-9;
 
 /// Accelerations and multipliers for a given force.
 #[derive(Debug, Clone)]
-pub(crate) struct Operator<S> {
+pub(crate) struct ConstrainedDynamics<S> {
     /// a = A F.
     pub(crate) acceleration: Matrix<S>,
     /// λ = Λ F for each row, zero where it is free or depends on rows held before it.
@@ -21,15 +21,15 @@ pub(crate) struct Operator<S> {
     /// Rows held, without those that depend on others.
     held: [bool; ROWS],
     count: usize,
-    /// Change of each contact's slip along its wheel for a newton there, 1/kg.
+    /// ActiveSetChange of each contact's slip along its wheel for a newton there, 1/kg.
     pub(crate) mobility: [f64; 2],
-    /// Some held row beside the second wheel's [`crate::rows::ACROSS`] depends on others.
+    /// Some held row beside the second wheel's [`crate::parts::friction_elements::ACROSS`] depends on others.
     pub(crate) redundant: bool,
 }
 
-impl<S: Scalar> Operator<S> {
+impl<S: Scalar> ConstrainedDynamics<S> {
     /// For the inertia `inverse`⁻¹ (damping included) and the held elements.
-    pub(crate) fn new(robot: &Robot<S>, inverse: Matrix<S>, held: Elements) -> Self {
+    pub(crate) fn new(robot: &Robot<S>, inverse: Matrix<S>, held: ElementSet) -> Self {
         let mut operator = Self {
             acceleration: inverse,
             multipliers: [Vector::zeros(); ROWS],
@@ -111,42 +111,6 @@ impl<S: Scalar> Operator<S> {
     /// Removes from `nu` what the held rows forbid, as an impulse at them would.
     pub(crate) fn project(&self, inertia: &Matrix<S>, nu: &Vector<S>) -> Vector<S> {
         self.acceleration * (inertia * nu)
-    }
-}
-
-impl<S: Scalar> Robot<S> {
-    /// The mass matrix of Eq. 3 over [surge, sway, yaw rate, wheel speeds] of c in the body frame,
-    /// where m13 and m23 become constants. `wheels` is the inertia that turns with each wheel.
-    pub(crate) fn inertia_matrix(&self, wheels: [S; 2]) -> Matrix<S> {
-        let zero = S::constant(0.0);
-        let (m, [sx, sy]) = (self.mass, self.moment);
-        Matrix::from_row_slice(&[
-            m,
-            zero,
-            -sy,
-            zero,
-            zero, //
-            zero,
-            m,
-            sx,
-            zero,
-            zero, //
-            -sy,
-            sx,
-            self.inertia,
-            zero,
-            zero, //
-            zero,
-            zero,
-            zero,
-            wheels[0],
-            zero, //
-            zero,
-            zero,
-            zero,
-            zero,
-            wheels[1],
-        ])
     }
 }
 

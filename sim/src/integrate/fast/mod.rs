@@ -1,28 +1,36 @@
-//! Short ways through the most common steps of a plain robot. They compute what the general step
+//! FastPath ways through the most common steps of a plain robot. They compute what the general step
 //! computes, in fewer terms, and refuse where it would find something to decide.
 
-use crate::command::CommandKind;
-use crate::cruise::Cruise;
-use crate::operator::Operator;
+mod rolling;
+mod sliding;
+
+use rolling::RollingStep;
+use sliding::SlidingStep;
+
+use crate::dynamics::constrained::ConstrainedDynamics;
+use crate::parts::command::CommandKind;
+use crate::parts::friction_elements::ElementSet;
+use crate::parts::scalar::{Pair, Scalar};
 use crate::robot::Robot;
-use crate::rows::Elements;
-use crate::scalar::{Pair, Scalar};
-use crate::skid::Skid;
-use crate::state::{Body, Mode};
+use crate::robot::body::{Body, Mode};
 
 /// A short way.
 #[derive(Debug, Clone)]
-pub(crate) enum Short<S> {
+pub(crate) enum FastPath<S> {
     /// Both wheels roll.
-    Rolling(Cruise<S>),
+    Rolling(RollingStep<S>),
     /// Both wheels slide.
-    Sliding(Skid<S>),
+    Sliding(SlidingStep<S>),
 }
 
-impl<S: Scalar> Short<S> {
+impl<S: Scalar> FastPath<S> {
     /// The way for `mode`, if there is one: nothing rubs, drags, pulls or pushes but the wheels'
     /// contacts, and torques reach the wheels as they are told.
-    pub(crate) fn new(robot: &Robot<S>, mode: &Mode<S>, operator: &Operator<S>) -> Option<Self> {
+    pub(crate) fn new(
+        robot: &Robot<S>,
+        mode: &Mode<S>,
+        operator: &ConstrainedDynamics<S>,
+    ) -> Option<Self> {
         let plain = robot.dry.elements.is_empty()
             && robot.pull.is_none()
             && robot.load.transfer.is_none()
@@ -33,9 +41,11 @@ impl<S: Scalar> Short<S> {
             return None;
         }
         match (mode.held, mode.grip) {
-            (Elements::WHEELS, grip) => Some(Self::Rolling(Cruise::new(robot, grip, operator))),
+            (ElementSet::WHEELS, grip) => {
+                Some(Self::Rolling(RollingStep::new(robot, grip, operator)))
+            }
             (held, [Some(right), Some(left)]) if held.is_empty() => {
-                Some(Self::Sliding(Skid::new([right, left], operator)))
+                Some(Self::Sliding(SlidingStep::new([right, left], operator)))
             }
             _ => None,
         }

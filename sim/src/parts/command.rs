@@ -1,6 +1,6 @@
 //! What the actuators are told.
 
-use crate::scalar::{Pair, Scalar};
+use crate::parts::scalar::{Pair, Scalar};
 
 /// A command to both wheels. It holds until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]

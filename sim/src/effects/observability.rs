@@ -35,7 +35,7 @@ pub enum Variable {
 
 /// A manoeuvre whose recording shows an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Experiment {
+pub enum Manoeuvre {
     /// What slows the body down.
     CoastDown,
     /// What sits between motor and wheel.
@@ -62,7 +62,7 @@ pub enum Experiment {
     NobodyNear,
 }
 
-impl Experiment {
+impl Manoeuvre {
     /// How to do it.
     pub fn words(self) -> &'static str {
         match self {

@@ -4,21 +4,21 @@
 //! forces are then sums of τ_r, τ_l, u φ̇ and φ̇², whose coefficients are read off the operator once.
 //! The step is [`crate::Robot::step`]'s, in fewer terms; where friction might not hold it is refused.
 
-use crate::attempt::SAFE;
-use crate::operator::Operator;
-use crate::parts::Grip;
+use crate::dynamics::constrained::ConstrainedDynamics;
+use crate::parts::friction_elements::{ACROSS, ALONG_LEFT, ALONG_RIGHT};
+use crate::parts::parameters::Friction;
+use crate::parts::pose::advance_pose;
+use crate::parts::scalar::{Pair, Scalar, Vector};
+use crate::parts::tolerances::SURELY_STICKS;
 use crate::robot::Robot;
-use crate::rows::{ACROSS, ALONG_LEFT, ALONG_RIGHT};
-use crate::scalar::{Pair, Scalar, Vector};
-use crate::state::{Body, Contact};
-use crate::travel::advance_pose;
+use crate::robot::body::{Body, Contact};
 
 /// One quantity per newton metre at the right and the left wheel, per u φ̇ and per φ̇².
 type Row<S> = [S; 4];
 
 /// Coefficients of a robot that rolls on both wheels.
 #[derive(Debug, Clone)]
-pub(crate) struct Cruise<S> {
+pub(crate) struct RollingStep<S> {
     surge: Row<S>,
     turn: Row<S>,
     along: [Row<S>; 2],
@@ -37,11 +37,11 @@ struct Instant<S> {
     holds: bool,
 }
 
-impl<S: Scalar> Cruise<S> {
+impl<S: Scalar> RollingStep<S> {
     pub(crate) fn new(
         robot: &Robot<S>,
-        grip: Pair<Option<Grip<S>>>,
-        operator: &Operator<S>,
+        grip: Pair<Option<Friction<S>>>,
+        operator: &ConstrainedDynamics<S>,
     ) -> Self {
         let zero = S::constant(0.0);
         let (m, [sx, sy], d) = (robot.mass, robot.moment, robot.com_to_axle);
@@ -60,7 +60,7 @@ impl<S: Scalar> Cruise<S> {
         // a plain robot has the same floor under both wheels
         let friction = match grip {
             [Some(right), Some(left)] => {
-                Some([right, left].map(|g| g.friction_static * g.friction_static * SAFE))
+                Some([right, left].map(|g| g.friction_static * g.friction_static * SURELY_STICKS))
             }
             _ => None,
         };

@@ -1,19 +1,18 @@
 //! One robot on its floor: constants of the equations of motion, assembled once before the run.
 
-use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
+use slipstream_bus::{InputError, RobotModel};
 
-use crate::command::CommandKind;
-use crate::effects::{self, Domain, Effects, Info, ParameterInfo, Values};
-use crate::parts::{Drive, Grip, Parts, Sensing};
-use crate::rows::{Element, Elements};
-use crate::scalar::{Pair, Scalar, Vector};
-use crate::step::Care;
+use super::listed::{Listed, read_effects};
+use crate::effects::Effects;
+use crate::parts::actuator::Actuator;
+use crate::parts::command::CommandKind;
+use crate::parts::friction_elements::{Element, ElementSet};
+use crate::parts::parameters::{Friction, RobotParameters, Sensing};
+use crate::parts::scalar::{Pair, Scalar, Vector};
+use crate::parts::tolerances::Tolerances;
 
 /// g (m/s²), as the paper has it.
 pub const GRAVITY_M_S2: f64 = 9.81;
-
-/// An effect and the values of its parameters.
-pub type Listed<S> = (&'static Info, Values<S>);
 
 /// The constants of one robot. Immutable; what changes is in [`crate::State`].
 #[derive(Debug, Clone)]
@@ -40,7 +39,7 @@ pub struct Robot<S = f64> {
     /// Normal forces.
     pub(crate) load: Load<S>,
     /// Friction at the driven wheels away from patches; `None` never slips.
-    pub(crate) grip: Option<Grip<S>>,
+    pub(crate) grip: Option<Friction<S>>,
     /// Sizes of the dry friction that is not at the driven wheels.
     pub(crate) dry: Dry<S>,
     /// Damping in proportion to each velocity under a torque command: drag at c and droop.
@@ -49,10 +48,10 @@ pub struct Robot<S = f64> {
     pub(crate) damped: bool,
     /// Horizontal part of gravity, world frame (m/s²).
     pub(crate) pull: Option<Pair<S>>,
-    pub(crate) drive: Drive<S>,
+    pub(crate) drive: Actuator<S>,
     pub(crate) sensing: Sensing<S>,
     pub(crate) effects: Effects<S>,
-    pub(crate) care: Care,
+    pub(crate) tolerances: Tolerances,
     /// The first dynamic key that the model does not give.
     missing: Option<&'static str>,
 }
@@ -76,7 +75,7 @@ pub(crate) struct Load<S> {
 #[derive(Debug, Clone)]
 pub(crate) struct Dry<S> {
     /// Those that there are.
-    pub(crate) elements: Elements,
+    pub(crate) elements: ElementSet,
     /// At each axle (N m).
     pub(crate) axle: Option<S>,
     /// Along the body (N).
@@ -88,7 +87,7 @@ pub(crate) struct Dry<S> {
 }
 
 impl<S: Scalar> Dry<S> {
-    fn new(parts: &Parts<S>, weight: S) -> Self {
+    fn new(parts: &RobotParameters<S>, weight: S) -> Self {
         let there = [
             (parts.axle_torque.is_some(), Element::AxleRight),
             (parts.axle_torque.is_some(), Element::AxleLeft),
@@ -98,7 +97,9 @@ impl<S: Scalar> Dry<S> {
         ];
         let there = there.iter().filter(|(there, _)| *there);
         Self {
-            elements: there.fold(Elements::default(), |set, &(_, element)| set.with(element)),
+            elements: there.fold(ElementSet::default(), |set, &(_, element)| {
+                set.with(element)
+            }),
             axle: parts.axle_torque,
             surge: parts.rolling_coefficient.map(|c| c * weight),
             yaw: parts.yaw_moment,
@@ -125,7 +126,7 @@ impl<S: Scalar> Robot<S> {
     /// # Errors
     /// As [`Robot::new`].
     pub fn assemble(model: &RobotModel, list: &[Listed<S>]) -> Result<Self, InputError> {
-        let mut parts = Parts::new(model)?;
+        let mut parts = RobotParameters::new(model)?;
         if let (Some(key), Some((info, _))) =
             (parts.missing, list.iter().find(|(info, _)| !info.kinematic))
         {
@@ -136,21 +137,21 @@ impl<S: Scalar> Robot<S> {
             ));
         }
         let effects = Effects::new(list);
-        effects.shape(&mut parts);
+        effects.apply(&mut parts);
         Self::build(parts, effects)
     }
 
     /// The same robot, for simulations by the thousand of which most are of no consequence: events
     /// are found less exactly, and few of them in one step.
     #[must_use]
-    pub fn coarse(self) -> Self {
+    pub fn draft(self) -> Self {
         Self {
-            care: Care::COARSE,
+            tolerances: Tolerances::DRAFT,
             ..self
         }
     }
 
-    fn build(parts: Parts<S>, effects: Effects<S>) -> Result<Self, InputError> {
+    fn build(parts: RobotParameters<S>, effects: Effects<S>) -> Result<Self, InputError> {
         let (b, d, e) = (parts.half_track, parts.com_to_axle, parts.com_to_caster);
         let bodies = parts.body_mass + parts.wheel_mass * 2.0;
         let mass = bodies + parts.payload_mass;
@@ -200,7 +201,7 @@ impl<S: Scalar> Robot<S> {
             drive: parts.drive,
             sensing: parts.sensing,
             effects,
-            care: Care::FINE,
+            tolerances: Tolerances::ACCURATE,
             missing: parts.missing,
         })
     }
@@ -223,112 +224,4 @@ impl<S: Scalar> Robot<S> {
             ))
         })
     }
-}
-
-/// The effects that `model` lists, judged against the vocabulary.
-///
-/// # Errors
-/// An effect or parameter that is unknown, missing, twice there or out of bounds.
-pub fn read_effects(model: &RobotModel) -> Result<Vec<Listed<f64>>, InputError> {
-    let mut list: Vec<Listed<f64>> = Vec::new();
-    for spec in &model.effects {
-        let key = format!("effects.{}", spec.effect);
-        let info = effects::find(&spec.effect).ok_or_else(|| {
-            InputError::new(
-                &key,
-                "is no effect",
-                "`slipstream effects` lists those that are",
-            )
-        })?;
-        if !info.repeats && list.iter().any(|(known, _)| known.id == info.id) {
-            return Err(InputError::new(key, "is listed twice", "list it once"));
-        }
-        list.push((info, read_values(info, spec, &key)?));
-    }
-    Ok(list)
-}
-
-/// The same effects with other numbers: `number` is given the effect's place in the list, the
-/// parameter's name and its value. For [`Robot::assemble`] with numbers that carry derivatives.
-pub fn lift<S: Scalar>(
-    list: &[Listed<f64>],
-    mut number: impl FnMut(usize, &'static str, f64) -> S,
-) -> Vec<Listed<S>> {
-    let lifted = list.iter().enumerate();
-    lifted
-        .map(|(i, (info, values))| (*info, values.map(|name, value| number(i, name, value))))
-        .collect()
-}
-
-fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>, InputError> {
-    let mut numbers = Vec::new();
-    let mut text = "";
-    for (name, value) in &spec.parameters {
-        let at = format!("{key}.{name}");
-        let known = info.parameter(name);
-        let known = known.ok_or_else(|| {
-            let names: Vec<&str> = info.parameters.iter().map(|p| p.name).collect();
-            let remedy = format!("its parameters are {}", names.join(", "));
-            InputError::new(&at, "is no parameter of this effect", remedy)
-        })?;
-        match (known.domain, value) {
-            (Domain::Number { lower, upper, .. }, &Parameter::Number(number)) => {
-                if !(lower..=upper).contains(&number) {
-                    let remedy = format!("give a number from {lower} to {upper} {}", known.unit);
-                    return Err(InputError::new(at, format!("is {number}"), remedy));
-                }
-                numbers.push((known.name, number));
-            }
-            (Domain::Text(words), Parameter::Text(word)) => {
-                let found = words.iter().find(|known| *known == word);
-                text = found.ok_or_else(|| one_of(&at, word, words))?;
-            }
-            (Domain::Number { .. }, Parameter::Text(word)) => {
-                return Err(InputError::new(
-                    at,
-                    format!("is \"{word}\""),
-                    "give a number",
-                ));
-            }
-            (Domain::Text(words), Parameter::Number(number)) => {
-                return Err(one_of(&at, &number.to_string(), words));
-            }
-        }
-    }
-    complete(info, spec, key)?;
-    Ok(Values::new(numbers, text))
-}
-
-fn one_of(at: &str, given: &str, words: &[&str]) -> InputError {
-    InputError::new(
-        at,
-        format!("is \"{given}\""),
-        format!("give one of {}", words.join(", ")),
-    )
-}
-
-/// Every parameter is given once; of alternatives exactly one.
-fn complete(info: &Info, spec: &EffectSpec, key: &str) -> Result<(), InputError> {
-    let given = |p: &ParameterInfo| spec.parameters.iter().filter(|(n, _)| n == p.name).count();
-    for parameter in info.parameters {
-        let count = given(parameter);
-        if count > 1 || (count == 0 && !parameter.alternative) {
-            return Err(InputError::new(
-                format!("{key}.{}", parameter.name),
-                if count > 1 {
-                    "is given twice"
-                } else {
-                    "is not given"
-                },
-                format!("give it once, in {}", parameter.unit),
-            ));
-        }
-    }
-    let mut alternatives = info.parameters.iter().filter(|p| p.alternative).peekable();
-    if alternatives.peek().is_some() && alternatives.clone().map(given).sum::<usize>() != 1 {
-        let names: Vec<&str> = alternatives.map(|p| p.name).collect();
-        let remedy = format!("give exactly one of {}", names.join(", "));
-        return Err(InputError::new(key, "has not one parameter", remedy));
-    }
-    Ok(())
 }

@@ -1,53 +1,17 @@
-//! The numbers that describe one robot and its floor, gathered from the model and its effects
-//! before the plant is assembled from them.
+//! Parameters of one robot and its floor, collected from the model and its effects before the plant is assembled.
 
 use slipstream_bus::{InputError, RobotModel};
 
-use crate::scalar::{Pair, Scalar};
+use super::actuator::Actuator;
+use super::scalar::{Pair, Scalar};
 
 /// Static and kinetic coefficient of Coulomb friction at a driven wheel (Eq. 9 and 10).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grip<S> {
+pub struct Friction<S> {
     /// μ_s: what it takes to break away.
     pub friction_static: S,
     /// μ_k: what is left while sliding.
     pub friction_kinetic: S,
-}
-
-/// What stands between the command and the wheels.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drive<S> {
-    /// Age of the command that acts (s).
-    pub delay_s: Option<S>,
-    /// Size below which a torque (N m), or speed (rad/s), does nothing.
-    pub dead_band: Limits<S>,
-    /// Size above which a torque or speed is cut.
-    pub saturation: Limits<S>,
-    /// Time constant of a first-order lag (s).
-    pub lag_s: Option<S>,
-    /// Factor on the right and the left wheel.
-    pub gain: Pair<S>,
-    /// Loss of drive strength in proportion to time (1/s).
-    pub sag_per_s: S,
-    /// Torque that a volt gives at standstill (N m/V), where the motor is known.
-    pub torque_per_volt: Option<S>,
-    /// Torque lost in proportion to wheel speed under a voltage command (N m s/rad).
-    pub back_emf: S,
-    /// Torque lost in proportion to wheel speed under any command (N m s/rad).
-    pub droop: S,
-    /// Play between motor and wheel (rad).
-    pub gap_rad: Option<S>,
-    /// No delay, no lag, no gain and no sag.
-    pub direct: bool,
-}
-
-/// A limit for each kind of command that can have one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits<S> {
-    /// Limit of a torque (N m).
-    pub torque_nm: Option<S>,
-    /// Limit of a wheel speed (rad/s).
-    pub speed_rad_s: Option<S>,
 }
 
 /// How the sensors see the robot.
@@ -80,7 +44,7 @@ pub struct Streams<S> {
 
 /// One robot and its floor in numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parts<S> {
+pub struct RobotParameters<S> {
     /// The first dynamic key that the model does not give; `None` where dynamics are known.
     pub missing: Option<&'static str>,
     /// m_r (kg).
@@ -112,7 +76,7 @@ pub struct Parts<S> {
     /// Σ m (x² + y²) of the payloads (kg m²).
     pub payload_inertia: S,
     /// Friction at the driven wheels; `None` rolls without slipping (Eq. 1).
-    pub grip: Option<Grip<S>>,
+    pub grip: Option<Friction<S>>,
     /// Coulomb torque against the rotation of each wheel (N m).
     pub axle_torque: Option<S>,
     /// Force against the motion along the body's axis, as a share of the weight.
@@ -128,12 +92,12 @@ pub struct Parts<S> {
     /// Downhill direction times grade, world frame.
     pub gradient: Pair<S>,
     /// Command to wheels.
-    pub drive: Drive<S>,
+    pub drive: Actuator<S>,
     /// Wheels and body to recordings.
     pub sensing: Sensing<S>,
 }
 
-impl<S: Scalar> Parts<S> {
+impl<S: Scalar> RobotParameters<S> {
     /// The numbers of `model` without its effects. Where a mass or length is unknown, the robot is
     /// kinematic: a unit mass on the axle moves as any other would.
     ///
@@ -195,34 +159,9 @@ impl<S: Scalar> Parts<S> {
             drag: zero,
             transfer_height: None,
             gradient: [zero; 2],
-            drive: Drive::direct(model),
+            drive: Actuator::direct(model),
             sensing: Sensing::exact(model),
         })
-    }
-}
-
-impl<S: Scalar> Drive<S> {
-    fn direct(model: &RobotModel) -> Self {
-        let none = Limits {
-            torque_nm: None,
-            speed_rad_s: None,
-        };
-        let zero = S::constant(0.0);
-        let per_volt = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.nominal_voltage_v;
-        let per_speed = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.no_load_speed_rad_s;
-        Self {
-            delay_s: None,
-            dead_band: none,
-            saturation: none,
-            lag_s: None,
-            gain: [S::constant(1.0); 2],
-            sag_per_s: zero,
-            torque_per_volt: model.motor.as_ref().map(per_volt).map(S::constant),
-            back_emf: S::constant(model.motor.as_ref().map_or(0.0, per_speed)),
-            droop: zero,
-            gap_rad: None,
-            direct: true,
-        }
     }
 }
 

@@ -1,0 +1,3 @@
+//! Which contacts stick.
+
+pub(crate) mod friction_solver;
