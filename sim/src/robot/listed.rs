@@ -19,7 +19,7 @@ pub fn read_effects(model: &RobotModel) -> Result<Vec<Listed<f64>>, InputError> 
         let info = effects::find(&spec.effect).ok_or_else(|| {
             InputError::new(
                 &key,
-                "is no effect",
+                "is not an effect",
                 "`slipstream effects` lists those that are",
             )
         })?;

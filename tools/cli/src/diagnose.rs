@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for id in &arguments.without {
         if slipstream_sim::effects::find(id).is_none() {
             return Err(Error::Input(format!(
-                "--without {id}: is no effect; `slipstream effects` lists those that are"
+                "--without {id}: is not an effect; `slipstream effects` lists those that are"
             )));
         }
     }

@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         None => CATALOGUE.iter().collect(),
         Some(id) => vec![find(id).ok_or_else(|| {
             Error::Input(format!(
-                "{id}: is no effect; `slipstream effects` lists those that are"
+                "{id}: is not an effect; `slipstream effects` lists those that are"
             ))
         })?],
     };

@@ -58,8 +58,8 @@ enum Command {
 
 fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
-    if slipstream_launch::roles::is_role(&arguments) {
-        let reported = slipstream_launch::roles::play(&arguments);
+    if slipstream_launch::processes::roles::is_role(&arguments) {
+        let reported = slipstream_launch::processes::roles::play(&arguments);
         return if reported {
             Exit::Done.into()
         } else {

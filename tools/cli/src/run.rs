@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::Clock;
-use slipstream_launch::launcher::{self, Options};
-use slipstream_launch::{Outcome, Request, Resolved, Verdict, in_process, resolve};
+use slipstream_launch::{
+    Options, Request, Resolved, RunStatus, RunSummary, in_process, processes, resolve,
+};
 
 use crate::exit::{Error, Exit};
 use crate::say::{self, complain};
@@ -81,10 +82,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         "{}",
         summary::text(&outcome, &resolved.experiment)
     ));
-    Ok(match outcome.verdict {
-        Verdict::Done => Exit::Done,
-        Verdict::Interrupted => Exit::Interrupted,
-        Verdict::Failed(reason) => {
+    Ok(match outcome.status {
+        RunStatus::Done => Exit::Done,
+        RunStatus::Interrupted => Exit::Interrupted,
+        RunStatus::Failed(reason) => {
             complain!("slipstream: {reason}");
             Exit::Failed
         }
@@ -122,7 +123,7 @@ impl Arguments {
         (!self.no_recording).then(|| self.out.clone().unwrap_or_else(default))
     }
 
-    fn run_processes(&self, resolved: &Resolved) -> Result<Outcome, Error> {
+    fn run_processes(&self, resolved: &Resolved) -> Result<RunSummary, Error> {
         let program = std::env::current_exe()
             .map_err(|error| Error::Failed(format!("failed to find this program: {error}")))?;
         let options = Options {
@@ -130,10 +131,10 @@ impl Arguments {
             out: self.out(resolved),
             live: std::io::stderr().is_terminal(),
         };
-        Ok(launcher::run(resolved, &options)?)
+        Ok(processes::run(resolved, &options)?)
     }
 
-    fn run_in_process(&self, resolved: &Resolved) -> Result<Outcome, Error> {
+    fn run_in_process(&self, resolved: &Resolved) -> Result<RunSummary, Error> {
         if resolved.experiment.settings.clock == Clock::Wall {
             return Err(Error::Unusable(InputError::new(
                 "--in-process",
@@ -141,7 +142,7 @@ impl Arguments {
                 "leave one of --in-process and --clock wall",
             )));
         }
-        Ok(in_process::outcome(
+        Ok(in_process::summary(
             resolved,
             self.out(resolved).as_deref(),
         )?)

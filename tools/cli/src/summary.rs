@@ -4,21 +4,21 @@ use std::fmt::Write as _;
 
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::{Clock, TorqueLimit};
-use slipstream_launch::outcome::RobotOutcome;
-use slipstream_launch::{Outcome, Verdict};
+use slipstream_launch::summary::RobotSummary;
+use slipstream_launch::{RunStatus, RunSummary};
 
 /// Robots that the table shows; of more only the ends.
 const MOST_ROWS: usize = 12;
 
 /// The summary.
-pub(crate) fn text(outcome: &Outcome, experiment: &Experiment) -> String {
+pub(crate) fn text(outcome: &RunSummary, experiment: &Experiment) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = write_text(&mut text, outcome, experiment);
     text
 }
 
-fn write_text(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std::fmt::Result {
+fn write_text(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
     headline(out, outcome, experiment)?;
     robots(out, outcome)?;
     slip(out, outcome)?;
@@ -33,7 +33,7 @@ fn write_text(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> s
     next(out, experiment)
 }
 
-fn headline(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std::fmt::Result {
+fn headline(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
     let count = experiment.robots.len();
     let robots = if count == 1 {
         "1 robot".to_owned()
@@ -41,10 +41,10 @@ fn headline(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std
         format!("{count} robots")
     };
     let name = &outcome.experiment;
-    let ended = match outcome.verdict {
-        Verdict::Done => "",
-        Verdict::Failed(_) => ", then a process failed",
-        Verdict::Interrupted => ", then it was interrupted",
+    let ended = match outcome.status {
+        RunStatus::Done => "",
+        RunStatus::Failed(_) => ", then a process failed",
+        RunStatus::Interrupted => ", then it was interrupted",
     };
     let how = match (outcome.processes.len(), experiment.settings.clock) {
         (0, _) => "in one process".to_owned(),
@@ -58,7 +58,7 @@ fn headline(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std
     )
 }
 
-fn robots(out: &mut String, outcome: &Outcome) -> std::fmt::Result {
+fn robots(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
     let table = "robot    ended at x, y (m)    believed x, y (m)    wheels slipped   spacing error";
     writeln!(out, "\n{table}")?;
     let count = outcome.robots.len();
@@ -74,7 +74,7 @@ fn robots(out: &mut String, outcome: &Outcome) -> std::fmt::Result {
     writeln!(out)
 }
 
-fn row(robot: &RobotOutcome) -> String {
+fn row(robot: &RobotSummary) -> String {
     let place = |pose: Option<[f64; 3]>| match pose {
         Some([x, y, _]) => format!("{x:8.3}, {y:6.3}"),
         None => format!("{:>16}", "unknown"),
@@ -95,8 +95,8 @@ fn row(robot: &RobotOutcome) -> String {
     )
 }
 
-fn slip(out: &mut String, outcome: &Outcome) -> std::fmt::Result {
-    let missed = |robot: &RobotOutcome| {
+fn slip(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
+    let missed = |robot: &RobotSummary| {
         let ([x, y, _], [u, v, _]) = (robot.final_true?, robot.final_odometry?);
         Some((x - u).hypot(y - v))
     };
@@ -127,11 +127,11 @@ fn slip(out: &mut String, outcome: &Outcome) -> std::fmt::Result {
     )
 }
 
-fn links(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std::fmt::Result {
+fn links(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
     if outcome.links.is_empty() {
         return Ok(());
     }
-    let sum = |count: fn(&slipstream_launch::outcome::LinkOutcome) -> u64| {
+    let sum = |count: fn(&slipstream_launch::summary::LinkSummary) -> u64| {
         outcome.links.iter().map(count).sum::<u64>()
     };
     let (sent, lost, stale) = (sum(|l| l.sent), sum(|l| l.lost), sum(|l| l.stale));
@@ -143,11 +143,11 @@ fn links(out: &mut String, outcome: &Outcome, experiment: &Experiment) -> std::f
     };
     writeln!(
         out,
-        "LinkEndpoints: {sent} positions sent, {lost} lost, {stale} overtaken; delay {delay}."
+        "Links: {sent} positions sent, {lost} lost, {stale} overtaken; delay {delay}."
     )
 }
 
-fn deadlines(out: &mut String, outcome: &Outcome) -> std::fmt::Result {
+fn deadlines(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
     let Some(real_time) = outcome.real_time else {
         return Ok(());
     };

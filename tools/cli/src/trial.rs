@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         if slipstream_sim::effects::find(id).is_none() {
             let remedy = "`slipstream effects` lists those that are";
             return Err(Error::Input(format!(
-                "--without {id}: is no effect; {remedy}"
+                "--without {id}: is not an effect; {remedy}"
             )));
         }
     }

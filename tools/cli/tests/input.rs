@@ -52,13 +52,13 @@ fn what_arguments_say_wrong_is_named() {
     );
     refuse(
         &["--set", "links.dealy_s=0.1"],
-        &["links.dealy_s is no key; did you mean links.delay_s?"],
+        &["links.dealy_s is not a key; did you mean links.delay_s?"],
     );
     refuse(
         &["--set", "links.protocol=star"],
         &["links.protocol: unknown variant", "`ring`"],
     );
-    refuse(&["--set", "duration_s=soon"], &["duration_s is no number"]);
+    refuse(&["--set", "duration_s=soon"], &["duration_s is not a number"]);
     refuse(
         &["--set", "duration_s"],
         &["--set duration_s: has no =; give --set KEY=VALUE"],
@@ -100,7 +100,7 @@ fn what_files_say_wrong_is_named_with_its_line() {
     refuse(
         folder.path(),
         &["b.toml"],
-        &["b.toml:4: links.los is no key; did you mean links.loss"],
+        &["b.toml:4: links.los is not a key; did you mean links.loss"],
     );
     file(
         "e.toml",
@@ -109,7 +109,7 @@ fn what_files_say_wrong_is_named_with_its_line() {
     refuse(
         folder.path(),
         &["e.toml"],
-        &["e.toml:2: control.frition is no key; did you mean control.friction"],
+        &["e.toml:2: control.frition is not a key; did you mean control.friction"],
     );
     file(
         "f.toml",
@@ -118,15 +118,15 @@ fn what_files_say_wrong_is_named_with_its_line() {
     refuse(
         folder.path(),
         &["f.toml"],
-        &["f.toml:2: assumptions.floor is no assumption", "reason"],
+        &["f.toml:2: assumptions.floor is not an assumption", "reason"],
     );
     file("c.toml", "duration_s = \n");
-    refuse(folder.path(), &["c.toml"], &["c.toml:1: is no TOML"]);
+    refuse(folder.path(), &["c.toml"], &["c.toml:1: is not valid TOML"]);
     file("d.toml", "format = 2\n");
     refuse(
         folder.path(),
         &["d.toml"],
-        &["d.toml:1: format is 2; this program reads format = 1"],
+        &["d.toml:1: format is 2; give format = 1"],
     );
     file("rtt.csv", "seq,rtt_ms\n0,12.5\n1,-3\n");
     refuse(

@@ -82,7 +82,7 @@ fn kill_one(victim: &str, after: Duration) {
     assert_eq!(output.status.code(), Some(1), "{victim}: {words}");
     let name = if victim == "agent" { "r1" } else { victim };
     assert!(
-        words.contains(&format!("{name} (pid {pid}) died of signal 9")),
+        words.contains(&format!("{name} (pid {pid}) was killed by signal 9")),
         "{words}"
     );
     assert_recording(folder.path());

@@ -236,7 +236,7 @@ fn what_cannot_be_used_is_said_in_one_line() {
     refuse(
         folder.path(),
         &["--without", "gravity"],
-        "--without gravity: is no effect",
+        "--without gravity: is not an effect",
     );
 }
 

@@ -1,4 +1,4 @@
-//! A run in one process on one thread: the same cores, no shared memory, no waiting.
+//! A run in one process on one thread: the same plant and controllers without shared memory.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, VecDeque};
@@ -15,29 +15,28 @@ use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::trace;
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
 
-use crate::outcome::{Outcome, Parts};
+use crate::recorder::{McapSink, trace_files};
 use crate::resolve::Resolved;
-use crate::sink::Sink;
-use crate::tape;
+use crate::summary::{ProcessReports, RunSummary};
 
-/// What the cores of a run had to say at its end.
+/// Final reports of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reports {
     /// The plant.
     pub plant: PlantReport,
     /// The agents, from the front.
     pub agents: Vec<NodeReport>,
-    /// How long it took on the wall clock (s).
+    /// Wall time (s).
     pub wall_s: f64,
 }
 
 /// Why a run in one process failed.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The bus, which here is memory of our own.
+    /// The in-memory bus failed.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// A robot model, a setting or a variable of the environment cannot be used.
+    /// A robot model, a setting or an environment variable cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
     /// The recording cannot be written.
@@ -45,7 +44,7 @@ pub enum RunError {
     Recording(#[from] slipstream_recording::Error),
 }
 
-/// Runs an experiment; `hashing` asks for the state hash.
+/// Runs an experiment. `hashing`: compute the state hash.
 ///
 /// # Errors
 /// A robot that cannot be simulated or controlled.
@@ -53,7 +52,7 @@ pub fn run(experiment: &Experiment, hashing: bool) -> Result<Reports, RunError> 
     run_recorded(experiment, hashing, NoRecorder).map(|(reports, _)| reports)
 }
 
-/// Runs an experiment and gives back the recorder that heard everything.
+/// Runs an experiment and returns the recorder that received all records.
 ///
 /// # Errors
 /// A robot that cannot be simulated or controlled.
@@ -67,16 +66,16 @@ pub fn run_recorded<R: Recorder>(
     let mut world = world(experiment)?;
     let mut observer = Observer::new(experiment, hashing);
     let mut agents = Agents::new(experiment, recorder.clone())?;
-    let mut heard = recorder.clone();
+    let mut plant_recorder = recorder.clone();
     lockstep(
         experiment,
         &mut world,
         &mut observer,
         &mut agents,
-        &mut heard,
+        &mut plant_recorder,
         &mut (),
     )?;
-    drop(heard);
+    drop(plant_recorder);
     let reports = Reports {
         plant: observer.finish(&world),
         agents: agents.finish()?,
@@ -93,16 +92,16 @@ pub fn run_recorded<R: Recorder>(
 struct Agents<R> {
     schedule: Schedule,
     nodes: Vec<Node>,
-    /// What lies on the bus for each robot.
-    boxes: Vec<VecDeque<Position>>,
-    /// The encoders at the end.
+    /// Messages on their way to each robot.
+    queues: Vec<VecDeque<Position>>,
+    /// Encoders at the end of the run.
     last: Vec<Encoders>,
     recorder: Shared<R>,
 }
 
-/// A robot's end of the links, in memory.
+/// The links of one robot, in memory.
 struct LocalLink<'a> {
-    boxes: &'a mut [VecDeque<Position>],
+    queues: &'a mut [VecDeque<Position>],
     robot: usize,
     now_ns: i64,
 }
@@ -116,7 +115,7 @@ impl<R: Recorder> Agents<R> {
         Ok(Self {
             schedule: experiment.settings.schedule(),
             nodes: nodes?,
-            boxes: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
+            queues: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
             last: Vec::new(),
             recorder,
         })
@@ -126,7 +125,7 @@ impl<R: Recorder> Agents<R> {
         let mut reports = Vec::with_capacity(self.nodes.len());
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
-                boxes: &mut self.boxes,
+                queues: &mut self.queues,
                 robot,
                 now_ns: 0,
             };
@@ -148,7 +147,7 @@ impl<R: Recorder> LockstepLink for Agents<R> {
         let due = self.schedule.due(now_ns);
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
-                boxes: &mut self.boxes,
+                queues: &mut self.queues,
                 robot,
                 now_ns,
             };
@@ -166,13 +165,13 @@ impl<R: Recorder> LockstepLink for Agents<R> {
 
 impl PositionLink for LocalLink<'_> {
     fn receive(&mut self) -> Result<Option<Position>, BusError> {
-        Ok(self.boxes[self.robot].pop_front())
+        Ok(self.queues[self.robot].pop_front())
     }
 
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
         position.sent_ns = self.now_ns;
-        let to = (self.robot + 1) % self.boxes.len();
-        self.boxes[to].push_back(*position);
+        let to = (self.robot + 1) % self.queues.len();
+        self.queues[to].push_back(*position);
         Ok(self.now_ns)
     }
 
@@ -181,7 +180,7 @@ impl PositionLink for LocalLink<'_> {
     }
 }
 
-/// One recorder heard from several places of one thread.
+/// One recorder shared by plant and agents of one thread.
 struct Shared<R>(Rc<RefCell<R>>);
 
 impl<R> Clone for Shared<R> {
@@ -196,31 +195,32 @@ impl<R: Recorder> Recorder for Shared<R> {
     }
 }
 
-/// Runs an experiment to the outcome that processes would come to, recorded to `out` if given.
+/// Runs an experiment and returns the summary that a run as processes has, recorded to `out` if given.
 ///
 /// # Errors
 /// As [`run`], and when the recording cannot be written.
-pub fn outcome(resolved: &Resolved, out: Option<&Path>) -> Result<Outcome, RunError> {
+pub fn summary(resolved: &Resolved, out: Option<&Path>) -> Result<RunSummary, RunError> {
     let experiment = &resolved.experiment;
     let begin = Instant::now();
     let reports = match out {
         None => run(experiment, true)?,
         Some(out) => {
-            let sink = Sink::create(out, experiment, &resolved.to_toml())?;
-            let _tracing = tape::begin(experiment, "run")?;
+            let sink = McapSink::create(out, experiment, &resolved.to_toml())?;
+            let _tracing = trace_files::begin(experiment, "run")?;
             let (reports, mut sink) = run_recorded(experiment, true, sink)?;
             trace::drain(|t_ns, bytes| sink.trace(t_ns, bytes));
             sink.finish(BTreeMap::new())?;
             reports
         }
     };
-    let parts = Parts {
+    let wall_s = reports.wall_s;
+    let reports = ProcessReports {
         plant: Some(reports.plant),
         agents: reports.agents.into_iter().map(Some).collect(),
     };
-    let mut outcome = Outcome::new(experiment, &parts);
-    outcome.loop_s = reports.wall_s;
-    outcome.recording = out.map(Path::to_path_buf);
-    outcome.wall_s = begin.elapsed().as_secs_f64();
-    Ok(outcome)
+    let mut summary = RunSummary::new(experiment, &reports);
+    summary.loop_s = wall_s;
+    summary.recording = out.map(Path::to_path_buf);
+    summary.wall_s = begin.elapsed().as_secs_f64();
+    Ok(summary)
 }

@@ -1,22 +1,17 @@
-//! One run: the experiment resolved, its processes started, watched and stopped, or all of it in
-//! one process.
+//! One run of an experiment: resolve its keys, then run it as processes over shared memory
+//! ([`processes::run`]) or in one process on one thread ([`in_process`]). Both give the same states,
+//! bit for bit, on the virtual clock.
 
 pub mod in_process;
-mod keys;
-pub mod launcher;
-mod live;
-pub mod outcome;
-mod place_files;
-mod preflight;
+pub mod processes;
 pub mod recorder;
 pub mod resolve;
-pub mod roles;
-mod round_trips;
-pub mod sink;
-mod tape;
+mod role;
+mod run_files;
+pub mod summary;
 
 pub use in_process::{Reports, RunError};
-pub use launcher::{LaunchError, Options};
-pub use outcome::{Outcome, Verdict};
+pub use processes::{LaunchError, Options};
 pub use resolve::{Assumption, Request, Resolved, resolve};
 pub use slipstream_bus::InputError as Unusable;
+pub use summary::{RunStatus, RunSummary};

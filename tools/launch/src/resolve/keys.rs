@@ -1,25 +1,26 @@
-//! Dotted keys in TOML tables: found, replaced, listed; and the lines at which a file has them.
+//! Dotted keys in TOML tables, and the lines at which a file sets them.
+//!
+//! figment merges sources with provenance too, but does not know the line of a key in its file.
 
 use std::path::{Path, PathBuf};
 
+use slipstream_bus::InputError;
 use strsim::levenshtein;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
-use slipstream_bus::InputError;
-
-/// An experiment's file.
+/// A file with an experiment.
 #[derive(Debug)]
 pub(crate) struct File {
     path: PathBuf,
     table: Table,
-    /// Keys in the file's order with the lines at which they stand.
+    /// Keys in the order of the file, with their lines.
     lines: Vec<(String, usize)>,
 }
 
-/// Keys of a file that are not the experiment's.
-const ASIDE: [&str; 2] = ["format", "base"];
-/// The table with the assumptions.
+/// Keys of a file that belong to the format, not to the experiment.
+const FORMAT_KEYS: [&str; 2] = ["format", "base"];
+/// Name of the table of assumptions.
 const ASSUMPTIONS: &str = "assumptions";
 
 impl File {
@@ -34,7 +35,11 @@ impl File {
                 .unwrap_or_default()
                 .to_owned();
             let place = format!("{}:{line}", path.display());
-            InputError::new(place, format!("is no TOML: {problem}"), "mend the line")
+            InputError::new(
+                place,
+                format!("is not valid TOML: {problem}"),
+                "correct the line",
+            )
         };
         let table: Table = text.parse().map_err(unusable)?;
         let spanned = DeTable::parse(text).map_err(unusable)?;
@@ -51,30 +56,30 @@ impl File {
             Some(other) => Err(InputError::new(
                 file.place("format"),
                 format!("format is {other}"),
-                "this program reads format = 1",
+                "give format = 1, the only one that this version reads",
             )),
         }
     }
 
-    /// The built-in experiment that the file says it builds on.
+    /// The built-in experiment that the file names as its base.
     pub(crate) fn base(&self) -> Option<&str> {
         self.table.get("base").and_then(Value::as_str)
     }
 
-    /// What the file assumes: name, keys and reason, in order of the names.
+    /// Assumptions of the file: name, keys and reason, in order of the names.
     pub(crate) fn assumptions(&self) -> Result<Vec<(String, Vec<String>, String)>, InputError> {
         let Some(table) = self.table.get(ASSUMPTIONS).and_then(Value::as_table) else {
             return Ok(Vec::new());
         };
         let read = |(name, value): (&String, &Value)| {
-            let Assumed { keys, reason } = value.clone().try_into().map_err(|_| {
+            let AssumptionEntry { keys, reason } = value.clone().try_into().map_err(|_| {
                 let first = self
                     .lines
                     .iter()
                     .find(|(key, _)| key.starts_with(&format!("{ASSUMPTIONS}.{name}.")));
                 let line = first.map_or(1, |&(_, line)| line);
                 let place = format!("{}:{line}", self.path.display());
-                let problem = format!("{ASSUMPTIONS}.{name} is no assumption");
+                let problem = format!("{ASSUMPTIONS}.{name} is not an assumption");
                 InputError::new(
                     place,
                     problem,
@@ -96,12 +101,12 @@ impl File {
         format!("{}:{line}", self.path.display())
     }
 
-    /// The experiment's keys with values and lines, in the file's order.
+    /// Keys of the experiment with values and lines, in the order of the file.
     pub(crate) fn keys(&self) -> Vec<(String, Value, usize)> {
         let own = self
             .lines
             .iter()
-            .filter(|(key, _)| !ASIDE.contains(&key.as_str()) && !is_assumption(key));
+            .filter(|(key, _)| !FORMAT_KEYS.contains(&key.as_str()) && !is_assumption(key));
         own.filter_map(|(key, line)| {
             find(&self.table, key).map(|value| (key.clone(), value.clone(), *line))
         })
@@ -109,10 +114,10 @@ impl File {
     }
 }
 
-/// An assumption as it stands in a file.
+/// An assumption in a file.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Assumed {
+struct AssumptionEntry {
     keys: Vec<String>,
     reason: String,
 }
@@ -136,7 +141,7 @@ fn line_at(text: &str, offset: usize) -> usize {
     before.bytes().filter(|&byte| byte == b'\n').count() + 1
 }
 
-/// The value at a dotted key that is no table.
+/// The value of a dotted key, unless it is a table.
 pub(crate) fn find<'a>(table: &'a Table, key: &str) -> Option<&'a Value> {
     match key.split_once('.') {
         None => table.get(key).filter(|value| !value.is_table()),
@@ -144,7 +149,7 @@ pub(crate) fn find<'a>(table: &'a Table, key: &str) -> Option<&'a Value> {
     }
 }
 
-/// Replaces the value at a dotted key that exists.
+/// Replaces the value of an existing dotted key.
 pub(crate) fn replace(table: &mut Table, key: &str, value: Value) {
     match key.split_once('.') {
         None => {
@@ -173,21 +178,24 @@ pub(crate) fn leaves(table: &Table) -> Vec<(String, &Value)> {
     found
 }
 
-/// The key that is spelled most like a wrong one, if any is.
+/// The key closest to a misspelt one by Levenshtein distance, if the distance is at most 3.
 pub(crate) fn nearest(table: &Table, key: &str) -> Option<String> {
     let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
-    let likeness = |candidate: &str| {
+    let distance = |candidate: &str| {
         levenshtein(candidate, key).min(levenshtein(&last(candidate), &last(key)) + 1)
     };
     leaves(table)
         .into_iter()
-        .map(|(candidate, _)| (likeness(&candidate), candidate))
+        .map(|(candidate, _)| (distance(&candidate), candidate))
         .min()
         .filter(|&(distance, _)| distance <= 3)
         .map(|(_, candidate)| candidate)
 }
 
-/// A value of the same type as `before`: whole numbers stand for floats. Else the type wanted.
+/// Converts a value to the type of `before`; integers become floats.
+///
+/// # Errors
+/// The name of the type that is needed.
 pub(crate) fn fit(before: &Value, value: Value) -> Result<Value, &'static str> {
     #[expect(
         clippy::cast_precision_loss,
@@ -223,7 +231,7 @@ pub(crate) fn fit(before: &Value, value: Value) -> Result<Value, &'static str> {
     })
 }
 
-/// A value as it stands on a command line: TOML, or else text.
+/// Parses a command-line value: TOML, else text.
 pub(crate) fn parse_value(text: &str) -> Value {
     let parsed = format!("value = {text}").parse::<Table>().ok();
     let value = parsed

@@ -1,21 +1,19 @@
-//! What a run needs of the system, looked at before anything is started: what runs out in the middle
-//! shows as a signal or as an error that names nothing.
+//! Checks of system limits before a run starts: when a limit is hit later, the error does not name it.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use slipstream_bus::InputError;
 use slipstream_ipc::run_directory::SHARED_MEMORY;
 
-use slipstream_bus::InputError;
-
-/// File descriptors that every process of a run needs, and for each robot besides.
+/// File descriptors of a process: fixed number, and number for each robot.
 const DESCRIPTORS: [u64; 2] = [64, 15];
-/// Shared memory that a run needs (bytes), and for each robot besides.
+/// Shared memory of a run (bytes): fixed size, and size for each robot.
 const SHARED_BYTES: [u64; 2] = [4 << 20, 256 << 10];
 
-/// Raises the limit of file descriptors, which the children inherit, and looks whether the run will
-/// find what it needs.
+/// Raises the limit of file descriptors, which the children inherit, and checks that there is enough
+/// shared memory.
 ///
 /// # Errors
-/// When it will not.
+/// The limit that is too small.
 pub(crate) fn check(robots: u32) -> Result<(), InputError> {
     let need = |[fixed, each]: [u64; 2]| fixed + each * u64::from(robots);
     let descriptors = need(DESCRIPTORS);
@@ -40,7 +38,7 @@ pub(crate) fn check(robots: u32) -> Result<(), InputError> {
         let remedy = "mount a tmpfs there, or run --in-process";
         InputError::new(
             SHARED_MEMORY,
-            format!("is no shared memory: {error}"),
+            format!("is not usable as shared memory: {error}"),
             remedy,
         )
     })?;

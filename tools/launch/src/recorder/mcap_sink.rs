@@ -1,4 +1,4 @@
-//! From records to the recording's file.
+//! Writer of the recording: records become messages of an MCAP file.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -7,36 +7,35 @@ use std::path::Path;
 
 use slipstream_bus::message::{Position, RobotIndex, robot_name};
 use slipstream_bus::record::{Record, Recorder, State};
-use slipstream_bus::trace;
-use slipstream_bus::{Experiment, RobotModel};
+use slipstream_bus::{Experiment, RobotModel, trace};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{
     About, Attachment, Fate as Ending, PositionRecord, RunWriter, WheelContact,
 };
 
-/// Writes a run's records to an MCAP file. The first failure ends the writing and is kept.
-pub struct Sink {
+/// Writes the records of a run to an MCAP file. The first failure ends the writing and is returned at the end.
+pub struct McapSink {
     writer: RunWriter<BufWriter<File>>,
     failure: Option<slipstream_recording::Error>,
     names: Vec<String>,
     poses: Vec<[f64; 3]>,
-    under_way: BTreeMap<(RobotIndex, u32), UnderWay>,
+    in_flight: BTreeMap<(RobotIndex, u32), MessageInFlight>,
     records: u64,
-    /// A piece of the trace with its mark, while it is written.
+    /// Buffer for a trace chunk with its format byte.
     trace: Vec<u8>,
 }
 
-/// A message whose fate is not yet known. Its two ends tell in any order.
+/// A message whose fate is not yet known. Records of sender and receiver arrive in any order.
 #[derive(Debug, Default)]
-struct UnderWay {
+struct MessageInFlight {
     sent: Option<(RobotIndex, Position)>,
     arrived: Option<Option<i64>>,
     taken: bool,
 }
 
-impl Sink {
-    /// Begins the file. `keys` is the experiment as it was resolved, as TOML.
+impl McapSink {
+    /// Creates the file. `keys`: the resolved experiment as TOML.
     ///
     /// # Errors
     /// When the file cannot be written.
@@ -46,7 +45,7 @@ impl Sink {
         keys: &str,
     ) -> slipstream_recording::Result<Self> {
         let mut writer = RunWriter::create(path, &about(experiment, keys))?;
-        // Who dies soon leaves a file that says what it is.
+        // Even a run that dies at once leaves a file that describes it.
         writer.flush()?;
         Ok(Self {
             writer,
@@ -57,24 +56,24 @@ impl Sink {
                 .map(|robot| robot.name.clone())
                 .collect(),
             poses: Vec::new(),
-            under_way: BTreeMap::new(),
+            in_flight: BTreeMap::new(),
             records: 0,
             trace: Vec::new(),
         })
     }
 
-    /// Makes what was written so far safe.
+    /// Flushes the file.
     pub fn flush(&mut self) {
         let result = self.writer.flush();
         self.keep(result);
     }
 
-    /// Writes what is left and closes the file; says how many records it holds.
+    /// Writes the rest and closes the file. Returns the number of records in it.
     ///
     /// # Errors
-    /// The first failure of all.
+    /// The first failure of the whole recording.
     pub fn finish(mut self, about: BTreeMap<String, String>) -> slipstream_recording::Result<u64> {
-        let rest = std::mem::take(&mut self.under_way);
+        let rest = std::mem::take(&mut self.in_flight);
         for ((_, seq), message) in rest {
             self.write_position(seq, &message);
         }
@@ -136,7 +135,7 @@ impl Sink {
             Record::Sent { to, position, .. } => {
                 let message = self.message(position.from, position.seq);
                 message.sent = Some((to, position));
-                self.settle(position.from, position.seq);
+                self.write_if_known(position.from, position.seq);
             }
             Record::Arrived {
                 from,
@@ -145,11 +144,11 @@ impl Sink {
                 ..
             } => {
                 self.message(from, seq).arrived = Some(available_ns);
-                self.settle(from, seq);
+                self.write_if_known(from, seq);
             }
             Record::Taken { from, seq, .. } => {
                 self.message(from, seq).taken = true;
-                self.settle(from, seq);
+                self.write_if_known(from, seq);
             }
         }
         Ok(())
@@ -169,7 +168,7 @@ impl Sink {
             applied_torque_nm: state.torque_nm[side],
         });
         self.writer.write_contact(robot, t_ns, contact)?;
-        // The robots' states of one instant come one after the other.
+        // The states of all robots at one instant arrive one after the other.
         self.poses.truncate(robot);
         self.poses.push(state.pose);
         if self.poses.len() == self.names.len() {
@@ -178,21 +177,21 @@ impl Sink {
         Ok(())
     }
 
-    fn message(&mut self, from: RobotIndex, seq: u32) -> &mut UnderWay {
-        self.under_way.entry((from, seq)).or_default()
+    fn message(&mut self, from: RobotIndex, seq: u32) -> &mut MessageInFlight {
+        self.in_flight.entry((from, seq)).or_default()
     }
 
-    /// Writes a message whose fate is known.
-    fn settle(&mut self, from: RobotIndex, seq: u32) {
-        let known = self.under_way.get(&(from, seq)).is_some_and(|message| {
+    /// Writes the message if its fate is known.
+    fn write_if_known(&mut self, from: RobotIndex, seq: u32) {
+        let known = self.in_flight.get(&(from, seq)).is_some_and(|message| {
             message.sent.is_some() && (message.taken || message.arrived == Some(None))
         });
-        if known && let Some(message) = self.under_way.remove(&(from, seq)) {
+        if known && let Some(message) = self.in_flight.remove(&(from, seq)) {
             self.write_position(seq, &message);
         }
     }
 
-    fn write_position(&mut self, seq: u32, message: &UnderWay) {
+    fn write_position(&mut self, seq: u32, message: &MessageInFlight) {
         let Some((to, position)) = message.sent else {
             return;
         };
@@ -217,7 +216,7 @@ impl Sink {
     }
 }
 
-impl Recorder for Sink {
+impl Recorder for McapSink {
     fn record(&mut self, record: &Record) {
         if self.failure.is_none() {
             self.records += 1;
@@ -238,7 +237,7 @@ impl Recorder for Sink {
     }
 }
 
-/// What is known about a run before it begins.
+/// Description of the run at its start.
 fn about(experiment: &Experiment, keys: &str) -> About {
     let settings = &experiment.settings;
     let camera = &settings.sensors.camera;

@@ -1,43 +1,41 @@
-//! The program in its roles: what the launcher starts, named by the first argument.
+//! Entry point of the processes of a run: the first argument names the role.
 
 use std::ffi::OsString;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Parser};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
 use slipstream_agents::process as agent;
-use slipstream_bus::message::robot_name;
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
 
+use super::report;
 use crate::recorder;
-use crate::tape::leave_tape;
+use crate::recorder::trace_files::save_trace;
+use crate::role::Role;
 
-/// A role and what it needs to know.
+/// Arguments of a process of a run.
 #[derive(Debug, Parser)]
 #[command(
     name = "slipstream",
     about = "A process of a run; started by slipstream run"
 )]
-pub(crate) enum Role {
-    /// The world.
+enum RoleArguments {
+    /// The physics of all robots.
     Plant(Membership),
-    /// One robot's controller.
+    /// The controller of one robot.
     Agent {
         #[command(flatten)]
         membership: Membership,
-        /// Which robot, counted from 0.
+        /// The robot, counted from 0.
         #[arg(long)]
         robot: u32,
-        /// A predecessor died.
+        /// It replaces an agent that died.
         #[arg(long)]
         rejoins: bool,
     },
-    /// Writes everything down.
+    /// The writer of the recording.
     Recorder {
         #[command(flatten)]
         membership: Membership,
@@ -48,11 +46,11 @@ pub(crate) enum Role {
 }
 
 #[derive(Debug, Clone, Args)]
-pub(crate) struct Membership {
-    /// The run's folder.
+struct Membership {
+    /// The run directory.
     #[arg(long)]
     run: PathBuf,
-    /// Somebody records.
+    /// The run is recorded.
     #[arg(long)]
     recording: bool,
     /// The recording holds a trace.
@@ -60,10 +58,10 @@ pub(crate) struct Membership {
     trace: bool,
 }
 
-/// The names of the roles.
+/// First arguments that name a role.
 const NAMES: [&str; 3] = ["plant", "agent", "recorder"];
 
-/// Whether these arguments are those of a role.
+/// Whether the arguments are those of a process of a run.
 pub fn is_role(arguments: &[OsString]) -> bool {
     arguments
         .get(1)
@@ -71,11 +69,11 @@ pub fn is_role(arguments: &[OsString]) -> bool {
         .is_some_and(|name| NAMES.contains(&name))
 }
 
-/// Plays the role that the arguments name, to its end. Says whether it came to a report.
+/// Runs the process that the arguments describe to its end. Returns whether it wrote a report.
 pub fn play(arguments: &[OsString]) -> bool {
-    let role = match Role::try_parse_from(arguments) {
+    let role = match RoleArguments::try_parse_from(arguments) {
         Ok(role) => role,
-        // Nobody but the launcher starts a role: says so and ends with exit code 2.
+        // Prints the problem and exits with code 2.
         Err(error) => error.exit(),
     };
     let membership = role.membership();
@@ -90,7 +88,7 @@ pub fn play(arguments: &[OsString]) -> bool {
     let process = tracing::info_span!("process").entered();
     let played = role.play();
     drop(process);
-    leave_tape(&membership.run, &role.name());
+    save_trace(&membership.run, &role.name());
     match played {
         Ok(()) | Err(BusError::Stopped) => true,
         Err(error) => {
@@ -100,22 +98,22 @@ pub fn play(arguments: &[OsString]) -> bool {
     }
 }
 
-/// Where standard error is closed there is nobody to tell.
-fn complain(role: &Role, problem: &str) {
+/// Prints a problem. Standard error may be closed.
+fn complain(role: &RoleArguments, problem: &str) {
     let _ = writeln!(std::io::stderr(), "slipstream {}: {problem}", role.name());
 }
 
-impl Role {
+impl RoleArguments {
     fn play(&self) -> Result<(), BusError> {
         match self {
             Self::Plant(Membership { run, recording, .. }) => {
-                report(run, &self.name(), &plant::run(run, *recording)?)
+                report::write(run, &self.name(), &plant::run(run, *recording)?)
             }
             Self::Agent {
                 membership: Membership { run, recording, .. },
                 robot,
                 rejoins,
-            } => report(
+            } => report::write(
                 run,
                 &self.name(),
                 &agent::run(run, *robot, *rejoins, *recording)?,
@@ -123,7 +121,7 @@ impl Role {
             Self::Recorder {
                 membership: Membership { run, .. },
                 out,
-            } => report(run, &self.name(), &recorder::run(run, out)?),
+            } => report::write(run, &self.name(), &recorder::process::run(run, out)?),
         }
     }
 
@@ -135,32 +133,12 @@ impl Role {
         }
     }
 
-    /// `plant`, `recorder`, or the robot's name.
+    /// Name of the process.
     fn name(&self) -> String {
         match self {
-            Self::Plant(_) => "plant".to_owned(),
-            Self::Agent { robot, .. } => robot_name(*robot),
-            Self::Recorder { .. } => "recorder".to_owned(),
+            Self::Plant(_) => Role::Plant.name(),
+            Self::Agent { robot, .. } => Role::Agent(*robot).name(),
+            Self::Recorder { .. } => Role::Recorder.name(),
         }
     }
-}
-
-fn report(folder: &Path, name: &str, outcome: &impl Serialize) -> Result<(), BusError> {
-    let failed = |e: std::io::Error| BusError::failed("report", e);
-    let bytes = postcard::to_allocvec(outcome).map_err(|e| BusError::failed("report", e))?;
-    // Under its name only when it is whole.
-    let making = folder.join(format!("report-{name}.making"));
-    match std::fs::write(&making, bytes)
-        .and_then(|()| std::fs::rename(&making, folder.join(format!("report-{name}"))))
-    {
-        // The launcher has cleaned up already: nobody wants the report.
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        result => result.map_err(failed),
-    }
-}
-
-/// What a process had to say at its end, if it came to say it.
-pub(crate) fn read_report<T: DeserializeOwned>(place: &RunDirectory, name: &str) -> Option<T> {
-    let bytes = std::fs::read(place.folder().join(format!("report-{name}"))).ok()?;
-    postcard::from_bytes(&bytes).ok()
 }

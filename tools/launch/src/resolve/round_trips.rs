@@ -1,15 +1,14 @@
-//! Measured round trips (rtt.csv), to be replayed as delays.
+//! Measured round-trip times (rtt.csv), replayed as link delays.
 
 use std::path::Path;
 
+use slipstream_bus::InputError;
 use slipstream_bus::time::ns_from_s;
 
-use slipstream_bus::InputError;
-
-/// Reads an rtt.csv: half of each round trip (ns), `None` where the cell is empty.
+/// Reads an rtt.csv: half of each round-trip time (ns), `None` for a lost message (empty cell).
 ///
 /// # Errors
-/// A file that cannot be read, has no column `rtt_ms`, or has a value that no round trip can have.
+/// A file that cannot be read, has no column `rtt_ms`, no rows, or an invalid value.
 pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
     let file = path.display();
     let unreadable = |error: csv::Error| {
@@ -44,7 +43,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
                     return Err(InputError::new(
                         format!("{file}:{line}"),
                         format!("rtt_ms is {cell}"),
-                        "give milliseconds, 0 or more, or nothing for a lost one",
+                        "give milliseconds, 0 or more; leave the cell empty for a lost message",
                     ));
                 }
             },
@@ -55,7 +54,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
         return Err(InputError::new(
             file.to_string(),
             "has no rows",
-            "measure some round trips",
+            "give at least one measured round trip",
         ));
     }
     Ok(rows)

@@ -1,0 +1,32 @@
+//! How a run is started, and why it could not be.
+
+use std::path::PathBuf;
+
+use slipstream_bus::InputError;
+
+/// How a run is started.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The program that plays the roles: this executable.
+    pub program: PathBuf,
+    /// The recording to write, if any.
+    pub out: Option<PathBuf>,
+    /// Draw a progress line on standard error.
+    pub live: bool,
+}
+
+/// Why a run could not be started.
+#[derive(Debug, thiserror::Error)]
+pub enum LaunchError {
+    /// The input or the system does not meet the requirements.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The operating system refused a step.
+    #[error("failed to {step}: {error}")]
+    System {
+        /// The step.
+        step: &'static str,
+        /// What the operating system said.
+        error: std::io::Error,
+    },
+}

@@ -1,0 +1,30 @@
+//! Final reports of processes, as postcard files in the run directory.
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use slipstream_bus::transport::BusError;
+use slipstream_ipc::run_directory::RunDirectory;
+
+/// Writes the report of the process `name`. It appears under its name only when it is complete.
+///
+/// # Errors
+/// When it cannot be written, unless the launcher has already removed the directory.
+pub(super) fn write(folder: &Path, name: &str, report: &impl Serialize) -> Result<(), BusError> {
+    let bytes = postcard::to_allocvec(report).map_err(|e| BusError::failed("report", e))?;
+    let partial = folder.join(format!("report-{name}.partial"));
+    match std::fs::write(&partial, bytes)
+        .and_then(|()| std::fs::rename(&partial, folder.join(format!("report-{name}"))))
+    {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+        result => result.map_err(|e| BusError::failed("report", e)),
+    }
+}
+
+/// Reads the report of the process `name`; `None` if it ended without one.
+pub(super) fn read<T: DeserializeOwned>(directory: &RunDirectory, name: &str) -> Option<T> {
+    let bytes = std::fs::read(directory.folder().join(format!("report-{name}"))).ok()?;
+    postcard::from_bytes(&bytes).ok()
+}

@@ -1,0 +1,9 @@
+//! The recording of a run: from records to an MCAP file.
+
+mod mcap_sink;
+mod merge;
+pub(crate) mod process;
+pub(crate) mod trace_files;
+
+pub use mcap_sink::McapSink;
+pub use process::RecorderOutcome;

@@ -1,0 +1,142 @@
+//! Resolution of an experiment: a built-in one, a file over it, command-line arguments over both.
+
+use std::path::Path;
+
+use slipstream_bus::experiment::Clock;
+use slipstream_bus::{Experiment, InputError};
+use toml::Value;
+
+use super::key_tree::{BUILT_IN, KeyTree};
+use super::request::{Origin, Request, Resolved};
+use super::robots::{check, robots};
+use super::{keys, round_trips};
+
+/// Resolves a request: a built-in experiment, a file over it, arguments over both.
+///
+/// # Errors
+/// A key, value or file that cannot be used.
+pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
+    let mut tree = base(request.experiment.as_deref())?;
+    for (key, value) in &request.set {
+        let argument = Origin::Argument(format!("--set {key}={value}"));
+        tree.set(key, keys::parse_value(value), &argument)?;
+    }
+    if let Some(robots) = request.robots {
+        let argument = Origin::Argument(format!("--robots {robots}"));
+        tree.set("robots.count", Value::Integer(robots.into()), &argument)?;
+    }
+    if let Some(seed) = request.seed {
+        let argument = Origin::Argument(format!("--seed {seed}"));
+        let seed = i64::try_from(seed).map_err(|_| {
+            InputError::new(
+                "--seed",
+                format!("is {seed}"),
+                format!("give at most {}", i64::MAX),
+            )
+        })?;
+        tree.set("seed", Value::Integer(seed), &argument)?;
+    }
+    if let Some(clock) = request.clock {
+        let name = if clock == Clock::Wall {
+            "wall"
+        } else {
+            "virtual"
+        };
+        let argument = Origin::Argument(format!("--clock {name}"));
+        tree.set("clock", Value::String(name.to_owned()), &argument)?;
+    }
+    for (_, path) in request.models.iter().filter(|(name, _)| name.is_none()) {
+        let argument = Origin::Argument(format!("--robot {}", path.display()));
+        tree.set(
+            "robots.model",
+            Value::String(path.display().to_string()),
+            &argument,
+        )?;
+    }
+    let settings = tree.settings()?;
+    settings.validate().map_err(|error| {
+        let problem = format!("{} {}", error.place, error.problem);
+        InputError::new(tree.place_of(&error.place), problem, error.remedy)
+    })?;
+    let experiment = Experiment {
+        robots: robots(&settings, &tree, &request.models)?,
+        half_round_trips_ns: match settings.links.trace.as_str() {
+            "" => Vec::new(),
+            trace => round_trips::read(&tree.path("links.trace", trace))?,
+        },
+        settings,
+    };
+    check(&experiment, &request.models)?;
+    Ok(Resolved {
+        experiment,
+        keys: tree.listing(),
+        assumptions: tree.assumptions(),
+    })
+}
+
+/// A built-in experiment, or a file applied to the built-in experiment that it names as its base.
+fn base(experiment: Option<&str>) -> Result<KeyTree, InputError> {
+    let asked = experiment.unwrap_or("platoon");
+    if let Some(tree) = KeyTree::built_in(asked)? {
+        return Ok(tree);
+    }
+    let path = Path::new(asked);
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        let remedy = format!("give a file, or one of {}", BUILT_IN.join(", "));
+        InputError::new(asked, format!("cannot be read: {error}"), remedy)
+    })?;
+    let file = keys::File::parse(path, &text)?;
+    let name = file.base().unwrap_or("platoon");
+    let mut tree = KeyTree::built_in(name)?.ok_or_else(|| {
+        let remedy = format!("give one of {}", BUILT_IN.join(", "));
+        InputError::new(file.place("base"), format!("base is {name:?}"), remedy)
+    })?;
+    let stem = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    tree.set(
+        "name",
+        Value::String(stem),
+        &Origin::File(path.to_owned(), 1),
+    )?;
+    for (key, value, line) in file.keys() {
+        tree.set(&key, value, &Origin::File(path.to_owned(), line))?;
+    }
+    tree.assume(&file)?;
+    Ok(tree)
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::experiment::Settings;
+    use toml::Table;
+
+    use super::*;
+
+    /// The files say what is assumed; what the code takes where nobody says anything is the same.
+    #[test]
+    fn the_papers_files_hold_the_defaults() {
+        for (name, settings) in [
+            ("platoon", Settings::default()),
+            ("single", Settings::single()),
+        ] {
+            let request = Request {
+                experiment: Some(name.to_owned()),
+                ..Request::default()
+            };
+            let resolved = resolve(&request).unwrap();
+            assert_eq!(resolved.experiment.settings, settings);
+            assert!(resolved.assumptions.len() >= 3);
+            for assumption in &resolved.assumptions {
+                assert!(!assumption.keys.is_empty() && assumption.reason.len() > 40);
+            }
+            let text = resolved.to_toml();
+            assert!(
+                text.contains("; assumption friction") && text.contains("# assumption motor: ")
+            );
+            assert!(text.parse::<Table>().is_ok());
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Request for an experiment, and the resolved experiment with the origin of every key.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use slipstream_bus::Experiment;
+use slipstream_bus::experiment::Clock;
+
+/// Request for an experiment, as the command line gives it.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// A built-in experiment or a TOML file; `None`: the platoon.
+    pub experiment: Option<String>,
+    /// Number of robots.
+    pub robots: Option<u32>,
+    /// Robot models: for all robots (`None`), or for the named one.
+    pub models: Vec<(Option<String>, PathBuf)>,
+    /// Keys and values (`--set KEY=VALUE`).
+    pub set: Vec<(String, String)>,
+    /// The clock.
+    pub clock: Option<Clock>,
+    /// The seed.
+    pub seed: Option<u64>,
+}
+
+/// An experiment ready to run.
+#[derive(Debug, Clone)]
+pub struct Resolved {
+    /// The experiment for the processes.
+    pub experiment: Experiment,
+    /// Every key with its value as TOML and its origin, in order.
+    pub keys: Vec<(String, String, Origin)>,
+    /// Assumptions of the experiment, by name.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// An assumption: something unknown, the value taken for it, and the reason.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Assumption {
+    /// Its name.
+    pub name: String,
+    /// The keys that hold the assumed values, with the values as TOML.
+    pub keys: BTreeMap<String, String>,
+    /// The reason.
+    pub reason: String,
+}
+
+/// Origin of a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Origin {
+    /// The built-in experiment of this name.
+    BuiltIn(String),
+    /// A file and its line.
+    File(PathBuf, usize),
+    /// A command-line argument, as it was given.
+    Argument(String),
+}
+
+impl std::fmt::Display for Origin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::BuiltIn(name) => write!(f, "built in ({name})"),
+            Self::File(path, line) => write!(f, "{}:{line}", path.display()),
+            Self::Argument(argument) => write!(f, "{argument}"),
+        }
+    }
+}
+
+impl Resolved {
+    /// Every key with its value and, as a comment, its origin; as TOML.
+    pub fn to_toml(&self) -> String {
+        let width = |(key, value, _): &(String, String, Origin)| key.len() + value.len() + 3;
+        let column = self
+            .keys
+            .iter()
+            .map(width)
+            .filter(|&w| w < 60)
+            .max()
+            .unwrap_or(0);
+        let mut text = String::new();
+        for entry in &self.keys {
+            let (key, value, origin) = entry;
+            let gap = " ".repeat(column.saturating_sub(width(entry)));
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{key} = {value}{gap}  # {origin}");
+            // A value given on the command line is no assumption.
+            let given = matches!(origin, Origin::Argument(_));
+            let own = |assumption: &&Assumption| !given && assumption.keys.contains_key(key);
+            for assumption in self.assumptions.iter().filter(own) {
+                let _ = write!(text, "; assumption {}", assumption.name);
+            }
+            text.push('\n');
+        }
+        for Assumption { name, reason, .. } in &self.assumptions {
+            let reason = reason.replace('\n', " ");
+            let _ = writeln!(text, "# assumption {name}: {reason}");
+        }
+        text
+    }
+}

@@ -1,0 +1,101 @@
+//! The robots of an experiment: their models are read, and checked by building plant and controllers.
+
+use std::path::{Path, PathBuf};
+
+use slipstream_agents::Node;
+use slipstream_bus::experiment::Settings;
+use slipstream_bus::message::robot_name;
+use slipstream_bus::{Experiment, InputError, RobotModel, RobotSetup};
+use slipstream_recording::robot_toml;
+
+use super::key_tree::KeyTree;
+
+/// The robots, from the front, each with its model.
+///
+/// # Errors
+/// A model that cannot be read, or one for a robot that does not exist.
+pub(super) fn robots(
+    settings: &Settings,
+    tree: &KeyTree,
+    models: &[(Option<String>, PathBuf)],
+) -> Result<Vec<RobotSetup>, InputError> {
+    let all = match settings.robots.model.as_str() {
+        "" => RobotModel::paper_with_slip(),
+        path => read_model(&tree.path("robots.model", path))?,
+    };
+    let mut robots: Vec<RobotSetup> = (0..settings.robots.count)
+        .map(|index| RobotSetup {
+            name: robot_name(index),
+            model: all.clone(),
+            pose: settings.start_pose(index),
+        })
+        .collect();
+    for (name, path) in models {
+        let Some(name) = name else {
+            continue;
+        };
+        let Some(robot) = robots.iter_mut().find(|robot| robot.name == *name) else {
+            let last = robot_name(settings.robots.count - 1);
+            return Err(InputError::new(
+                format!("--robot {name}={}", path.display()),
+                format!("there is no robot {name}"),
+                format!("give r1 to {last}"),
+            ));
+        };
+        robot.model = read_model(path)?;
+    }
+    Ok(robots)
+}
+
+/// Checks, before anything is started, that plant and controllers can be built.
+///
+/// # Errors
+/// The first key of a robot model that prevents it.
+pub(super) fn check(
+    experiment: &Experiment,
+    models: &[(Option<String>, PathBuf)],
+) -> Result<(), InputError> {
+    let located = |name: Option<&str>, error: InputError| {
+        // The plant's errors have the form `robot: key`.
+        let (named, key) = match error.place.split_once(": ") {
+            Some((named, key)) => (Some(named), key),
+            None => (name, error.place.as_str()),
+        };
+        let own = models
+            .iter()
+            .find(|(name, _)| name.is_some() && name.as_deref() == named);
+        let all = models.iter().find(|(name, _)| name.is_none());
+        let place = match (own.or(all), experiment.settings.robots.model.as_str()) {
+            (Some((_, path)), _) => path.display().to_string(),
+            (None, "") => named.unwrap_or("robot").to_owned(),
+            (None, path) => path.to_owned(),
+        };
+        InputError::new(place, format!("{key} {}", error.problem), error.remedy)
+    };
+    slipstream_sim::run::world(experiment).map_err(|error| located(None, error))?;
+    for (index, robot) in (0..).zip(&experiment.robots) {
+        Node::new(experiment, index).map_err(|error| located(Some(&robot.name), error))?;
+    }
+    Ok(())
+}
+
+fn read_model(path: &Path) -> Result<RobotModel, InputError> {
+    robot_toml::read(path).map_err(|error| match error {
+        slipstream_recording::Error::Input(unusable) => {
+            let line = unusable
+                .line
+                .map(|line| format!(":{line}"))
+                .unwrap_or_default();
+            InputError::new(
+                format!("{}{line}", unusable.path.display()),
+                unusable.problem,
+                unusable.remedy,
+            )
+        }
+        other => InputError::new(
+            path.display().to_string(),
+            other.to_string(),
+            "check the file",
+        ),
+    })
+}

@@ -1,0 +1,299 @@
+//! Summary of a run, and its JSON (schema: `tools/cli/schemas/run.schema.json`).
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use slipstream_agents::NodeReport;
+use slipstream_agents::process::AgentOutcome;
+use slipstream_bus::Experiment;
+use slipstream_bus::experiment::Clock;
+use slipstream_bus::message::robot_name;
+use slipstream_ipc::clock::{Deadlines, RealTime};
+use slipstream_sim::run::PlantReport;
+use slipstream_sim::run::process::PlantOutcome;
+
+use crate::role::Role;
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RunStatus {
+    /// The experiment ran to its end.
+    #[default]
+    Done,
+    /// A process failed, for this reason.
+    Failed(String),
+    /// A signal interrupted it.
+    Interrupted,
+}
+
+/// Summary of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RunSummary {
+    format: u32,
+    /// The experiment's name.
+    pub experiment: String,
+    clock: Clock,
+    seed: u64,
+    /// The processes that were started; empty for a run in one process.
+    pub processes: Vec<Process>,
+    /// SHA-256 over every plant step.
+    pub state_hash: String,
+    /// Duration in the time of the run (s).
+    pub duration_s: f64,
+    /// Wall time from the start of the first process to the end of the last (s).
+    pub wall_s: f64,
+    /// Wall time of the simulation loop (s).
+    pub loop_s: f64,
+    /// Wall time from the start of the plant until all processes were connected (s).
+    pub start_up_s: f64,
+    /// The robots, from the front.
+    pub robots: Vec<RobotSummary>,
+    /// The links, from the front robot's link on.
+    pub links: Vec<LinkSummary>,
+    /// Deadlines of the loops; empty on the virtual clock.
+    pub deadlines: Vec<DeadlineSummary>,
+    /// Real-time scheduling that the system permitted; `None` on the virtual clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub real_time: Option<RealTime>,
+    /// The recording, if one was written.
+    pub recording: Option<PathBuf>,
+    /// Number of records that did not reach the recording.
+    pub lost_records: u64,
+    /// How it ended.
+    #[serde(skip)]
+    pub status: RunStatus,
+}
+
+/// A process of a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Process {
+    /// `plant`, `agent` or `recorder`.
+    pub role: String,
+    /// An agent's robot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
+    /// Process id.
+    pub pid: u32,
+}
+
+/// Result for one robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RobotSummary {
+    /// Its name.
+    pub robot: String,
+    /// True pose of c at the end: x (m), y (m), yaw (rad).
+    pub final_true: Option<[f64; 3]>,
+    /// The same by odometry; `None` if its agent died.
+    pub final_odometry: Option<[f64; 3]>,
+    /// Time for which each contact slid (s), [right, left].
+    pub slip_time_s: Option<[f64; 2]>,
+    /// Largest sliding speed of each contact (m/s), [right, left].
+    pub max_slip_m_s: Option<[f64; 2]>,
+    /// Largest true spacing error from 3 s on (m); `None` for the front robot.
+    pub max_spacing_error_m: Option<f64>,
+    /// Largest desired speed before limiting (m/s).
+    pub max_desired_speed_m_s: Option<f64>,
+}
+
+/// Message counts of a link.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkSummary {
+    /// The sender.
+    pub from: String,
+    /// The receiver.
+    pub to: String,
+    /// Messages sent.
+    pub sent: u64,
+    /// Messages that left the delay line.
+    pub delivered: u64,
+    /// Messages lost on the link.
+    pub lost: u64,
+    /// Messages still in the delay line at the end.
+    pub in_flight: u64,
+    /// Messages delivered after a newer one.
+    pub stale: u64,
+}
+
+/// Deadlines of a loop on the wall clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DeadlineSummary {
+    /// The process: `plant`, or the robot.
+    pub process: String,
+    /// `step`, `outer` or `inner`.
+    #[serde(rename = "loop")]
+    pub name: String,
+    /// Number of ticks that were due.
+    pub ticks: u64,
+    /// Ticks that ended a period late, or were skipped.
+    pub missed: u64,
+    /// Largest delay of a wake-up (s).
+    pub latest_s: f64,
+}
+
+/// Final reports of plant and agents; `None` for a process that ended without one.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ProcessReports {
+    pub(crate) plant: Option<PlantReport>,
+    pub(crate) agents: Vec<Option<NodeReport>>,
+}
+
+impl RunSummary {
+    /// The summary of an experiment with these reports.
+    pub(crate) fn new(experiment: &Experiment, parts: &ProcessReports) -> Self {
+        let settings = &experiment.settings;
+        let plant = parts.plant.clone().unwrap_or_default();
+        Self {
+            format: 1,
+            experiment: settings.name.clone(),
+            clock: settings.clock,
+            seed: settings.seed,
+            processes: Vec::new(),
+            robots: robots(experiment, &plant, &parts.agents),
+            links: links(&parts.agents),
+            state_hash: plant.state_hash,
+            duration_s: plant.duration_s,
+            wall_s: 0.0,
+            loop_s: 0.0,
+            start_up_s: 0.0,
+            deadlines: Vec::new(),
+            real_time: None,
+            recording: None,
+            lost_records: 0,
+            status: RunStatus::Done,
+        }
+    }
+
+    /// Adds what the processes report about time: lost records, wall time, deadlines.
+    pub(crate) fn add_timing(
+        &mut self,
+        plant: Option<&PlantOutcome>,
+        agents: &[Option<AgentOutcome>],
+    ) {
+        let reported = || agents.iter().flatten();
+        let lost: u64 = reported().map(|agent| agent.lost_records).sum();
+        self.lost_records = lost + plant.map_or(0, |plant| plant.lost_records);
+        if let Some(plant) = plant {
+            self.loop_s = plant.loop_s;
+            self.start_up_s = plant.start_up_s;
+            let all = reported().map(|agent| agent.real_time);
+            let least = all.fold(plant.real_time, RealTime::both);
+            self.real_time = plant.deadlines.map(|_| least);
+        }
+        let step = plant.and_then(|plant| plant.deadlines);
+        self.deadlines
+            .extend(step.map(|d| DeadlineSummary::new("plant", "step", &d)));
+        for (robot, agent) in (0..).zip(agents) {
+            if let Some([outer, inner]) = agent.as_ref().and_then(|agent| agent.deadlines) {
+                let name = robot_name(robot);
+                self.deadlines
+                    .push(DeadlineSummary::new(&name, "outer", &outer));
+                self.deadlines
+                    .push(DeadlineSummary::new(&name, "inner", &inner));
+            }
+        }
+    }
+
+    /// Writes the JSON.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write_json(&self, path: &Path) -> std::io::Result<()> {
+        let mut text = serde_json::to_string_pretty(self).map_err(std::io::Error::other)?;
+        text.push('\n');
+        std::fs::write(path, text)
+    }
+}
+
+impl Process {
+    pub(crate) fn new(role: Role, pid: u32) -> Self {
+        Self {
+            role: role.argument().to_owned(),
+            robot: role.robot().map(robot_name),
+            pid,
+        }
+    }
+}
+
+impl DeadlineSummary {
+    fn new(process: &str, name: &str, deadlines: &Deadlines) -> Self {
+        Self {
+            process: process.to_owned(),
+            name: name.to_owned(),
+            ticks: deadlines.ticks,
+            missed: deadlines.missed,
+            latest_s: slipstream_bus::time::s_from_ns(deadlines.latest_ns),
+        }
+    }
+}
+
+fn robots(
+    experiment: &Experiment,
+    plant: &PlantReport,
+    agents: &[Option<NodeReport>],
+) -> Vec<RobotSummary> {
+    let robot = |(i, setup): (usize, &slipstream_bus::RobotSetup)| {
+        let truth = plant.robots.get(i);
+        let agent = agents.get(i).copied().flatten();
+        RobotSummary {
+            robot: setup.name.clone(),
+            final_true: truth.map(|truth| truth.final_true),
+            final_odometry: agent.map(|agent| agent.final_odometry),
+            slip_time_s: truth.map(|truth| truth.slip_time_s),
+            max_slip_m_s: truth.map(|truth| truth.max_slip_m_s),
+            max_spacing_error_m: truth.and_then(|truth| truth.max_spacing_error_m),
+            max_desired_speed_m_s: agent.map(|agent| agent.max_desired_speed_m_s),
+        }
+    };
+    experiment.robots.iter().enumerate().map(robot).collect()
+}
+
+/// Both ends of a link count its messages; if one end died, the other's counts are used.
+fn links(agents: &[Option<NodeReport>]) -> Vec<LinkSummary> {
+    let mut links = Vec::new();
+    for from in 0..agents.len() {
+        let sent = agents[from].and_then(|agent| agent.sent);
+        let receiver = (from + 1) % agents.len();
+        let received = agents[receiver]
+            .and_then(|agent| agent.received)
+            .filter(|&(ahead, _)| ahead as usize == from);
+        if sent.is_none() && received.is_none() {
+            continue;
+        }
+        let counts = received.map(|(_, counts)| counts).unwrap_or_default();
+        let sent = sent.map_or(counts.received, |(_, sent)| sent);
+        let name = |index: usize| robot_name(u32::try_from(index).unwrap_or(u32::MAX));
+        links.push(LinkSummary {
+            from: name(from),
+            to: name(receiver),
+            sent,
+            delivered: counts.delivered,
+            lost: counts.lost,
+            in_flight: sent.saturating_sub(counts.delivered + counts.lost),
+            stale: counts.stale,
+        });
+    }
+    links
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipstream_bus::Settings;
+
+    #[test]
+    fn the_json_reads_back() {
+        let experiment = Experiment {
+            settings: Settings::default(),
+            robots: Vec::new(),
+            half_round_trips_ns: Vec::new(),
+        };
+        let mut summary = RunSummary::new(&experiment, &ProcessReports::default());
+        summary.processes.push(Process::new(Role::Agent(1), 7));
+        summary.real_time = Some(RealTime::default());
+        summary
+            .deadlines
+            .push(DeadlineSummary::new("r1", "outer", &Deadlines::default()));
+        let text = serde_json::to_string(&summary).unwrap();
+        assert_eq!(serde_json::from_str::<RunSummary>(&text).unwrap(), summary);
+    }
+}
