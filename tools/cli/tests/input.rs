@@ -58,7 +58,10 @@ fn what_arguments_say_wrong_is_named() {
         &["--set", "links.protocol=star"],
         &["links.protocol: unknown variant", "`ring`"],
     );
-    refuse(&["--set", "duration_s=soon"], &["duration_s is not a number"]);
+    refuse(
+        &["--set", "duration_s=soon"],
+        &["duration_s is not a number"],
+    );
     refuse(
         &["--set", "duration_s"],
         &["--set duration_s: has no =; give --set KEY=VALUE"],

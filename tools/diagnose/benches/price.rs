@@ -9,9 +9,6 @@
     reason = "a benchmark may stop at the first surprise"
 )]
 
-#[path = "../tests/made/mod.rs"]
-mod made;
-
 use std::hint::black_box;
 use std::sync::{LazyLock, Mutex};
 use std::time::Instant;
@@ -42,13 +39,13 @@ const SCREENED: [&str; 3] = ["pose_latency", "wheels_latency", "clock_drift"];
 
 static MATCHING: LazyLock<Case> = LazyLock::new(|| {
     let model = RobotModel::default();
-    Case::new(model.clone(), &model, made::gentle)
+    Case::new(model.clone(), &model, slipstream_testkit::gentle)
 });
 
 static ROLLING: LazyLock<Case> = LazyLock::new(|| {
     let model = RobotModel::default();
     let truth = resisted(&model);
-    Case::new(model, &truth, made::gentle)
+    Case::new(model, &truth, slipstream_testkit::gentle)
 });
 
 static SLIPPING: LazyLock<Case> = LazyLock::new(|| {
@@ -80,7 +77,7 @@ struct Case {
 
 impl Case {
     fn new(nominal: RobotModel, truth: &RobotModel, torque: fn(f64) -> [f64; 2]) -> Self {
-        let recording = made::record(truth, torque, LENGTH_S, 7);
+        let recording = slipstream_testkit::record(truth, torque, LENGTH_S, 7);
         Self {
             nominal,
             torque,
@@ -147,7 +144,7 @@ fn hard(t_s: f64) -> [f64; 2] {
         at_s if at_s < 0.48 => -0.1,
         _ => 0.0,
     };
-    made::gentle(t_s).map(|torque_nm| torque_nm + jerk_nm)
+    slipstream_testkit::gentle(t_s).map(|torque_nm| torque_nm + jerk_nm)
 }
 
 /// The plant over the commands of a case.

@@ -5,8 +5,6 @@
     reason = "a test that cannot go on says so and stops"
 )]
 
-mod made;
-
 use slipstream_bus::{Body, RobotModel};
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
@@ -15,7 +13,12 @@ use slipstream_sim::effects::CATALOGUE;
 
 fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, RobotModel) {
     let (answer, mut improved) = diagnose(&Request {
-        recordings: &[made::record(truth, made::gentle, 12.0, seed)],
+        recordings: &[slipstream_testkit::record(
+            truth,
+            slipstream_testkit::gentle,
+            12.0,
+            seed,
+        )],
         model_of: &|_| Some(nominal.clone()),
         excluded: &[],
         excluded_s: &[],
@@ -145,7 +148,12 @@ fn an_effect_that_the_model_has_is_not_found_again_but_with_other_numbers() {
 fn a_push_is_not_seen_where_the_rest_is_left_out() {
     let nominal = RobotModel::default();
     let push = [("t_s", 9.0), ("impulse_n_s", 0.2), ("direction_rad", 1.0)];
-    let recording = made::record(&nominal.clone().with("push", &push), made::gentle, 12.0, 4);
+    let recording = slipstream_testkit::record(
+        &nominal.clone().with("push", &push),
+        slipstream_testkit::gentle,
+        12.0,
+        4,
+    );
     let others = CATALOGUE.iter().filter(|info| info.id != "push");
     let others: Vec<String> = others.map(|info| info.id.to_owned()).collect();
     let without = |excluded_s: &[[f64; 2]]| {
@@ -182,9 +190,12 @@ fn answered(recording: &Recording, nominal: &RobotModel) -> Answer {
 /// `record`ed under torques of which the recording tells only the `gentle` part.
 fn disturbed(torque: fn(f64) -> [f64; 2]) -> Answer {
     let nominal = RobotModel::default();
-    let mut recording = made::record(&nominal, torque, 20.0, 11);
+    let mut recording = slipstream_testkit::record(&nominal, torque, 20.0, 11);
     let command = recording.robots[0].command.as_mut().unwrap();
-    let told = command.t_s.iter().map(|t_s| made::gentle(t_s + 1e-6));
+    let told = command
+        .t_s
+        .iter()
+        .map(|t_s| slipstream_testkit::gentle(t_s + 1e-6));
     let (right_nm, left_nm) = told.map(|[right, left]| (right, left)).unzip();
     command.values = Command::Torque { right_nm, left_nm };
     answered(&recording, &nominal)
@@ -196,12 +207,12 @@ fn wandering(t_s: f64) -> [f64; 2] {
         let wave = |k: i32| (first + f64::from(k * k) + t_s * (0.9 + 1.3 * f64::from(k))).sin();
         (0..9).map(wave).sum()
     };
-    let [right, left] = made::gentle(t_s);
+    let [right, left] = slipstream_testkit::gentle(t_s);
     [right + 6e-5 * waves(0.3), left + 6e-5 * waves(2.1)]
 }
 
 fn gust(t_s: f64) -> [f64; 2] {
-    let [right, left] = made::gentle(t_s);
+    let [right, left] = slipstream_testkit::gentle(t_s);
     let blows = (8.0..9.2).contains(&t_s);
     let more = if blows { 0.002 } else { 0.0 };
     [right + more, left + more]
@@ -352,8 +363,8 @@ fn a_push_is_found_beside_what_acts_always() {
 #[test]
 fn slip_is_found_on_any_floor() {
     let nominal = RobotModel::default();
-    let soft = |t_s: f64| made::gentle(t_s).map(|torque_nm| 0.5 * torque_nm);
-    let strong = |t_s: f64| made::gentle(t_s).map(|torque_nm| 2.0 * torque_nm);
+    let soft = |t_s: f64| slipstream_testkit::gentle(t_s).map(|torque_nm| 0.5 * torque_nm);
+    let strong = |t_s: f64| slipstream_testkit::gentle(t_s).map(|torque_nm| 2.0 * torque_nm);
     type Torque = fn(f64) -> [f64; 2];
     let floors: [(f64, Torque); 2] = [(0.068, soft), (0.28, strong)];
     for (friction, torque) in floors {
@@ -362,7 +373,10 @@ fn slip_is_found_on_any_floor() {
             ("friction_kinetic", friction),
         ];
         let truth = nominal.clone().with("wheel_slip", &grip);
-        let answer = answered(&made::record(&truth, torque, 12.0, 11), &nominal);
+        let answer = answered(
+            &slipstream_testkit::record(&truth, torque, 12.0, 11),
+            &nominal,
+        );
         let text = listing(&answer);
         let [slip] = answer.findings.as_slice() else {
             panic!("{friction}: {text}")
@@ -420,8 +434,11 @@ fn effects_are_found_on_a_robot_of_any_size() {
     ];
     for (id, parameters) in effects {
         let truth = nominal.clone().with(id, parameters);
-        let torque = |t_s: f64| made::gentle(t_s).map(|torque_nm| 100.0 * torque_nm);
-        let answer = answered(&made::record(&truth, torque, 12.0, 11), &nominal);
+        let torque = |t_s: f64| slipstream_testkit::gentle(t_s).map(|torque_nm| 100.0 * torque_nm);
+        let answer = answered(
+            &slipstream_testkit::record(&truth, torque, 12.0, 11),
+            &nominal,
+        );
         let text = listing(&answer);
         let [found] = answer.findings.as_slice() else {
             panic!("{id}: {text}")

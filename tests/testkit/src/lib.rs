@@ -1,12 +1,20 @@
-//! Recordings whose truth is known, made by the plant at another step than the fit's.
+//! Recordings of simulated robots, for tests and benchmarks of what reads recordings.
+//!
+//! The plant takes steps of 0.5 ms, not those of a fit, so that a fit of the same model still differs
+//! from the recording as two integrators do.
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "used by tests only, which stop at what they do not expect"
+)]
 
 use slipstream_bus::{Camera, RobotModel, Sensors};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command as Told, Pose, Robot, Stream, Wheels};
 use slipstream_sim::{Command, Setup, World};
 
-/// Torques (N m, right and left) under which wheels never slip, each held for 20 ms.
-pub(crate) fn gentle(t_s: f64) -> [f64; 2] {
+/// Torques (N m, right and left) under which the wheels of the paper's robot never slip, each held for 20 ms.
+pub fn gentle(t_s: f64) -> [f64; 2] {
     let t = (t_s / 0.02).floor() * 0.02;
     [
         0.04 * (0.9 * t).sin() + 0.02 * (3.1 * t).sin(),
@@ -14,9 +22,12 @@ pub(crate) fn gentle(t_s: f64) -> [f64; 2] {
     ]
 }
 
-/// `length_s` of a robot that really is `model`, under `torque` (N m, right and left, at a time in s)
-/// every 20 ms, with encoders and an overhead camera.
-pub(crate) fn record(
+/// A recording of `model`, `length_s` long: torque commands (N m, right and left, as a function of time in s) every
+/// 20 ms, encoders of 1856 counts per turn, and a noisy overhead camera. `seed` sets the noise.
+///
+/// # Panics
+/// On a model that cannot be simulated.
+pub fn record(
     model: &RobotModel,
     torque: fn(f64) -> [f64; 2],
     length_s: f64,
