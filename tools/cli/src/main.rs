@@ -31,7 +31,7 @@ use crate::say::complain;
 ///
 /// Without a command: runs the platoon of three robots and says what happened.
 #[derive(Debug, Parser)]
-#[command(name = "slipstream", version)]
+#[command(name = "slipstream", version = env!("SLIPSTREAM_VERSION"))]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
