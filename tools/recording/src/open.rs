@@ -1,17 +1,13 @@
 //! Any recording, whatever form it has.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use crate::csv_in::{Import, read_folder};
+use crate::bag;
+use crate::csv_folder::read_folder;
 use crate::error::{Result, Unusable};
-use crate::foreign::read_foreign;
-use crate::mcap_in::read_own;
-use crate::topic_map::TopicMap;
-
-/// How much of a file is read at a time (bytes).
-pub(crate) const BUFFER: usize = 1 << 18;
+use crate::foreign_bag::{TopicMap, read_foreign};
+use crate::import::Import;
+use crate::mcap_file::read_own;
 
 /// Reads a recording: a folder of CSV files, an MCAP file of ours, or another robot's ROS 2 bag,
 /// whose topics are guessed (the guess is in the warnings).
@@ -37,9 +33,8 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     if map.is_some() {
         return read_foreign(path, map);
     }
-    let file = File::open(path).map_err(|e| Unusable::unreadable(path, &e))?;
-    let source = BufReader::with_capacity(BUFFER, file);
-    match read_own(source, metadata.len(), path)? {
+    let (source, size) = bag::open(path)?;
+    match read_own(source, size, path)? {
         Some(import) => Ok(import),
         None => read_foreign(path, None),
     }

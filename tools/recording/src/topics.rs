@@ -18,8 +18,6 @@ pub(crate) const RTT: &str = "/rtt";
 pub(crate) const TRACE: &str = "/trace";
 /// Topic of true poses, for viewers.
 pub(crate) const TF: &str = "/tf";
-/// The frame that poses are in.
-pub(crate) const WORLD: &str = "world";
 
 /// Metadata key: the stream that slipstream reads from this channel, such as `r1/pose`.
 const STREAM: &str = "stream";

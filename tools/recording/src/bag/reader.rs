@@ -9,14 +9,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mcap::McapError;
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use crate::bag::lengths;
+use super::chunk::{LARGEST_CHUNK, unpack};
+use super::lengths;
+use super::loss::Loss;
 use crate::error::Unusable;
-
-/// Largest chunk (bytes, packed or unpacked) and largest other record that is read.
-const LARGEST_CHUNK: u64 = 256 << 20;
 
 /// A topic of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,73 +48,6 @@ pub(crate) enum Item<'a> {
     Metadata {
         name: &'a str,
     },
-}
-
-/// What of a file could not be read.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Loss {
-    /// The file breaks off, or is damaged so that nothing behind can be found.
-    pub broken_off: bool,
-    /// Bytes behind the last record that was read.
-    pub bytes_at_end: u64,
-    /// Chunks whose checksum or content is wrong; their messages are left out.
-    pub damaged_chunks: u64,
-    /// Messages in those chunks, as far as their index tells.
-    pub messages_in_damaged_chunks: u64,
-    /// Messages that cannot be decoded or whose topic was lost.
-    pub undecodable_messages: u64,
-    /// Attachments and other records that are damaged.
-    pub damaged_records: u64,
-    /// Messages that were read.
-    pub messages_read: u64,
-    /// It broke off in the index at the end: the data is complete.
-    pub index_only: bool,
-}
-
-impl Loss {
-    /// Whether anything was lost, be it only the index.
-    pub fn any(&self) -> bool {
-        self.broken_off
-            || self.damaged_chunks > 0
-            || self.undecodable_messages > 0
-            || self.damaged_records > 0
-    }
-}
-
-impl std::fmt::Display for Loss {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} messages recovered", self.messages_read)?;
-        if self.damaged_chunks > 0 {
-            let (chunks, messages) = (self.damaged_chunks, self.messages_in_damaged_chunks);
-            write!(
-                f,
-                "; {chunks} damaged chunks with at least {messages} messages left out"
-            )?;
-        }
-        if self.undecodable_messages > 0 {
-            write!(
-                f,
-                "; {} messages could not be decoded",
-                self.undecodable_messages
-            )?;
-        }
-        if self.damaged_records > 0 {
-            write!(f, "; {} damaged records left out", self.damaged_records)?;
-        }
-        if self.index_only {
-            write!(
-                f,
-                "; the index at the end is damaged, no message is missing there"
-            )?;
-        } else if self.broken_off {
-            let bytes = self.bytes_at_end;
-            write!(
-                f,
-                "; the file breaks off, its last {bytes} bytes are no whole chunk and lost"
-            )?;
-        }
-        Ok(())
-    }
 }
 
 /// What a visitor says of an item.
@@ -165,33 +97,6 @@ struct Reading<'a> {
 
 /// How much of a chunk is handed on at a time (bytes).
 const FEED: usize = 16 << 10;
-
-/// Unpacks a chunk and compares its checksum.
-fn unpack(header: &ChunkHeader, data: &[u8], unpacked: &mut Vec<u8>) -> Result<(), McapError> {
-    let size = header.uncompressed_size;
-    if size > LARGEST_CHUNK {
-        return Err(McapError::ChunkTooLarge(size));
-    }
-    unpacked.clear();
-    // One byte more than promised is enough to see that the promise is wrong.
-    let limit = size + 1;
-    match header.compression.as_str() {
-        "" => data.take(limit).read_to_end(unpacked)?,
-        "lz4" => lz4::Decoder::new(data)?.take(limit).read_to_end(unpacked)?,
-        "zstd" => zstd::Decoder::new(data)?
-            .take(limit)
-            .read_to_end(unpacked)?,
-        other => return Err(McapError::UnsupportedCompression(other.to_owned())),
-    };
-    if unpacked.len() as u64 != size {
-        return Err(McapError::UnexpectedEoc);
-    }
-    let (saved, calculated) = (header.uncompressed_crc, crc32fast::hash(unpacked));
-    if saved != 0 && saved != calculated {
-        return Err(McapError::BadChunkCrc { saved, calculated });
-    }
-    Ok(())
-}
 
 impl Reading<'_> {
     fn run(

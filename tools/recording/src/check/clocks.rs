@@ -2,10 +2,11 @@
 
 use slipstream_bus::RobotModel;
 
-use super::motion::{agreement, combine, cut};
+use super::motion::cut;
 use super::rates::median;
+use super::report::{Finding, Severity};
+use super::similarity::{agreement, combine};
 use super::units::twist_of_wheels;
-use super::{Finding, Severity};
 use crate::recording::{Recording, Robot};
 use crate::table::{StreamKind, TableView};
 

@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use slipstream_bus::RobotModel;
 
-use crate::recording::{Command, Pose, Robot, Stream, Wheels};
+use super::resample::{at, means, rates};
+use crate::recording::{Command, Pose, Robot, Stream, Wheels, unwrap};
 
 /// Shortest window (s).
 const SHORTEST_S: f64 = 0.5;
@@ -138,51 +139,6 @@ fn edges(robot: &Robot, window_s: f64) -> Vec<f64> {
     (0..=count).map(|i| start + i as f64 * window_s).collect()
 }
 
-/// A straight line between the samples around `t_s`; NaN outside, and across pauses of a second.
-fn at(times: &[f64], values: &[f64], t_s: f64) -> f64 {
-    let after = times.partition_point(|time| *time < t_s);
-    let sample = |i: usize| times.get(i).copied().zip(values.get(i).copied());
-    let Some((t_b, b)) = sample(after) else {
-        return f64::NAN;
-    };
-    if t_b == t_s {
-        return b;
-    }
-    match after.checked_sub(1).and_then(sample) {
-        Some((t_a, a)) if t_b - t_a <= 1.0 => a + (b - a) * (t_s - t_a) / (t_b - t_a),
-        _ => f64::NAN,
-    }
-}
-
-/// The rate of change over each window.
-fn rates(times: &[f64], values: &[f64], edges: &[f64]) -> Vec<f64> {
-    let pairs = edges.iter().zip(edges.iter().skip(1));
-    pairs
-        .map(|(a, b)| (at(times, values, *b) - at(times, values, *a)) / (b - a))
-        .collect()
-}
-
-/// The mean of the rows in each window; without rows what holds from before, if not over a second
-/// old.
-fn means(times: &[f64], values: &[f64], edges: &[f64]) -> Vec<f64> {
-    let pairs = edges.iter().zip(edges.iter().skip(1));
-    pairs
-        .map(|(a, b)| {
-            let from = times.partition_point(|time| time < a);
-            let to = times.partition_point(|time| time < b);
-            let rows = values.get(from..to).unwrap_or_default();
-            let seen: Vec<f64> = rows.iter().copied().filter(|v| !v.is_nan()).collect();
-            if !seen.is_empty() {
-                return seen.iter().sum::<f64>() / seen.len() as f64;
-            }
-            let before = from.checked_sub(1);
-            let held = before.and_then(|i| times.get(i).zip(values.get(i)));
-            held.filter(|(time, _)| a - **time <= 1.0)
-                .map_or(f64::NAN, |(_, value)| *value)
-        })
-        .collect()
-}
-
 fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
     let Pose { x_m, y_m, yaw_rad } = &pose.values;
     let vx = rates(&pose.t_s, x_m, edges);
@@ -222,24 +178,6 @@ fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
     }
 }
 
-/// The heading without jumps of a whole turn. Empty cells stay empty.
-pub(crate) fn unwrap(yaw: &[f64]) -> Vec<f64> {
-    let mut last = f64::NAN;
-    let mut turns = 0.0;
-    yaw.iter()
-        .map(|yaw| {
-            if yaw.is_nan() {
-                return f64::NAN;
-            }
-            if !last.is_nan() {
-                turns -= ((yaw - last) / TAU).round();
-            }
-            last = *yaw;
-            yaw + turns * TAU
-        })
-        .collect()
-}
-
 fn of_wheels(
     wheels: &Stream<Wheels>,
     counts_per_rev: Option<u32>,
@@ -276,38 +214,4 @@ fn of_wheels(
             means(&wheels.t_s, left_rad_s, edges),
         ),
     };
-}
-
-/// How two lists go together, over the windows in which both say something.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Agreement {
-    /// Cosine between them: 1 the same up to a factor, -1 opposite, 0 unrelated.
-    pub(super) cosine: f64,
-    /// The factor from the second to the first (least squares).
-    pub(super) factor: f64,
-}
-
-/// Compares two lists; `None` where fewer than ten windows have both, or one of them rests.
-pub(super) fn agreement(a: &[f64], b: &[f64]) -> Option<Agreement> {
-    let (mut aa, mut ab, mut bb, mut n) = (0.0, 0.0, 0.0, 0);
-    for (a, b) in a.iter().zip(b) {
-        if a.is_finite() && b.is_finite() {
-            aa += a * a;
-            ab += a * b;
-            bb += b * b;
-            n += 1;
-        }
-    }
-    if n < 10 || aa <= 0.0 || bb <= 0.0 {
-        return None;
-    }
-    Some(Agreement {
-        cosine: ab / (aa * bb).sqrt(),
-        factor: ab / bb,
-    })
-}
-
-/// Sum or difference of two lists, item by item.
-pub(super) fn combine(a: &[f64], b: &[f64], combine: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| combine(*a, *b)).collect()
 }

@@ -1,6 +1,6 @@
 //! Rates, gaps and jitter of every stream.
 
-use super::{Finding, RobotReport, Severity, StreamReport};
+use super::report::{Finding, RobotReport, Severity, StreamReport};
 use crate::recording::Robot;
 use crate::table::{CellsView, StreamKind, TableView};
 

@@ -2,8 +2,9 @@
 
 use slipstream_bus::RobotModel;
 
-use super::motion::{Windows, agreement, combine, cut};
-use super::{Finding, Severity};
+use super::motion::{Windows, cut};
+use super::report::{Finding, Severity};
+use super::similarity::{agreement, combine};
 use crate::recording::{Command, Robot};
 
 /// From here on two lists say the same (cosine).

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::{Windows, agreement, combine, unwrap};
-use super::{Finding, Severity};
-use crate::recording::Robot;
+use super::motion::Windows;
+use super::report::{Finding, Severity};
+use super::similarity::{agreement, combine};
+use crate::recording::{Robot, unwrap};
 
 /// Degrees in a radian.
 const DEGREES: f64 = 360.0 / TAU;

@@ -1,7 +1,8 @@
 //! Swapped or reversed wheels, and a pose or command that runs the other way.
 
-use super::motion::{Windows, agreement, combine};
-use super::{Finding, Severity};
+use super::motion::Windows;
+use super::report::{Finding, Severity};
+use super::similarity::{agreement, combine};
 use crate::recording::Robot;
 
 /// From here on two lists say the same (cosine).

@@ -1,7 +1,9 @@
 //! Messages made of plain numbers: the same for a run and for an imported recording.
 
-use crate::ros2::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
-use crate::topics;
+use super::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
+
+/// The frame that poses are in.
+pub(crate) const WORLD: &str = "world";
 
 /// The head of a message stamped with this time (ns).
 pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
@@ -53,7 +55,7 @@ pub(crate) fn odometry(
     twist: Twist,
 ) -> ros::Odometry<&str> {
     ros::Odometry {
-        header: header(t_ns, topics::WORLD),
+        header: header(t_ns, WORLD),
         child_frame_id: robot,
         pose: Pose::planar(x_m, y_m, yaw_rad),
         pose_covariance: [[0.0; 6]; 6],

@@ -1,0 +1,10 @@
+//! The ROS 2 messages of a recording: their shape, their definition text and their CDR encoding.
+
+pub(crate) mod cdr;
+pub(crate) mod compose;
+mod definitions;
+pub(crate) mod messages;
+pub(crate) mod position;
+pub(crate) mod time;
+
+pub(crate) use definitions::MessageType;
