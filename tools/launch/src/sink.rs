@@ -12,7 +12,7 @@ use slipstream_bus::{Experiment, RobotModel};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{
-    About, Attachment, Fate as Ending, PositionRecord, RunWriter, WheelContact,
+    Attachment, Fate as Ending, PositionRecord, RunHeader, RunWriter, WheelContact,
 };
 
 /// Writes a run's records to an MCAP file. The first failure ends the writing and is kept.
@@ -239,7 +239,7 @@ impl Recorder for Sink {
 }
 
 /// What is known about a run before it begins.
-fn about(experiment: &Experiment, keys: &str) -> About {
+fn about(experiment: &Experiment, keys: &str) -> RunHeader {
     let settings = &experiment.settings;
     let camera = &settings.sensors.camera;
     let imu = &settings.sensors.imu;
@@ -264,7 +264,7 @@ fn about(experiment: &Experiment, keys: &str) -> About {
         effects: Vec::new(),
         ..model.clone()
     };
-    About {
+    RunHeader {
         description: Recording {
             name: settings.name.clone(),
             origin: format!("slipstream {}", env!("CARGO_PKG_VERSION")),

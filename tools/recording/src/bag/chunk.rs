@@ -1,25 +1,28 @@
-//! Unpacking of one chunk, its checksum compared.
+//! Decompression of one chunk, with its checksum.
 
 use std::io::Read;
 
 use mcap::McapError;
 use mcap::records::ChunkHeader;
 
-/// Largest chunk (bytes, packed or unpacked) and largest other record that is read.
-pub(super) const LARGEST_CHUNK: u64 = 256 << 20;
+/// Largest chunk (compressed or not) and largest other record that is read (bytes).
+pub(super) const MAX_CHUNK_BYTES: u64 = 256 << 20;
 
-/// Unpacks a chunk and compares its checksum.
+/// Decompresses a chunk into `unpacked` and verifies its size and checksum.
+///
+/// # Errors
+/// If the chunk is damaged, too large or compressed in another way than LZ4 or Zstandard.
 pub(super) fn unpack(
     header: &ChunkHeader,
     data: &[u8],
     unpacked: &mut Vec<u8>,
 ) -> Result<(), McapError> {
     let size = header.uncompressed_size;
-    if size > LARGEST_CHUNK {
+    if size > MAX_CHUNK_BYTES {
         return Err(McapError::ChunkTooLarge(size));
     }
     unpacked.clear();
-    // One byte more than promised is enough to see that the promise is wrong.
+    // One byte more than the header claims is enough to detect a wrong claim.
     let limit = size + 1;
     match header.compression.as_str() {
         "" => data.take(limit).read_to_end(unpacked)?,

@@ -1,4 +1,4 @@
-//! Opens a file for reading from front to back.
+//! Buffered sequential reading of a file.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -6,11 +6,14 @@ use std::path::Path;
 
 use crate::error::Unusable;
 
-/// How much of a file is read at a time (bytes).
+/// Size of the read buffer (bytes).
 const BUFFER_BYTES: usize = 1 << 18;
 
-/// Opens a file and says how many bytes it has.
-pub(crate) fn open(path: &Path) -> Result<(BufReader<File>, u64), Unusable> {
+/// Opens a file. Returns its reader and its size (bytes).
+///
+/// # Errors
+/// If the operating system does not open it.
+pub(crate) fn open_file(path: &Path) -> Result<(BufReader<File>, u64), Unusable> {
     let unreadable = |e: std::io::Error| Unusable::unreadable(path, &e);
     let file = File::open(path).map_err(unreadable)?;
     let size = file.metadata().map_err(unreadable)?.len();

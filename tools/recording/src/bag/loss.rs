@@ -1,30 +1,30 @@
-//! What of an MCAP file could not be read.
+//! Data of a damaged MCAP file that could not be read.
 
-/// What of a file could not be read.
+/// The parts of an MCAP file that could not be read, as counts.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Loss {
-    /// The file breaks off, or is damaged so that nothing behind can be found.
-    pub broken_off: bool,
-    /// Bytes behind the last record that was read.
+    /// The file is truncated, or damaged so that no later record can be found.
+    pub truncated: bool,
+    /// Bytes after the last record that was read.
     pub bytes_at_end: u64,
-    /// Chunks whose checksum or content is wrong; their messages are left out.
+    /// Chunks with a wrong checksum or content; their messages are skipped.
     pub damaged_chunks: u64,
-    /// Messages in those chunks, as far as their index tells.
+    /// Messages in those chunks, as far as their index is readable.
     pub messages_in_damaged_chunks: u64,
-    /// Messages that cannot be decoded or whose topic was lost.
+    /// Messages that cannot be decoded, or whose channel was lost.
     pub undecodable_messages: u64,
-    /// Attachments and other records that are damaged.
+    /// Damaged attachments and other records.
     pub damaged_records: u64,
     /// Messages that were read.
     pub messages_read: u64,
-    /// It broke off in the index at the end: the data is complete.
+    /// The damage is in the index at the end; the data is complete.
     pub index_only: bool,
 }
 
 impl Loss {
-    /// Whether anything was lost, be it only the index.
+    /// Whether anything was lost, even if only the index.
     pub fn any(&self) -> bool {
-        self.broken_off
+        self.truncated
             || self.damaged_chunks > 0
             || self.undecodable_messages > 0
             || self.damaged_records > 0
@@ -38,7 +38,7 @@ impl std::fmt::Display for Loss {
             let (chunks, messages) = (self.damaged_chunks, self.messages_in_damaged_chunks);
             write!(
                 f,
-                "; {chunks} damaged chunks with at least {messages} messages left out"
+                "; {chunks} damaged chunks with at least {messages} messages skipped"
             )?;
         }
         if self.undecodable_messages > 0 {
@@ -49,18 +49,18 @@ impl std::fmt::Display for Loss {
             )?;
         }
         if self.damaged_records > 0 {
-            write!(f, "; {} damaged records left out", self.damaged_records)?;
+            write!(f, "; {} damaged records skipped", self.damaged_records)?;
         }
         if self.index_only {
             write!(
                 f,
-                "; the index at the end is damaged, no message is missing there"
+                "; the index at the end is damaged, but no message is missing"
             )?;
-        } else if self.broken_off {
+        } else if self.truncated {
             let bytes = self.bytes_at_end;
             write!(
                 f,
-                "; the file breaks off, its last {bytes} bytes are no whole chunk and lost"
+                "; the file is truncated: its last {bytes} bytes are an incomplete chunk and lost"
             )?;
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! MCAP files laid out as ROS 2 bags: the file itself, without what the messages mean.
+//! MCAP files in the layout of ROS 2 bags: the container, without the meaning of its messages.
 
 mod chunk;
 mod file;
@@ -7,7 +7,7 @@ mod loss;
 mod reader;
 mod writer;
 
-pub(crate) use file::open;
+pub(crate) use file::open_file;
 pub use loss::Loss;
-pub(crate) use reader::{ChannelInfo, Item, Undecodable, Visited, read_bag};
+pub(crate) use reader::{ChannelInfo, Item, Undecodable, VisitResult, read_bag};
 pub(crate) use writer::{BagWriter, Channel};

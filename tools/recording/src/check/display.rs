@@ -1,4 +1,4 @@
-//! The report as text for people.
+//! The report of `slipstream check` as text.
 
 use std::fmt;
 

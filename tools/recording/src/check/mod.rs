@@ -1,11 +1,12 @@
-//! `slipstream check`: what a recording can be used for, before any diagnosis.
+//! `slipstream check`: finds errors of a recording and says what it can be used for.
 //!
-//! Nothing here needs a model. Sources of the same motion (pose, wheels, command, gyro, odometry)
-//! are compared in windows ([`motion`]); what they disagree on by a known factor or sign is said.
+//! Needs no model. Sources of the same motion (pose, wheels, command, gyro, odometry) are compared
+//! over time windows ([`motion`]); a known factor or a reversed sign between two sources is reported.
 
 mod clocks;
 mod coverage;
 mod display;
+mod links;
 mod motion;
 mod rates;
 mod report;
@@ -21,19 +22,19 @@ pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
 use crate::recording::{Recording, Robot};
 
-/// Looks a recording over. Without a model, the one that came with the recording is used for the
-/// wheels' size and the encoders' counts.
+/// Checks a recording. `model` gives the size of the wheels and the encoder counts; without it, the
+/// model that came with the recording is used, if there is one.
 pub fn check(recording: &Recording, model: Option<&RobotModel>) -> Report {
     let model = model.or(recording.model.as_ref());
     let mut findings = Vec::new();
     let mut robots = Vec::new();
     for robot in &recording.robots {
-        robots.push(rates::of(robot, &mut findings));
-        of_robot(robot, model, &mut findings);
+        robots.push(rates::report(robot, &mut findings));
+        compare_sources(robot, model, &mut findings);
     }
-    clocks::of_links(recording, &mut findings);
-    findings.sort_by(|a, b| (&a.robot, a.severity).cmp(&(&b.robot, b.severity)));
-    let (can_judge, missing) = coverage::of(recording, model);
+    links::check(recording, &mut findings);
+    sort(&mut findings);
+    let (can_judge, missing) = coverage::coverage(recording, model);
     Report {
         format: 1,
         recording: recording.name.clone(),
@@ -44,16 +45,9 @@ pub fn check(recording: &Recording, model: Option<&RobotModel>) -> Report {
     }
 }
 
-fn of_robot(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let windows = motion::windows(robot, model);
-    clocks::of_robot(robot, model, findings);
-    units::of(robot, &windows, findings);
-    wheels::of(robot, &windows, findings);
-    torque::of(robot, model, findings);
-}
-
-/// What is wrong with a recording that a diagnosis of it has to know: faults, and pauses of its
-/// streams. Each robot is looked at by its own model, or by the one that came with the recording.
+/// The findings of [`check`] that a diagnosis must know: errors, warnings, and gaps in streams.
+/// `model_of` gives the model of each robot; without one, the model that came with the recording is
+/// used.
 pub fn faults(
     recording: &Recording,
     model_of: &dyn Fn(&str) -> Option<RobotModel>,
@@ -61,11 +55,25 @@ pub fn faults(
     let mut findings = Vec::new();
     for robot in &recording.robots {
         let model = model_of(&robot.name).or_else(|| recording.model.clone());
-        rates::of(robot, &mut findings);
-        of_robot(robot, model.as_ref(), &mut findings);
+        rates::report(robot, &mut findings);
+        compare_sources(robot, model.as_ref(), &mut findings);
     }
-    clocks::of_links(recording, &mut findings);
+    links::check(recording, &mut findings);
     findings.retain(|finding| finding.severity < Severity::Note || finding.id == "gaps");
-    findings.sort_by(|a, b| (&a.robot, a.severity).cmp(&(&b.robot, b.severity)));
+    sort(&mut findings);
     findings
+}
+
+/// Compares the sources of a robot's motion with each other.
+fn compare_sources(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
+    let windows = motion::windows(robot, model);
+    clocks::check(robot, model, findings);
+    units::check(robot, &windows, findings);
+    wheels::check(robot, &windows, findings);
+    torque::check(robot, model, findings);
+}
+
+/// Sorts by robot, then by severity.
+fn sort(findings: &mut [Finding]) {
+    findings.sort_by(|a, b| (&a.robot, a.severity).cmp(&(&b.robot, b.severity)));
 }

@@ -1,85 +1,87 @@
-//! The answer of `slipstream check`.
+//! The report of `slipstream check`, as it is written to JSON.
 
-use serde::Serialize;
+use std::borrow::Cow;
 
-/// What was found out about a recording.
-#[derive(Debug, Clone, Serialize)]
+use serde::{Deserialize, Serialize};
+
+/// The result of [`check`](crate::check()).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// Version of this answer's form.
+    /// Version of this format: 1.
     pub format: u32,
-    /// The recording's name.
+    /// Name of the recording.
     pub recording: String,
-    /// Each robot's streams.
+    /// The streams of each robot.
     pub robots: Vec<RobotReport>,
-    /// What is wrong or worth knowing, the worst first within each robot.
+    /// The findings, sorted by robot (those about no robot first), then by severity.
     pub findings: Vec<Finding>,
-    /// What can be judged from it.
+    /// What the recording can be used for, as sentences for people.
     pub can_judge: Vec<String>,
-    /// What is missing, and what it would allow.
+    /// What is missing and what it would allow, as sentences for people.
     pub missing: Vec<String>,
 }
 
-/// One robot's streams.
-#[derive(Debug, Clone, Serialize)]
+/// The streams of one robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RobotReport {
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
     /// Its streams.
     pub streams: Vec<StreamReport>,
 }
 
-/// Times of one stream.
-#[derive(Debug, Clone, Serialize)]
+/// Size and timing of one stream.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StreamReport {
-    /// Its file's name without `.csv`.
+    /// Name of the stream: its CSV file without `.csv`.
     pub stream: String,
-    /// Its columns.
+    /// Names of its columns without the time.
     pub columns: Vec<String>,
     /// Number of rows.
     pub rows: usize,
     /// First and last time (s); null without rows.
     pub span_s: Option<[f64; 2]>,
-    /// One over the median of the time from row to row (1/s).
+    /// Rate (Hz): one over the median time step; null without a positive median.
     pub rate_hz: Option<f64>,
-    /// Median deviation of the time from row to row from its median, over the median (1).
+    /// Median deviation of the time steps from their median, over the median (1).
     pub jitter: Option<f64>,
-    /// Pauses longer than five times the median and 0.1 s: from, to (s).
+    /// Gaps: time steps longer than five medians and 0.1 s, as [start, end] (s).
     pub gaps_s: Vec<[f64; 2]>,
-    /// Rows with the time of the row before.
+    /// Number of rows with the same time as the row before.
     pub repeated_times: usize,
-    /// Empty cells.
+    /// Number of empty cells.
     pub empty_cells: usize,
 }
 
-/// How bad it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+/// Severity of a finding, most severe first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// A diagnosis of this recording would be wrong.
     Error,
-    /// It may be wrong, or part of the data is of no use.
+    /// A diagnosis may be wrong, or part of the data is useless.
     Warning,
     /// Worth knowing.
     Note,
 }
 
-/// Something that is wrong or worth knowing.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A fault of the recording, or something worth knowing about it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
-    /// How bad it is.
+    /// How severe it is.
     pub severity: Severity,
-    /// The robot; null when it is about all.
+    /// The robot; null if the finding is about no single robot.
     pub robot: Option<String>,
-    /// A word for programs, such as `wheels_swapped`.
-    pub id: &'static str,
-    /// What it is, with the numbers behind it.
+    /// Identifier for programs, such as `wheels_swapped`; README.md lists all.
+    pub id: Cow<'static, str>,
+    /// What was found, with the numbers behind it.
     pub statement: String,
-    /// What to do about it.
+    /// How to correct it.
     pub remedy: String,
 }
 
 impl Finding {
-    pub(crate) fn new(
+    pub(super) fn new(
         severity: Severity,
         robot: &str,
         id: &'static str,
@@ -89,7 +91,7 @@ impl Finding {
         Self {
             severity,
             robot: Some(robot.to_owned()),
-            id,
+            id: Cow::Borrowed(id),
             statement: statement.into(),
             remedy: remedy.into(),
         }

@@ -1,22 +1,23 @@
-//! One quantity, recorded and simulated.
+//! One quantity over time, recorded and simulated.
 
-/// One quantity, recorded and simulated.
+/// One quantity over time, recorded and simulated.
 #[derive(Debug, Clone)]
 pub struct Channel {
-    /// The robot.
+    /// Name of the robot.
     pub robot: String,
-    /// What it is, such as `pose x`.
+    /// Name of the quantity, such as `pose x`.
     pub name: String,
-    /// Its unit.
+    /// Unit of the values.
     pub unit: &'static str,
-    /// Recorded: time (s) and value.
+    /// Recorded times (s) and values, without empty cells.
     pub recorded: Vec<(f64, f64)>,
-    /// Simulated: time (s) and value.
+    /// Simulated times (s) and values.
     pub simulated: Vec<(f64, f64)>,
 }
 
 impl Channel {
-    /// Root mean square of recorded minus simulated, where both are there.
+    /// Root mean square of recorded minus simulated, over the recorded times for which there is a
+    /// simulated value; `None` if there are none.
     pub fn rms_difference(&self) -> Option<f64> {
         let differences = self.recorded.iter().filter_map(|(t_s, value)| {
             let difference = value - interpolate(&self.simulated, *t_s)?;
@@ -27,7 +28,7 @@ impl Channel {
     }
 }
 
-/// A straight line between the samples around `t_s`.
+/// Linear interpolation at `t_s`; `None` after the last sample, and before the first one.
 pub(super) fn interpolate(samples: &[(f64, f64)], t_s: f64) -> Option<f64> {
     let after = samples.partition_point(|(time, _)| *time < t_s);
     let (t_b, b) = *samples.get(after)?;

@@ -1,14 +1,14 @@
-//! `slipstream compare`: the simulation of the recorded commands beside the recording.
+//! `slipstream compare`: the simulation of the recorded commands next to the recording.
 //!
-//! Open loop from the first command to the last row. Only where it starts is fitted, to the poses
-//! of the first half second. Where no command was recorded, the wheels drive the simulation.
+//! The simulation runs open loop from the first command to the last row. Only its start pose is
+//! fitted, to the poses of the first half second. Without commands, the wheel speeds drive it.
 
 mod channel;
 mod commands;
 mod overlay;
-mod sensors;
 mod simulation;
 mod start;
+mod wheel_angles;
 
 use slipstream_bus::{ModelError, RobotModel};
 use slipstream_sim::Robot as Plant;
@@ -16,18 +16,14 @@ use slipstream_sim::Robot as Plant;
 pub use channel::Channel;
 
 use crate::recording::Recording;
-use commands::{commands, kind};
-use overlay::of_robot;
-use simulation::simulate;
-use start::fit_start;
 
-/// Why nothing can be laid side by side.
+/// Why a recording cannot be compared with a simulation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CompareError {
-    /// A robot has no model.
+    /// There is no model for this robot.
     #[error("no model for {0}; give one with --robot")]
     NoModel(String),
-    /// The simulation refuses a robot's model.
+    /// The simulation rejects the model of a robot.
     #[error("the model of {robot}: {source}")]
     Model {
         /// The robot.
@@ -35,19 +31,22 @@ pub enum CompareError {
         /// What is wrong with its model.
         source: ModelError,
     },
-    /// Nothing drives a simulation.
+    /// There are no inputs for a simulation.
     #[error(
-        "neither command.csv nor wheels.csv of any robot has two rows; record what the drives \
-         were told"
+        "no robot has two rows in command.csv or wheels.csv; record the commands to the drives"
     )]
     NothingToSimulate,
 }
 
-/// Simulates every robot that recorded commands or wheels, and lays both side by side.
+/// Simulates every robot with recorded commands or wheels. Returns each recorded quantity with its
+/// simulation, in the order of the robots.
+///
+/// `model_of` gives the model of each robot; without one, the model that came with the recording is
+/// used.
 ///
 /// # Errors
-/// A robot without a model or with one that the simulation refuses, or a recording without anything
-/// to drive it.
+/// If a robot has no model or one that the simulation rejects, or if no robot has inputs for a
+/// simulation.
 pub fn compare(
     recording: &Recording,
     model_of: impl Fn(&str) -> Option<RobotModel>,
@@ -57,16 +56,16 @@ pub fn compare(
         let Some(model) = model_of(&robot.name).or_else(|| recording.model.clone()) else {
             return Err(CompareError::NoModel(robot.name.clone()));
         };
-        if let Some(commands) = commands(robot, &model) {
-            let refused = |source| CompareError::Model {
+        if let Some(commands) = commands::commands(robot, &model) {
+            let rejected = |source| CompareError::Model {
                 robot: robot.name.clone(),
                 source,
             };
-            let plant = Plant::new(&model).map_err(refused)?;
-            plant.accepts(kind(&commands)).map_err(refused)?;
-            let start = fit_start(&plant, robot, &model, &commands);
-            let run = simulate(&plant, robot, start, &commands, f64::INFINITY);
-            channels.extend(of_robot(robot, &model, &run));
+            let plant = Plant::new(&model).map_err(rejected)?;
+            plant.accepts(commands::kind(&commands)).map_err(rejected)?;
+            let start = start::fit_start_pose(&plant, robot, &model, &commands);
+            let samples = simulation::simulate(&plant, robot, start, &commands, f64::INFINITY);
+            channels.extend(overlay::channels(robot, &model, &samples));
         }
     }
     if channels.is_empty() {

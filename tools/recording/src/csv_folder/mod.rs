@@ -1,7 +1,7 @@
-//! A recording as a folder of CSV files.
+//! Recordings as folders of CSV files: one file per stream, and `recording.toml`.
 
+mod csv_file;
 mod reader;
-mod rows;
 mod writer;
 
 pub use reader::read_folder;

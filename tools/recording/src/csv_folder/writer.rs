@@ -1,27 +1,30 @@
-//! CSV folders out: the shortest digits that read back as the same bits, empty cells empty.
+//! Writer of a folder of CSV files. Numbers are written with the fewest digits that parse to the same
+//! bits; NaN becomes an empty cell.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result, Unusable, writing};
+use crate::error::{Error, Result, Unusable, write_error};
 use crate::recording::{Links, Recording, RoundTrips, UnknownColumn};
-use crate::table::{CellsView, StreamKind, TableView};
+use crate::table::{
+    CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
+};
 use crate::toml_files::{recording_toml, robot_toml};
 
-/// Writes the recording as a folder of CSV files. The folder must not exist or be empty.
+/// Writes a recording as a folder of CSV files. The folder must be empty or not exist.
 ///
 /// # Errors
-/// When there is something in the folder already, or the system does not let it be written.
+/// If the folder is not empty, or a file cannot be written.
 pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(writing(folder))?;
-    let mut entries = std::fs::read_dir(folder).map_err(writing(folder))?;
+    std::fs::create_dir_all(folder).map_err(write_error(folder))?;
+    let mut entries = std::fs::read_dir(folder).map_err(write_error(folder))?;
     if entries.next().is_some() {
         let problem = "the folder is not empty";
-        return Err(Unusable::new(folder, problem, "name a new one").into());
+        return Err(Unusable::new(folder, problem, "give a new folder").into());
     }
     let path = folder.join("recording.toml");
-    std::fs::write(&path, recording_toml::to_text(recording)).map_err(writing(&path))?;
+    std::fs::write(&path, recording_toml::to_text(recording)).map_err(write_error(&path))?;
     if let Some(model) = &recording.model {
         robot_toml::write(model, &folder.join("robot.toml"))?;
     }
@@ -29,7 +32,7 @@ pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
         let folder = folder.join(&robot.name);
         for kind in StreamKind::ALL {
             if let Some(table) = TableView::of(robot, kind) {
-                std::fs::create_dir_all(&folder).map_err(writing(&folder))?;
+                std::fs::create_dir_all(&folder).map_err(write_error(&folder))?;
                 let path = folder.join(format!("{}.csv", kind.name()));
                 write_file(&path, |csv| write_stream(csv, &table))?;
             }
@@ -39,7 +42,7 @@ pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
         write_file(&folder.join("links.csv"), |csv| write_links(csv, links))?;
     }
     if let Some(rtt) = &recording.rtt {
-        write_file(&folder.join("rtt.csv"), |csv| write_rtt(csv, rtt))?;
+        write_file(&folder.join("rtt.csv"), |csv| write_round_trips(csv, rtt))?;
     }
     Ok(())
 }
@@ -47,14 +50,14 @@ pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
 type Csv = csv::Writer<BufWriter<File>>;
 
 fn write_file(path: &Path, write: impl FnOnce(&mut Csv) -> csv::Result<()>) -> Result<()> {
-    let file = File::create(path).map_err(writing(path))?;
+    let file = File::create(path).map_err(write_error(path))?;
     let mut csv = csv::Writer::from_writer(BufWriter::new(file));
     let failed = |e: csv::Error| Error::Write {
         path: path.to_owned(),
         source: e.into(),
     };
     write(&mut csv).map_err(failed)?;
-    csv.flush().map_err(writing(path))
+    csv.flush().map_err(write_error(path))
 }
 
 fn write_stream(csv: &mut Csv, table: &TableView<'_>) -> csv::Result<()> {
@@ -85,22 +88,14 @@ fn write_stream(csv: &mut Csv, table: &TableView<'_>) -> csv::Result<()> {
 }
 
 fn write_links(csv: &mut Csv, links: &Links) -> csv::Result<()> {
-    let heads: &[&str] = &[
-        "t_sent_s",
-        "t_received_s",
-        "from",
-        "to",
-        "x_m",
-        "y_m",
-        "yaw_rad",
-    ];
-    let velocity: &[&str] = if links.with_velocity {
-        &["v_m_s", "w_rad_s"]
+    let columns = if links.with_velocity {
+        LINK_COLUMNS.len()
     } else {
-        &[]
+        LINK_POSE_COLUMNS
     };
+    let columns = LINK_COLUMNS.iter().take(columns).copied();
     let unknown = links.unknown.iter().map(|column| column.name.as_str());
-    csv.write_record(heads.iter().chain(velocity).copied().chain(unknown))?;
+    csv.write_record(columns.chain(unknown))?;
     let mut cell = Vec::new();
     for (i, message) in links.messages.iter().enumerate() {
         write_number(csv, &mut cell, message.t_sent_s)?;
@@ -120,9 +115,9 @@ fn write_links(csv: &mut Csv, links: &Links) -> csv::Result<()> {
     Ok(())
 }
 
-fn write_rtt(csv: &mut Csv, rtt: &RoundTrips) -> csv::Result<()> {
+fn write_round_trips(csv: &mut Csv, rtt: &RoundTrips) -> csv::Result<()> {
     let unknown = rtt.unknown.iter().map(|column| column.name.as_str());
-    csv.write_record(["seq", "rtt_ms"].into_iter().chain(unknown))?;
+    csv.write_record(ROUND_TRIP_COLUMNS.into_iter().chain(unknown))?;
     let mut cell = Vec::new();
     for (i, (seq, rtt_ms)) in rtt.seq.iter().zip(&rtt.rtt_ms).enumerate() {
         csv.write_field(seq.to_string())?;
@@ -140,7 +135,7 @@ fn write_unknown(csv: &mut Csv, unknown: &[UnknownColumn], row: usize) -> csv::R
     Ok(())
 }
 
-/// The shortest text that reads back as the same bits; nothing for NaN, which means empty.
+/// Writes a number with the fewest digits that parse to the same bits; NaN as an empty cell.
 fn write_number(csv: &mut Csv, cell: &mut Vec<u8>, number: f64) -> csv::Result<()> {
     cell.clear();
     if !number.is_nan() {

@@ -1,20 +1,21 @@
-//! Messages between robots and round trips, built from messages that arrive one by one.
+//! Position messages and round trips assembled from messages that arrive one by one.
 
-use super::number::finite_or_nan;
-use crate::bag::{Undecodable, Visited};
-use crate::recording::{LinkMessage, Links, Names, RoundTrips, UnknownColumn};
+use crate::bag::{Undecodable, VisitResult};
+use crate::recording::{LinkMessage, Links, NamePool, RoundTrips, UnknownColumn};
 use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
 use crate::ros2::time::s_from_ns;
+use crate::table::finite_or_nan;
 
-/// The messages between robots being built.
+/// Position messages being collected.
 #[derive(Debug, Default)]
 pub(crate) struct LinksBuilder {
     links: Links,
-    names: Names,
+    names: NamePool,
 }
 
 impl LinksBuilder {
+    /// No messages yet, with these unknown columns.
     pub(crate) fn new(with_velocity: bool, unknown: &[String]) -> Self {
         Self {
             links: Links {
@@ -22,11 +23,12 @@ impl LinksBuilder {
                 with_velocity,
                 unknown: empty_columns(unknown),
             },
-            names: Names::default(),
+            names: NamePool::default(),
         }
     }
 
-    pub(crate) fn push_message(&mut self, data: &[u8]) -> Visited {
+    /// Appends a position message.
+    pub(crate) fn push_message(&mut self, data: &[u8]) -> VisitResult {
         let message: ros::PositionMessage<String> = decode(data).map_err(|_| Undecodable)?;
         let arrived = message.fate == 0;
         self.links.messages.push(LinkMessage {
@@ -43,7 +45,8 @@ impl LinksBuilder {
         Ok(())
     }
 
-    pub(crate) fn push_row(&mut self, data: &[u8]) -> Visited {
+    /// Appends a message from a lossless row.
+    pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;
         let [received, x_m, y_m, yaw_rad, v_m_s, w_rad_s] = row.numbers[..] else {
             return Err(Undecodable);
@@ -72,7 +75,8 @@ impl LinksBuilder {
         Ok(())
     }
 
-    /// The messages in the order of sending. (A run writes them when it knows what became of them.)
+    /// The messages in the order of sending. (A run writes a message once its delivery status is
+    /// known.)
     pub(crate) fn finish(mut self) -> Links {
         let sent = |message: &LinkMessage| message.t_sent_s;
         if !self.links.messages.is_sorted_by_key(sent) && self.links.unknown.is_empty() {
@@ -83,11 +87,12 @@ impl LinksBuilder {
     }
 }
 
-/// Round trips being built.
+/// Round trips being collected.
 #[derive(Debug, Default)]
-pub(crate) struct RoundTripsBuilder(pub(crate) RoundTrips);
+pub(crate) struct RoundTripsBuilder(RoundTrips);
 
 impl RoundTripsBuilder {
+    /// No round trips yet, with these unknown columns.
     pub(crate) fn new(unknown: &[String]) -> Self {
         Self(RoundTrips {
             unknown: empty_columns(unknown),
@@ -95,14 +100,16 @@ impl RoundTripsBuilder {
         })
     }
 
-    pub(crate) fn push_message(&mut self, data: &[u8]) -> Visited {
+    /// Appends a round trip.
+    pub(crate) fn push_message(&mut self, data: &[u8]) -> VisitResult {
         let trip: ros::RoundTrip = decode(data).map_err(|_| Undecodable)?;
         self.0.seq.push(trip.seq);
         self.0.rtt_ms.push(finite_or_nan(trip.rtt_ms));
         Ok(())
     }
 
-    pub(crate) fn push_row(&mut self, data: &[u8]) -> Visited {
+    /// Appends a round trip from a lossless row.
+    pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;
         let mut texts = row.texts.into_iter();
         let seq = texts.next().and_then(|text| text.parse().ok());
@@ -118,6 +125,11 @@ impl RoundTripsBuilder {
             column.cells.push(cell);
         }
         Ok(())
+    }
+
+    /// The round trips in file order.
+    pub(crate) fn finish(self) -> RoundTrips {
+        self.0
     }
 }
 

@@ -1,10 +1,9 @@
-//! Streams out of ROS 2 messages.
+//! Streams assembled from ROS 2 messages that arrive one by one.
 
 mod links;
-mod number;
 mod sample;
 mod streams;
 
 pub(crate) use links::{LinksBuilder, RoundTripsBuilder};
-pub(crate) use sample::{Pick, Sample};
+pub(crate) use sample::{MessageSelector, Sample};
 pub(crate) use streams::StreamBuilder;

@@ -1,19 +1,19 @@
-//! What one message says, whatever its type: one place per quantity, NaN where it says nothing.
+//! The quantities in one message of any supported type; NaN where the message has none.
 
 use crate::ros2::cdr::decode;
 use crate::ros2::compose::JOINTS;
 use crate::ros2::messages::{self as ros, Header, Pose, Twist};
 
-/// Where to look inside a message.
+/// Selects one robot's part of a message that describes several joints or frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Pick {
-    /// Names of the right and the left wheel's joints.
+pub(crate) struct MessageSelector {
+    /// Joint names of the wheels, [right, left].
     pub(crate) joints: [String; 2],
-    /// Of a list of transforms, the one to this frame.
+    /// In a list of transforms, the child frame to read.
     pub(crate) frame: Option<String>,
 }
 
-impl Default for Pick {
+impl Default for MessageSelector {
     fn default() -> Self {
         Self {
             joints: JOINTS.map(str::to_owned),
@@ -22,41 +22,51 @@ impl Default for Pick {
     }
 }
 
-/// The quantities of a message.
+/// The quantities of a message. Pairs are [right, left].
 #[derive(Debug, Clone)]
 pub(crate) struct Sample {
-    /// The stamp in the message (ns), where it has one.
+    /// Time stamp of the message (ns), if it has one.
     pub(crate) t_ns: Option<i64>,
-    /// Counts, [right, left].
+    /// Encoder counts.
     pub(crate) ticks: [Option<i64>; 2],
+    /// x (m), y (m), yaw (rad).
     pose: [f64; 3],
+    /// Forward speed (m/s), yaw rate (rad/s).
     twist: [f64; 2],
+    /// Wheel angles (rad).
     angle: [f64; 2],
+    /// Wheel speeds (rad/s).
     speed: [f64; 2],
+    /// Wheel torques (N m).
     torque: [f64; 2],
+    /// Motor voltages (V).
     voltage: [f64; 2],
+    /// Acceleration forward and to the left (m/s²).
     acceleration: [f64; 2],
+    /// Yaw rate of the gyro (rad/s).
     yaw_rate: f64,
+    /// Current right (A), current left (A), supply voltage (V).
     motor: [f64; 3],
 }
 
-/// What a message had nothing of.
+/// Why a message gives no sample.
 #[derive(Debug)]
-pub(crate) enum Nothing {
+pub(crate) enum NoSample {
     /// It cannot be decoded.
     Undecodable,
-    /// It is about something else (another frame, other joints).
-    Elsewhere,
+    /// It has another type, or describes other frames or joints than the selected ones.
+    NotSelected,
 }
 
-impl From<String> for Nothing {
+impl From<String> for NoSample {
     fn from(_: String) -> Self {
         Self::Undecodable
     }
 }
 
 impl Sample {
-    fn at(t_ns: Option<i64>) -> Self {
+    /// A sample without quantities.
+    fn empty(t_ns: Option<i64>) -> Self {
         const NAN: f64 = f64::NAN;
         Self {
             t_ns,
@@ -74,10 +84,10 @@ impl Sample {
     }
 
     fn stamped(header: &Header<String>) -> Self {
-        Self::at(Some(header.stamp.ns()))
+        Self::empty(Some(header.stamp.ns()))
     }
 
-    /// The number that belongs into a column of the format; NaN where the message says none.
+    /// The number for a column of the format; NaN if the message does not contain it.
     pub(crate) fn number(&self, column: &str) -> f64 {
         match column {
             "x_m" => self.pose[0],
@@ -113,10 +123,17 @@ impl Sample {
         self
     }
 
-    /// Decodes a message of one of the types that hold quantities of the format.
-    pub(crate) fn decode(schema: &str, pick: &Pick, data: &[u8]) -> Result<Self, Nothing> {
+    /// Decodes a message of a supported type.
+    ///
+    /// # Errors
+    /// If it cannot be decoded, has another type, or contains nothing selected.
+    pub(crate) fn decode(
+        schema: &str,
+        selector: &MessageSelector,
+        data: &[u8],
+    ) -> Result<Self, NoSample> {
         Ok(match schema {
-            "sensor_msgs/msg/JointState" => joint_state(pick, data)?,
+            "sensor_msgs/msg/JointState" => joint_state(selector, data)?,
             "geometry_msgs/msg/PoseStamped" => {
                 let message: ros::PoseStamped<String> = decode(data)?;
                 Self::stamped(&message.header).with_pose(&message.pose)
@@ -125,8 +142,8 @@ impl Sample {
                 let message: ros::PoseWithCovarianceStamped<String> = decode(data)?;
                 Self::stamped(&message.header).with_pose(&message.pose)
             }
-            "geometry_msgs/msg/Pose" => Self::at(None).with_pose(&decode(data)?),
-            "geometry_msgs/msg/Twist" => Self::at(None).with_twist(&decode(data)?),
+            "geometry_msgs/msg/Pose" => Self::empty(None).with_pose(&decode(data)?),
+            "geometry_msgs/msg/Twist" => Self::empty(None).with_twist(&decode(data)?),
             "geometry_msgs/msg/TwistStamped" => {
                 let message: ros::TwistStamped<String> = decode(data)?;
                 Self::stamped(&message.header).with_twist(&message.twist)
@@ -137,59 +154,42 @@ impl Sample {
                     .with_pose(&message.pose)
                     .with_twist(&message.twist)
             }
-            "tf2_msgs/msg/TFMessage" => transform(pick, data)?,
-            "sensor_msgs/msg/Imu" => {
-                let message: ros::Imu<String> = decode(data)?;
-                let acceleration = message.linear_acceleration;
-                let mut sample = Self::stamped(&message.header);
-                // A covariance of -1 says that the quantity was not measured.
-                if message.linear_acceleration_covariance[0] != -1.0 {
-                    sample.acceleration = [acceleration.x, acceleration.y];
-                }
-                if message.angular_velocity_covariance[0] != -1.0 {
-                    sample.yaw_rate = message.angular_velocity.z;
-                }
-                sample
-            }
+            "tf2_msgs/msg/TFMessage" => transform(selector, data)?,
+            "sensor_msgs/msg/Imu" => imu(data)?,
             "slipstream_msgs/msg/EncoderTicks" => {
                 let message: ros::EncoderTicks<String> = decode(data)?;
-                let mut sample = Self::stamped(&message.header);
-                sample.ticks = [Some(message.right), Some(message.left)];
-                sample
+                let ticks = [Some(message.right), Some(message.left)];
+                Self {
+                    ticks,
+                    ..Self::stamped(&message.header)
+                }
             }
             "slipstream_msgs/msg/WheelVoltage" => {
                 let message: ros::WheelVoltage<String> = decode(data)?;
-                let mut sample = Self::stamped(&message.header);
-                sample.voltage = [message.right_v, message.left_v];
-                sample
+                let voltage = [message.right_v, message.left_v];
+                Self {
+                    voltage,
+                    ..Self::stamped(&message.header)
+                }
             }
-            "slipstream_msgs/msg/MotorState" => {
-                let message: ros::MotorState<String> = decode(data)?;
-                let mut sample = Self::stamped(&message.header);
-                sample.motor = [
-                    message.current_right_a,
-                    message.current_left_a,
-                    message.supply_v,
-                ];
-                sample
-            }
-            _ => return Err(Nothing::Elsewhere),
+            "slipstream_msgs/msg/MotorState" => motor_state(data)?,
+            _ => return Err(NoSample::NotSelected),
         })
     }
 }
 
 type JointState = ros::JointState<String, Vec<String>, Vec<f64>>;
 
-fn joint_state(pick: &Pick, data: &[u8]) -> Result<Sample, Nothing> {
+fn joint_state(selector: &MessageSelector, data: &[u8]) -> Result<Sample, NoSample> {
     let message: JointState = decode(data)?;
-    let place = |joint: &String| message.name.iter().position(|name| name == joint);
-    let places = [place(&pick.joints[0]), place(&pick.joints[1])];
-    if places == [None, None] {
-        return Err(Nothing::Elsewhere);
+    let index = |joint: &String| message.name.iter().position(|name| name == joint);
+    let indices = [index(&selector.joints[0]), index(&selector.joints[1])];
+    if indices == [None, None] {
+        return Err(NoSample::NotSelected);
     }
     let both = |values: &[f64]| {
-        places.map(|place| {
-            let value = place.and_then(|at| values.get(at));
+        indices.map(|index| {
+            let value = index.and_then(|i| values.get(i));
             value.copied().unwrap_or(f64::NAN)
         })
     };
@@ -202,16 +202,41 @@ fn joint_state(pick: &Pick, data: &[u8]) -> Result<Sample, Nothing> {
 
 type TfMessage = ros::TfMessage<Vec<ros::TransformStamped<String>>>;
 
-fn transform(pick: &Pick, data: &[u8]) -> Result<Sample, Nothing> {
+fn transform(selector: &MessageSelector, data: &[u8]) -> Result<Sample, NoSample> {
     let message: TfMessage = decode(data)?;
-    let wanted = |transform: &&ros::TransformStamped<String>| {
-        pick.frame.as_ref() == Some(&transform.child_frame_id)
+    let is_selected = |transform: &&ros::TransformStamped<String>| {
+        selector.frame.as_ref() == Some(&transform.child_frame_id)
     };
-    let transform = message.transforms.iter().find(wanted);
-    let transform = transform.ok_or(Nothing::Elsewhere)?;
+    let transform = message.transforms.iter().find(is_selected);
+    let transform = transform.ok_or(NoSample::NotSelected)?;
     let pose = Pose {
         position: transform.translation,
         orientation: transform.rotation,
     };
     Ok(Sample::stamped(&transform.header).with_pose(&pose))
+}
+
+fn imu(data: &[u8]) -> Result<Sample, NoSample> {
+    let message: ros::Imu<String> = decode(data)?;
+    let acceleration = message.linear_acceleration;
+    let mut sample = Sample::stamped(&message.header);
+    // A covariance of -1 marks a quantity as not measured (ROS convention).
+    if message.linear_acceleration_covariance[0] != -1.0 {
+        sample.acceleration = [acceleration.x, acceleration.y];
+    }
+    if message.angular_velocity_covariance[0] != -1.0 {
+        sample.yaw_rate = message.angular_velocity.z;
+    }
+    Ok(sample)
+}
+
+fn motor_state(data: &[u8]) -> Result<Sample, NoSample> {
+    let message: ros::MotorState<String> = decode(data)?;
+    let mut sample = Sample::stamped(&message.header);
+    sample.motor = [
+        message.current_right_a,
+        message.current_left_a,
+        message.supply_v,
+    ];
+    Ok(sample)
 }

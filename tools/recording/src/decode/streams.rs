@@ -1,25 +1,29 @@
-//! Streams being built from messages that arrive one by one.
+//! A robot's stream assembled from messages that arrive one by one.
 
-use super::number::finite_or_nan;
-use super::sample::{Nothing, Pick, Sample};
-use crate::bag::{Undecodable, Visited};
+use super::sample::{MessageSelector, NoSample, Sample};
+use crate::bag::{Undecodable, VisitResult};
 use crate::recording::{Recording, Robot, UnknownColumn};
 use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
-use crate::table::{Cells, ColumnSet, StreamKind, Table};
+use crate::table::{Cells, ColumnSet, StreamKind, Table, finite_or_nan};
 
-/// One robot's stream being built.
+/// A robot's stream being assembled.
 #[derive(Debug)]
 pub(crate) struct StreamBuilder {
+    /// Name of the robot.
     pub(crate) robot: String,
+    /// The stream.
     pub(crate) kind: StreamKind,
-    /// Where to look in a message.
-    pub(crate) pick: Pick,
+    /// Which part of a message to read.
+    pub(crate) selector: MessageSelector,
     table: Table,
 }
 
 impl StreamBuilder {
-    /// An empty stream with these columns, or what is wrong with them.
+    /// An empty stream with these columns.
+    ///
+    /// # Errors
+    /// The problem, if the format does not define such a set of columns for the stream.
     pub(crate) fn new(
         robot: &str,
         kind: StreamKind,
@@ -31,7 +35,7 @@ impl StreamBuilder {
             let column = kind.column(name);
             let column = column.ok_or_else(|| format!("{} has no column {name}", kind.name()))?;
             if known.contains(&column) {
-                return Err(format!("column {column} twice"));
+                return Err(format!("column {column} occurs twice"));
             }
             known.push(column);
         }
@@ -43,26 +47,27 @@ impl StreamBuilder {
         Ok(Self {
             robot: robot.to_owned(),
             kind,
-            pick: Pick::default(),
+            selector: MessageSelector::default(),
             table: Table {
                 t_s: Vec::new(),
-                columns: known.iter().map(|name| (*name, Cells::of(name))).collect(),
+                columns: known.iter().map(|name| (*name, Cells::new(name))).collect(),
                 unknown: unknown.collect(),
             },
         })
     }
 
-    /// Adds what a standard message says. `t_s` turns the message's own stamp (ns) into seconds.
+    /// Appends a row from a standard message. `t_s` converts the message's stamp (ns), if it has
+    /// one, to the time of the row (s).
     pub(crate) fn push_message(
         &mut self,
         schema: &str,
         data: &[u8],
         t_s: impl FnOnce(Option<i64>) -> f64,
-    ) -> Visited {
-        let sample = match Sample::decode(schema, &self.pick, data) {
+    ) -> VisitResult {
+        let sample = match Sample::decode(schema, &self.selector, data) {
             Ok(sample) => sample,
-            Err(Nothing::Elsewhere) => return Ok(()),
-            Err(Nothing::Undecodable) => return Err(Undecodable),
+            Err(NoSample::NotSelected) => return Ok(()),
+            Err(NoSample::Undecodable) => return Err(Undecodable),
         };
         self.table.t_s.push(t_s(sample.t_ns));
         for (name, cells) in &mut self.table.columns {
@@ -76,8 +81,8 @@ impl StreamBuilder {
         Ok(())
     }
 
-    /// Adds a row that was kept to the digit.
-    pub(crate) fn push_row(&mut self, data: &[u8]) -> Visited {
+    /// Appends a row from a lossless row message.
+    pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;
         let is_number = |(_, cells): &&(&str, Cells)| matches!(cells, Cells::Numbers(_));
         let numbers = self.table.columns.iter().filter(is_number).count();
@@ -102,28 +107,29 @@ impl StreamBuilder {
         Ok(())
     }
 
-    /// Hands the stream to its robot. Rows out of order are sorted, which is said in a warning.
+    /// Stores the stream in its robot, which is added if it is new. Sorts rows that are out of
+    /// order, with a warning.
     pub(crate) fn finish(mut self, recording: &mut Recording, warnings: &mut Vec<String>) {
         if !self.table.t_s.is_sorted() {
             warnings.push(format!(
-                "{}/{}: messages out of order, sorted by their times",
+                "{}/{}: messages are out of order; sorted by time",
                 self.robot,
                 self.kind.name()
             ));
             sort_by_time(&mut self.table);
         }
-        let place = recording.robots.iter().position(|r| r.name == self.robot);
-        let place = place.unwrap_or_else(|| {
+        let index = recording.robots.iter().position(|r| r.name == self.robot);
+        let index = index.unwrap_or_else(|| {
             recording.robots.push(Robot::named(self.robot.as_str()));
             recording.robots.len() - 1
         });
-        if let Some(robot) = recording.robots.get_mut(place) {
-            self.table.give_to(robot, self.kind);
+        if let Some(robot) = recording.robots.get_mut(index) {
+            self.table.store_in(robot, self.kind);
         }
     }
 }
 
-/// Sorts rows by time, those at the same time as they came.
+/// Sorts rows by time; rows with equal times keep their order.
 fn sort_by_time(table: &mut Table) {
     let mut order: Vec<usize> = (0..table.t_s.len()).collect();
     order.sort_by(|a, b| {

@@ -1,4 +1,4 @@
-//! ROS 2 bags of other robots.
+//! ROS 2 bags of other robots, read with a topic map or with a guess of one.
 
 mod guess;
 mod reader;

@@ -1,4 +1,4 @@
-//! ROS 2 bags (MCAP) of other robots: by a map of topics, or by a guess that is said aloud.
+//! Reader of ROS 2 bags (MCAP) of other robots.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,18 +6,19 @@ use std::path::Path;
 use super::guess::guess;
 use super::survey::{Topic, scan, survey};
 use super::topic_map::TopicMap;
-use crate::bag::{Item, Visited};
+use crate::bag::{Item, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::error::{Result, Unusable};
 use crate::import::Import;
 use crate::recording::Recording;
 use crate::ros2::time::s_from_ns;
 
-/// Reads a bag of another robot. Without a map the topics are guessed, and the guess is among the
-/// warnings as a map that can be saved and mended.
+/// Reads a bag of another robot. Without a map, one is guessed and given in the warnings, so that
+/// the user can save and correct it. Times count from the first message of the mapped topics.
 ///
 /// # Errors
-/// When it is no MCAP file, or nothing in it is a stream of a robot.
+/// If it is not an MCAP file, if a topic of the map does not exist or cannot provide its stream, or
+/// if the guess finds no stream of a robot.
 pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     let topics = survey(path)?;
     let mut warnings = Vec::new();
@@ -27,12 +28,12 @@ pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import
         None => {
             guessed = guess(&topics);
             let text = guessed.to_text();
-            warnings.push(format!("{}: topics guessed as\n{text}", path.display()));
+            warnings.push(format!("{}: guessed topics:\n{text}", path.display()));
             &guessed
         }
     };
     let mut streams = open_streams(path, map, &topics)?;
-    let start_ns = start(map, &topics, &streams);
+    let start_ns = start_time_ns(map, &topics, &streams);
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
     let loss = scan(path, &mut |item| {
         let Item::Message {
@@ -44,13 +45,12 @@ pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import
         else {
             return Ok(());
         };
-        let mut visited: Option<Visited> = None;
-        for (topic, stream) in streams.iter_mut().filter(|(t, _)| *t == channel.topic) {
-            debug_assert_eq!(*topic, channel.topic);
+        let mut visited: Option<VisitResult> = None;
+        for (_, stream) in streams.iter_mut().filter(|(t, _)| *t == channel.topic) {
             let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
-            let t_s = |stamp_ns| s_from_ns(time(map, stamp_ns, log_ns).saturating_sub(start_ns));
-            let one = stream.push_message(&channel.schema, data, t_s);
-            visited = Some(visited.unwrap_or(Ok(())).and(one));
+            let t_s = |stamp_ns| s_from_ns(time_ns(map, stamp_ns, log_ns).saturating_sub(start_ns));
+            let pushed = stream.push_message(&channel.schema, data, t_s);
+            visited = Some(visited.unwrap_or(Ok(())).and(pushed));
         }
         visited.unwrap_or_else(|| {
             *left_out.entry(channel.topic.clone()).or_default() += 1;
@@ -77,15 +77,15 @@ pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import
     })
 }
 
-/// The time of a message (ns): its stamp, unless it has none or the map wants the time of logging.
-fn time(map: &TopicMap, stamp_ns: Option<i64>, log_ns: i64) -> i64 {
+/// Time of a message (ns): its stamp, or its log time if it has no stamp or the map asks for it.
+fn time_ns(map: &TopicMap, stamp_ns: Option<i64>, log_ns: i64) -> i64 {
     match stamp_ns {
         Some(stamp_ns) if stamp_ns != 0 && !map.log_times => stamp_ns,
         _ => log_ns,
     }
 }
 
-/// An empty stream for each source of the map, with its topic.
+/// An empty stream for each entry of the map, with its topic.
 fn open_streams(
     path: &Path,
     map: &TopicMap,
@@ -93,40 +93,45 @@ fn open_streams(
 ) -> std::result::Result<Vec<(String, StreamBuilder)>, Unusable> {
     let mut streams = Vec::new();
     for source in &map.sources {
-        let known = topics.iter().find(|topic| topic.info.topic == source.topic);
-        let Some(topic) = known else {
+        let topic = topics
+            .iter()
+            .find(|topic| topic.channel.topic == source.topic);
+        let Some(topic) = topic else {
             let names: Vec<&str> = topics
                 .iter()
-                .map(|topic| topic.info.topic.as_str())
+                .map(|topic| topic.channel.topic.as_str())
                 .collect();
             let problem = format!("has no topic {}", source.topic);
             let remedy = format!("name one of: {}", names.join(", "));
             return Err(Unusable::new(path, problem, remedy));
         };
-        let Some(columns) = source.columns(&topic.info.schema) else {
-            let (name, schema) = (source.kind.name(), &topic.info.schema);
-            let problem = format!("{} is a {schema}, which gives no {name}", source.topic);
+        let Some(columns) = source.columns(&topic.channel.schema) else {
+            let (name, schema) = (source.kind.name(), &topic.channel.schema);
+            let problem = format!(
+                "{} is a {schema}, which cannot provide {name}",
+                source.topic
+            );
             return Err(Unusable::new(path, problem, "map another topic"));
         };
         let columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
         let stream = StreamBuilder::new(&source.robot, source.kind, &columns, &[]);
         let mut stream = stream.map_err(|e| Unusable::new(path, e, "map another topic"))?;
-        stream.pick = source.pick.clone();
+        stream.selector = source.selector.clone();
         streams.push((source.topic.clone(), stream));
     }
     if streams.is_empty() {
-        let problem = "no topic of it could be guessed to be a robot's stream";
-        let remedy = "give a map with --topics; README.md shows one";
+        let problem = "no topic looks like a stream of a robot";
+        let remedy = "give a topic map with --topics; README.md shows one";
         return Err(Unusable::new(path, problem, remedy));
     }
     Ok(streams)
 }
 
 /// The earliest first time of the mapped topics (ns).
-fn start(map: &TopicMap, topics: &[Topic], streams: &[(String, StreamBuilder)]) -> i64 {
+fn start_time_ns(map: &TopicMap, topics: &[Topic], streams: &[(String, StreamBuilder)]) -> i64 {
     let mapped = topics
         .iter()
-        .filter(|topic| streams.iter().any(|(name, _)| *name == topic.info.topic));
-    let times = mapped.map(|topic| time(map, topic.first_stamp_ns, topic.first_log_ns));
+        .filter(|topic| streams.iter().any(|(name, _)| *name == topic.channel.topic));
+    let times = mapped.map(|topic| time_ns(map, topic.first_stamp_ns, topic.first_log_ns));
     times.min().unwrap_or_default()
 }

@@ -1,25 +1,30 @@
-//! A first look at the topics of a bag.
+//! Survey of a bag: its topics, with the number of messages and the first message of each.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::bag::{self, ChannelInfo, Item, Loss, Visited, read_bag};
-use crate::decode::{Pick, Sample};
+use crate::bag::{ChannelInfo, Item, Loss, VisitResult, open_file, read_bag};
+use crate::decode::{MessageSelector, Sample};
 use crate::error::Unusable;
+use crate::ros2::MessageType;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages::JointState;
 
-/// What a first look at the bag tells about a topic.
+/// A topic of the bag.
 pub(super) struct Topic {
-    pub(super) info: Arc<ChannelInfo>,
+    pub(super) channel: Arc<ChannelInfo>,
+    /// Number of messages.
     pub(super) messages: u64,
+    /// Log time of the first message (ns).
     pub(super) first_log_ns: i64,
+    /// Stamp of the first message (ns), if it has one.
     pub(super) first_stamp_ns: Option<i64>,
+    /// The first message, if it is a joint state.
     pub(super) joints: Option<Joints>,
 }
 
-/// The first joint state of a topic.
+/// What a joint state contains.
 pub(super) struct Joints {
     pub(super) names: Vec<String>,
     pub(super) has_angles: bool,
@@ -27,19 +32,25 @@ pub(super) struct Joints {
     pub(super) has_torques: bool,
 }
 
-/// Reads a whole bag.
+/// Reads a whole bag and calls `visit` with each item.
+///
+/// # Errors
+/// If it is not an MCAP file or cannot be read.
 pub(super) fn scan(
     path: &Path,
-    visit: &mut dyn FnMut(Item<'_>) -> Visited,
+    visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
 ) -> Result<Loss, Unusable> {
-    let (source, size) = bag::open(path)?;
+    let (source, size) = open_file(path)?;
     read_bag(source, size, path, visit)
 }
 
-/// Looks at the first message of every topic.
+/// The topics of a bag, sorted by name.
+///
+/// # Errors
+/// As [`scan`].
 pub(super) fn survey(path: &Path) -> Result<Vec<Topic>, Unusable> {
     let mut topics: Vec<Topic> = Vec::new();
-    let mut places: BTreeMap<u16, usize> = BTreeMap::new();
+    let mut index_of_channel: BTreeMap<u16, usize> = BTreeMap::new();
     scan(path, &mut |item| {
         let Item::Message {
             id,
@@ -50,21 +61,22 @@ pub(super) fn survey(path: &Path) -> Result<Vec<Topic>, Unusable> {
         else {
             return Ok(());
         };
-        let place = *places.entry(id).or_insert_with(|| {
-            topics.push(first_look(channel, log_time_ns, data));
+        let index = *index_of_channel.entry(id).or_insert_with(|| {
+            topics.push(inspect(channel, log_time_ns, data));
             topics.len() - 1
         });
-        if let Some(topic) = topics.get_mut(place) {
+        if let Some(topic) = topics.get_mut(index) {
             topic.messages += 1;
         }
         Ok(())
     })?;
-    topics.sort_by(|a, b| a.info.topic.cmp(&b.info.topic));
+    topics.sort_by(|a, b| a.channel.topic.cmp(&b.channel.topic));
     Ok(topics)
 }
 
-fn first_look(channel: &Arc<ChannelInfo>, log_time_ns: u64, data: &[u8]) -> Topic {
-    let joints = (channel.schema == "sensor_msgs/msg/JointState")
+/// A topic as its first message shows it.
+fn inspect(channel: &Arc<ChannelInfo>, log_time_ns: u64, data: &[u8]) -> Topic {
+    let joints = (channel.schema == MessageType::JointState.name())
         .then(|| decode::<JointState<String, Vec<String>, Vec<f64>>>(data).ok())
         .flatten()
         .map(|state| Joints {
@@ -73,13 +85,13 @@ fn first_look(channel: &Arc<ChannelInfo>, log_time_ns: u64, data: &[u8]) -> Topi
             has_torques: !state.effort.is_empty(),
             names: state.name,
         });
-    let pick = match &joints {
+    let selector = match &joints {
         Some(joints) => wheel_joints(&joints.names).unwrap_or_default(),
-        None => Pick::default(),
+        None => MessageSelector::default(),
     };
-    let sample = Sample::decode(&channel.schema, &pick, data);
+    let sample = Sample::decode(&channel.schema, &selector, data);
     Topic {
-        info: Arc::clone(channel),
+        channel: Arc::clone(channel),
         messages: 0,
         first_log_ns: i64::try_from(log_time_ns).unwrap_or(i64::MAX),
         first_stamp_ns: sample.ok().and_then(|sample| sample.t_ns),
@@ -87,16 +99,16 @@ fn first_look(channel: &Arc<ChannelInfo>, log_time_ns: u64, data: &[u8]) -> Topi
     }
 }
 
-/// The names of the right and left wheel among the joints; of several pairs the first.
-pub(super) fn wheel_joints(names: &[String]) -> Option<Pick> {
-    let side = |side: &str| {
-        let of_side = |name: &&String| name.to_lowercase().contains(side);
+/// Selects the joints of the right and the left wheel by their names, the first pair of several.
+pub(super) fn wheel_joints(names: &[String]) -> Option<MessageSelector> {
+    let joint = |side: &str| {
+        let is_side = |name: &&String| name.to_lowercase().contains(side);
         let is_wheel = |name: &&String| name.to_lowercase().contains("wheel");
-        let wheel = names.iter().filter(of_side).find(is_wheel);
-        wheel.or_else(|| names.iter().find(of_side)).cloned()
+        let wheel = names.iter().filter(is_side).find(is_wheel);
+        wheel.or_else(|| names.iter().find(is_side)).cloned()
     };
-    Some(Pick {
-        joints: [side("right")?, side("left")?],
+    Some(MessageSelector {
+        joints: [joint("right")?, joint("left")?],
         frame: None,
     })
 }

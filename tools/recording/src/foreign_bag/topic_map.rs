@@ -1,8 +1,8 @@
-//! Which topic of a foreign bag is which stream: read from a small TOML, or guessed and printed.
+//! Topic map: which topic of a bag holds which stream of which robot, as a small TOML file.
 //!
 //! ```toml
 //! format = 1
-//! stamps = "message"              # or "log": the time of logging instead of the message's stamp
+//! stamps = "message"              # or "log": the log time instead of the message's stamp
 //! [robots.r1]
 //! command = "/cmd_vel"
 //! wheels = { topic = "/joint_states", right = "wheel_right_joint", left = "wheel_left_joint",
@@ -15,38 +15,41 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::decode::Pick;
+use crate::decode::MessageSelector;
 use crate::error::{Result, Unusable};
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
-use crate::toml_files::{Entry, File, read_text};
+use crate::toml_files::{Entry, TomlFile, read_text};
 
-/// Which topic of a bag is which stream.
+/// Which topic of a bag holds which stream of which robot.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct TopicMap {
-    /// Take the time of logging, not the stamp in the message.
-    pub(crate) log_times: bool,
-    pub(crate) sources: Vec<Source>,
+    /// Whether to use log times instead of the stamps in the messages.
+    pub(super) log_times: bool,
+    /// The streams.
+    pub(super) sources: Vec<Source>,
 }
 
-/// One stream and where it comes from.
+/// A stream and the topic that holds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Source {
-    pub(crate) robot: String,
-    pub(crate) kind: StreamKind,
-    pub(crate) topic: String,
-    pub(crate) pick: Pick,
-    pub(crate) quantity: Option<Quantity>,
+pub(super) struct Source {
+    pub(super) robot: String,
+    pub(super) kind: StreamKind,
+    pub(super) topic: String,
+    pub(super) selector: MessageSelector,
+    /// For joint states: the list to read. Without it, torque for commands and angle for wheels.
+    pub(super) quantity: Option<Quantity>,
 }
 
-/// Which of its three lists a joint state gives.
+/// One of the three lists of a joint state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Quantity {
+pub(super) enum Quantity {
     Angle,
     Speed,
     Torque,
 }
 
+/// The words for the quantities in a map.
 const QUANTITIES: [(&str, Quantity); 3] = [
     ("angle", Quantity::Angle),
     ("speed", Quantity::Speed),
@@ -54,38 +57,41 @@ const QUANTITIES: [(&str, Quantity); 3] = [
 ];
 
 impl TopicMap {
-    /// Reads a map.
+    /// Reads a map from a file.
     ///
     /// # Errors
-    /// Anything that is not as the description of the format says, with file and line.
+    /// If the file cannot be read or violates the format, with file and line.
     pub fn read(path: &Path) -> Result<Self> {
         Ok(Self::parse(&read_text(path)?, path)?)
     }
 
-    /// Parses the text of a map; `path` is only for errors.
+    /// Parses the text of a map. `path` is used in errors only.
     ///
     /// # Errors
     /// As [`TopicMap::read`].
     pub fn parse(text: &str, path: &Path) -> std::result::Result<Self, Unusable> {
-        let file = File { path, text };
+        let file = TomlFile { path, text };
         let table = file.parse()?;
         let root = file.root(&table);
-        root.format_is_1()?;
-        root.only(&["format", "stamps", "robots"])?;
+        root.require_format_1()?;
+        root.allow_only(&["format", "stamps", "robots"])?;
         let mut map = Self::default();
         if let Some(stamps) = root.get("stamps") {
             map.log_times = match stamps.text()? {
                 "message" => false,
                 "log" => true,
-                _ => return Err(stamps.error("is neither", "write \"message\" or \"log\"")),
+                _ => return Err(stamps.error("is not valid", "write \"message\" or \"log\"")),
             };
         }
         for (robot, entry) in root.require("robots")?.section()?.entries() {
             if !is_robot_name(robot) {
-                return Err(entry.error("is no robot's name", "use letters, digits, `_` and `-`"));
+                return Err(entry.error(
+                    "is not a valid robot name",
+                    "use letters, digits, `_` and `-`",
+                ));
             }
             let section = entry.section()?;
-            section.only(&StreamKind::ALL.map(StreamKind::name))?;
+            section.allow_only(&StreamKind::ALL.map(StreamKind::name))?;
             for kind in StreamKind::ALL {
                 if let Some(entry) = section.get(kind.name()) {
                     map.sources.push(parse_source(robot, kind, &entry)?);
@@ -99,7 +105,7 @@ impl TopicMap {
         Ok(map)
     }
 
-    /// The map as TOML, to be saved and mended.
+    /// The map as TOML; parsing it gives the same map.
     pub fn to_text(&self) -> String {
         let mut text = String::from("format = 1\n");
         let stamps = if self.log_times { "log" } else { "message" };
@@ -117,10 +123,12 @@ impl TopicMap {
     }
 }
 
+/// A TOML string.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
+/// Parses the value of a stream's key: a topic, or a table with further keys.
 fn parse_source(
     robot: &str,
     kind: StreamKind,
@@ -130,7 +138,7 @@ fn parse_source(
         robot: robot.to_owned(),
         kind,
         topic: String::new(),
-        pick: Pick::default(),
+        selector: MessageSelector::default(),
         quantity: None,
     };
     if let Ok(topic) = entry.text() {
@@ -138,12 +146,12 @@ fn parse_source(
         return Ok(source);
     }
     let section = entry.section()?;
-    section.only(&["topic", "frame", "right", "left", "quantity"])?;
+    section.allow_only(&["topic", "frame", "right", "left", "quantity"])?;
     source.topic = section.require("topic")?.text()?.to_owned();
     if let Some(frame) = section.get("frame") {
-        source.pick.frame = Some(frame.text()?.to_owned());
+        source.selector.frame = Some(frame.text()?.to_owned());
     }
-    for (joint, key) in source.pick.joints.iter_mut().zip(["right", "left"]) {
+    for (joint, key) in source.selector.joints.iter_mut().zip(["right", "left"]) {
         if let Some(name) = section.get(key) {
             *joint = name.text()?.to_owned();
         }
@@ -152,7 +160,7 @@ fn parse_source(
         let word = entry.text()?;
         let known = QUANTITIES.iter().find(|(name, _)| *name == word);
         let Some((_, quantity)) = known else {
-            return Err(entry.error("is no quantity", "write angle, speed or torque"));
+            return Err(entry.error("is not a quantity", "write angle, speed or torque"));
         };
         source.quantity = Some(*quantity);
     }
@@ -160,14 +168,15 @@ fn parse_source(
 }
 
 impl Source {
+    /// The value of the stream's key in a map.
     fn to_text(&self) -> String {
         let topic = quoted(&self.topic);
         let mut keys = vec![format!("topic = {topic}")];
-        if let Some(frame) = &self.pick.frame {
+        if let Some(frame) = &self.selector.frame {
             keys.push(format!("frame = {}", quoted(frame)));
         }
         if let Some(quantity) = self.quantity {
-            let [right, left] = &self.pick.joints;
+            let [right, left] = &self.selector.joints;
             keys.push(format!(
                 "right = {}, left = {}",
                 quoted(right),
@@ -185,8 +194,9 @@ impl Source {
         format!("{{ {} }}", keys.join(", "))
     }
 
-    /// The columns of the stream that a message of this type fills, if it can be such a stream.
-    pub(crate) fn columns(&self, schema: &str) -> Option<&'static [&'static str]> {
+    /// The columns of the stream that a message of this type provides; `None` if it cannot provide
+    /// the stream.
+    pub(super) fn columns(&self, schema: &str) -> Option<&'static [&'static str]> {
         const TWIST: &[&str] = &["v_m_s", "w_rad_s"];
         const POSE: &[&str] = &["x_m", "y_m", "yaw_rad"];
         let quantity = self.quantity.unwrap_or(match self.kind {
@@ -229,7 +239,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_map_is_read_back_as_written() {
+    fn a_map_round_trips() {
         let text = "format = 1\nstamps = \"log\"\n[robots.r1]\ncommand = \"/cmd_vel\"\n\
             wheels = { topic = \"/joint_states\", right = \"wr\", left = \"wl\", quantity = \"speed\" }\n\
             pose = { topic = \"/tf\", frame = \"base_link\" }\n";
@@ -242,13 +252,13 @@ mod tests {
     }
 
     #[test]
-    fn a_map_with_an_unknown_key_names_its_line() {
+    fn an_unknown_key_is_an_error_with_its_line() {
         let text = "format = 1\n[robots.r1]\ncamera = \"/cam\"\n";
         let error = TopicMap::parse(text, Path::new("map.toml")).unwrap_err();
         assert!(
             error
                 .to_string()
-                .starts_with("map.toml:3: robots.r1.camera is no key")
+                .starts_with("map.toml:3: robots.r1.camera is not a key")
         );
     }
 }

@@ -1,7 +1,8 @@
-//! A recording as an MCAP file of slipstream.
+//! Recordings as MCAP files in slipstream's own layout: reader, writer, and the trace of a run.
 
 mod reader;
 mod standard;
+mod stream_writer;
 mod trace;
 mod writer;
 

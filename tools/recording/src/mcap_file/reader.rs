@@ -1,90 +1,88 @@
-//! MCAP files in: our own by what their channels say they carry, others by a map of topics.
+//! Reader of MCAP files that slipstream wrote. The channel metadata says which stream a channel holds.
 
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::bag::{ChannelInfo, Item, Loss, Visited, read_bag};
+use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
 use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
 use crate::error::{Result, Unusable};
 use crate::import::Import;
 use crate::recording::{Recording, is_robot_name};
+use crate::ros2::MessageType;
 use crate::ros2::time::s_from_ns;
 use crate::table::StreamKind;
 use crate::toml_files::{recording_toml, robot_toml};
-use crate::topics::{self, Carries};
+use crate::topics::{self, StreamMetadata};
 
-/// The type of rows kept to the digit.
-const ROW: &str = "slipstream_msgs/msg/Row";
-
-/// Reads an MCAP file, also a truncated or damaged one, from any source of `size` bytes. What was
-/// lost is said in the warnings and in [`Import::loss`]. `path` is only for errors and names.
+/// Reads an MCAP file that slipstream wrote, from any source of `size` bytes; it may be truncated or
+/// damaged. [`Import::warnings`] and [`Import::loss`] say what was lost. `path` is used in errors and
+/// for the recording's name only.
 ///
 /// # Errors
-/// When it is no MCAP file, none of slipstream's, or its description is unusable.
+/// If it is not an MCAP file, if slipstream did not write it, or if its description is invalid.
 pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
     let import = read_own(source, size, path)?;
-    let not_ours = "no channel says what slipstream should read from it";
-    import.ok_or_else(|| Unusable::new(path, not_ours, "give a file that slipstream wrote").into())
+    let problem = "no channel says which stream it holds";
+    import.ok_or_else(|| Unusable::new(path, problem, "give a file that slipstream wrote").into())
 }
 
-/// As [`read_mcap_from`]; `None` if it is a bag of someone else.
+/// As [`read_mcap_from`], but returns `None` for a bag that slipstream did not write.
 pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
-    let mut loading = Loading::default();
-    let loss = read_bag(source, size, path, &mut |item| loading.visit(item))?;
-    if !loading.ours {
+    let mut loader = Loader::default();
+    let loss = read_bag(source, size, path, &mut |item| loader.visit(item))?;
+    if !loader.is_own {
         return Ok(None);
     }
-    loading.finish(loss, path).map(Some)
+    loader.finish(loss, path).map(Some)
 }
 
-/// What to do with the messages of a channel.
+/// Where the messages of a channel go. `rows` tells lossless rows from standard messages.
 #[derive(Debug, Clone, Copy)]
-enum Plan {
-    /// For other programs: what it says is carried by another channel.
+enum Route {
+    /// Nowhere: another channel holds the same stream.
     View,
-    /// The in-memory form has no place for it.
-    Nothing,
-    Stream {
-        builder: usize,
-        rows: bool,
-    },
-    Links {
-        rows: bool,
-    },
-    RoundTrips {
-        rows: bool,
-    },
+    /// Nowhere: [`Recording`] cannot represent them.
+    LeftOut,
+    /// To a robot's stream.
+    Stream { builder: usize, rows: bool },
+    /// To the position messages.
+    Links { rows: bool },
+    /// To the round trips.
+    RoundTrips { rows: bool },
 }
 
+/// The contents of a file as far as they have been read.
 #[derive(Debug, Default)]
-struct Loading {
-    /// The file says that it is one of ours.
-    ours: bool,
+struct Loader {
+    /// Whether slipstream wrote the file.
+    is_own: bool,
+    /// Text of the attached `recording.toml`.
     description: Option<String>,
+    /// Text of the attached `robot.toml`.
     model: Option<String>,
-    /// What to do with each channel, by its number.
-    plans: Vec<Plan>,
+    /// By channel id.
+    routes: Vec<Route>,
     streams: Vec<StreamBuilder>,
     links: Option<LinksBuilder>,
-    rtt: Option<RoundTripsBuilder>,
-    /// Messages that the in-memory form has no place for, by topic.
+    round_trips: Option<RoundTripsBuilder>,
+    /// Number of messages that [`Recording`] cannot represent, by topic.
     left_out: BTreeMap<String, u64>,
     warnings: Vec<String>,
 }
 
-impl Loading {
-    fn visit(&mut self, item: Item<'_>) -> Visited {
+impl Loader {
+    fn visit(&mut self, item: Item<'_>) -> VisitResult {
         match item {
             Item::Channel { id, channel } => {
-                let plan = self.plan(channel);
-                let at = usize::from(id);
-                if self.plans.len() <= at {
-                    self.plans.resize(at + 1, Plan::View);
+                let route = self.route_of(channel);
+                let index = usize::from(id);
+                if self.routes.len() <= index {
+                    self.routes.resize(index + 1, Route::View);
                 }
-                if let Some(place) = self.plans.get_mut(at) {
-                    *place = plan;
+                if let Some(slot) = self.routes.get_mut(index) {
+                    *slot = route;
                 }
             }
             Item::Message {
@@ -98,16 +96,17 @@ impl Loading {
                     _ => {}
                 }
             }
-            Item::Metadata { name } => self.ours |= name == topics::ABOUT,
+            Item::Metadata { name } => self.is_own |= name == topics::FILE_METADATA,
         }
         Ok(())
     }
 
-    fn message(&mut self, id: u16, channel: &Arc<ChannelInfo>, data: &[u8]) -> Visited {
-        let plan = self.plans.get(usize::from(id)).copied();
-        match plan.unwrap_or(Plan::View) {
-            Plan::View => Ok(()),
-            Plan::Nothing => {
+    fn message(&mut self, id: u16, channel: &Arc<ChannelInfo>, data: &[u8]) -> VisitResult {
+        let route = self.routes.get(usize::from(id)).copied();
+        match route.unwrap_or(Route::View) {
+            Route::View => Ok(()),
+            Route::LeftOut => {
+                // Not `entry`, which would allocate a key for every message.
                 match self.left_out.get_mut(&channel.topic) {
                     Some(count) => *count += 1,
                     None => {
@@ -116,7 +115,7 @@ impl Loading {
                 }
                 Ok(())
             }
-            Plan::Stream { builder, rows } => match self.streams.get_mut(builder) {
+            Route::Stream { builder, rows } => match self.streams.get_mut(builder) {
                 Some(stream) if rows => stream.push_row(data),
                 Some(stream) => {
                     let t_s = |t_ns: Option<i64>| s_from_ns(t_ns.unwrap_or_default());
@@ -124,64 +123,72 @@ impl Loading {
                 }
                 None => Ok(()),
             },
-            Plan::Links { rows } => match &mut self.links {
+            Route::Links { rows } => match &mut self.links {
                 Some(links) if rows => links.push_row(data),
                 Some(links) => links.push_message(data),
                 None => Ok(()),
             },
-            Plan::RoundTrips { rows } => match &mut self.rtt {
-                Some(rtt) if rows => rtt.push_row(data),
-                Some(rtt) => rtt.push_message(data),
+            Route::RoundTrips { rows } => match &mut self.round_trips {
+                Some(trips) if rows => trips.push_row(data),
+                Some(trips) => trips.push_message(data),
                 None => Ok(()),
             },
         }
     }
 
-    fn plan(&mut self, channel: &ChannelInfo) -> Plan {
+    /// Decides where the messages of a new channel go.
+    fn route_of(&mut self, channel: &ChannelInfo) -> Route {
         if topics::is_view(&channel.metadata) {
-            self.ours = true;
-            return Plan::View;
+            self.is_own = true;
+            return Route::View;
         }
-        let Some(carries) = Carries::from_metadata(&channel.metadata) else {
-            return Plan::Nothing;
+        let Some(metadata) = StreamMetadata::from_map(&channel.metadata) else {
+            return Route::LeftOut;
         };
-        self.ours = true;
-        let rows = channel.schema == ROW;
-        match self.open(&carries, rows) {
-            Ok(plan) => plan,
+        self.is_own = true;
+        let rows = channel.schema == MessageType::Row.name();
+        match self.open(&metadata, rows) {
+            Ok(route) => route,
             Err(problem) => {
                 let topic = &channel.topic;
                 self.warnings
                     .push(format!("topic {topic}: {problem}; ignored"));
-                Plan::Nothing
+                Route::LeftOut
             }
         }
     }
 
-    fn open(&mut self, carries: &Carries, rows: bool) -> std::result::Result<Plan, String> {
-        match carries.stream.as_str() {
-            "links" if self.links.is_none() => {
-                let with_velocity = carries.columns.iter().any(|column| column == "v_m_s");
-                self.links = Some(LinksBuilder::new(with_velocity, &carries.unknown));
-                Ok(Plan::Links { rows })
+    /// Creates the builder of a stream.
+    fn open(
+        &mut self,
+        metadata: &StreamMetadata,
+        rows: bool,
+    ) -> std::result::Result<Route, String> {
+        match metadata.stream.as_str() {
+            topics::LINK_STREAM if self.links.is_none() => {
+                let with_velocity = metadata.columns.iter().any(|column| column == "v_m_s");
+                self.links = Some(LinksBuilder::new(with_velocity, &metadata.unknown));
+                Ok(Route::Links { rows })
             }
-            "rtt" if self.rtt.is_none() => {
-                self.rtt = Some(RoundTripsBuilder::new(&carries.unknown));
-                Ok(Plan::RoundTrips { rows })
+            topics::ROUND_TRIP_STREAM if self.round_trips.is_none() => {
+                self.round_trips = Some(RoundTripsBuilder::new(&metadata.unknown));
+                Ok(Route::RoundTrips { rows })
             }
             stream => {
                 let (robot, kind) = stream.rsplit_once('/').unwrap_or(("", stream));
                 let kind = StreamKind::from_name(kind).filter(|_| is_robot_name(robot));
                 let Some(kind) = kind else {
-                    return Err(format!("carries {stream}, which the format does not know"));
+                    return Err(format!(
+                        "holds the stream {stream}, which the format does not define"
+                    ));
                 };
-                let same = |s: &StreamBuilder| s.robot == robot && s.kind == kind;
-                if self.streams.iter().any(same) {
-                    return Err(format!("{stream} is carried by an earlier topic already"));
+                let is_same = |s: &StreamBuilder| s.robot == robot && s.kind == kind;
+                if self.streams.iter().any(is_same) {
+                    return Err(format!("an earlier topic already holds {stream}"));
                 }
-                let stream = StreamBuilder::new(robot, kind, &carries.columns, &carries.unknown)?;
+                let stream = StreamBuilder::new(robot, kind, &metadata.columns, &metadata.unknown)?;
                 self.streams.push(stream);
-                Ok(Plan::Stream {
+                Ok(Route::Stream {
                     builder: self.streams.len() - 1,
                     rows,
                 })
@@ -196,10 +203,11 @@ impl Loading {
         }
         let stem = path.file_stem().map(|stem| stem.to_string_lossy());
         let stem = stem.unwrap_or_default();
+        // In errors, an attachment is named as a file inside the MCAP file.
         let mut recording = match &self.description {
-            Some(text) => recording_toml::parse(text, &inside(path, topics::DESCRIPTION), &stem)?,
+            Some(text) => recording_toml::parse(text, &path.join(topics::DESCRIPTION), &stem)?,
             None => {
-                warnings.push(format!("{}: its description is missing", path.display()));
+                warnings.push(format!("{}: the description is missing", path.display()));
                 Recording {
                     name: stem.into_owned(),
                     ..Recording::default()
@@ -207,13 +215,13 @@ impl Loading {
             }
         };
         if let Some(text) = &self.model {
-            recording.model = Some(robot_toml::parse(text, &inside(path, topics::MODEL))?);
+            recording.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
         }
         for stream in self.streams {
             stream.finish(&mut recording, &mut warnings);
         }
         recording.links = self.links.map(LinksBuilder::finish);
-        recording.rtt = self.rtt.map(|rtt| rtt.0);
+        recording.rtt = self.round_trips.map(RoundTripsBuilder::finish);
         Ok(Import {
             recording,
             warnings,
@@ -221,9 +229,4 @@ impl Loading {
             left_out: self.left_out,
         })
     }
-}
-
-/// An attachment's place, for errors.
-fn inside(path: &Path, attachment: &str) -> std::path::PathBuf {
-    path.join(attachment)
 }

@@ -1,4 +1,4 @@
-//! The standard messages of each stream: which type, which topic, what goes where.
+//! Standard ROS 2 messages of each stream: type, topic, and the message of a row.
 
 use std::io::Write;
 
@@ -10,10 +10,12 @@ use crate::ros2::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
 use crate::ros2::time::is_whole_ns;
 use crate::table::{CellsView, StreamKind, TableView};
 
-/// The standard message of a stream and the name of its topic.
-pub(crate) fn standard(kind: StreamKind, table: &TableView<'_>) -> (MessageType, &'static str) {
-    let first = table.columns.first().map_or("", |(name, _)| *name);
-    match (kind, first) {
+/// The standard message type of a stream, and the last part of its topic.
+pub(super) fn standard_type(
+    kind: StreamKind,
+    table: &TableView<'_>,
+) -> (MessageType, &'static str) {
+    match (kind, first_column(table)) {
         (StreamKind::Command, "voltage_right_v") => (MessageType::WheelVoltage, "command"),
         (StreamKind::Command, "v_m_s") => (MessageType::TwistStamped, "command"),
         (StreamKind::Command, _) => (MessageType::JointState, "command"),
@@ -26,21 +28,26 @@ pub(crate) fn standard(kind: StreamKind, table: &TableView<'_>) -> (MessageType,
     }
 }
 
-/// Whether the standard messages give every row of the stream back bit for bit.
-pub(crate) fn holds(table: &TableView<'_>) -> bool {
-    let same =
+/// Name of the first column, which identifies the column set.
+fn first_column(table: &TableView<'_>) -> &'static str {
+    table.columns.first().map_or("", |(name, _)| *name)
+}
+
+/// Whether the standard messages represent every row of the stream bit for bit.
+pub(super) fn is_lossless(table: &TableView<'_>) -> bool {
+    let round_trips =
         |yaw: &f64| yaw.is_nan() || Quaternion::from_yaw(*yaw).yaw().to_bits() == yaw.to_bits();
     table.unknown.is_empty()
         && table.t_s.iter().all(|t_s| is_whole_ns(*t_s))
         && table.columns.iter().all(|(name, cells)| match cells {
             CellsView::Counts(counts) => counts.iter().all(Option::is_some),
-            CellsView::Numbers(yaws) if *name == "yaw_rad" => yaws.iter().all(same),
+            CellsView::Numbers(yaws) if *name == "yaw_rad" => yaws.iter().all(round_trips),
             CellsView::Numbers(_) => true,
         })
 }
 
 /// Writes a row as its standard message.
-pub(crate) fn write_standard<W: Write>(
+pub(super) fn write_standard<W: Write>(
     bag: &mut BagWriter<W>,
     channel: Channel,
     kind: StreamKind,
@@ -48,41 +55,22 @@ pub(crate) fn write_standard<W: Write>(
     t_ns: i64,
     row: usize,
 ) -> Result<()> {
-    let named = |name| named(table, name, row);
-    let pair = [cell(table, 0, row), cell(table, 1, row)];
-    let first = table.columns.first().map_or("", |(name, _)| *name);
-    match (kind, first) {
+    let named = |name| table.number_named(name, row);
+    let pair = [table.number(0, row), table.number(1, row)];
+    match (kind, first_column(table)) {
         (StreamKind::Command, "torque_right_nm") => {
             bag.write(channel, t_ns, &joint_state(t_ns, &[], &[], &pair))
         }
         (StreamKind::Command, "voltage_right_v") => {
-            let [right_v, left_v] = pair;
-            let header = header(t_ns, "");
-            bag.write(
-                channel,
-                t_ns,
-                &ros::WheelVoltage {
-                    header,
-                    right_v,
-                    left_v,
-                },
-            )
+            bag.write(channel, t_ns, &wheel_voltage(t_ns, pair))
         }
         (StreamKind::Command | StreamKind::Wheels, "speed_right_rad_s") => {
             bag.write(channel, t_ns, &joint_state(t_ns, &[], &pair, &[]))
         }
         (StreamKind::Wheels, "ticks_right") => {
-            let [right, left] = [0, 1].map(|i| count(table, i, row));
-            let header = header(t_ns, "");
-            bag.write(
-                channel,
-                t_ns,
-                &ros::EncoderTicks {
-                    header,
-                    right,
-                    left,
-                },
-            )
+            // The rows are lossless; here, for viewers only, an empty count becomes 0.
+            let counts = [0, 1].map(|i| table.count(i, row).unwrap_or(0));
+            bag.write(channel, t_ns, &encoder_ticks(t_ns, counts))
         }
         (StreamKind::Wheels, _) => bag.write(channel, t_ns, &joint_state(t_ns, &pair, &[], &[])),
         (StreamKind::Command | StreamKind::Odometry, _) => {
@@ -90,16 +78,7 @@ pub(crate) fn write_standard<W: Write>(
             let header = header(t_ns, "");
             bag.write(channel, t_ns, &ros::TwistStamped { header, twist })
         }
-        (StreamKind::Pose, _) => {
-            let has_yaw = table.columns.iter().any(|(name, _)| *name == "yaw_rad");
-            let yaw_rad = if has_yaw { named("yaw_rad") } else { 0.0 };
-            let header = header(t_ns, WORLD);
-            let pose = Pose {
-                position: Vector3::new(named("x_m"), named("y_m"), 0.0),
-                orientation: Quaternion::from_yaw(yaw_rad),
-            };
-            bag.write(channel, t_ns, &ros::PoseStamped { header, pose })
-        }
+        (StreamKind::Pose, _) => bag.write(channel, t_ns, &pose(t_ns, table, row)),
         (StreamKind::Imu, _) => {
             let values = ["ax_m_s2", "ay_m_s2", "gz_rad_s"].map(named);
             bag.write(channel, t_ns, &imu(t_ns, values))
@@ -116,32 +95,32 @@ pub(crate) fn write_standard<W: Write>(
     }
 }
 
-/// The number in a row; NaN where there is none.
-pub(crate) fn at(numbers: &[f64], row: usize) -> f64 {
-    numbers.get(row).copied().unwrap_or(f64::NAN)
-}
-
-/// The number in column `i`; NaN where it is empty or there is none.
-pub(crate) fn cell(table: &TableView<'_>, i: usize, row: usize) -> f64 {
-    match table.columns.get(i) {
-        Some((_, CellsView::Numbers(cells))) => at(cells, row),
-        Some((_, CellsView::Counts(cells))) => {
-            let count = cells.get(row).copied().flatten();
-            count.map_or(f64::NAN, |count| count as f64)
-        }
-        None => f64::NAN,
+fn wheel_voltage(t_ns: i64, [right_v, left_v]: [f64; 2]) -> ros::WheelVoltage<&'static str> {
+    ros::WheelVoltage {
+        header: header(t_ns, ""),
+        right_v,
+        left_v,
     }
 }
 
-fn named(table: &TableView<'_>, name: &str, row: usize) -> f64 {
-    let column = table.columns.iter().position(|(known, _)| *known == name);
-    column.map_or(f64::NAN, |i| cell(table, i, row))
+fn encoder_ticks(t_ns: i64, [right, left]: [i64; 2]) -> ros::EncoderTicks<&'static str> {
+    ros::EncoderTicks {
+        header: header(t_ns, ""),
+        right,
+        left,
+    }
 }
 
-/// The count in column `i`; 0 where it is empty, for viewers only.
-fn count(table: &TableView<'_>, i: usize, row: usize) -> i64 {
-    match table.columns.get(i) {
-        Some((_, CellsView::Counts(cells))) => cells.get(row).copied().flatten().unwrap_or(0),
-        _ => 0,
+/// A pose without a column of headings gets the heading 0.
+fn pose(t_ns: i64, table: &TableView<'_>, row: usize) -> ros::PoseStamped<&'static str> {
+    let named = |name| table.number_named(name, row);
+    let has_yaw = table.columns.iter().any(|(name, _)| *name == "yaw_rad");
+    let yaw_rad = if has_yaw { named("yaw_rad") } else { 0.0 };
+    ros::PoseStamped {
+        header: header(t_ns, WORLD),
+        pose: Pose {
+            position: Vector3::new(named("x_m"), named("y_m"), 0.0),
+            orientation: Quaternion::from_yaw(yaw_rad),
+        },
     }
 }

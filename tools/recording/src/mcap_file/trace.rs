@@ -1,39 +1,38 @@
-//! The trace of a run: the steps of its positions' ways, as their processes told them.
+//! Reader of the trace in a run's MCAP file: one record per event of a position on its way.
 
 use std::path::Path;
 
-use crate::bag::{self, Item, Loss, Undecodable, read_bag};
+use crate::bag::{Item, Loss, Undecodable, open_file, read_bag};
 use crate::error::{Result, Unusable};
 use crate::ros2::cdr::decode;
 use crate::ros2::messages::TraceEvent;
 use crate::toml_files::recording_toml;
 use crate::topics;
 
-/// What goes along with a trace.
+/// What [`read_trace`] returns besides the records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TraceFile {
-    /// The robots' names, by their index.
+    /// Names of the robots, by their index.
     pub robots: Vec<String>,
-    /// What of the file could not be read.
+    /// Parts of the file that could not be read.
     pub loss: Loss,
 }
 
-/// Shows `each` all trace records (postcard) of a run's MCAP file, in the file's order; `each` says
-/// whether it could decode one. What cannot be decoded counts in [`Loss::undecodable_messages`].
+/// Calls `each` with every trace record (postcard) of a run's MCAP file, in file order. `each` returns
+/// whether it could decode the record; the others are counted in [`Loss::undecodable_messages`].
 ///
 /// # Errors
-/// When the file cannot be read, is no MCAP file, or holds no trace.
+/// If the file cannot be read, is not an MCAP file, or contains no trace.
 pub fn read_trace(path: &Path, each: &mut dyn FnMut(&[u8]) -> bool) -> Result<TraceFile> {
-    let unreadable = |e: std::io::Error| Unusable::unreadable(path, &e);
-    let metadata = std::fs::metadata(path).map_err(unreadable)?;
+    let metadata = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
     let no_trace = |problem: &str| {
         let remedy = "give an MCAP file that `slipstream run` wrote";
         Unusable::new(path, problem, remedy)
     };
     if metadata.is_dir() {
-        return Err(no_trace("is a folder, which holds no trace").into());
+        return Err(no_trace("is a folder, which contains no trace").into());
     }
-    let (source, size) = bag::open(path)?;
+    let (source, size) = open_file(path)?;
     let (mut description, mut records) = (None, 0_u64);
     let loss = read_bag(source, size, path, &mut |item| match item {
         Item::Message { channel, data, .. } if channel.topic == topics::TRACE => {
@@ -48,7 +47,7 @@ pub fn read_trace(path: &Path, each: &mut dyn FnMut(&[u8]) -> bool) -> Result<Tr
         _ => Ok(()),
     })?;
     if records == 0 {
-        return Err(no_trace("holds no trace").into());
+        return Err(no_trace("contains no trace").into());
     }
     let robots = match description {
         Some(text) => recording_toml::parse(&text, &path.join(topics::DESCRIPTION), "")?.robots,

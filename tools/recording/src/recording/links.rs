@@ -1,32 +1,32 @@
-//! Messages between robots, and round trips of a network.
+//! Position messages between robots, and round trips of a network.
 
 use std::sync::Arc;
 
 use super::streams::UnknownColumn;
 
-/// Position messages from robot to robot, in the order in which they were sent.
+/// Position messages between robots, in the order of sending.
 #[derive(Debug, Clone, Default)]
 pub struct Links {
     /// The messages.
     pub messages: Vec<LinkMessage>,
-    /// Whether the velocities were sent along (the columns are there).
+    /// Whether the messages contain velocities (`links.csv` has the columns).
     pub with_velocity: bool,
-    /// Columns that the format does not know, kept as text.
+    /// Columns that the format does not define, kept as text.
     pub unknown: Vec<UnknownColumn>,
 }
 
 /// One position message.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkMessage {
-    /// When it was sent (s).
+    /// Time of sending (s).
     pub t_sent_s: f64,
-    /// When it arrived (s); `None`: it was lost.
+    /// Time of arrival (s); `None` if the message was lost.
     pub t_received_s: Option<f64>,
     /// The sender.
     pub from: Arc<str>,
     /// The receiver.
     pub to: Arc<str>,
-    /// Sent x (m); NaN where empty, as in all that follow.
+    /// Sent x (m). NaN if the cell is empty, as in all fields below.
     pub x_m: f64,
     /// Sent y (m).
     pub y_m: f64,
@@ -41,10 +41,10 @@ pub struct LinkMessage {
 /// Measured round trips of a network, in the order of measurement.
 #[derive(Debug, Clone, Default)]
 pub struct RoundTrips {
-    /// The sequence number of each.
+    /// Sequence number of each round trip.
     pub seq: Vec<i64>,
-    /// Its round trip (ms); NaN where empty.
+    /// Duration of each round trip (ms), as long as `seq`; NaN if the cell is empty.
     pub rtt_ms: Vec<f64>,
-    /// Columns that the format does not know, kept as text.
+    /// Columns that the format does not define, kept as text.
     pub unknown: Vec<UnknownColumn>,
 }

@@ -1,37 +1,37 @@
-//! One robot of a recording: its streams, and what is known about its sensors.
+//! One robot of a recording: its streams and the description of its sensors.
 
 use super::streams::{Command, Imu, Motor, Odometry, Pose, Stream, Wheels};
 
-/// What one robot recorded, and what is known about its sensors.
+/// The streams of one robot and the description of its sensors.
 #[derive(Debug, Clone, Default)]
 pub struct Robot {
-    /// Its name: a plain folder name.
+    /// Name of the robot and of its folder (see [`is_robot_name`]).
     pub name: String,
-    /// Counts in one turn of the wheel, where wheels are ticks. Wins over the model's.
+    /// Encoder counts per wheel revolution, for wheels recorded as ticks. Overrides the model's value.
     pub encoder_counts_per_rev: Option<u32>,
-    /// The point that the pose is of, where declared. Undeclared means the centre of mass.
+    /// The point whose pose is recorded. `None` means the centre of mass.
     pub pose_point: Option<PosePoint>,
-    /// What the accelerometer's numbers are, where declared. Undeclared means specific force.
+    /// The quantity that the accelerometer measures. `None` means specific force.
     pub imu_kind: Option<ImuKind>,
     /// Standard deviations of the sensors, where known.
     pub noise: Noise,
-    /// Keys that the format does not know, in their order.
+    /// Keys of the robot's table that the format does not define, in file order.
     pub notes: toml::Table,
-    /// What the actuators were told. A command holds until the next row.
+    /// Commands to the actuators. A command holds until the next row.
     pub command: Option<Stream<Command>>,
     /// Wheel encoders.
     pub wheels: Option<Stream<Wheels>>,
-    /// The robot's own velocity estimate.
+    /// The robot's own estimate of its velocity.
     pub odometry: Option<Stream<Odometry>>,
     /// Ground truth from a camera or motion capture.
     pub pose: Option<Stream<Pose>>,
     /// Accelerometer and gyro.
     pub imu: Option<Stream<Imu>>,
-    /// Motor currents and supply.
+    /// Motor currents and supply voltage.
     pub motor: Option<Stream<Motor>>,
 }
 
-/// The point of the robot that its pose is of.
+/// The point of the robot whose pose is recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PosePoint {
     /// The centre of mass c.
@@ -40,36 +40,36 @@ pub enum PosePoint {
     Axle,
 }
 
-/// What an accelerometer's numbers are.
+/// The quantity that the accelerometer columns hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImuKind {
-    /// As the sensor feels it, gravity included.
+    /// Specific force: the sensor's reading, with gravity.
     SpecificForce,
-    /// Gravity already taken away.
+    /// Acceleration: gravity is already subtracted.
     Acceleration,
 }
 
-/// One standard deviation of each sensor's noise, where known.
+/// Noise of each sensor as one standard deviation, where known.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Noise {
-    /// Of each of the pose's x and y (m).
+    /// Pose, x and y each (m).
     pub pose_m: Option<f64>,
-    /// Of the pose's yaw (rad).
+    /// Pose, yaw (rad).
     pub pose_rad: Option<f64>,
-    /// Of each acceleration (m/s²).
+    /// Accelerometer, each axis (m/s²).
     pub imu_m_s2: Option<f64>,
-    /// Of the yaw rate (rad/s).
+    /// Gyro (rad/s).
     pub imu_rad_s: Option<f64>,
-    /// Of a wheel's angle (rad).
+    /// Wheel angle (rad).
     pub wheel_rad: Option<f64>,
-    /// Of the odometry's speed (m/s).
+    /// Odometry, forward speed (m/s).
     pub odometry_m_s: Option<f64>,
-    /// Of the odometry's yaw rate (rad/s).
+    /// Odometry, yaw rate (rad/s).
     pub odometry_rad_s: Option<f64>,
 }
 
 impl Robot {
-    /// A robot that recorded nothing yet.
+    /// A robot without streams.
     pub fn named(name: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -78,7 +78,8 @@ impl Robot {
     }
 }
 
-/// Whether `name` can name a robot's folder and its topics: one path component, nothing hidden.
+/// Whether `name` can be the name of a robot, of its folder and of its topics: one path component
+/// that is not hidden, of at most 128 bytes.
 pub fn is_robot_name(name: &str) -> bool {
     !name.is_empty()
         && !name.starts_with('.')

@@ -1,26 +1,38 @@
-//! Streams: columns of numbers over time.
+//! Streams of a robot: columns of values over a column of times.
 
-/// Rows over time: one time and one value of every column each.
+/// Rows over time: each row has one time and one value in every column.
 #[derive(Debug, Clone, Default)]
 pub struct Stream<V> {
-    /// The time of each row (s), never decreasing, always finite.
+    /// Time of each row (s): finite, never decreasing.
     pub t_s: Vec<f64>,
     /// The columns, each as long as `t_s`.
     pub values: V,
-    /// Columns that the format does not know, kept as text.
+    /// Columns that the format does not define, kept as text.
     pub unknown: Vec<UnknownColumn>,
 }
 
-/// A column that the format does not know.
+impl<V> Stream<V> {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.t_s.len()
+    }
+
+    /// Whether the stream has no rows.
+    pub fn is_empty(&self) -> bool {
+        self.t_s.is_empty()
+    }
+}
+
+/// A column that the format does not define.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownColumn {
-    /// Its head.
+    /// Name in the header line.
     pub name: String,
-    /// Its cells, one a row.
+    /// One cell per row.
     pub cells: Vec<String>,
 }
 
-/// What the actuators were told.
+/// Commands to the actuators.
 #[derive(Debug, Clone)]
 pub enum Command {
     /// Torque at each wheel (N m).
@@ -53,17 +65,17 @@ pub enum Command {
     },
 }
 
-/// What the wheel encoders said.
+/// Measurements of the wheel encoders.
 #[derive(Debug, Clone)]
 pub enum Wheels {
-    /// Signed cumulative counts; an empty cell is `None`.
+    /// Signed cumulative counts; `None` if the cell is empty.
     Ticks {
         /// Right wheel (counts).
         right: Vec<Option<i64>>,
         /// Left wheel (counts).
         left: Vec<Option<i64>>,
     },
-    /// Angles from an unknown start (rad).
+    /// Angles from an unknown start angle (rad).
     Angle {
         /// Right wheel (rad).
         right_rad: Vec<f64>,
@@ -79,56 +91,44 @@ pub enum Wheels {
     },
 }
 
-/// The robot's own velocity estimate.
+/// The robot's own estimate of its velocity.
 #[derive(Debug, Clone, Default)]
 pub struct Odometry {
     /// Forward speed (m/s).
     pub v_m_s: Vec<f64>,
-    /// Yaw rate (rad/s), where there is one.
+    /// Yaw rate (rad/s), if estimated.
     pub w_rad_s: Option<Vec<f64>>,
 }
 
-/// Ground truth of the declared point.
+/// Ground truth of the point [`Robot::pose_point`](super::Robot::pose_point), in the world frame.
 #[derive(Debug, Clone, Default)]
 pub struct Pose {
     /// World x (m).
     pub x_m: Vec<f64>,
     /// World y (m).
     pub y_m: Vec<f64>,
-    /// Heading (rad), wrapped or not as the file has it; `None` where the sensor sees none.
+    /// Heading (rad), wrapped or not, as in the file; `None` if the sensor does not measure it.
     pub yaw_rad: Option<Vec<f64>>,
 }
 
-/// Body-frame inertial measurements at the centre of mass; at least one axis is there.
+/// Inertial measurements at the centre of mass, in the body frame. At least one column is present.
 #[derive(Debug, Clone, Default)]
 pub struct Imu {
-    /// Forward (m/s²).
+    /// Forward acceleration (m/s²).
     pub ax_m_s2: Option<Vec<f64>>,
-    /// To the left (m/s²).
+    /// Acceleration to the left (m/s²).
     pub ay_m_s2: Option<Vec<f64>>,
     /// Yaw rate (rad/s).
     pub gz_rad_s: Option<Vec<f64>>,
 }
 
-/// Electrical measurements of the motors; at least one column is there.
+/// Electrical measurements of the motors. At least one column is present.
 #[derive(Debug, Clone, Default)]
 pub struct Motor {
-    /// Right motor (A).
+    /// Current of the right motor (A).
     pub current_right_a: Option<Vec<f64>>,
-    /// Left motor (A).
+    /// Current of the left motor (A).
     pub current_left_a: Option<Vec<f64>>,
-    /// Supply (V).
+    /// Supply voltage (V).
     pub supply_v: Option<Vec<f64>>,
-}
-
-impl<V> Stream<V> {
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.t_s.len()
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.t_s.is_empty()
-    }
 }

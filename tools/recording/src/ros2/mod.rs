@@ -1,4 +1,4 @@
-//! The ROS 2 messages of a recording: their shape, their definition text and their CDR encoding.
+//! ROS 2 messages: their fields, their definitions (`.msg`) and their CDR encoding.
 
 pub(crate) mod cdr;
 pub(crate) mod compose;

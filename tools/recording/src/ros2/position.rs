@@ -1,65 +1,67 @@
-//! A position message between robots: as plain data, and as a ROS message.
+//! Position message between robots: as plain data, and as its ROS 2 message.
 
 use super::compose::{WORLD, header};
 use super::messages as ros;
 
-/// What became of a position message.
+/// Delivery status of a position message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fate {
     /// It arrived.
     Arrived {
-        /// When (ns).
+        /// Time of arrival (ns).
         t_received_ns: i64,
     },
-    /// It was lost on the way.
+    /// It was lost.
     Lost,
-    /// The run ended before it arrived.
+    /// It was still on its way when the run ended.
     InFlight,
 }
 
-/// A position that one robot sent to another; known by sender and `seq`.
+/// A position message from one robot to another, identified by sender and `seq`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionRecord<'a> {
-    /// The sender's name.
+    /// Name of the sender.
     pub sender: &'a str,
-    /// The receiver's name.
+    /// Name of the receiver.
     pub receiver: &'a str,
-    /// Counts the sender's messages.
+    /// Sequence number of the sender's messages.
     pub seq: u64,
-    /// When the encoders behind it were read (ns).
+    /// Time at which the encoders behind the position were sampled (ns).
     pub t_sampled_ns: i64,
-    /// When it was sent (ns).
+    /// Time of sending (ns).
     pub t_sent_ns: i64,
-    /// What became of it.
+    /// Delivery status.
     pub fate: Fate,
-    /// Position (m, m) and heading (rad) as sent.
+    /// Sent x (m), y (m) and heading (rad).
     pub pose: [f64; 3],
-    /// Forward speed (m/s) and yaw rate (rad/s), where sent.
+    /// Sent forward speed (m/s) and yaw rate (rad/s); `None` if not sent.
     pub velocity: Option<[f64; 2]>,
 }
 
-/// The message of a position record.
-pub(crate) fn position_message<'a>(record: &PositionRecord<'a>) -> ros::PositionMessage<&'a str> {
-    let (fate, t_received_ns) = match record.fate {
-        Fate::Arrived { t_received_ns } => (0, t_received_ns),
-        Fate::Lost => (1, 0),
-        Fate::InFlight => (2, 0),
-    };
-    let [x_m, y_m, yaw_rad] = record.pose;
-    let [v_m_s, w_rad_s] = record.velocity.unwrap_or([f64::NAN; 2]);
-    ros::PositionMessage {
-        header: header(record.t_sent_ns, WORLD),
-        sender: record.sender,
-        receiver: record.receiver,
-        seq: record.seq,
-        t_sampled_ns: record.t_sampled_ns,
-        t_sent_ns: record.t_sent_ns,
-        t_received_ns,
-        fate,
-        x_m,
-        y_m,
-        yaw_rad,
-        v_m_s,
-        w_rad_s,
+impl<'a> PositionRecord<'a> {
+    /// The ROS 2 message of this record.
+    pub(crate) fn message(&self) -> ros::PositionMessage<&'a str> {
+        let (fate, t_received_ns) = match self.fate {
+            Fate::Arrived { t_received_ns } => (0, t_received_ns),
+            Fate::Lost => (1, 0),
+            Fate::InFlight => (2, 0),
+        };
+        let [x_m, y_m, yaw_rad] = self.pose;
+        let [v_m_s, w_rad_s] = self.velocity.unwrap_or([f64::NAN; 2]);
+        ros::PositionMessage {
+            header: header(self.t_sent_ns, WORLD),
+            sender: self.sender,
+            receiver: self.receiver,
+            seq: self.seq,
+            t_sampled_ns: self.t_sampled_ns,
+            t_sent_ns: self.t_sent_ns,
+            t_received_ns,
+            fate,
+            x_m,
+            y_m,
+            yaw_rad,
+            v_m_s,
+            w_rad_s,
+        }
     }
 }

@@ -1,15 +1,15 @@
-//! Seconds as people write them, nanoseconds as bags carry them.
+//! Conversion between seconds in floating point and the whole nanoseconds of a bag.
 
-/// Seconds to the nearest nanosecond; beyond the range of `i64` (292 years) it stays at the border.
+/// Seconds to the nearest nanosecond, clamped to the range of `i64` (292 years).
 pub(crate) fn ns_from_s(t_s: f64) -> i64 {
     (t_s * 1e9).round() as i64
 }
 
-/// The number of seconds nearest to so many nanoseconds: what reading the decimal text would give.
+/// The floating-point number nearest to this time in seconds, as parsing its decimal text gives it.
 pub(crate) fn s_from_ns(t_ns: i64) -> f64 {
-    /// Up to here (2^53) the whole number and its quotient are exact, rounded once.
-    const EXACT: u64 = 1 << 53;
-    if t_ns.unsigned_abs() <= EXACT {
+    /// Integers up to 2^53 are exact in floating point, so that the division rounds only once.
+    const LARGEST_EXACT: u64 = 1 << 53;
+    if t_ns.unsigned_abs() <= LARGEST_EXACT {
         return t_ns as f64 / 1e9;
     }
     let (sign, size) = (if t_ns < 0 { "-" } else { "" }, t_ns.unsigned_abs());
@@ -17,7 +17,7 @@ pub(crate) fn s_from_ns(t_ns: i64) -> f64 {
     text.parse().unwrap_or(t_ns as f64 / 1e9)
 }
 
-/// Whether a time survives as whole nanoseconds of a bag, bit for bit.
+/// Whether a time (s) round-trips through a ROS time stamp bit for bit.
 pub(crate) fn is_whole_ns(t_s: f64) -> bool {
     let t_ns = ns_from_s(t_s);
     let stamp = super::messages::Time::from_ns(t_ns);
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimal_times_of_nine_digits_survive() {
+    fn decimal_times_with_nine_digits_round_trip() {
         for text in [
             "0.077866",
             "1.797",
@@ -43,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn finer_times_and_those_beyond_a_stamp_do_not() {
+    fn finer_times_and_times_out_of_range_do_not_round_trip() {
         for t_s in [0.1 + 0.2, 1e-10, -0.0, 3e9, 1e300] {
             assert!(!is_whole_ns(t_s), "{t_s}");
         }

@@ -1,123 +1,91 @@
-//! Records a run as it happens: one typed function for each thing that is recorded.
+//! Recorder of a run: one method for each kind of data.
 //!
-//! Times are nanoseconds since the run began; robots are their index in the description; pairs are
-//! [right, left]. [`RunWriter::flush`] closes the chunk: a recorder that is killed loses at most
-//! what came after its last flush.
+//! Times are nanoseconds since the start of the run. A robot is given by its index in the header.
+//! Pairs are [right, left]. [`RunWriter::flush`] closes the chunk: a recorder that is killed loses at
+//! most what was written after its last flush.
 
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use super::about::{About, WheelContact};
-use crate::bag::{BagWriter, Channel};
+use serde::Serialize;
+
+use super::channels::{Channels, RobotTopic, SharedTopic};
+use super::contact::WheelContact;
+use super::header::RunHeader;
+use crate::bag::BagWriter;
 use crate::error::Result;
-use crate::ros2::MessageType;
 use crate::ros2::compose::{WORLD, header, imu, joint_state, odometry};
 use crate::ros2::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
-use crate::ros2::position::{PositionRecord, position_message};
-use crate::table::{LINK_COLUMNS, StreamKind};
+use crate::ros2::position::PositionRecord;
 use crate::toml_files::{recording_toml, robot_toml};
-use crate::topics::{self, Carries};
+use crate::topics;
 
-/// The topics of one robot, opened when first written to.
-#[derive(Debug, Clone, Default)]
-struct RobotChannels {
-    name: String,
-    command: Option<Channel>,
-    ticks: Option<Channel>,
-    wheels: Option<Channel>,
-    pose: Option<Channel>,
-    odometry: Option<Channel>,
-    imu: Option<Channel>,
-    truth: Option<Channel>,
-    contact: Option<Channel>,
-}
-
-/// Records a run.
+/// Writes a run to an MCAP file while it happens.
 pub struct RunWriter<W: Write> {
     bag: BagWriter<W>,
-    robots: Vec<RobotChannels>,
-    tf: Option<Channel>,
-    links: Option<Channel>,
-    trace: Option<Channel>,
-    events: Option<Channel>,
+    channels: Channels,
 }
 
 impl RunWriter<BufWriter<File>> {
-    /// Starts a file, replacing what was there, and writes down what is known.
+    /// Creates a file, replacing an existing one, and writes the header.
     ///
     /// # Errors
-    /// When the system does not let it be written.
-    pub fn create(path: &Path, about: &About) -> Result<Self> {
-        Self::start(BagWriter::create(path)?, about)
+    /// If the file cannot be written.
+    pub fn create(path: &Path, header: &RunHeader) -> Result<Self> {
+        Self::start(BagWriter::create(path)?, header)
     }
 }
 
 impl<W: Write> RunWriter<W> {
-    /// Records to `sink`; `path` is only for errors.
+    /// Writes to `sink`, beginning with the header. `path` is used in errors only.
     ///
     /// # Errors
-    /// When `sink` fails.
-    pub fn to_sink(sink: W, path: &Path, about: &About) -> Result<Self> {
-        Self::start(BagWriter::new(sink, path)?, about)
+    /// If writing to `sink` fails.
+    pub fn to_sink(sink: W, path: &Path, header: &RunHeader) -> Result<Self> {
+        Self::start(BagWriter::new(sink, path)?, header)
     }
 
-    fn start(mut bag: BagWriter<W>, about: &About) -> Result<Self> {
+    fn start(mut bag: BagWriter<W>, header: &RunHeader) -> Result<Self> {
         let toml = "application/toml";
-        let description = recording_toml::to_text(&about.description);
+        let description = recording_toml::to_text(&header.description);
         bag.attach(topics::DESCRIPTION, toml, description.as_bytes())?;
-        if let Some(model) = &about.description.model {
+        if let Some(model) = &header.description.model {
             bag.attach(topics::MODEL, toml, robot_toml::to_text(model).as_bytes())?;
         }
-        for attachment in &about.attachments {
+        for attachment in &header.attachments {
             bag.attach(&attachment.name, &attachment.media_type, &attachment.data)?;
         }
-        let mut metadata = about.metadata.clone();
+        let mut metadata = header.metadata.clone();
         metadata.insert("format".to_owned(), "1".to_owned());
         metadata.insert("kind".to_owned(), "run".to_owned());
-        bag.metadata(topics::ABOUT, metadata)?;
-        let robots = about.description.robots.iter();
+        bag.metadata(topics::FILE_METADATA, metadata)?;
+        let robots = header.description.robots.iter();
         Ok(Self {
             bag,
-            robots: robots
-                .map(|robot| RobotChannels {
-                    name: robot.name.clone(),
-                    ..RobotChannels::default()
-                })
-                .collect(),
-            tf: None,
-            links: None,
-            trace: None,
-            events: None,
+            channels: Channels::new(robots.map(|robot| robot.name.clone())),
         })
     }
 
-    /// Torque that the robot's drives were told (N m).
+    /// Commanded torques (N m).
     ///
     /// # Errors
-    /// When the file cannot be written; so with all that follow.
+    /// If the file cannot be written.
     pub fn write_torque_command(
         &mut self,
         robot: usize,
         t_ns: i64,
         torque_nm: [f64; 2],
     ) -> Result<()> {
-        let carries = "torque_right_nm,torque_left_nm";
         let message = joint_state(t_ns, &[], &[], &torque_nm);
-        let open = (
-            MessageType::JointState,
-            "command",
-            Some(StreamKind::Command),
-            carries,
-        );
-        self.write_to(robot, open, |c| &mut c.command, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Command, t_ns, &message)
     }
 
     /// Encoder counts, signed and cumulative.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_encoders(&mut self, robot: usize, t_ns: i64, counts: [i64; 2]) -> Result<()> {
         let [right, left] = counts;
         let message = ros::EncoderTicks {
@@ -125,20 +93,13 @@ impl<W: Write> RunWriter<W> {
             right,
             left,
         };
-        let carries = "ticks_right,ticks_left";
-        let open = (
-            MessageType::EncoderTicks,
-            "encoder_ticks",
-            Some(StreamKind::Wheels),
-            carries,
-        );
-        self.write_to(robot, open, |c| &mut c.ticks, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Encoders, t_ns, &message)
     }
 
-    /// True wheel angles (rad) and speeds (rad/s), for viewers: the diagnosis reads the encoders.
+    /// True wheel angles (rad) and speeds (rad/s), for viewers. The diagnosis reads the encoders.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_wheels(
         &mut self,
         robot: usize,
@@ -147,44 +108,34 @@ impl<W: Write> RunWriter<W> {
         speed_rad_s: [f64; 2],
     ) -> Result<()> {
         let message = joint_state(t_ns, &angle_rad, &speed_rad_s, &[]);
-        let open = (MessageType::JointState, "joint_states", None, "");
-        self.write_to(robot, open, |c| &mut c.wheels, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Wheels, t_ns, &message)
     }
 
-    /// What the camera saw: x (m), y (m), yaw (rad).
+    /// Pose measured by the camera: x (m), y (m), yaw (rad).
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_camera(&mut self, robot: usize, t_ns: i64, pose: [f64; 3]) -> Result<()> {
         let [x_m, y_m, yaw_rad] = pose;
         let message = ros::PoseStamped {
             header: header(t_ns, WORLD),
             pose: Pose::planar(x_m, y_m, yaw_rad),
         };
-        let open = (
-            MessageType::PoseStamped,
-            "pose",
-            Some(StreamKind::Pose),
-            "x_m,y_m,yaw_rad",
-        );
-        self.write_to(robot, open, |c| &mut c.pose, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Camera, t_ns, &message)
     }
 
     /// Specific force forward and to the left (m/s²), yaw rate (rad/s).
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_imu(&mut self, robot: usize, t_ns: i64, values: [f64; 3]) -> Result<()> {
-        let message = imu(t_ns, values);
-        let carries = "ax_m_s2,ay_m_s2,gz_rad_s";
-        let open = (MessageType::Imu, "imu", Some(StreamKind::Imu), carries);
-        self.write_to(robot, open, |c| &mut c.imu, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Imu, t_ns, &imu(t_ns, values))
     }
 
-    /// Where the robot believes to be (m, m, rad), its speed (m/s) and yaw rate (rad/s).
+    /// The robot's own estimate: pose (m, m, rad), forward speed (m/s) and yaw rate (rad/s).
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_odometry(
         &mut self,
         robot: usize,
@@ -192,23 +143,16 @@ impl<W: Write> RunWriter<W> {
         pose: [f64; 3],
         velocity: [f64; 2],
     ) -> Result<()> {
-        let name = self.name_of(robot);
         let [v_m_s, w_rad_s] = velocity;
-        let message = odometry(t_ns, &name, pose, Twist::planar(v_m_s, 0.0, w_rad_s));
-        let open = (
-            MessageType::Odometry,
-            "odometry",
-            Some(StreamKind::Odometry),
-            "v_m_s,w_rad_s",
-        );
-        self.write_to(robot, open, |c| &mut c.odometry, t_ns, &message)
+        let twist = Twist::planar(v_m_s, 0.0, w_rad_s);
+        self.write_pose_and_twist(robot, RobotTopic::Odometry, t_ns, pose, twist)
     }
 
-    /// True pose of c (m, m, rad) and its velocity in the body's frame: forward (m/s), to the left
-    /// (m/s), yaw rate (rad/s).
+    /// True pose of the centre of mass c (m, m, rad) and its velocity in the body frame: forward
+    /// (m/s), to the left (m/s), yaw rate (rad/s).
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_truth(
         &mut self,
         robot: usize,
@@ -216,186 +160,145 @@ impl<W: Write> RunWriter<W> {
         pose: [f64; 3],
         velocity: [f64; 3],
     ) -> Result<()> {
-        let name = self.name_of(robot);
         let [forward, left, yaw_rate] = velocity;
-        let message = odometry(t_ns, &name, pose, Twist::planar(forward, left, yaw_rate));
-        let open = (MessageType::Odometry, "truth", None, "");
-        self.write_to(robot, open, |c| &mut c.truth, t_ns, &message)
+        let twist = Twist::planar(forward, left, yaw_rate);
+        self.write_pose_and_twist(robot, RobotTopic::Truth, t_ns, pose, twist)
     }
 
     /// True poses of all robots in order (m, m, rad), as transforms for viewers.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_true_poses(&mut self, t_ns: i64, poses: &[[f64; 3]]) -> Result<()> {
-        let named = self.robots.iter().zip(poses);
-        let transforms: Vec<ros::TransformStamped<&str>> = named
-            .map(|(robot, &[x_m, y_m, yaw_rad])| ros::TransformStamped {
+        let channel = self
+            .channels
+            .shared(&mut self.bag, SharedTopic::TruePoses)?;
+        let robots = self.channels.names().zip(poses);
+        let transforms: Vec<ros::TransformStamped<&str>> = robots
+            .map(|(name, &[x_m, y_m, yaw_rad])| ros::TransformStamped {
                 header: header(t_ns, WORLD),
-                child_frame_id: robot.name.as_str(),
+                child_frame_id: name,
                 translation: Vector3::new(x_m, y_m, 0.0),
                 rotation: Quaternion::from_yaw(yaw_rad),
             })
             .collect();
-        let message = ros::TfMessage { transforms };
-        let open = (MessageType::TfMessage, topics::TF);
-        write_shared(&mut self.bag, &mut self.tf, open, None, t_ns, &message)
+        self.bag
+            .write(channel, t_ns, &ros::TfMessage { transforms })
     }
 
-    /// What both contacts do, [right, left].
+    /// True contact states of both wheels.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_contact(
         &mut self,
         robot: usize,
         t_ns: i64,
         wheels: [WheelContact; 2],
     ) -> Result<()> {
-        let [right, left] = wheels.map(|wheel| ros::WheelContact {
-            state: u8::from(wheel.slips),
-            slip_longitudinal_m_s: wheel.slip_longitudinal_m_s,
-            slip_lateral_m_s: wheel.slip_lateral_m_s,
-            normal_force_n: wheel.normal_force_n,
-            applied_torque_nm: wheel.applied_torque_nm,
-        });
+        let [right, left] = wheels.map(WheelContact::message);
         let message = ros::Contact {
             header: header(t_ns, ""),
             right,
             left,
         };
-        let open = (MessageType::Contact, "contact", None, "");
-        self.write_to(robot, open, |c| &mut c.contact, t_ns, &message)
+        self.write_robot(robot, RobotTopic::Contact, t_ns, &message)
     }
 
-    /// A message between robots, once it is known what became of it.
+    /// A position message, written once its delivery status is known.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_position(&mut self, position: &PositionRecord<'_>) -> Result<()> {
-        let carries = Carries {
-            stream: "links".to_owned(),
-            columns: LINK_COLUMNS
-                .iter()
-                .skip(1)
-                .map(|&name| name.to_owned())
-                .collect(),
-            unknown: Vec::new(),
-        };
-        let message = position_message(position);
-        let open = (MessageType::PositionMessage, topics::LINKS);
         let t_ns = position.t_sent_ns;
-        write_shared(
-            &mut self.bag,
-            &mut self.links,
-            open,
-            Some(carries),
-            t_ns,
-            &message,
-        )
+        self.write_shared(SharedTopic::Positions, t_ns, &position.message())
     }
 
-    /// A record of the trace, as the bus encodes it (postcard).
+    /// A trace record as the bus encodes it (postcard).
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_trace(&mut self, t_ns: i64, postcard: &[u8]) -> Result<()> {
         let message = ros::TraceEvent {
             stamp: Time::from_ns(t_ns),
             postcard,
         };
-        let open = (MessageType::TraceEvent, topics::TRACE);
-        write_shared(&mut self.bag, &mut self.trace, open, None, t_ns, &message)
+        self.write_shared(SharedTopic::Trace, t_ns, &message)
     }
 
-    /// Something that happened, in words.
+    /// An event in words, with the process that reports it.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_event(&mut self, t_ns: i64, process: &str, text: &str) -> Result<()> {
         let message = ros::Event {
             stamp: Time::from_ns(t_ns),
             process,
             text,
         };
-        let open = (MessageType::Event, "/events");
-        write_shared(&mut self.bag, &mut self.events, open, None, t_ns, &message)
+        self.write_shared(SharedTopic::Events, t_ns, &message)
     }
 
-    /// Names and values that are known only now, such as the digest of the states.
+    /// Names and values that become known during the run, such as the digest of the states.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn write_metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
         self.bag.metadata(name, values)
     }
 
-    /// Closes the chunk and hands it to the system. Call it about once a second.
+    /// Closes the chunk and passes it to the operating system. Call it about once a second.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<()> {
         self.bag.flush()
     }
 
-    /// Writes the index and closes the file.
+    /// Writes the index, closes the file and returns the sink.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn finish(self) -> Result<W> {
         self.bag.finish()
     }
 
-    fn name_of(&self, robot: usize) -> String {
-        let robot = self.robots.get(robot);
-        robot.map_or_else(String::new, |robot| robot.name.clone())
-    }
-
-    /// Writes to a robot's topic, opening it first where it is new. A robot that the description
-    /// does not have is not recorded.
-    fn write_to<T: serde::Serialize>(
+    fn write_pose_and_twist(
         &mut self,
         robot: usize,
-        (message_type, name, kind, columns): (MessageType, &str, Option<StreamKind>, &str),
-        channel_of: impl Fn(&mut RobotChannels) -> &mut Option<Channel>,
+        topic: RobotTopic,
+        t_ns: i64,
+        pose: [f64; 3],
+        twist: Twist,
+    ) -> Result<()> {
+        let Some(channel) = self.channels.of_robot(&mut self.bag, robot, topic)? else {
+            return Ok(());
+        };
+        let message = odometry(t_ns, self.channels.name(robot), pose, twist);
+        self.bag.write(channel, t_ns, &message)
+    }
+
+    /// Writes to a robot's topic. Ignores robots that are not in the header.
+    fn write_robot<T: Serialize>(
+        &mut self,
+        robot: usize,
+        topic: RobotTopic,
         t_ns: i64,
         message: &T,
     ) -> Result<()> {
-        let Some(robot) = self.robots.get_mut(robot) else {
-            return Ok(());
-        };
-        let channel = match channel_of(robot) {
-            Some(channel) => *channel,
-            None => {
-                let metadata = kind
-                    .map(|kind| Carries::robot(&robot.name, kind, columns).metadata())
-                    .unwrap_or_default();
-                let topic = topics::topic(&robot.name, name);
-                let channel = self.bag.channel(&topic, message_type, &metadata)?;
-                *channel_of(robot) = Some(channel);
-                channel
-            }
-        };
+        match self.channels.of_robot(&mut self.bag, robot, topic)? {
+            Some(channel) => self.bag.write(channel, t_ns, message),
+            None => Ok(()),
+        }
+    }
+
+    fn write_shared<T: Serialize>(
+        &mut self,
+        topic: SharedTopic,
+        t_ns: i64,
+        message: &T,
+    ) -> Result<()> {
+        let channel = self.channels.shared(&mut self.bag, topic)?;
         self.bag.write(channel, t_ns, message)
     }
-}
-
-fn write_shared<W: Write, T: serde::Serialize>(
-    bag: &mut BagWriter<W>,
-    channel: &mut Option<Channel>,
-    (message_type, topic): (MessageType, &str),
-    carries: Option<Carries>,
-    t_ns: i64,
-    message: &T,
-) -> Result<()> {
-    let channel = match channel {
-        Some(channel) => *channel,
-        None => {
-            let metadata = carries
-                .map(|carries| carries.metadata())
-                .unwrap_or_default();
-            *channel.insert(bag.channel(topic, message_type, &metadata)?)
-        }
-    };
-    bag.write(channel, t_ns, message)
 }

@@ -1,27 +1,33 @@
-//! A stream as a table on its way in.
+//! A stream being read, as a table of columns.
 
 use super::cells::Cells;
 use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
-/// A stream on its way in.
+/// A stream being read: owned columns by name.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Table {
+    /// Time of each row (s).
     pub(crate) t_s: Vec<f64>,
+    /// The columns that the format defines.
     pub(crate) columns: Vec<(&'static str, Cells)>,
+    /// The other columns, as text.
     pub(crate) unknown: Vec<UnknownColumn>,
 }
 
 impl Table {
+    /// Removes a column.
     fn take(&mut self, name: &str) -> Option<Cells> {
         let at = self.columns.iter().position(|(known, _)| *known == name)?;
         Some(self.columns.swap_remove(at).1)
     }
 
+    /// Removes a column of numbers.
     fn numbers(&mut self, name: &str) -> Option<Vec<f64>> {
-        self.take(name).map(Cells::numbers)
+        self.take(name).map(Cells::into_numbers)
     }
 
+    /// Removes the columns of the right and the left wheel.
     fn pair(&mut self, right: &str, left: &str) -> Option<(Vec<f64>, Vec<f64>)> {
         let right = self.numbers(right)?;
         Some((right, self.numbers(left)?))
@@ -35,8 +41,9 @@ impl Table {
         }
     }
 
-    /// Makes this table the robot's stream. The columns have passed [`ColumnSet::choose`].
-    pub(crate) fn give_to(mut self, robot: &mut Robot, kind: StreamKind) {
+    /// Stores this table as the robot's stream of that kind. The columns must have passed
+    /// [`ColumnSet::choose`](super::ColumnSet::choose).
+    pub(crate) fn store_in(mut self, robot: &mut Robot, kind: StreamKind) {
         match kind {
             StreamKind::Command => {
                 robot.command = self.command().map(|values| self.into_stream(values));
@@ -99,8 +106,8 @@ impl Table {
     fn wheels(&mut self) -> Option<Wheels> {
         if let Some(right) = self.take("ticks_right") {
             return Some(Wheels::Ticks {
-                right: right.counts(),
-                left: self.take("ticks_left")?.counts(),
+                right: right.into_counts(),
+                left: self.take("ticks_left")?.into_counts(),
             });
         }
         if let Some((right_rad, left_rad)) = self.pair("angle_right_rad", "angle_left_rad") {

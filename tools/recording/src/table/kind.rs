@@ -1,6 +1,6 @@
-//! The streams of a robot and the columns that each may have.
+//! The streams of a robot, and the column sets that each stream can have.
 
-/// A file of a robot's folder.
+/// A stream of a robot; one CSV file of the robot's folder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum StreamKind {
     /// `command.csv`
@@ -18,7 +18,7 @@ pub enum StreamKind {
 }
 
 impl StreamKind {
-    /// All kinds, in the order of the format's description.
+    /// All kinds, in the order of the format description.
     pub const ALL: [Self; 6] = [
         Self::Command,
         Self::Wheels,
@@ -28,7 +28,7 @@ impl StreamKind {
         Self::Motor,
     ];
 
-    /// The file's name without `.csv`.
+    /// Name of the CSV file without `.csv`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Command => "command",
@@ -40,12 +40,12 @@ impl StreamKind {
         }
     }
 
-    /// The kind of that name.
+    /// The kind with this name, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 
-    /// The columns besides `t_s`, as sets of which a file has exactly one.
+    /// The sets of columns besides `t_s`. A stream has exactly one of them.
     pub(crate) fn column_sets(self) -> &'static [ColumnSet] {
         const fn all(names: &'static [&'static str]) -> ColumnSet {
             ColumnSet {
@@ -85,7 +85,7 @@ impl StreamKind {
         }
     }
 
-    /// The known column of that name.
+    /// The column of this kind with this name, if the format defines it.
     pub(crate) fn column(self, name: &str) -> Option<&'static str> {
         self.column_sets()
             .iter()
@@ -95,30 +95,34 @@ impl StreamKind {
     }
 }
 
-/// Columns that come together: of `names`, the first `required` must be there.
+/// Columns that belong together. The first `required` of `names` must be present.
 #[derive(Debug)]
 pub(crate) struct ColumnSet {
+    /// The columns, in the order of writing.
     pub(crate) names: &'static [&'static str],
     required: usize,
 }
 
 impl ColumnSet {
-    /// The set that the columns present belong to, or what is wrong with them and the remedy.
+    /// The set that the present columns belong to.
+    ///
+    /// # Errors
+    /// Problem and remedy, if they belong to no set or to several, or a required one is missing.
     pub(crate) fn choose(
         kind: StreamKind,
         present: &[&'static str],
     ) -> Result<&'static Self, (String, String)> {
         let sets = kind.column_sets();
-        let touched: Vec<&Self> = sets
+        let matching: Vec<&Self> = sets
             .iter()
             .filter(|set| set.names.iter().any(|name| present.contains(name)))
             .collect();
-        let spelled = || {
+        let remedy = || {
             let sets: Vec<String> = sets.iter().map(|set| set.names.join(",")).collect();
             format!("give t_s and {}", sets.join(" or "))
         };
-        match touched.as_slice() {
-            [] => Err(("no known column beside t_s".to_owned(), spelled())),
+        match matching.as_slice() {
+            [] => Err(("no known column besides t_s".to_owned(), remedy())),
             [set] => match set
                 .names
                 .iter()
@@ -126,7 +130,7 @@ impl ColumnSet {
                 .find(|name| !present.contains(name))
             {
                 None => Ok(set),
-                Some(missing) => Err((format!("column {missing} is missing"), spelled())),
+                Some(missing) => Err((format!("column {missing} is missing"), remedy())),
             },
             [first, second, ..] => Err((
                 format!(

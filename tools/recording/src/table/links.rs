@@ -1,4 +1,4 @@
-//! Columns of the files about the whole recording.
+//! Columns of the two tables that belong to no robot.
 
 /// Columns of `links.csv`.
 pub(crate) const LINK_COLUMNS: [&str; 9] = [
@@ -12,3 +12,9 @@ pub(crate) const LINK_COLUMNS: [&str; 9] = [
     "v_m_s",
     "w_rad_s",
 ];
+
+/// The first so many of [`LINK_COLUMNS`] are required; the velocities after them are optional.
+pub(crate) const LINK_POSE_COLUMNS: usize = 7;
+
+/// Columns of `rtt.csv`.
+pub(crate) const ROUND_TRIP_COLUMNS: [&str; 2] = ["seq", "rtt_ms"];

@@ -1,91 +1,74 @@
-//! A stream as a table on its way out.
+//! A stream being written, as a table of columns.
 
 use super::cells::CellsView;
 use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
-/// A stream on its way out.
+/// Columns by name.
+type Columns<'a> = Vec<(&'static str, CellsView<'a>)>;
+
+/// A stream being written: borrowed columns by name.
 #[derive(Debug, Clone)]
 pub(crate) struct TableView<'a> {
+    /// Time of each row (s).
     pub(crate) t_s: &'a [f64],
-    pub(crate) columns: Vec<(&'static str, CellsView<'a>)>,
+    /// The columns that the format defines.
+    pub(crate) columns: Columns<'a>,
+    /// The other columns, as text.
     pub(crate) unknown: &'a [UnknownColumn],
 }
 
 impl<'a> TableView<'a> {
-    /// The robot's stream of that kind, if it has one.
+    /// The robot's stream of this kind, if it has one.
     pub(crate) fn of(robot: &'a Robot, kind: StreamKind) -> Option<Self> {
         match kind {
-            StreamKind::Command => robot
-                .command
-                .as_ref()
-                .map(|s| Self::new(s, command(&s.values))),
-            StreamKind::Wheels => robot
-                .wheels
-                .as_ref()
-                .map(|s| Self::new(s, wheels(&s.values))),
-            StreamKind::Odometry => robot.odometry.as_ref().map(|s| {
-                let Odometry { v_m_s, w_rad_s } = &s.values;
-                Self::new(
-                    s,
-                    present([("v_m_s", Some(v_m_s)), ("w_rad_s", w_rad_s.as_ref())]),
-                )
-            }),
-            StreamKind::Pose => robot.pose.as_ref().map(|s| {
-                let Pose { x_m, y_m, yaw_rad } = &s.values;
-                Self::new(
-                    s,
-                    present([
-                        ("x_m", Some(x_m)),
-                        ("y_m", Some(y_m)),
-                        ("yaw_rad", yaw_rad.as_ref()),
-                    ]),
-                )
-            }),
-            StreamKind::Imu => robot.imu.as_ref().map(|s| {
-                let Imu {
-                    ax_m_s2,
-                    ay_m_s2,
-                    gz_rad_s,
-                } = &s.values;
-                Self::new(
-                    s,
-                    present([
-                        ("ax_m_s2", ax_m_s2.as_ref()),
-                        ("ay_m_s2", ay_m_s2.as_ref()),
-                        ("gz_rad_s", gz_rad_s.as_ref()),
-                    ]),
-                )
-            }),
-            StreamKind::Motor => robot.motor.as_ref().map(|s| {
-                let Motor {
-                    current_right_a,
-                    current_left_a,
-                    supply_v,
-                } = &s.values;
-                Self::new(
-                    s,
-                    present([
-                        ("current_right_a", current_right_a.as_ref()),
-                        ("current_left_a", current_left_a.as_ref()),
-                        ("supply_v", supply_v.as_ref()),
-                    ]),
-                )
-            }),
+            StreamKind::Command => Self::new(robot.command.as_ref(), command),
+            StreamKind::Wheels => Self::new(robot.wheels.as_ref(), wheels),
+            StreamKind::Odometry => Self::new(robot.odometry.as_ref(), odometry),
+            StreamKind::Pose => Self::new(robot.pose.as_ref(), pose),
+            StreamKind::Imu => Self::new(robot.imu.as_ref(), imu),
+            StreamKind::Motor => Self::new(robot.motor.as_ref(), motor),
         }
     }
 
-    fn new<V>(stream: &'a Stream<V>, columns: Vec<(&'static str, CellsView<'a>)>) -> Self {
-        Self {
-            t_s: &stream.t_s,
-            columns,
-            unknown: &stream.unknown,
+    /// The number in column `i`; NaN if the cell is empty or does not exist.
+    pub(crate) fn number(&self, i: usize, row: usize) -> f64 {
+        match self.columns.get(i) {
+            Some((_, CellsView::Numbers(cells))) => cells.get(row).copied().unwrap_or(f64::NAN),
+            Some((_, CellsView::Counts(_))) => {
+                self.count(i, row).map_or(f64::NAN, |count| count as f64)
+            }
+            None => f64::NAN,
         }
+    }
+
+    /// The number in the column with this name; NaN if the cell is empty or does not exist.
+    pub(crate) fn number_named(&self, name: &str, row: usize) -> f64 {
+        let column = self.columns.iter().position(|(known, _)| *known == name);
+        column.map_or(f64::NAN, |i| self.number(i, row))
+    }
+
+    /// The count in column `i`, if the cell is not empty.
+    pub(crate) fn count(&self, i: usize, row: usize) -> Option<i64> {
+        match self.columns.get(i) {
+            Some((_, CellsView::Counts(cells))) => cells.get(row).copied().flatten(),
+            _ => None,
+        }
+    }
+
+    fn new<V>(
+        stream: Option<&'a Stream<V>>,
+        columns: impl Fn(&'a V) -> Columns<'a>,
+    ) -> Option<Self> {
+        stream.map(|stream| Self {
+            t_s: &stream.t_s,
+            columns: columns(&stream.values),
+            unknown: &stream.unknown,
+        })
     }
 }
 
-type Columns<'a> = Vec<(&'static str, CellsView<'a>)>;
-
+/// The columns that are present.
 fn present<'a, const N: usize>(columns: [(&'static str, Option<&'a Vec<f64>>); N]) -> Columns<'a> {
     columns
         .into_iter()
@@ -135,4 +118,32 @@ fn wheels(wheels: &Wheels) -> Columns<'_> {
             ("speed_left_rad_s", Some(left_rad_s)),
         ]),
     }
+}
+
+fn odometry(Odometry { v_m_s, w_rad_s }: &Odometry) -> Columns<'_> {
+    present([("v_m_s", Some(v_m_s)), ("w_rad_s", w_rad_s.as_ref())])
+}
+
+fn pose(Pose { x_m, y_m, yaw_rad }: &Pose) -> Columns<'_> {
+    present([
+        ("x_m", Some(x_m)),
+        ("y_m", Some(y_m)),
+        ("yaw_rad", yaw_rad.as_ref()),
+    ])
+}
+
+fn imu(imu: &Imu) -> Columns<'_> {
+    present([
+        ("ax_m_s2", imu.ax_m_s2.as_ref()),
+        ("ay_m_s2", imu.ay_m_s2.as_ref()),
+        ("gz_rad_s", imu.gz_rad_s.as_ref()),
+    ])
+}
+
+fn motor(motor: &Motor) -> Columns<'_> {
+    present([
+        ("current_right_a", motor.current_right_a.as_ref()),
+        ("current_left_a", motor.current_left_a.as_ref()),
+        ("supply_v", motor.supply_v.as_ref()),
+    ])
 }

@@ -1,4 +1,4 @@
-//! Strict reading of small TOML files: every error names file, line, key and remedy.
+//! Strict reader of small TOML files: every error names file, line, key and remedy.
 
 use std::path::Path;
 
@@ -7,61 +7,70 @@ use toml::de::{DeTable, DeValue};
 
 use crate::error::Unusable;
 
-/// Largest TOML file that is read (bytes). Models and notes are a few kilobytes.
-const LARGEST_BYTES: u64 = 4 << 20;
+/// Largest TOML file that is read (bytes). Models and descriptions have a few kilobytes.
+const MAX_BYTES: u64 = 4 << 20;
 
 /// Reads a text file of bounded size.
+///
+/// # Errors
+/// If the file cannot be read, is not UTF-8 or is too large.
 pub(crate) fn read_text(path: &Path) -> Result<String, Unusable> {
     let size = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
-    if size.len() > LARGEST_BYTES {
+    if size.len() > MAX_BYTES {
         return Err(Unusable::new(
             path,
-            format!("has {} bytes, too many for a description", size.len()),
-            "give the TOML file, not the data",
+            format!("has {} bytes, too many for a TOML file", size.len()),
+            "give a TOML file, not the data",
         ));
     }
     std::fs::read_to_string(path).map_err(|e| Unusable::unreadable(path, &e))
 }
 
-/// The text of one file and where it came from.
-pub(crate) struct File<'a> {
+/// The text of a file.
+pub(crate) struct TomlFile<'a> {
+    /// Path of the file, for errors.
     pub(crate) path: &'a Path,
+    /// Its text.
     pub(crate) text: &'a str,
 }
 
-/// One table of a file, with the key that leads to it.
+/// A table of a file.
 pub(crate) struct Section<'a> {
-    file: &'a File<'a>,
-    name: String,
+    file: &'a TomlFile<'a>,
+    /// Full key of the table; empty for the root.
+    key: String,
     line: u64,
-    pub(crate) table: &'a DeTable<'a>,
+    table: &'a DeTable<'a>,
 }
 
-/// A key's value and its line.
+/// A key with its value and its line.
 pub(crate) struct Entry<'a> {
-    file: &'a File<'a>,
-    /// The whole key, such as `robot.wheel_radius_m`.
+    file: &'a TomlFile<'a>,
+    /// The full key, such as `robot.wheel_radius_m`.
     pub(crate) key: String,
     line: u64,
     /// The value.
     pub(crate) value: &'a DeValue<'a>,
 }
 
-impl<'a> File<'a> {
+impl<'a> TomlFile<'a> {
     /// Parses the text.
+    ///
+    /// # Errors
+    /// If it is not TOML, with the line.
     pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'a>>, Unusable> {
         DeTable::parse(self.text).map_err(|error| {
             let line = error.span().map_or(1, |span| self.line(span.start));
             let problem = error.message().replace('\n', ", ");
-            Unusable::new(self.path, problem, "write it as TOML").at(line)
+            Unusable::new(self.path, problem, "correct the TOML syntax").at(line)
         })
     }
 
-    /// The whole file as a section.
+    /// The root table.
     pub(crate) fn root(&'a self, table: &'a Spanned<DeTable<'a>>) -> Section<'a> {
         Section {
             file: self,
-            name: String::new(),
+            key: String::new(),
             line: 1,
             table: table.get_ref(),
         }
@@ -74,12 +83,12 @@ impl<'a> File<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// The whole key of `key` in this table.
-    pub(crate) fn whole(&self, key: &str) -> String {
-        if self.name.is_empty() {
+    /// The full key of `key` in this table.
+    fn full_key(&self, key: &str) -> String {
+        if self.key.is_empty() {
             key.to_owned()
         } else {
-            format!("{}.{key}", self.name)
+            format!("{}.{key}", self.key)
         }
     }
 
@@ -88,14 +97,14 @@ impl<'a> Section<'a> {
         Unusable::new(self.file.path, problem, remedy).at(self.line)
     }
 
-    /// All keys with their values, in the order of the file.
+    /// All keys with their values, in file order.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (&'a str, Entry<'a>)> {
         self.table.iter().map(|(key, value)| {
             let key: &'a Spanned<_> = key;
             let name: &'a str = key.get_ref();
             let entry = Entry {
                 file: self.file,
-                key: self.whole(name),
+                key: self.full_key(name),
                 line: self.file.line(key.span().start),
                 value: value.get_ref(),
             };
@@ -103,52 +112,67 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// The value of `key`, if it is there.
+    /// The entry of `key`, if present.
     pub(crate) fn get(&self, key: &str) -> Option<Entry<'a>> {
         self.entries()
             .find(|(name, _)| *name == key)
             .map(|(_, entry)| entry)
     }
 
-    /// The value of `key`, which must be there.
+    /// The entry of `key`.
+    ///
+    /// # Errors
+    /// If it is missing.
     pub(crate) fn require(&self, key: &str) -> Result<Entry<'a>, Unusable> {
         self.get(key).ok_or_else(|| {
             self.error(
-                format!("{} is missing", self.whole(key)),
+                format!("{} is missing", self.full_key(key)),
                 format!("add `{key} = …`"),
             )
         })
     }
 
-    /// The number at `key`, if it is there.
+    /// The number at `key`, if present.
+    ///
+    /// # Errors
+    /// If the value is not a finite number.
     pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Unusable> {
         self.get(key).map(|entry| entry.number()).transpose()
     }
 
-    /// The table at `key`, if it is there.
+    /// The table at `key`, if present.
+    ///
+    /// # Errors
+    /// If the value is not a table.
     pub(crate) fn section(&self, key: &str) -> Result<Option<Section<'a>>, Unusable> {
         self.get(key).map(|entry| entry.section()).transpose()
     }
 
-    /// Every key must be one of `known`.
-    pub(crate) fn only(&self, known: &[&str]) -> Result<(), Unusable> {
+    /// Checks that the table has no other keys than `known`.
+    ///
+    /// # Errors
+    /// The first other key.
+    pub(crate) fn allow_only(&self, known: &[&str]) -> Result<(), Unusable> {
         match self.entries().find(|(name, _)| !known.contains(name)) {
             None => Ok(()),
             Some((_, entry)) => Err(entry.error(
-                "is no key of this table",
-                format!("remove it or spell it as one of: {}", known.join(", ")),
+                "is not a key of this table",
+                format!("remove it or write one of: {}", known.join(", ")),
             )),
         }
     }
 
-    /// `format` must be there and 1.
-    pub(crate) fn format_is_1(&self) -> Result<(), Unusable> {
+    /// Checks the key `format`.
+    ///
+    /// # Errors
+    /// If it is missing or not 1.
+    pub(crate) fn require_format_1(&self) -> Result<(), Unusable> {
         let entry = self.require("format")?;
         match entry.integer()? {
             1 => Ok(()),
             other => Err(entry.error(
                 format!("is {other}"),
-                "write `format = 1`, the only one this version reads",
+                "write `format = 1`, the only format that this version reads",
             )),
         }
     }
@@ -161,7 +185,10 @@ impl<'a> Entry<'a> {
         Unusable::new(self.file.path, problem, remedy).at(self.line)
     }
 
-    /// A finite number, whole or not.
+    /// The value as a number.
+    ///
+    /// # Errors
+    /// If it is not a finite number.
     pub(crate) fn number(&self) -> Result<f64, Unusable> {
         let number = match self.value {
             DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
@@ -176,7 +203,10 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A whole number.
+    /// The value as a whole number.
+    ///
+    /// # Errors
+    /// If it is not a whole number of 64 bits.
     pub(crate) fn integer(&self) -> Result<i64, Unusable> {
         match self.value {
             DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
@@ -185,30 +215,44 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// A number of counts in a turn.
-    pub(crate) fn counts(&self) -> Result<u32, Unusable> {
+    /// The value as encoder counts per revolution.
+    ///
+    /// # Errors
+    /// If it is not a whole number above 0.
+    pub(crate) fn counts_per_rev(&self) -> Result<u32, Unusable> {
         match u32::try_from(self.integer()?) {
             Ok(counts) if counts > 0 => Ok(counts),
             _ => Err(self.error(
-                "is no number of counts",
-                "give the counts in one turn of the wheel, a whole number above 0",
+                "is not a valid number of counts",
+                "give the counts per wheel revolution, a whole number above 0",
             )),
         }
     }
 
-    /// A text.
+    /// The value as a string.
+    ///
+    /// # Errors
+    /// If it is not a string.
     pub(crate) fn text(&self) -> Result<&'a str, Unusable> {
-        self.value.as_str().ok_or_else(|| self.wrong_type("a text"))
+        self.value
+            .as_str()
+            .ok_or_else(|| self.wrong_type("a string"))
     }
 
-    /// True or false.
+    /// The value as a boolean.
+    ///
+    /// # Errors
+    /// If it is not a boolean.
     pub(crate) fn boolean(&self) -> Result<bool, Unusable> {
         self.value
             .as_bool()
             .ok_or_else(|| self.wrong_type("true or false"))
     }
 
-    /// A table.
+    /// The value as a table.
+    ///
+    /// # Errors
+    /// If it is not a table.
     pub(crate) fn section(&self) -> Result<Section<'a>, Unusable> {
         let table = self
             .value
@@ -216,13 +260,13 @@ impl<'a> Entry<'a> {
             .ok_or_else(|| self.wrong_type("a table"))?;
         Ok(Section {
             file: self.file,
-            name: self.key.clone(),
+            key: self.key.clone(),
             line: self.line,
             table,
         })
     }
 
-    /// The elements of a list, or the value alone where it is none.
+    /// The elements of an array; for any other value, the value itself.
     pub(crate) fn elements(&self) -> Vec<Entry<'a>> {
         let element = |key, value| Entry {
             file: self.file,
@@ -240,11 +284,14 @@ impl<'a> Entry<'a> {
         }
     }
 
-    /// The value is of a wrong type.
-    pub(crate) fn wrong_type(&self, wanted: &str) -> Unusable {
-        self.error(
-            format!("is a {}", self.value.type_str()),
-            format!("give {wanted}"),
-        )
+    /// An error about the type of the value.
+    pub(crate) fn wrong_type(&self, expected: &str) -> Unusable {
+        let found = self.value.type_str();
+        let article = if found.starts_with(['a', 'i']) {
+            "an"
+        } else {
+            "a"
+        };
+        self.error(format!("is {article} {found}"), format!("give {expected}"))
     }
 }

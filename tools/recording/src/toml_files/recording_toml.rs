@@ -1,27 +1,32 @@
-//! `recording.toml`: what is known about a recording beside its streams. Unknown keys are notes.
+//! `recording.toml`: the description of a recording. Unknown keys are kept as notes.
 
 use std::path::Path;
 
 use toml::{Table, Value};
 
-use super::document::{Entry, File, Section};
+use super::document::{Entry, Section, TomlFile};
 use crate::error::Unusable;
 use crate::recording::{ImuKind, Noise, PosePoint, Recording, Robot, is_robot_name};
 
+/// Keys of the root table.
 const TOP_KEYS: [&str; 5] = ["format", "name", "origin", "same_robot", "robots"];
+/// Keys of a robot's table.
 const ROBOT_KEYS: [&str; 4] = ["encoder_counts_per_rev", "pose_point", "imu", "noise"];
 
-type Parsed<T> = Result<T, Unusable>;
+type ParseResult<T> = Result<T, Unusable>;
 
-/// Parses the text of a `recording.toml` into a recording without streams. `path` is for errors;
-/// `name` is the recording's where the file gives none.
-pub(crate) fn parse(text: &str, path: &Path, name: &str) -> Parsed<Recording> {
-    let file = File { path, text };
+/// Parses the text of a `recording.toml` into a recording without streams. `path` is used in errors
+/// only; `name` is the recording's name if the file gives none.
+///
+/// # Errors
+/// If it is not TOML, or a key of the format has an invalid value.
+pub(crate) fn parse(text: &str, path: &Path, name: &str) -> ParseResult<Recording> {
+    let file = TomlFile { path, text };
     let table = file.parse()?;
     let root = file.root(&table);
-    root.format_is_1()?;
+    root.require_format_1()?;
     let notes: Table = toml::from_str(text)
-        .map_err(|e| root.error(e.message().replace('\n', ", "), "write it as TOML"))?;
+        .map_err(|e| root.error(e.message().replace('\n', ", "), "correct the TOML syntax"))?;
     let text_at = |key: &str| {
         root.get(key)
             .map(|e| e.text().map(str::to_owned))
@@ -39,17 +44,19 @@ pub(crate) fn parse(text: &str, path: &Path, name: &str) -> Parsed<Recording> {
     };
     if let Some(robots) = root.section("robots")? {
         for (name, entry) in robots.entries() {
-            let own_notes = notes.get("robots").and_then(|robots| robots.get(name));
-            recording.robots.push(parse_robot(name, &entry, own_notes)?);
+            let robot_notes = notes.get("robots").and_then(|robots| robots.get(name));
+            recording
+                .robots
+                .push(parse_robot(name, &entry, robot_notes)?);
         }
     }
     Ok(recording)
 }
 
-fn parse_robot(name: &str, entry: &Entry<'_>, notes: Option<&Value>) -> Parsed<Robot> {
+fn parse_robot(name: &str, entry: &Entry<'_>, notes: Option<&Value>) -> ParseResult<Robot> {
     if !is_robot_name(name) {
         return Err(entry.error(
-            "is no name for a robot's folder",
+            "is not a valid robot name",
             "use letters, digits, `_`, `-` and `.`",
         ));
     }
@@ -57,7 +64,7 @@ fn parse_robot(name: &str, entry: &Entry<'_>, notes: Option<&Value>) -> Parsed<R
     Ok(Robot {
         encoder_counts_per_rev: section
             .get("encoder_counts_per_rev")
-            .map(|e| e.counts())
+            .map(|e| e.counts_per_rev())
             .transpose()?,
         pose_point: one_of(
             &section,
@@ -86,7 +93,12 @@ fn parse_robot(name: &str, entry: &Entry<'_>, notes: Option<&Value>) -> Parsed<R
     })
 }
 
-fn one_of<T: Copy>(section: &Section<'_>, key: &str, words: &[(&str, T)]) -> Parsed<Option<T>> {
+/// The value of a key that allows only some words, if present.
+fn one_of<T: Copy>(
+    section: &Section<'_>,
+    key: &str,
+    words: &[(&str, T)],
+) -> ParseResult<Option<T>> {
     let Some(entry) = section.get(key) else {
         return Ok(None);
     };
@@ -103,8 +115,8 @@ fn one_of<T: Copy>(section: &Section<'_>, key: &str, words: &[(&str, T)]) -> Par
     }
 }
 
-fn parse_noise(section: &Section<'_>) -> Parsed<Noise> {
-    section.only(&NOISE_KEYS)?;
+fn parse_noise(section: &Section<'_>) -> ParseResult<Noise> {
+    section.allow_only(&NOISE_KEYS)?;
     let mut values = [None; 7];
     for (key, value) in NOISE_KEYS.iter().zip(&mut values) {
         if let Some(entry) = section.get(key) {
@@ -135,6 +147,7 @@ fn parse_noise(section: &Section<'_>) -> Parsed<Noise> {
     })
 }
 
+/// Keys of a robot's noise table, in the order of the fields of [`Noise`].
 const NOISE_KEYS: [&str; 7] = [
     "pose_m",
     "pose_rad",
@@ -145,7 +158,7 @@ const NOISE_KEYS: [&str; 7] = [
     "odometry_rad_s",
 ];
 
-/// The table without the keys that the format knows.
+/// The table without the keys that the format defines.
 fn without(table: &Table, known: &[&str]) -> Table {
     table
         .iter()
@@ -154,7 +167,7 @@ fn without(table: &Table, known: &[&str]) -> Table {
         .collect()
 }
 
-/// The text of the `recording.toml` that describes the recording.
+/// The text of a `recording.toml` for the recording.
 pub(crate) fn to_text(recording: &Recording) -> String {
     let mut root = Table::new();
     root.insert("format".into(), Value::Integer(1));
@@ -170,7 +183,7 @@ pub(crate) fn to_text(recording: &Recording) -> String {
     if !robots.is_empty() {
         root.insert("robots".into(), Value::Table(robots));
     }
-    // A table of tables, texts and numbers has no shape that TOML cannot write.
+    // Serialisation cannot fail: a table of tables, strings and numbers is valid TOML.
     toml::to_string(&root).unwrap_or_default()
 }
 
@@ -224,7 +237,7 @@ mod tests {
         mass_kg = 4.5\n[robots.b.noise]\npose_m = 0.002\n[robots.a]\n[network]\nn = 1\n";
 
     #[test]
-    fn written_and_read_again_nothing_is_lost() {
+    fn round_trip_keeps_everything() {
         let path = Path::new("recording.toml");
         let once = parse(TEXT, path, "").unwrap();
         let names: Vec<&str> = once.robots.iter().map(|r| r.name.as_str()).collect();
@@ -244,7 +257,7 @@ mod tests {
             ("[robots.r1]\n", "recording.toml:1: format is missing"),
             (
                 "format = 1\n[robots.\"../x\"]\n",
-                "recording.toml:2: robots.../x is no name",
+                "recording.toml:2: robots.../x is not a valid robot name",
             ),
             (
                 "format = 1\n[robots.r1]\npose_point = \"nose\"\n",

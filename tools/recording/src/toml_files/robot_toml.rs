@@ -1,4 +1,4 @@
-//! `robot.toml`, the nominal model of a robot: strict in, readable out.
+//! `robot.toml`: the nominal model of a robot, read strictly and written readably.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -6,10 +6,12 @@ use std::path::Path;
 use slipstream_bus::{Body, EffectSpec, Encoder, Motor, Parameter, RobotModel};
 use toml::de::DeValue;
 
-use super::document::{Entry, File, Section, read_text};
-use crate::error::{Result, Unusable, writing};
+use super::document::{Entry, Section, TomlFile, read_text};
+use crate::error::{Result, Unusable, write_error};
 
+/// Keys of the root table.
 const TOP_KEYS: [&str; 5] = ["format", "robot", "motor", "encoder", "effects"];
+/// Keys of `[robot]`, in the order of writing.
 const BODY_KEYS: [&str; 10] = [
     "body_mass_kg",
     "body_yaw_inertia_kg_m2",
@@ -22,31 +24,33 @@ const BODY_KEYS: [&str; 10] = [
     "com_to_caster_m",
     "com_height_m",
 ];
+/// Keys of `[motor]`, in the order of writing.
 const MOTOR_KEYS: [&str; 3] = [
     "nominal_voltage_v",
     "no_load_speed_rad_s",
     "stall_torque_nm",
 ];
 
-/// Reads a model.
+/// Reads a model from a file.
 ///
 /// # Errors
-/// Anything that is not TOML, an unknown or missing key, a value of the wrong type, not finite, or
-/// that no robot can have. Whether an effect exists is for the simulator to say.
+/// If the file cannot be read or is not TOML, if a key is unknown or missing, or if a value has the
+/// wrong type, is not finite or is physically impossible. The names of effects are not checked here;
+/// the simulator does that.
 pub fn read(path: &Path) -> Result<RobotModel> {
     Ok(parse(&read_text(path)?, path)?)
 }
 
-/// Parses the text of a model; `path` is only for errors.
+/// Parses the text of a model. `path` is used in errors only.
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusable> {
-    let file = File { path, text };
+    let file = TomlFile { path, text };
     let table = file.parse()?;
     let root = file.root(&table);
-    root.format_is_1()?;
-    root.only(&TOP_KEYS)?;
+    root.require_format_1()?;
+    root.allow_only(&TOP_KEYS)?;
     let body = root.require("robot")?.section()?;
     let model = RobotModel {
         robot: parse_body(&body)?,
@@ -63,14 +67,12 @@ pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusabl
             None => Vec::new(),
         },
     };
-    model
-        .validate()
-        .map_err(|error| at_its_line(&root, &error))?;
+    model.validate().map_err(|error| with_line(&root, &error))?;
     Ok(model)
 }
 
-/// What the model's own judgement says, at the line of the key that it names.
-fn at_its_line(root: &Section<'_>, error: &slipstream_bus::ModelError) -> Unusable {
+/// Adds the line of the key to an error of [`RobotModel::validate`].
+fn with_line(root: &Section<'_>, error: &slipstream_bus::ModelError) -> Unusable {
     let entry = error.key.split_once('.').and_then(|(table, key)| {
         let section = root.section(table).ok()??;
         section.get(key)
@@ -82,7 +84,7 @@ fn at_its_line(root: &Section<'_>, error: &slipstream_bus::ModelError) -> Unusab
 }
 
 fn parse_body(section: &Section<'_>) -> std::result::Result<Body, Unusable> {
-    section.only(&BODY_KEYS)?;
+    section.allow_only(&BODY_KEYS)?;
     Ok(Body {
         body_mass_kg: section.number("body_mass_kg")?,
         body_yaw_inertia_kg_m2: section.number("body_yaw_inertia_kg_m2")?,
@@ -98,7 +100,7 @@ fn parse_body(section: &Section<'_>) -> std::result::Result<Body, Unusable> {
 }
 
 fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, Unusable> {
-    section.only(&MOTOR_KEYS)?;
+    section.allow_only(&MOTOR_KEYS)?;
     Ok(Motor {
         nominal_voltage_v: section.require("nominal_voltage_v")?.number()?,
         no_load_speed_rad_s: section.require("no_load_speed_rad_s")?.number()?,
@@ -107,13 +109,13 @@ fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, Unusable> {
 }
 
 fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, Unusable> {
-    section.only(&["counts_per_rev"])?;
+    section.allow_only(&["counts_per_rev"])?;
     Ok(Encoder {
-        counts_per_rev: section.require("counts_per_rev")?.counts()?,
+        counts_per_rev: section.require("counts_per_rev")?.counts_per_rev()?,
     })
 }
 
-/// `id = {…}` once or `id = [{…}, {…}]` as often as it occurs.
+/// Parses effects: `id = {…}`, or `id = [{…}, {…}]` for an effect that occurs several times.
 fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, Unusable> {
     let mut effects = Vec::new();
     for (id, entry) in section.entries() {
@@ -135,19 +137,19 @@ fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, Unusable
     match entry.value {
         DeValue::String(text) => Ok(Parameter::Text(text.to_string())),
         DeValue::Integer(_) | DeValue::Float(_) => Ok(Parameter::Number(entry.number()?)),
-        _ => Err(entry.wrong_type("a number or a text")),
+        _ => Err(entry.wrong_type("a number or a string")),
     }
 }
 
-/// Writes a model to a file.
+/// Writes a model to a file, replacing an existing one.
 ///
 /// # Errors
-/// When the system does not let the file be written.
+/// If the file cannot be written.
 pub fn write(model: &RobotModel, path: &Path) -> Result<()> {
-    std::fs::write(path, to_text(model)).map_err(writing(path))
+    std::fs::write(path, to_text(model)).map_err(write_error(path))
 }
 
-/// The model as the text of a `robot.toml`: reading it again gives the same bits.
+/// The model as the text of a `robot.toml`. Parsing it gives the same model bit for bit.
 pub fn to_text(model: &RobotModel) -> String {
     let mut text = String::from("format = 1\n[robot]\n");
     let Body {
@@ -176,18 +178,30 @@ pub fn to_text(model: &RobotModel) -> String {
     ];
     for (key, value) in BODY_KEYS.into_iter().zip(values) {
         if let Some(value) = value {
-            line(&mut text, key, &number(value));
+            write_line(&mut text, key, &toml_number(value));
         }
     }
     if let Some(motor) = &model.motor {
         text.push_str("[motor]\n");
-        line(&mut text, MOTOR_KEYS[0], &number(motor.nominal_voltage_v));
-        line(&mut text, MOTOR_KEYS[1], &number(motor.no_load_speed_rad_s));
-        line(&mut text, MOTOR_KEYS[2], &number(motor.stall_torque_nm));
+        write_line(
+            &mut text,
+            MOTOR_KEYS[0],
+            &toml_number(motor.nominal_voltage_v),
+        );
+        write_line(
+            &mut text,
+            MOTOR_KEYS[1],
+            &toml_number(motor.no_load_speed_rad_s),
+        );
+        write_line(
+            &mut text,
+            MOTOR_KEYS[2],
+            &toml_number(motor.stall_torque_nm),
+        );
     }
     if let Some(encoder) = &model.encoder {
         text.push_str("[encoder]\n");
-        line(
+        write_line(
             &mut text,
             "counts_per_rev",
             &encoder.counts_per_rev.to_string(),
@@ -200,7 +214,8 @@ pub fn to_text(model: &RobotModel) -> String {
     text
 }
 
-/// Effects in the order of their first occurrence; what occurs again joins the first in a list.
+/// Writes effects in the order of their first occurrence; an effect that occurs several times becomes
+/// one array.
 fn write_effects(text: &mut String, effects: &[EffectSpec]) {
     for (i, effect) in effects.iter().enumerate() {
         let same = |other: &&EffectSpec| other.effect == effect.effect;
@@ -212,7 +227,7 @@ fn write_effects(text: &mut String, effects: &[EffectSpec]) {
             [one] => one.clone(),
             many => format!("[{}]", many.join(", ")),
         };
-        line(text, &key(&effect.effect), &value);
+        write_line(text, &toml_key(&effect.effect), &value);
     }
 }
 
@@ -224,26 +239,31 @@ fn inline_table(effect: &EffectSpec) -> String {
         .parameters
         .iter()
         .map(|(name, value)| match value {
-            Parameter::Number(value) => format!("{} = {}", key(name), number(*value)),
+            Parameter::Number(value) => format!("{} = {}", toml_key(name), toml_number(*value)),
             Parameter::Text(value) => {
-                format!("{} = {}", key(name), toml::Value::String(value.clone()))
+                format!(
+                    "{} = {}",
+                    toml_key(name),
+                    toml::Value::String(value.clone())
+                )
             }
         })
         .collect();
     format!("{{ {} }}", parameters.join(", "))
 }
 
-fn line(text: &mut String, key: &str, value: &str) {
+fn write_line(text: &mut String, key: &str, value: &str) {
     // Writing to a string cannot fail.
     let _ = writeln!(text, "{key} = {value}");
 }
 
-/// The shortest text that reads back as the same number.
-fn number(value: f64) -> String {
+/// The shortest text that parses to the same number.
+fn toml_number(value: f64) -> String {
     toml::Value::Float(value).to_string()
 }
 
-fn key(name: &str) -> String {
+/// The key, quoted where TOML requires it.
+fn toml_key(name: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
     if !name.is_empty() && name.chars().all(bare) {
         name.to_owned()
@@ -261,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn the_papers_robot_is_read_back_as_written() {
+    fn the_papers_robot_round_trips() {
         let model = RobotModel::paper_with_slip()
             .with("push", &[("t_s", 3.0), ("impulse_n_s", 0.1)])
             .with("push", &[("t_s", 4.0), ("impulse_n_s", 0.1 + 0.2)]);
@@ -269,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_may_have_a_text_for_parameter() {
+    fn an_effect_can_have_a_text_parameter() {
         let text = "format = 1\n[robot]\nwheel_radius_m = 1\nhalf_track_m = 2\n\
                     [effects]\nclock_drift = { rate = 1e-5, stream = \"a \\\"b\\\"\" }\n";
         let model = parse_text(text).unwrap();
@@ -286,7 +306,7 @@ mod tests {
         let cases = [
             ("", "robot.toml:1: format is missing; "),
             ("format = 2\n", "robot.toml:1: format is 2; "),
-            ("format = 1\n[robo]\n", "robot.toml:2: robo is no key"),
+            ("format = 1\n[robo]\n", "robot.toml:2: robo is not a key"),
             (
                 "format = 1\n[robot]\nwheel_radius_m = 1\n",
                 "robot.toml:2: robot.half_track_m is missing",
@@ -305,15 +325,15 @@ mod tests {
             ),
             (
                 &format!("{ok}wheel_raduis_m = 1\n"),
-                "robot.toml:5: robot.wheel_raduis_m is no key of this table; remove it or spell",
+                "robot.toml:5: robot.wheel_raduis_m is not a key of this table; remove it or write",
             ),
             (
                 &format!("{ok}[encoder]\ncounts_per_rev = 0\n"),
-                "robot.toml:6: encoder.counts_per_rev is no number of counts",
+                "robot.toml:6: encoder.counts_per_rev is not a valid number of counts",
             ),
             (
                 &format!("{ok}[effects]\nwheel_slip = 3\n"),
-                "robot.toml:6: effects.wheel_slip is a integer; give a table",
+                "robot.toml:6: effects.wheel_slip is an integer; give a table",
             ),
             (
                 &format!("{ok}[effects]\npush = [{{ t_s = inf }}]\n"),
