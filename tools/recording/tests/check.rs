@@ -8,7 +8,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{
     Command, Imu, LinkMessage, Links, Pose, Recording, Robot, Stream, Wheels,
 };
-use slipstream_recording::{Severity, check};
+use slipstream_recording::{Report, Severity, check};
 
 const R: f64 = 0.0365;
 const B: f64 = 0.105;
@@ -224,4 +224,31 @@ fn lags_gaps_and_messages_from_the_future_are_found() {
         "1 of 2 messages from r9 arrive before they were sent",
     );
     assert_found("unknown_sender", "r9");
+}
+
+#[test]
+fn the_report_reads_back_from_its_json() {
+    let mut recording = drive();
+    let (right, left) = wheels(&mut recording);
+    std::mem::swap(right, left);
+    // serde_json parses numbers of more than 15 digits only to within rounding, unless its feature
+    // `float_roundtrip` is on: steps of 1/64 s have few digits.
+    let robot = &mut recording.robots[0];
+    let times = [
+        &mut robot.command.as_mut().unwrap().t_s,
+        &mut robot.pose.as_mut().unwrap().t_s,
+        &mut robot.wheels.as_mut().unwrap().t_s,
+        &mut robot.imu.as_mut().unwrap().t_s,
+    ];
+    for t_s in times {
+        for (i, t_s) in t_s.iter_mut().enumerate() {
+            *t_s = i as f64 / 64.0;
+        }
+    }
+    let report = check(&recording, None);
+    assert!(report.findings.iter().any(|f| f.id == "wheels_swapped"));
+    let json = serde_json::to_string(&report).unwrap();
+    let back: Report = serde_json::from_str(&json).unwrap();
+    assert_eq!(back, report);
+    assert_eq!(serde_json::to_string(&back).unwrap(), json);
 }

@@ -1,4 +1,24 @@
 //! `robot.toml`: the nominal model of a robot, read strictly and written readably.
+//!
+//! ```
+//! use slipstream_recording::robot_toml;
+//!
+//! let text = "format = 1
+//! [robot]
+//! wheel_radius_m = 0.0365
+//! half_track_m = 0.105
+//! [encoder]
+//! counts_per_rev = 1856
+//! ";
+//! let model = robot_toml::parse(text, "robot.toml".as_ref())?;
+//! assert_eq!(model.robot.half_track_m, 0.105);
+//! assert_eq!(model.robot.body_mass_kg, None); // unknown: a kinematic model
+//! assert_eq!(robot_toml::to_text(&model), text);
+//!
+//! let error = robot_toml::parse("format = 1\n[robo]\n", "robot.toml".as_ref()).unwrap_err();
+//! assert_eq!(error.line, Some(2));
+//! # Ok::<(), slipstream_recording::Error>(())
+//! ```
 
 use std::fmt::Write as _;
 use std::path::Path;
