@@ -172,35 +172,7 @@ pub fn write(model: &RobotModel, path: &Path) -> Result<()> {
 /// The model as the text of a `robot.toml`. Parsing it gives the same model bit for bit.
 pub fn to_text(model: &RobotModel) -> String {
     let mut text = String::from("format = 1\n[robot]\n");
-    let Body {
-        body_mass_kg,
-        body_yaw_inertia_kg_m2,
-        wheel_mass_kg,
-        wheel_spin_inertia_kg_m2,
-        wheel_yaw_inertia_kg_m2,
-        wheel_radius_m,
-        half_track_m,
-        com_to_axle_m,
-        com_to_caster_m,
-        com_height_m,
-    } = model.robot;
-    let values = [
-        body_mass_kg,
-        body_yaw_inertia_kg_m2,
-        wheel_mass_kg,
-        wheel_spin_inertia_kg_m2,
-        wheel_yaw_inertia_kg_m2,
-        Some(wheel_radius_m),
-        Some(half_track_m),
-        com_to_axle_m,
-        com_to_caster_m,
-        com_height_m,
-    ];
-    for (key, value) in BODY_KEYS.into_iter().zip(values) {
-        if let Some(value) = value {
-            write_line(&mut text, key, &toml_number(value));
-        }
-    }
+    write_body(&mut text, &model.robot);
     if let Some(motor) = &model.motor {
         text.push_str("[motor]\n");
         write_line(
@@ -232,6 +204,39 @@ pub fn to_text(model: &RobotModel) -> String {
         write_effects(&mut text, &model.effects);
     }
     text
+}
+
+/// Writes the known keys of `[robot]`.
+fn write_body(text: &mut String, body: &Body) {
+    let Body {
+        body_mass_kg,
+        body_yaw_inertia_kg_m2,
+        wheel_mass_kg,
+        wheel_spin_inertia_kg_m2,
+        wheel_yaw_inertia_kg_m2,
+        wheel_radius_m,
+        half_track_m,
+        com_to_axle_m,
+        com_to_caster_m,
+        com_height_m,
+    } = *body;
+    let values = [
+        body_mass_kg,
+        body_yaw_inertia_kg_m2,
+        wheel_mass_kg,
+        wheel_spin_inertia_kg_m2,
+        wheel_yaw_inertia_kg_m2,
+        Some(wheel_radius_m),
+        Some(half_track_m),
+        com_to_axle_m,
+        com_to_caster_m,
+        com_height_m,
+    ];
+    for (key, value) in BODY_KEYS.into_iter().zip(values) {
+        if let Some(value) = value {
+            write_line(text, key, &toml_number(value));
+        }
+    }
 }
 
 /// Writes effects in the order of their first occurrence; an effect that occurs several times becomes
