@@ -580,10 +580,10 @@ fn missed_deadlines_are_those_of_the_run() {
 /// Recordings from before the trace had a mark say so in one line.
 #[test]
 fn an_old_trace_is_refused_with_a_remedy() {
-    use slipstream_recording::run_writer::{About, RunWriter};
+    use slipstream_recording::run_writer::{RunHeader, RunWriter};
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.mcap");
-    let mut writer = RunWriter::create(&path, &About::default()).unwrap();
+    let mut writer = RunWriter::create(&path, &RunHeader::default()).unwrap();
     // An inner tick as it used to be: the number of its kind first.
     writer.write_trace(0, &[6, 0, 0, 0, 0]).unwrap();
     writer.finish().unwrap();

@@ -41,13 +41,13 @@ pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, Unusable> 
     let mut warnings = Vec::new();
     for recording in request.recordings {
         for fault in faults(recording, request.model_of) {
-            if REFUSED.contains(&fault.id) {
+            if REFUSED.contains(&&*fault.id) {
                 return Err(refusal(&recording.name, fault));
             }
             warnings.push(Warning {
                 recording: recording.name.clone(),
                 robot: fault.robot,
-                id: fault.id.to_owned(),
+                id: fault.id.into_owned(),
                 statement: fault.statement,
                 remedy: fault.remedy,
             });

@@ -1,10 +1,10 @@
-//! Writing and reading a run beside the `mcap` crate alone with the same messages ready-made.
+//! Throughput of writing and reading a run, compared with the `mcap` crate alone and encoded messages.
 //!
-//! Bytes are those of the messages before compression. `cargo bench -p slipstream-recording`.
+//! Bytes count the messages before compression. `cargo bench -p slipstream-recording`.
 
 #![expect(
     clippy::unwrap_used,
-    reason = "a benchmark may stop at the first surprise"
+    reason = "a benchmark may stop at the first error"
 )]
 
 use std::collections::BTreeMap;
@@ -15,26 +15,26 @@ use divan::Bencher;
 use divan::counter::BytesCount;
 use mcap::records::MessageHeader;
 use slipstream_recording::recording::{Recording, Robot};
-use slipstream_recording::run_writer::{About, RunWriter};
+use slipstream_recording::run_writer::{RunHeader, RunWriter};
 use slipstream_recording::{read_mcap_from, write_mcap_to};
 
-/// Instants of the run; at each, four messages.
-const INSTANTS: i64 = 50_000;
+/// Number of times at which the run writes four messages each.
+const TIME_STEPS: i64 = 50_000;
 
 fn main() {
     divan::main();
 }
 
 fn write_run() -> Vec<u8> {
-    let about = About {
+    let header = RunHeader {
         description: Recording {
             robots: vec![Robot::named("r1")],
             ..Recording::default()
         },
-        ..About::default()
+        ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &about).unwrap();
-    for i in 0..INSTANTS {
+    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &header).unwrap();
+    for i in 0..TIME_STEPS {
         let t_ns = i * 20_000_000;
         let x = (i as f64 * 0.7).sin();
         run.write_torque_command(0, t_ns, [x, -x]).unwrap();
@@ -45,18 +45,18 @@ fn write_run() -> Vec<u8> {
     run.finish().unwrap()
 }
 
-/// A message as the `mcap` crate takes it: channel, time, bytes.
-type Ready = (u16, u64, Vec<u8>);
+/// An encoded message: channel, log time (ns), bytes.
+type Encoded = (u16, u64, Vec<u8>);
 
-/// The run's messages, taken out of a file.
-fn ready_made(file: &[u8]) -> Vec<Ready> {
+/// The encoded messages of a file.
+fn encoded_messages(file: &[u8]) -> Vec<Encoded> {
     let messages = mcap::MessageStream::new(file).unwrap().map(Result::unwrap);
     messages
         .map(|m| (m.channel.id, m.log_time, m.data.into_owned()))
         .collect()
 }
 
-fn size(messages: &[Ready]) -> BytesCount {
+fn size(messages: &[Encoded]) -> BytesCount {
     BytesCount::new(
         messages
             .iter()
@@ -67,13 +67,13 @@ fn size(messages: &[Ready]) -> BytesCount {
 
 #[divan::bench]
 fn write_slipstream(bencher: Bencher<'_, '_>) {
-    let size = size(&ready_made(&write_run()));
+    let size = size(&encoded_messages(&write_run()));
     bencher.counter(size).bench(write_run);
 }
 
 #[divan::bench]
 fn write_mcap_alone(bencher: Bencher<'_, '_>) {
-    let messages = ready_made(&write_run());
+    let messages = encoded_messages(&write_run());
     bencher.counter(size(&messages)).bench(|| {
         let options = mcap::WriteOptions::new()
             .compression(Some(mcap::Compression::Lz4))
@@ -105,7 +105,7 @@ fn write_mcap_alone(bencher: Bencher<'_, '_>) {
 fn read_slipstream(bencher: Bencher<'_, '_>) {
     let file = write_run();
     let path = Path::new("run.mcap");
-    let size = size(&ready_made(&file));
+    let size = size(&encoded_messages(&file));
     bencher
         .counter(size)
         .bench(|| read_mcap_from(&file[..], file.len() as u64, path).unwrap());
@@ -114,7 +114,7 @@ fn read_slipstream(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn read_mcap_alone(bencher: Bencher<'_, '_>) {
     let file = write_run();
-    let size = size(&ready_made(&file));
+    let size = size(&encoded_messages(&file));
     bencher.counter(size).bench(|| {
         let messages = mcap::MessageStream::new(&file).unwrap();
         messages
@@ -123,7 +123,7 @@ fn read_mcap_alone(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// An imported recording in and out again: rows to the digit beside the standard messages.
+/// Writing an imported recording: standard messages, and lossless rows where needed.
 #[divan::bench]
 fn rewrite_slipstream(bencher: Bencher<'_, '_>) {
     let file = write_run();
@@ -131,7 +131,7 @@ fn rewrite_slipstream(bencher: Bencher<'_, '_>) {
     let recording = read_mcap_from(&file[..], file.len() as u64, path)
         .unwrap()
         .recording;
-    let size = size(&ready_made(&file));
+    let size = size(&encoded_messages(&file));
     bencher
         .counter(size)
         .bench(|| write_mcap_to(&recording, Vec::new(), path).unwrap());

@@ -1,4 +1,4 @@
-//! What can go wrong: input that cannot be used, and output that cannot be written.
+//! Errors: input that cannot be used, and output that cannot be written.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,46 +6,45 @@ use std::path::{Path, PathBuf};
 /// Why a recording or a model could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The input is not what it should be: for the user to mend.
+    /// The input is invalid or unreadable; the user has to correct it.
     #[error(transparent)]
     Input(#[from] Unusable),
-    /// The system would not let a file be written.
-    #[error("{}: {source}; check the place and the space left there", path.display())]
+    /// The operating system did not write a file or folder.
+    #[error("{}: {source}; check the path and the free space", path.display())]
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The MCAP library would not write.
-    #[error("{}: {message}; check the place and the space left there", path.display())]
+    /// The MCAP library failed to write.
+    #[error("{}: {message}; check the path and the free space", path.display())]
     WriteMcap {
         /// The file.
         path: PathBuf,
-        /// What the library said.
+        /// The error of the library.
         message: String,
     },
 }
 
-/// A result of this room.
+/// Result of reading or writing a recording or a model.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Input that cannot be used, in one line: file, line where there is one, what is wrong, what to
-/// do about it.
+/// Invalid or unreadable input. Prints as one line: file, line number if known, problem, remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub struct Unusable {
     /// The file or folder.
     pub path: PathBuf,
-    /// The line, counted from 1, in a text file.
+    /// The line of a text file, counted from 1.
     pub line: Option<u64>,
     /// What is wrong.
     pub problem: String,
-    /// What to do about it.
+    /// How to correct it.
     pub remedy: String,
 }
 
 impl Unusable {
-    /// An error about a whole file.
+    /// An error about a file as a whole.
     pub fn new(path: &Path, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             path: path.to_owned(),
@@ -62,9 +61,13 @@ impl Unusable {
         self
     }
 
-    /// A file that the system would not let be read.
+    /// An error about a file that the operating system did not read.
     pub fn unreadable(path: &Path, source: &std::io::Error) -> Self {
-        Self::new(path, source.to_string(), "check the name and its rights")
+        Self::new(
+            path,
+            source.to_string(),
+            "check the path and its permissions",
+        )
     }
 }
 
@@ -74,7 +77,7 @@ impl fmt::Display for Unusable {
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        // What a file says may hold anything: an error is one line all the same.
+        // The problem may quote the file, which may hold control characters; an error is one line.
         let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
         write!(
             f,
@@ -85,8 +88,8 @@ impl fmt::Display for Unusable {
     }
 }
 
-/// Maps a failure of the system to a failure to write `path`.
-pub(crate) fn writing(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+/// Converts an I/O error into [`Error::Write`] for `path`.
+pub(crate) fn write_error(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
     let path = path.to_owned();
     move |source| Error::Write { path, source }
 }

@@ -1,41 +1,85 @@
-//! Recordings: one in-memory form, in and out as MCAP and as CSV folders; the robot's model.
+//! Recordings of differential-drive robots: one in-memory form, read from and written to folders of CSV
+//! files and MCAP files (ROS 2 bags).
+//!
+//! [`read`] reads any form into a [`Recording`]; [`write_folder`] and [`write_mcap`] write it.
+//! [`check()`](check()) finds errors of a recording, [`compare()`](compare()) puts it next to a simulation, [`run_writer`]
+//! records a run while it happens, and [`robot_toml`] reads and writes robot models.
+//!
+//! A folder of CSV files, read, examined and written as MCAP:
+//!
+//! ```
+//! use slipstream_recording::recording::Wheels;
+//! use slipstream_recording::{Severity, check, read, write_mcap};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let folder = tempfile::tempdir()?;
+//! std::fs::create_dir(folder.path().join("r1"))?;
+//! std::fs::write(folder.path().join("recording.toml"), "format = 1\n[robots.r1]\n")?;
+//! std::fs::write(
+//!     folder.path().join("r1/wheels.csv"),
+//!     "t_s,angle_right_rad,angle_left_rad\n0.00,1.5,0\n0.02,1.6,\n",
+//! )?;
+//!
+//! let import = read(folder.path())?;
+//! assert!(import.warnings.is_empty());
+//! let robot = import.recording.robot("r1").ok_or("no robot r1")?;
+//! let wheels = robot.wheels.as_ref().ok_or("no wheels")?;
+//! assert_eq!(wheels.t_s, [0.0, 0.02]);
+//! let Wheels::Angle { right_rad, left_rad } = &wheels.values else {
+//!     return Err("not recorded as angles".into());
+//! };
+//! assert_eq!(right_rad, &[1.5, 1.6]);
+//! assert!(left_rad[1].is_nan()); // an empty cell
+//!
+//! let report = check(&import.recording, None);
+//! assert!(report.findings.iter().all(|finding| finding.severity != Severity::Error));
+//!
+//! let file = folder.path().join("run.mcap");
+//! write_mcap(&import.recording, &file)?;
+//! let wheels = read(&file)?.recording.robots.remove(0).wheels;
+//! assert_eq!(wheels.ok_or("no wheels")?.t_s, [0.0, 0.02]);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Errors
+//!
+//! Reading and writing fail with [`Error`]. [`Error::Input`] is about a file of the user and names file,
+//! line, problem and remedy ([`Unusable`]); [`Error::Write`] and [`Error::WriteMcap`] are about output.
+//! Damage of an MCAP file is not an error: everything intact is read, and [`Import::loss`] counts the
+//! rest.
+//!
+//! # Units
+//!
+//! SI units and radians; the unit is in the name of a field (`t_s`, `wheel_radius_m`). x points forward, y
+//! to the left, yaw is counter-clockwise. Pairs are [right, left].
 
 mod bag;
-mod build;
 mod check;
 mod compare;
-mod csv_file;
-mod csv_in;
-mod csv_out;
+mod csv_folder;
+mod decode;
 mod error;
-mod foreign;
-mod mcap_in;
-mod mcap_out;
+mod foreign_bag;
+mod import;
+mod mcap_file;
 mod open;
 pub mod recording;
-mod recording_toml;
-pub mod robot_toml;
 mod ros2;
 pub mod run_writer;
-mod sample;
-mod standard;
 mod table;
-mod time;
-mod toml_file;
-mod topic_map;
+mod toml_files;
 mod topics;
-mod trace_in;
 
-pub use bag::reader::Loss;
+pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults};
 pub use compare::{Channel, CompareError, compare};
-pub use csv_in::{Import, read_folder};
-pub use csv_out::write_folder;
+pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result, Unusable};
-pub use mcap_in::read_mcap_from;
-pub use mcap_out::{write_mcap, write_mcap_to};
+pub use foreign_bag::TopicMap;
+pub use import::Import;
+pub use mcap_file::{TraceFile, read_mcap_from, read_trace, write_mcap, write_mcap_to};
 pub use open::{read, read_mapped};
 pub use recording::Recording;
 pub use table::StreamKind;
-pub use topic_map::TopicMap;
-pub use trace_in::{TraceFile, read_trace};
+pub use toml_files::robot_toml;

@@ -1,35 +1,32 @@
-//! Any recording, whatever form it has.
+//! Reads a recording of any supported form.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use crate::csv_in::{Import, read_folder};
+use crate::bag::open_file;
+use crate::csv_folder::read_folder;
 use crate::error::{Result, Unusable};
-use crate::foreign::read_foreign;
-use crate::mcap_in::read_own;
-use crate::topic_map::TopicMap;
+use crate::foreign_bag::{TopicMap, read_foreign};
+use crate::import::Import;
+use crate::mcap_file::read_own;
 
-/// How much of a file is read at a time (bytes).
-pub(crate) const BUFFER: usize = 1 << 18;
-
-/// Reads a recording: a folder of CSV files, an MCAP file of ours, or another robot's ROS 2 bag,
-/// whose topics are guessed (the guess is in the warnings).
+/// Reads a recording: a folder of CSV files, an MCAP file that slipstream wrote, or a ROS 2 bag of
+/// another robot (a file, or a folder with one MCAP file). The topics of a foreign bag are guessed;
+/// the guess is in the warnings.
 ///
 /// # Errors
-/// When it is none of these, or something in it is unusable.
+/// If it is none of these, cannot be read, or violates its format.
 pub fn read(path: &Path) -> Result<Import> {
     read_mapped(path, None)
 }
 
-/// As [`read`]. With a map, an MCAP file is read as another robot's bag by this map.
+/// As [`read`]. With a map, an MCAP file is read as a bag of another robot according to the map.
 ///
 /// # Errors
-/// As [`read`]; and when the bag does not have a topic of the map.
+/// As [`read`], or if a topic of the map does not exist or cannot provide its stream.
 pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     let metadata = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
     if metadata.is_dir() {
-        return match bag_inside(path)? {
+        return match bag_in_folder(path)? {
             Some(bag) => read_mapped(&bag, map),
             None => read_folder(path),
         };
@@ -37,17 +34,16 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
     if map.is_some() {
         return read_foreign(path, map);
     }
-    let file = File::open(path).map_err(|e| Unusable::unreadable(path, &e))?;
-    let source = BufReader::with_capacity(BUFFER, file);
-    match read_own(source, metadata.len(), path)? {
+    let (source, size) = open_file(path)?;
+    match read_own(source, size, path)? {
         Some(import) => Ok(import),
         None => read_foreign(path, None),
     }
 }
 
-/// The one MCAP file of a folder without `recording.toml`, as ROS 2 leaves it beside its
-/// `metadata.yaml`.
-fn bag_inside(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable> {
+/// The only MCAP file of a folder without `recording.toml`; ROS 2 stores a bag as such a folder,
+/// with a `metadata.yaml`. `None` for a folder of CSV files.
+fn bag_in_folder(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable> {
     if folder.join("recording.toml").exists() {
         return Ok(None);
     }
@@ -65,13 +61,13 @@ fn bag_inside(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable> {
     match bags.len() {
         1 => Ok(bags.pop()),
         0 => {
-            let problem = "holds neither recording.toml nor an MCAP file";
+            let problem = "contains neither recording.toml nor an MCAP file";
             let remedy = "give a folder of CSV files with recording.toml, or an MCAP file";
             Err(Unusable::new(folder, problem, remedy))
         }
-        many => {
-            let problem = format!("holds {many} MCAP files");
-            Err(Unusable::new(folder, problem, "name one of them"))
+        count => {
+            let problem = format!("contains {count} MCAP files");
+            Err(Unusable::new(folder, problem, "give one of them"))
         }
     }
 }

@@ -1,51 +1,55 @@
-//! The topics of our files, and what their channels' metadata say.
+//! Topics and channel metadata of the MCAP files that slipstream writes.
 
 use std::collections::BTreeMap;
 
 use crate::table::StreamKind;
 
-/// Name of the metadata record that says what the file is.
-pub(crate) const ABOUT: &str = "slipstream";
-/// Name of the attached description.
+/// Name of the metadata record that identifies a file written by slipstream.
+pub(crate) const FILE_METADATA: &str = "slipstream";
+/// Name of the attached description of the recording.
 pub(crate) const DESCRIPTION: &str = "recording.toml";
 /// Name of the attached nominal model.
 pub(crate) const MODEL: &str = "robot.toml";
-/// Topic of the messages between robots.
+/// Topic of the position messages between robots.
 pub(crate) const LINKS: &str = "/links";
 /// Topic of measured round trips.
-pub(crate) const RTT: &str = "/rtt";
-/// Topic of the steps of positions' ways.
+pub(crate) const ROUND_TRIPS: &str = "/rtt";
+/// Topic of trace records.
 pub(crate) const TRACE: &str = "/trace";
+/// Topic of events in words.
+pub(crate) const EVENTS: &str = "/events";
 /// Topic of true poses, for viewers.
 pub(crate) const TF: &str = "/tf";
-/// The frame that poses are in.
-pub(crate) const WORLD: &str = "world";
+
+/// Name of the stream of position messages in channel metadata.
+pub(crate) const LINK_STREAM: &str = "links";
+/// Name of the stream of round trips in channel metadata.
+pub(crate) const ROUND_TRIP_STREAM: &str = "rtt";
 
 /// Metadata key: the stream that slipstream reads from this channel, such as `r1/pose`.
-const STREAM: &str = "stream";
-/// Metadata key: the stream's columns as in the head of its CSV file, without the time.
-const COLUMNS: &str = "columns";
-/// Metadata key: columns that the format does not know, one a line.
-const UNKNOWN: &str = "unknown_columns";
+const STREAM_KEY: &str = "stream";
+/// Metadata key: the columns of the stream, as in the header of its CSV file without the time.
+const COLUMNS_KEY: &str = "columns";
+/// Metadata key: columns that the format does not define, one per line.
+const UNKNOWN_KEY: &str = "unknown_columns";
+/// Metadata key: the stream that this channel shows to other programs. Slipstream reads the stream
+/// from another channel.
+const VIEW_KEY: &str = "view_of";
 
-/// Metadata key: the stream that this channel shows to other programs; slipstream reads it
-/// elsewhere.
-const VIEW: &str = "view_of";
-
-/// What a channel carries for slipstream. A channel without it is for other programs.
+/// The stream that slipstream reads from a channel. Channels without it are for other programs.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Carries {
-    /// `ROBOT/KIND`, `links` or `rtt`.
+pub(crate) struct StreamMetadata {
+    /// `ROBOT/KIND`, [`LINK_STREAM`] or [`ROUND_TRIP_STREAM`].
     pub(crate) stream: String,
-    /// Known columns.
+    /// Columns that the format defines.
     pub(crate) columns: Vec<String>,
-    /// Unknown columns.
+    /// Columns that the format does not define.
     pub(crate) unknown: Vec<String>,
 }
 
-impl Carries {
-    /// The stream of a robot with these columns, joined by commas.
-    pub(crate) fn robot(robot: &str, kind: StreamKind, columns: &str) -> Self {
+impl StreamMetadata {
+    /// A robot's stream with these columns, separated by commas.
+    pub(crate) fn of_robot(robot: &str, kind: StreamKind, columns: &str) -> Self {
         Self {
             stream: format!("{robot}/{}", kind.name()),
             columns: columns.split(',').map(str::to_owned).collect(),
@@ -53,25 +57,25 @@ impl Carries {
         }
     }
 
-    /// As a channel's metadata.
-    pub(crate) fn metadata(&self) -> BTreeMap<String, String> {
+    /// The channel metadata of the channel that holds this stream.
+    pub(crate) fn to_map(&self) -> BTreeMap<String, String> {
         let mut metadata = BTreeMap::from([
-            (STREAM.to_owned(), self.stream.clone()),
-            (COLUMNS.to_owned(), self.columns.join(",")),
+            (STREAM_KEY.to_owned(), self.stream.clone()),
+            (COLUMNS_KEY.to_owned(), self.columns.join(",")),
         ]);
         if !self.unknown.is_empty() {
-            metadata.insert(UNKNOWN.to_owned(), self.unknown.join("\n"));
+            metadata.insert(UNKNOWN_KEY.to_owned(), self.unknown.join("\n"));
         }
         metadata
     }
 
-    /// The metadata of a channel that only shows the same stream to other programs.
-    pub(crate) fn view_metadata(&self) -> BTreeMap<String, String> {
-        BTreeMap::from([(VIEW.to_owned(), self.stream.clone())])
+    /// The channel metadata of a channel that only shows this stream to other programs.
+    pub(crate) fn to_view_map(&self) -> BTreeMap<String, String> {
+        BTreeMap::from([(VIEW_KEY.to_owned(), self.stream.clone())])
     }
 
-    /// From a channel's metadata, if it carries anything.
-    pub(crate) fn from_metadata(metadata: &BTreeMap<String, String>) -> Option<Self> {
+    /// Reads channel metadata; `None` if the channel holds no stream.
+    pub(crate) fn from_map(metadata: &BTreeMap<String, String>) -> Option<Self> {
         let list = |key: &str, separator: char| -> Vec<String> {
             metadata
                 .get(key)
@@ -80,19 +84,19 @@ impl Carries {
                 .unwrap_or_default()
         };
         Some(Self {
-            stream: metadata.get(STREAM)?.clone(),
-            columns: list(COLUMNS, ','),
-            unknown: list(UNKNOWN, '\n'),
+            stream: metadata.get(STREAM_KEY)?.clone(),
+            columns: list(COLUMNS_KEY, ','),
+            unknown: list(UNKNOWN_KEY, '\n'),
         })
     }
 }
 
-/// Whether a channel only shows what another one carries.
+/// Whether a channel only shows a stream that another channel holds.
 pub(crate) fn is_view(metadata: &BTreeMap<String, String>) -> bool {
-    metadata.contains_key(VIEW)
+    metadata.contains_key(VIEW_KEY)
 }
 
-/// The topic of a robot's stream: `/r1/pose`.
-pub(crate) fn topic(robot: &str, name: &str) -> String {
+/// The topic of a robot's stream, such as `/r1/pose`.
+pub(crate) fn robot_topic(robot: &str, name: &str) -> String {
     format!("/{robot}/{name}")
 }

@@ -1,4 +1,4 @@
-//! Any recording, however odd its numbers, is the same to the bit after a trip through MCAP.
+//! Property test: a random recording is bit-identical after a round trip through MCAP.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use slipstream_recording::recording::{Pose, Recording, Robot, Stream, UnknownColumn, Wheels};
 use slipstream_recording::{read_mcap_from, write_mcap_to};
 
-/// A number of a cell: anything finite, or NaN for an empty one.
+/// The number in a cell: any finite number, or NaN for an empty cell.
 fn cell() -> impl Strategy<Value = f64> {
     let plain = -10.0..10.0;
     prop_oneof![
@@ -17,7 +17,7 @@ fn cell() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Times that never decrease: round ones as people write them, or anything finite.
+/// Times that never decrease: decimal milliseconds, or any finite numbers.
 fn times(rows: usize) -> impl Strategy<Value = Vec<f64>> {
     let round = (0..1_000_000_i32).prop_map(|ms| f64::from(ms) / 1000.0);
     let odd = any::<f64>().prop_filter("finite", |x| x.is_finite());
@@ -66,12 +66,12 @@ fn recording() -> impl Strategy<Value = Recording> {
 
 proptest! {
     #[test]
-    fn mcap_keeps_every_bit(recording in recording()) {
+    fn mcap_round_trip_is_bit_identical(recording in recording()) {
         let path = Path::new("any.mcap");
         let bytes = write_mcap_to(&recording, Vec::new(), path).unwrap();
         let back = read_mcap_from(&bytes[..], bytes.len() as u64, path).unwrap();
         prop_assert_eq!(&back.warnings, &Vec::<String>::new());
-        // `Debug` writes the shortest digits of a number, the sign of zero, and NaN.
+        // `Debug` distinguishes all numbers, the sign of zero, and NaN.
         let text = |recording: &Recording| format!("{:?}", recording.robots);
         prop_assert_eq!(text(&back.recording), text(&recording));
     }

@@ -1,4 +1,4 @@
-//! `check` on a drive whose truth is known, spoiled in one way after the other.
+//! `check` on a synthetic drive without faults, and with one fault at a time.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -8,7 +8,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{
     Command, Imu, LinkMessage, Links, Pose, Recording, Robot, Stream, Wheels,
 };
-use slipstream_recording::{Severity, check};
+use slipstream_recording::{Report, Severity, check};
 
 const R: f64 = 0.0365;
 const B: f64 = 0.105;
@@ -21,7 +21,7 @@ fn stream<V>(t_s: Vec<f64>, values: V) -> Stream<V> {
     }
 }
 
-/// 40 s of forward driving in bends, seen by everything.
+/// 40 s of forward driving along curves, recorded by all sensors.
 fn drive() -> Recording {
     let step = 0.02;
     let (mut x, mut y, mut yaw, mut right, mut left) = (0.0, 0.0, 0.0_f64, 0.0, 0.0);
@@ -99,9 +99,9 @@ fn a_clean_drive_has_no_findings() {
 }
 
 #[test]
-fn each_way_to_spoil_it_is_found_by_its_name() {
-    type Spoil = fn(&mut Recording);
-    let cases: [(&str, &str, Spoil); 10] = [
+fn each_fault_is_found_under_its_id() {
+    type Fault = fn(&mut Recording);
+    let cases: [(&str, &str, Fault); 10] = [
         ("units", "yaw is in degrees", |r| {
             scale(
                 pose(r).values.yaw_rad.as_mut().unwrap(),
@@ -151,9 +151,9 @@ fn each_way_to_spoil_it_is_found_by_its_name() {
             pose(r).t_s.iter_mut().for_each(|t_s| *t_s += 1.7e9);
         }),
     ];
-    for (id, words, spoil) in cases {
+    for (id, words, add_fault) in cases {
         let mut recording = drive();
-        spoil(&mut recording);
+        add_fault(&mut recording);
         let report = check(&recording, None);
         let found = report
             .findings
@@ -161,12 +161,12 @@ fn each_way_to_spoil_it_is_found_by_its_name() {
             .find(|f| f.id == id && f.statement.contains(words));
         let found = found.unwrap_or_else(|| panic!("{words}: {report}"));
         assert_eq!(found.severity, Severity::Error);
-        // Nothing of another kind is blamed but what follows from the same spoiling.
+        // Findings of other kinds follow from the same fault.
         let others = report
             .findings
             .iter()
             .filter(|f| f.id != id && f.severity == Severity::Error);
-        let others: Vec<&str> = others.map(|f| f.id).collect();
+        let others: Vec<&str> = others.map(|f| &*f.id).collect();
         assert!(
             others.iter().all(|id| *id == "opposite_signs"),
             "{words}: {others:?}"
@@ -175,7 +175,7 @@ fn each_way_to_spoil_it_is_found_by_its_name() {
 }
 
 #[test]
-fn late_poses_gaps_and_messages_from_the_future_are_told() {
+fn lags_gaps_and_messages_from_the_future_are_found() {
     let mut recording = drive();
     pose(&mut recording)
         .t_s
@@ -200,7 +200,7 @@ fn late_poses_gaps_and_messages_from_the_future_are_told() {
         ..Links::default()
     });
     let report = check(&recording, None);
-    let has = |id: &str, words: &str| {
+    let assert_found = |id: &str, words: &str| {
         let found = report
             .findings
             .iter()
@@ -217,11 +217,38 @@ fn late_poses_gaps_and_messages_from_the_future_are_told() {
         found.iter().any(|f| f.remedy.contains("milliseconds")),
         "{found:?}"
     );
-    has("lag", "the pose is about 0.15 s behind the wheels");
-    has("gaps", "command pauses 1 times, 2.02 s in all");
-    has(
+    assert_found("lag", "the pose is about 0.15 s behind the wheels");
+    assert_found("gaps", "command pauses 1 times, 2.02 s in all");
+    assert_found(
         "negative_latency",
         "1 of 2 messages from r9 arrive before they were sent",
     );
-    has("unknown_sender", "r9");
+    assert_found("unknown_sender", "r9");
+}
+
+#[test]
+fn the_report_reads_back_from_its_json() {
+    let mut recording = drive();
+    let (right, left) = wheels(&mut recording);
+    std::mem::swap(right, left);
+    // serde_json parses numbers of more than 15 digits only to within rounding, unless its feature
+    // `float_roundtrip` is on: steps of 1/64 s have few digits.
+    let robot = &mut recording.robots[0];
+    let times = [
+        &mut robot.command.as_mut().unwrap().t_s,
+        &mut robot.pose.as_mut().unwrap().t_s,
+        &mut robot.wheels.as_mut().unwrap().t_s,
+        &mut robot.imu.as_mut().unwrap().t_s,
+    ];
+    for t_s in times {
+        for (i, t_s) in t_s.iter_mut().enumerate() {
+            *t_s = i as f64 / 64.0;
+        }
+    }
+    let report = check(&recording, None);
+    assert!(report.findings.iter().any(|f| f.id == "wheels_swapped"));
+    let json = serde_json::to_string(&report).unwrap();
+    let back: Report = serde_json::from_str(&json).unwrap();
+    assert_eq!(back, report);
+    assert_eq!(serde_json::to_string(&back).unwrap(), json);
 }

@@ -1,11 +1,11 @@
-//! `compare` on recordings that the plant itself made: the same model gives the same motion.
+//! `compare` on recordings of the simulated plant: the same model gives the same motion.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{Command, Pose, Recording, Robot, Stream, Wheels};
 use slipstream_recording::{CompareError, compare};
-use slipstream_sim::{Command as Told, Robot as Plant};
+use slipstream_sim::{Command as PlantCommand, Robot as Plant};
 
 fn stream<V>(t_s: &[f64], values: V) -> Stream<V> {
     Stream {
@@ -15,7 +15,7 @@ fn stream<V>(t_s: &[f64], values: V) -> Stream<V> {
     }
 }
 
-/// Ten seconds of torques, from a place that is not the origin.
+/// Ten seconds of torque commands, starting away from the origin.
 fn drive(model: &RobotModel) -> Recording {
     let plant = Plant::new(model).unwrap();
     let mut state = plant.start([1.0, -2.0, 0.5]);
@@ -39,7 +39,7 @@ fn drive(model: &RobotModel) -> Recording {
             column.push(value);
         }
         for k in 0..20 {
-            let command = Told::Torque {
+            let command = PlantCommand::Torque {
                 right_nm: torque[0],
                 left_nm: torque[1],
             };
@@ -74,7 +74,7 @@ fn drive(model: &RobotModel) -> Recording {
 }
 
 #[test]
-fn the_same_model_moves_as_recorded_and_another_does_not() {
+fn the_same_model_reproduces_the_recording_and_another_does_not() {
     let model = RobotModel::paper_with_slip();
     let recording = drive(&model);
     let channels = compare(&recording, |_| Some(model.clone())).unwrap();
@@ -87,7 +87,7 @@ fn the_same_model_moves_as_recorded_and_another_does_not() {
         ["pose x", "pose y", "pose yaw", "wheel right", "wheel left"]
     );
     for channel in &channels {
-        // What is left is the straight line between samples 5 ms apart, under 0.1 mm here.
+        // The rest is the error of interpolating between samples 5 ms apart, here below 0.1 mm.
         let rms = channel.rms_difference().unwrap();
         assert!(rms < 1e-4, "{}: {rms}", channel.name);
     }
@@ -112,7 +112,7 @@ fn without_commands_the_wheels_drive_the_simulation() {
 }
 
 #[test]
-fn what_cannot_be_simulated_is_said() {
+fn what_cannot_be_simulated_is_an_error() {
     let model = RobotModel::default();
     let mut recording = drive(&model);
     let error = compare(&recording, |_| None).unwrap_err();

@@ -1,5 +1,5 @@
-//! Files that broke: cut off, flipped, empty, of another kind. What is whole is read, what was lost
-//! is counted, nothing panics.
+//! Damaged files: truncated, with flipped bits, empty, of another format. Everything intact is read,
+//! losses are counted, and nothing panics.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use slipstream_recording::recording::{Odometry, Recording, Robot, Stream, Wheels};
-use slipstream_recording::run_writer::{About, RunWriter};
+use slipstream_recording::run_writer::{RunHeader, RunWriter};
 use slipstream_recording::{Import, read_mcap_from, write_mcap_to};
 
-/// Rows of the test recording: enough for several chunks, few enough to try every byte.
+/// Rows of the test recording, enough for several chunks.
 const ROWS: usize = 30_000;
 
 fn recording(rows: usize) -> Recording {
@@ -40,7 +40,7 @@ fn read(bytes: &[u8]) -> Result<Import, String> {
     read_mcap_from(bytes, bytes.len() as u64, Path::new("damage.mcap")).map_err(|e| e.to_string())
 }
 
-/// The rows that were recovered are the first ones, unchanged.
+/// Asserts that the recovered rows are the first ones, unchanged. Returns their number.
 fn assert_prefix(import: &Import) -> usize {
     let Some(robot) = import.recording.robots.first() else {
         return 0;
@@ -50,7 +50,7 @@ fn assert_prefix(import: &Import) -> usize {
     };
     let whole = recording(stream.len());
     let whole = whole.robots[0].odometry.as_ref().unwrap();
-    // A time in seconds goes through whole nanoseconds where the stream has no rows of its own.
+    // Without lossless rows, a time is rounded to whole nanoseconds.
     for (a, b) in stream.t_s.iter().zip(&whole.t_s) {
         assert!((a - b).abs() < 1e-9);
     }
@@ -59,8 +59,8 @@ fn assert_prefix(import: &Import) -> usize {
     stream.len()
 }
 
-/// The speeds that were read.
-fn rows_of(import: &Import) -> Vec<f64> {
+/// The forward speeds that were read.
+fn speeds_of(import: &Import) -> Vec<f64> {
     let streams = import
         .recording
         .robots
@@ -71,7 +71,7 @@ fn rows_of(import: &Import) -> Vec<f64> {
         .collect()
 }
 
-/// Where each top-level record of the file begins, with its opcode.
+/// Offset and opcode of each top-level record of the file.
 fn records(bytes: &[u8]) -> Vec<(usize, u8)> {
     let mut at = 8;
     let mut found = Vec::new();
@@ -87,7 +87,7 @@ const CHUNK: u8 = 0x06;
 const DATA_END: u8 = 0x0f;
 
 #[test]
-fn cut_off_in_the_last_of_large_chunks_the_rows_before_it_are_read() {
+fn a_file_truncated_in_its_last_chunk_keeps_the_rows_before_it() {
     let bytes = as_mcap(&recording(ROWS));
     let records = records(&bytes);
     let chunks: Vec<usize> = records
@@ -101,7 +101,7 @@ fn cut_off_in_the_last_of_large_chunks_the_rows_before_it_are_read() {
     let before = assert_prefix(&read(&bytes[..last]).unwrap());
     assert!(0 < before && before < ROWS);
     let whole_last = records.iter().find(|r| r.0 > last).unwrap().0;
-    // Each file of this size takes milliseconds: every byte is tried on small chunks below.
+    // Reading a file of this size takes milliseconds; the test below tries every byte of a small one.
     let near = |cut: &usize, border: usize| cut.abs_diff(border) < 20;
     let cuts = (last..bytes.len()).filter(|cut| {
         cut % 10_007 == 0 || near(cut, last) || near(cut, whole_last) || near(cut, data_end)
@@ -119,18 +119,21 @@ fn cut_off_in_the_last_of_large_chunks_the_rows_before_it_are_read() {
         if cut < whole_last {
             assert_eq!(loss.bytes_at_end as usize, cut - last, "cut at {cut}");
         }
-        assert!(loss.any() || cut == bytes.len(), "cut at {cut} goes unseen");
+        assert!(
+            loss.any() || cut == bytes.len(),
+            "cut at {cut} is not detected"
+        );
         assert!(!import.warnings.is_empty());
     }
 }
 
 /// A run of 50 rows in five chunks.
 fn small_chunks() -> Vec<u8> {
-    let about = About {
+    let header = RunHeader {
         description: recording(0),
-        ..About::default()
+        ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &about).unwrap();
+    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &header).unwrap();
     let whole = recording(50);
     let odometry = whole.robots[0].odometry.as_ref().unwrap();
     for i in 0..50 {
@@ -146,7 +149,7 @@ fn small_chunks() -> Vec<u8> {
 }
 
 #[test]
-fn cut_at_every_byte_all_whole_chunks_are_read() {
+fn a_file_truncated_at_any_byte_keeps_its_complete_chunks() {
     let bytes = small_chunks();
     let chunks: Vec<usize> = {
         let records = records(&bytes);
@@ -162,7 +165,7 @@ fn cut_at_every_byte_all_whole_chunks_are_read() {
                 assert_eq!(assert_prefix(&import), 10 * whole_chunks, "cut at {cut}");
                 let loss = import.loss.unwrap();
                 assert_eq!(loss.messages_read as usize, 10 * whole_chunks);
-                assert!(loss.any(), "cut at {cut} goes unseen");
+                assert!(loss.any(), "cut at {cut} is not detected");
             }
             Err(error) => {
                 assert_eq!(whole_chunks, 0, "cut at {cut}: {error}");
@@ -173,7 +176,7 @@ fn cut_at_every_byte_all_whole_chunks_are_read() {
 }
 
 #[test]
-fn with_any_byte_flipped_no_wrong_row_is_read() {
+fn no_wrong_row_is_read_whatever_bits_flip() {
     let bytes = small_chunks();
     let mut rows_read = 0;
     for at in 0..bytes.len() {
@@ -181,8 +184,8 @@ fn with_any_byte_flipped_no_wrong_row_is_read() {
         for flip in [0x01, 0x80, 0xff] {
             bytes[at] ^= flip;
             if let Ok(import) = read(&bytes) {
-                // A flipped time of a chunk's index and the like changes nothing that is read.
-                let rows = rows_of(&import);
+                // Some bits, such as those of an index, do not affect the rows.
+                let rows = speeds_of(&import);
                 let whole = recording(50);
                 let whole = whole.robots[0].odometry.as_ref().unwrap();
                 let known = |v: &f64| whole.values.v_m_s.contains(v);
@@ -196,7 +199,7 @@ fn with_any_byte_flipped_no_wrong_row_is_read() {
 }
 
 #[test]
-fn a_damaged_chunk_is_left_out_and_its_messages_are_counted() {
+fn a_damaged_chunk_is_skipped_and_its_messages_are_counted() {
     let mut bytes = as_mcap(&recording(ROWS));
     let records = records(&bytes);
     let chunks: Vec<usize> = records
@@ -223,17 +226,17 @@ fn a_damaged_chunk_is_left_out_and_its_messages_are_counted() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused_in_one_line() {
+fn a_file_of_another_format_is_an_error_in_one_line() {
     let cases: [(&[u8], &str); 4] = [
         (
             b"",
             "damage.mcap: the file is empty; give an MCAP file or a folder with recording.toml",
         ),
-        (b"t_s,x_m\n0,1\n", "damage.mcap: is no MCAP file"),
-        (b"\x89MCAP", "damage.mcap: is no whole MCAP file"),
+        (b"t_s,x_m\n0,1\n", "damage.mcap: is not an MCAP file"),
+        (b"\x89MCAP", "damage.mcap: is not a complete MCAP file"),
         (
             b"\x89MCAP0\r\n\x06\xff\xff\xff\xff\xff\xff\xff\x7f",
-            "damage.mcap: is no whole MCAP file",
+            "damage.mcap: is not a complete MCAP file",
         ),
     ];
     for (bytes, message) in cases {
@@ -243,7 +246,7 @@ fn what_is_no_recording_is_refused_in_one_line() {
     }
 }
 
-/// A place to write to that can be looked at while it is written.
+/// A sink whose content can be read while it is written.
 #[derive(Clone, Default)]
 struct Shared(Arc<Mutex<Vec<u8>>>);
 
@@ -260,22 +263,22 @@ impl Write for Shared {
 #[test]
 fn a_killed_recorder_leaves_everything_up_to_its_last_flush() {
     let sink = Shared::default();
-    let about = About {
+    let header = RunHeader {
         description: Recording {
             robots: vec![Robot::named("r1")],
             ..Recording::default()
         },
-        ..About::default()
+        ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(sink.clone(), Path::new("run.mcap"), &about).unwrap();
+    let mut run = RunWriter::to_sink(sink.clone(), Path::new("run.mcap"), &header).unwrap();
     for i in 0..100 {
         run.write_encoders(0, i * 20_000_000, [i, -i]).unwrap();
         if i == 59 {
             run.flush().unwrap();
         }
     }
-    let left = sink.0.lock().unwrap().clone();
-    let import = read(&left).unwrap();
+    let written = sink.0.lock().unwrap().clone();
+    let import = read(&written).unwrap();
     let wheels = import.recording.robots[0].wheels.as_ref().unwrap();
     let Wheels::Ticks { right, left } = &wheels.values else {
         panic!("no ticks");

@@ -1,7 +1,7 @@
-//! Programs not written here open our files: the Python packages `mcap`, `mcap-ros2-support` and
-//! `rosbags`, installed by this test into an environment of its own.
+//! Other programs read our files: the Python packages `mcap`, `mcap-ros2-support` and `rosbags`, which
+//! this test installs into its own environment.
 //!
-//! Without Python the test says that it was skipped; on a build server (`CI` set) it fails.
+//! Without Python the tests are skipped with a message; if `CI` is set, they fail.
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
@@ -15,18 +15,18 @@ use serde_json::{Value, json};
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{Pose, Recording, Robot, Stream};
 use slipstream_recording::run_writer::{
-    About, Attachment, Fate, PositionRecord, RunWriter, WheelContact,
+    Attachment, Fate, PositionRecord, RunHeader, RunWriter, WheelContact,
 };
 
-/// What the foreign programs see in the file; `None` where they cannot be had.
-fn read_by_others(file: &Path) -> Option<Value> {
+/// The content of the file according to the Python packages; `None` if they are not available.
+fn read_with_python(file: &Path) -> Option<Value> {
     let printed = python::script("read_bag.py", file)?;
     Some(serde_json::from_str(&printed).unwrap())
 }
 
 /// The only message of a topic.
-fn message<'a>(seen: &'a Value, topic: &str) -> &'a Value {
-    let messages = seen["mcap"]["messages"].as_array().unwrap();
+fn message<'a>(content: &'a Value, topic: &str) -> &'a Value {
+    let messages = content["mcap"]["messages"].as_array().unwrap();
     let mut of_topic = messages.iter().filter(|m| m["topic"] == topic);
     let found = of_topic
         .next()
@@ -35,8 +35,8 @@ fn message<'a>(seen: &'a Value, topic: &str) -> &'a Value {
     found
 }
 
-fn about() -> About {
-    About {
+fn run_header() -> RunHeader {
+    RunHeader {
         description: Recording {
             name: "a run".to_owned(),
             robots: vec![Robot::named("r1"), Robot::named("r2")],
@@ -55,7 +55,7 @@ fn about() -> About {
 /// One message of each kind, all at 1.25 s.
 fn write_run(file: &Path) {
     let t_ns = 1_250_000_000;
-    let mut run = RunWriter::create(file, &about()).unwrap();
+    let mut run = RunWriter::create(file, &run_header()).unwrap();
     run.write_torque_command(0, t_ns, [0.125, -0.5]).unwrap();
     run.write_encoders(0, t_ns, [-1856, 9_007_199_254_740_993])
         .unwrap();
@@ -108,14 +108,14 @@ fn write_run(file: &Path) {
 
 #[test]
 #[expect(clippy::too_many_lines, reason = "one file, every message type")]
-fn every_message_of_a_run_is_what_others_see() {
+fn other_programs_read_every_message_of_a_run() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");
     write_run(&file);
-    let Some(seen) = read_by_others(&file) else {
+    let Some(content) = read_with_python(&file) else {
         return;
     };
-    let bag = &seen["mcap"];
+    let bag = &content["mcap"];
     assert_eq!(bag["profile"], "ros2");
     assert_eq!(bag["indexed_messages"], 12);
     assert_eq!(bag["chunks"], json!(["lz4"]));
@@ -128,7 +128,7 @@ fn every_message_of_a_run_is_what_others_see() {
     );
     assert_eq!(bag["metadata"]["slipstream"]["seed"], "7");
 
-    let command = message(&seen, "/r1/command");
+    let command = message(&content, "/r1/command");
     assert_eq!(command["type"], "sensor_msgs/msg/JointState");
     assert_eq!(command["log_time"], 1_250_000_000);
     assert_eq!(
@@ -140,17 +140,17 @@ fn every_message_of_a_run_is_what_others_see() {
         json!(["wheel_right", "wheel_left"])
     );
     assert_eq!(command["message"]["effort"], json!([0.125, -0.5]));
-    let ticks = &message(&seen, "/r1/encoder_ticks")["message"];
+    let ticks = &message(&content, "/r1/encoder_ticks")["message"];
     assert_eq!(
         (&ticks["right"], &ticks["left"]),
         (&json!(-1856), &json!(9_007_199_254_740_993_i64))
     );
-    let wheels = &message(&seen, "/r1/joint_states")["message"];
+    let wheels = &message(&content, "/r1/joint_states")["message"];
     assert_eq!(
         (&wheels["position"], &wheels["velocity"]),
         (&json!([1.5, 2.5]), &json!([3.5, 4.5]))
     );
-    let pose = message(&seen, "/r1/pose");
+    let pose = message(&content, "/r1/pose");
     assert_eq!(pose["type"], "geometry_msgs/msg/PoseStamped");
     let pose = &pose["message"]["pose"];
     assert_eq!(pose["position"], json!({"x": 1.0, "y": 2.0, "z": 0.0}));
@@ -159,27 +159,27 @@ fn every_message_of_a_run_is_what_others_see() {
         pose["orientation"],
         json!({"x": 0.0, "y": 0.0, "z": half.sin(), "w": half.cos()})
     );
-    let imu = &message(&seen, "/r1/imu")["message"];
+    let imu = &message(&content, "/r1/imu")["message"];
     assert_eq!(
         imu["linear_acceleration"],
         json!({"x": 0.1, "y": 0.2, "z": 0.0})
     );
     assert_eq!(imu["angular_velocity"]["z"], 0.3);
-    let odometry = &message(&seen, "/r1/odometry")["message"];
+    let odometry = &message(&content, "/r1/odometry")["message"];
     assert_eq!(odometry["twist"]["twist"]["linear"]["x"], 0.6);
     assert_eq!(odometry["pose"]["covariance"].as_array().unwrap().len(), 36);
-    let truth = &message(&seen, "/r2/truth")["message"];
+    let truth = &message(&content, "/r2/truth")["message"];
     assert_eq!(truth["pose"]["pose"]["position"]["y"], 8.0);
-    let transforms = &message(&seen, "/tf")["message"]["transforms"];
+    let transforms = &message(&content, "/tf")["message"]["transforms"];
     assert_eq!(transforms[1]["child_frame_id"], "r2");
     assert_eq!(transforms[1]["transform"]["translation"]["x"], 3.0);
-    let contact = &message(&seen, "/r1/contact")["message"];
+    let contact = &message(&content, "/r1/contact")["message"];
     assert_eq!(
         (&contact["right"]["state"], &contact["left"]["state"]),
         (&json!(1), &json!(0))
     );
     assert_eq!(contact["left"]["applied_torque_nm"], 0.12);
-    let position = &message(&seen, "/links")["message"];
+    let position = &message(&content, "/links")["message"];
     assert_eq!(
         (&position["sender"], &position["seq"]),
         (&json!("r1"), &json!(42))
@@ -187,21 +187,21 @@ fn every_message_of_a_run_is_what_others_see() {
     assert_eq!(position["t_received_ns"], 1_330_000_000);
     assert_eq!(position["w_rad_s"], 0.5);
     assert_eq!(
-        message(&seen, "/trace")["message"]["postcard"],
+        message(&content, "/trace")["message"]["postcard"],
         json!([1, 2, 255])
     );
     assert_eq!(
-        message(&seen, "/events")["message"]["text"],
+        message(&content, "/events")["message"]["text"],
         "missed a deadline"
     );
 
-    let counts = seen["rosbags"]["counts"].as_object().unwrap();
+    let counts = content["rosbags"]["counts"].as_object().unwrap();
     assert_eq!(counts.len(), 12, "{counts:?}");
-    assert_eq!(seen["rosbags"]["stamps_agree"], true);
+    assert_eq!(content["rosbags"]["stamps_agree"], true);
 }
 
 #[test]
-fn an_imported_stream_is_what_others_see() {
+fn other_programs_read_an_imported_stream() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bag.mcap");
     let mut robot = Robot::named("r1");
@@ -219,11 +219,11 @@ fn an_imported_stream_is_what_others_see() {
         ..Recording::default()
     };
     slipstream_recording::write_mcap(&recording, &file).unwrap();
-    let Some(seen) = read_by_others(&file) else {
+    let Some(content) = read_with_python(&file) else {
         return;
     };
     let of = |topic: &str| -> Vec<Value> {
-        let messages = seen["mcap"]["messages"].as_array().unwrap();
+        let messages = content["mcap"]["messages"].as_array().unwrap();
         let of_topic = messages.iter().filter(|m| m["topic"] == topic);
         of_topic.map(|m| m["message"].clone()).collect()
     };

@@ -1,4 +1,5 @@
-//! A bag that another program wrote, as another robot would: read by a guess and by a map.
+//! A bag written by another program, as another robot would: read with a guessed map and with a given
+//! map.
 
 #![expect(clippy::panic, reason = "helpers of tests")]
 
@@ -11,7 +12,7 @@ use slipstream_recording::recording::{Command, Wheels};
 use slipstream_recording::{TopicMap, read, read_mapped};
 
 #[test]
-fn the_guess_finds_the_streams_and_says_so() {
+fn the_guess_finds_the_streams_and_is_in_the_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mcap");
     if python::script("write_bag.py", &file).is_none() {
@@ -38,7 +39,7 @@ fn the_guess_finds_the_streams_and_says_so() {
 
     let robot = import.recording.robot("robot").unwrap();
     let command = robot.command.as_ref().unwrap();
-    // Unstamped messages have the time of logging; all times count from the first one of the bag.
+    // Messages without stamp get their log time; all times count from the first message.
     assert_eq!(command.t_s[..2], [0.002, 0.052]);
     let Command::Twist { v_m_s, w_rad_s } = &command.values else {
         panic!("no twist");
@@ -62,14 +63,14 @@ fn the_guess_finds_the_streams_and_says_so() {
     assert!((yaw_rad[99] - 0.495).abs() < 1e-15);
     assert_eq!(robot.odometry.as_ref().unwrap().values.v_m_s[0], 0.5);
 
-    // A folder as `ros2 bag record` leaves it will do as well.
+    // A folder with one MCAP file, as `ros2 bag record` writes it.
     let in_folder = read(folder.path()).unwrap();
     assert_eq!(
         in_folder.recording.robots[0].pose.as_ref().unwrap().t_s,
         pose.t_s
     );
 
-    // The printed guess, saved, is a map that gives the same.
+    // The guess can be used as a map and gives the same recording.
     let map = guess.split_once('\n').unwrap().1;
     let map = TopicMap::parse(map, Path::new("map.toml")).unwrap();
     let again = read_mapped(&file, Some(&map)).unwrap();
@@ -81,7 +82,7 @@ fn the_guess_finds_the_streams_and_says_so() {
 }
 
 #[test]
-fn a_map_decides_and_its_mistakes_are_named() {
+fn a_map_is_followed_and_its_errors_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mcap");
     if python::script("write_bag.py", &file).is_none() {
@@ -113,6 +114,6 @@ fn a_map_decides_and_its_mistakes_are_named() {
     assert!(
         wrong
             .to_string()
-            .contains("/odom is a nav_msgs/msg/Odometry, which gives no imu")
+            .contains("/odom is a nav_msgs/msg/Odometry, which cannot provide imu")
     );
 }

@@ -1,4 +1,4 @@
-//! Many rows: what goes in comes out, and the memory it takes is that of the numbers.
+//! Long recordings: a round trip changes nothing, and memory is bounded by the size of the numbers.
 //!
 //! 200,000 rows always; ten million with `cargo test --release -p slipstream-recording --test large
 //! -- --ignored`.
@@ -13,7 +13,7 @@ use std::time::Instant;
 use slipstream_recording::recording::Wheels;
 use slipstream_recording::{read, write_mcap};
 
-/// Bytes in a row of ticks in memory: a time and two optional counts.
+/// Memory of a row of ticks: a time and two optional counts (bytes).
 const ROW_BYTES: u64 = 8 + 2 * 16;
 
 fn write_ticks(folder: &Path, rows: i64) {
@@ -27,14 +27,14 @@ fn write_ticks(folder: &Path, rows: i64) {
     csv.flush().unwrap();
 }
 
-/// The most memory that this process has had so far (bytes).
+/// Peak memory of this process so far (bytes); `None` where the system does not report it.
 fn peak_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
 }
 
-fn there_and_back(rows: i64) {
+fn round_trip(rows: i64) {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path().join("given");
     write_ticks(&folder, rows);
@@ -60,8 +60,8 @@ fn there_and_back(rows: i64) {
         assert_eq!(wheels.t_s[row], i as f64 / 1000.0);
     }
     if let (Some(before), Some(after)) = (before, peak_memory()) {
-        // A growing list holds up to three times what is in it while it moves; the file itself is
-        // never in memory whole.
+        // A list that grows needs up to three times its content while it is moved; the file is never
+        // in memory as a whole.
         let bound = 3 * ROW_BYTES * rows.unsigned_abs() + (64 << 20);
         let taken = after - before;
         eprintln!("{rows} rows: {} MB at most", taken >> 20);
@@ -71,11 +71,11 @@ fn there_and_back(rows: i64) {
 
 #[test]
 fn two_hundred_thousand_rows() {
-    there_and_back(200_000);
+    round_trip(200_000);
 }
 
 #[test]
 #[ignore = "takes a minute and a gigabyte"]
 fn ten_million_rows() {
-    there_and_back(10_000_000);
+    round_trip(10_000_000);
 }

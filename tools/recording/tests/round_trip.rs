@@ -1,5 +1,6 @@
-//! Every recording at hand goes through the in-memory form, a folder and an MCAP file, and comes
-//! back to the bit. Where `../shared` is absent the tests say that they were skipped.
+//! Round trips through the in-memory form, a folder and an MCAP file: nothing changes, bit for bit.
+//!
+//! Uses the example recording of the repository and, if they exist, the recordings in `../shared`.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
@@ -7,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use slipstream_recording::{read, read_folder, write_folder, write_mcap};
 
-/// The folders with a `recording.toml` under `../shared`, in order.
-fn shared_recordings() -> Vec<PathBuf> {
-    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+/// Folders with a `recording.toml`, sorted.
+fn recordings() -> Vec<PathBuf> {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let shared = repository.join("../shared");
     let mut folders: Vec<PathBuf> = ["recordings", "practice"]
         .iter()
         .filter_map(|kind| std::fs::read_dir(shared.join(kind)).ok())
@@ -17,14 +19,12 @@ fn shared_recordings() -> Vec<PathBuf> {
         .filter_map(|entry| Some(entry.ok()?.path()))
         .filter(|path| path.join("recording.toml").exists())
         .collect();
+    folders.push(repository.join("tests/example/recording"));
     folders.sort();
-    if folders.is_empty() {
-        eprintln!("SKIPPED: no recordings in ../shared");
-    }
     folders
 }
 
-/// All files under a folder by their relative names.
+/// All files under a folder with their relative names, sorted.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found = Vec::new();
     let mut pending = vec![folder.to_owned()];
@@ -44,7 +44,8 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found.iter().map(|p| (name(p), read(p))).collect()
 }
 
-/// Every cell of two CSV files must be the same number bit for bit, or the same text.
+/// Asserts that all cells of two CSV files are equal: numbers bit for bit, others as text. Returns
+/// the number of cells.
 fn assert_same_cells(name: &str, original: &[u8], exported: &[u8]) -> usize {
     let rows = |bytes: &[u8]| -> Vec<csv::StringRecord> {
         csv::ReaderBuilder::new()
@@ -75,8 +76,8 @@ fn assert_same_cells(name: &str, original: &[u8], exported: &[u8]) -> usize {
 }
 
 #[test]
-fn every_shared_recording_is_the_same_after_folder_and_mcap() {
-    for folder in shared_recordings() {
+fn recordings_survive_folder_and_mcap() {
+    for folder in recordings() {
         let name = folder.file_name().unwrap().to_string_lossy().into_owned();
         let scratch = tempfile::tempdir().unwrap();
         let at = |name: &str| scratch.path().join(name);
@@ -117,8 +118,8 @@ fn every_shared_recording_is_the_same_after_folder_and_mcap() {
     }
 }
 
-/// A folder with everything that the standard messages do not hold.
-fn write_awkward(folder: &Path) {
+/// Writes a recording with everything that standard messages cannot represent.
+fn write_lossy_cases(folder: &Path) {
     let files = [
         (
             "recording.toml",
@@ -168,10 +169,10 @@ fn write_awkward(folder: &Path) {
 }
 
 #[test]
-fn what_standard_messages_do_not_hold_comes_back_all_the_same() {
+fn what_standard_messages_cannot_represent_survives() {
     let scratch = tempfile::tempdir().unwrap();
     let at = |name: &str| scratch.path().join(name);
-    write_awkward(&at("given"));
+    write_lossy_cases(&at("given"));
     let imported = read_folder(&at("given")).unwrap();
     assert_eq!(imported.warnings.len(), 2, "{:?}", imported.warnings);
     write_folder(&imported.recording, &at("first")).unwrap();

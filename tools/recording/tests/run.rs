@@ -1,29 +1,29 @@
-//! A recorded run is a recording like any other: its streams are read back as they were written,
-//! and what has no place in the in-memory form is counted.
+//! A recorded run read as a recording: its streams are unchanged, and messages that a recording
+//! cannot represent are counted.
 
 use std::path::Path;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::read_mcap_from;
 use slipstream_recording::recording::{Command, Recording, Robot};
-use slipstream_recording::run_writer::{About, Fate, PositionRecord, RunWriter};
+use slipstream_recording::run_writer::{Fate, PositionRecord, RunHeader, RunWriter};
 
 #[test]
-#[expect(clippy::too_many_lines, reason = "one run, looked at from all sides")]
-fn streams_of_a_run_are_read_back_as_they_were_written() {
+#[expect(clippy::too_many_lines, reason = "one run, every stream")]
+fn the_streams_of_a_run_are_read_unchanged() {
     let path = Path::new("run.mcap");
     let mut r1 = Robot::named("r1");
     r1.encoder_counts_per_rev = Some(1856);
-    let about = About {
+    let header = RunHeader {
         description: Recording {
             name: "a run".to_owned(),
             robots: vec![r1, Robot::named("r2")],
             model: Some(RobotModel::paper_with_slip()),
             ..Recording::default()
         },
-        ..About::default()
+        ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), path, &about).unwrap();
+    let mut run = RunWriter::to_sink(Vec::new(), path, &header).unwrap();
     let position = |seq, t_sent_ns, fate| PositionRecord {
         sender: "r1",
         receiver: "r2",
@@ -46,7 +46,7 @@ fn streams_of_a_run_are_read_back_as_they_were_written() {
         run.write_true_poses(t_ns, &[[0.0; 3], [1.0; 3]]).unwrap();
         run.write_trace(t_ns, &[1, 2, 3]).unwrap();
     }
-    // What became of a message is known late: the later one is written first.
+    // Messages are written once their delivery status is known, so not in the order of sending.
     let arrived = Fate::Arrived {
         t_received_ns: 300_000_000,
     };
@@ -56,7 +56,7 @@ fn streams_of_a_run_are_read_back_as_they_were_written() {
         .unwrap();
     run.write_position(&position(2, 300_000_000, Fate::InFlight))
         .unwrap();
-    // A robot that nobody announced is not recorded.
+    // A robot that is not in the header is ignored.
     run.write_imu(7, 0, [0.0; 3]).unwrap();
     let bytes = run.finish().unwrap();
 

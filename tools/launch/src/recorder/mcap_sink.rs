@@ -11,7 +11,7 @@ use slipstream_bus::{Experiment, RobotModel, trace};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{
-    About, Attachment, Fate as Ending, PositionRecord, RunWriter, WheelContact,
+    Attachment, Fate as Ending, PositionRecord, RunHeader, RunWriter, WheelContact,
 };
 
 /// Writes the records of a run to an MCAP file. The first failure ends the writing and is returned at the end.
@@ -238,7 +238,7 @@ impl Recorder for McapSink {
 }
 
 /// Description of the run at its start.
-fn about(experiment: &Experiment, keys: &str) -> About {
+fn about(experiment: &Experiment, keys: &str) -> RunHeader {
     let settings = &experiment.settings;
     let camera = &settings.sensors.camera;
     let imu = &settings.sensors.imu;
@@ -263,7 +263,7 @@ fn about(experiment: &Experiment, keys: &str) -> About {
         effects: Vec::new(),
         ..model.clone()
     };
-    About {
+    RunHeader {
         description: Recording {
             name: settings.name.clone(),
             origin: format!("slipstream {}", env!("CARGO_PKG_VERSION")),

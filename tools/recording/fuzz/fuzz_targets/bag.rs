@@ -1,4 +1,4 @@
-//! Any bytes as another robot's bag: an error in one line, or a recording that can be written.
+//! Any bytes as a bag of another robot: an error in one line, or a recording that can be written.
 
 #![no_main]
 

@@ -1,6 +1,6 @@
-//! Any bytes as the files of a folder: an error, or a recording that exports and imports as itself.
+//! Any bytes as a folder of CSV files: an error, or a recording that survives MCAP unchanged.
 //!
-//! The input is cut at each `%%` into the files of one folder, in a fixed order.
+//! The input is split at each `%%` into the files of the folder, in a fixed order.
 
 #![no_main]
 
@@ -30,7 +30,7 @@ fuzz_target!(|bytes: &[u8]| {
         let end = rest.windows(2).position(|pair| pair == b"%%").unwrap_or(rest.len());
         let (file, later) = rest.split_at(end);
         rest = later.get(2..).unwrap_or_default();
-        // An empty part means that there is no such file.
+        // An empty part means that the file does not exist.
         if !file.is_empty() {
             std::fs::write(given.join(name), file).expect("a file");
         }

@@ -1,4 +1,4 @@
-//! Any text as a robot.toml: an error in one line, or a model that comes back as it was written.
+//! Any text as a robot.toml: an error in one line, or a model that round-trips.
 
 #![no_main]
 
@@ -12,7 +12,7 @@ fuzz_target!(|text: &str| {
     match parse(text, path) {
         Ok(model) => {
             let again = parse(&to_text(&model), path).expect("what was written can be read");
-            // Effects of one name that do not stand together are gathered once, then stay.
+            // The first writing groups effects of the same name; the second must not change anything.
             assert_eq!(to_text(&again), to_text(&model));
         }
         Err(error) => assert!(!error.to_string().contains('\n')),

@@ -1,4 +1,4 @@
-//! Any text as a topic map: an error, or a map that comes back as it was written.
+//! Any text as a topic map: an error, or a map that round-trips.
 
 #![no_main]
 

@@ -1,7 +1,7 @@
-//! Reads an MCAP file from front to back and gives what is whole, whatever happened to the rest.
+//! Damage-tolerant sequential MCAP reader: returns everything intact and counts what is lost.
 //!
-//! Memory is bounded by the largest chunk (at most [`LARGEST_CHUNK`]), never by what a damaged
-//! length claims. A chunk counts only if its checksum is right.
+//! Memory is bounded by the largest chunk (at most [`MAX_CHUNK_BYTES`]), never by what a damaged
+//! length field claims. A chunk is used only if its checksum is right.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -9,137 +9,69 @@ use std::path::Path;
 use std::sync::Arc;
 
 use mcap::McapError;
-use mcap::records::{ChunkHeader, Record, op};
+use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
-use crate::bag::lengths;
+use super::chunk::{MAX_CHUNK_BYTES, unpack};
+use super::lengths;
+use super::loss::Loss;
 use crate::error::Unusable;
 
-/// Largest chunk (bytes, packed or unpacked) and largest other record that is read.
-const LARGEST_CHUNK: u64 = 256 << 20;
-
-/// A topic of a file.
+/// A channel of a file: a topic with its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct ChannelInfo {
+    /// Name of the topic.
     pub(crate) topic: String,
-    /// The message type's name, such as `sensor_msgs/msg/Imu`; empty where there is none.
+    /// Name of the message type, such as `sensor_msgs/msg/Imu`; empty if there is none.
     pub(crate) schema: String,
+    /// Encoding of the messages, such as `cdr`.
     pub(crate) encoding: String,
+    /// Names and values.
     pub(crate) metadata: BTreeMap<String, String>,
 }
 
-/// What a file holds.
+/// An item of a file, in file order.
 pub(crate) enum Item<'a> {
-    /// A topic, before its messages.
+    /// A channel, before its messages.
     Channel {
         id: u16,
         channel: &'a Arc<ChannelInfo>,
     },
-    /// A message of the channel with this number (numbers may be sparse).
+    /// A message of the channel `id` (ids may be sparse).
     Message {
         id: u16,
         channel: &'a Arc<ChannelInfo>,
         log_time_ns: u64,
         data: &'a [u8],
     },
-    Attachment {
-        name: &'a str,
-        data: &'a [u8],
-    },
-    Metadata {
-        name: &'a str,
-    },
+    /// An attached file.
+    Attachment { name: &'a str, data: &'a [u8] },
+    /// A record of names and values; only its own name is read.
+    Metadata { name: &'a str },
 }
 
-/// What of a file could not be read.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Loss {
-    /// The file breaks off, or is damaged so that nothing behind can be found.
-    pub broken_off: bool,
-    /// Bytes behind the last record that was read.
-    pub bytes_at_end: u64,
-    /// Chunks whose checksum or content is wrong; their messages are left out.
-    pub damaged_chunks: u64,
-    /// Messages in those chunks, as far as their index tells.
-    pub messages_in_damaged_chunks: u64,
-    /// Messages that cannot be decoded or whose topic was lost.
-    pub undecodable_messages: u64,
-    /// Attachments and other records that are damaged.
-    pub damaged_records: u64,
-    /// Messages that were read.
-    pub messages_read: u64,
-    /// It broke off in the index at the end: the data is complete.
-    pub index_only: bool,
-}
+/// Whether the visitor could decode an item.
+pub(crate) type VisitResult = Result<(), Undecodable>;
 
-impl Loss {
-    /// Whether anything was lost, be it only the index.
-    pub fn any(&self) -> bool {
-        self.broken_off
-            || self.damaged_chunks > 0
-            || self.undecodable_messages > 0
-            || self.damaged_records > 0
-    }
-}
-
-impl std::fmt::Display for Loss {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} messages recovered", self.messages_read)?;
-        if self.damaged_chunks > 0 {
-            let (chunks, messages) = (self.damaged_chunks, self.messages_in_damaged_chunks);
-            write!(
-                f,
-                "; {chunks} damaged chunks with at least {messages} messages left out"
-            )?;
-        }
-        if self.undecodable_messages > 0 {
-            write!(
-                f,
-                "; {} messages could not be decoded",
-                self.undecodable_messages
-            )?;
-        }
-        if self.damaged_records > 0 {
-            write!(f, "; {} damaged records left out", self.damaged_records)?;
-        }
-        if self.index_only {
-            write!(
-                f,
-                "; the index at the end is damaged, no message is missing there"
-            )?;
-        } else if self.broken_off {
-            let bytes = self.bytes_at_end;
-            write!(
-                f,
-                "; the file breaks off, its last {bytes} bytes are no whole chunk and lost"
-            )?;
-        }
-        Ok(())
-    }
-}
-
-/// What a visitor says of an item.
-pub(crate) type Visited = Result<(), Undecodable>;
-
-/// The visitor could make nothing of the message.
+/// The visitor could not decode the item.
 #[derive(Debug)]
 pub(crate) struct Undecodable;
 
-/// Reads all of `source`, which has `size` bytes, and shows each item to `visit`.
+/// Reads all of `source`, which has `size` bytes, and calls `visit` with each item.
 ///
 /// # Errors
-/// When it is no MCAP file or the system does not let it be read. Damage is no error but a loss.
+/// If it is not an MCAP file, or reading fails. Damage is not an error but a [`Loss`].
 pub(crate) fn read_bag(
     source: impl Read,
     size: u64,
     path: &Path,
-    visit: &mut dyn FnMut(Item<'_>) -> Visited,
+    visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
 ) -> Result<Loss, Unusable> {
-    let limit = usize::try_from(size.clamp(64, LARGEST_CHUNK)).unwrap_or(usize::MAX);
+    let limit = usize::try_from(size.clamp(64, MAX_CHUNK_BYTES)).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default()
         .with_emit_chunks(true)
         .with_record_length_limit(limit);
-    Reading {
+    BagReader {
         path,
         visit,
         loss: Loss::default(),
@@ -151,57 +83,33 @@ pub(crate) fn read_bag(
     .run(source, size, LinearReader::new_with_options(options))
 }
 
-struct Reading<'a> {
+/// The state of reading one file.
+struct BagReader<'a> {
     path: &'a Path,
-    visit: &'a mut dyn FnMut(Item<'_>) -> Visited,
+    visit: &'a mut dyn FnMut(Item<'_>) -> VisitResult,
     loss: Loss,
+    /// Names of the message types, by schema id.
     schemas: BTreeMap<u16, String>,
+    /// Channels, by channel id.
     channels: Vec<Option<Arc<ChannelInfo>>>,
-    /// The records of the chunk at hand, kept to save allocations.
+    /// The decompressed records of the current chunk; kept to save allocations.
     unpacked: Vec<u8>,
-    /// The last chunk was damaged: the indexes that follow tell how many messages it had.
+    /// The last chunk was damaged; the message indexes after it say how many messages it had.
     in_damaged_chunk: bool,
 }
 
-/// How much of a chunk is handed on at a time (bytes).
-const FEED: usize = 16 << 10;
+/// Size of the pieces in which a chunk is passed to the parser (bytes).
+const FEED_BYTES: usize = 16 << 10;
 
-/// Unpacks a chunk and compares its checksum.
-fn unpack(header: &ChunkHeader, data: &[u8], unpacked: &mut Vec<u8>) -> Result<(), McapError> {
-    let size = header.uncompressed_size;
-    if size > LARGEST_CHUNK {
-        return Err(McapError::ChunkTooLarge(size));
-    }
-    unpacked.clear();
-    // One byte more than promised is enough to see that the promise is wrong.
-    let limit = size + 1;
-    match header.compression.as_str() {
-        "" => data.take(limit).read_to_end(unpacked)?,
-        "lz4" => lz4::Decoder::new(data)?.take(limit).read_to_end(unpacked)?,
-        "zstd" => zstd::Decoder::new(data)?
-            .take(limit)
-            .read_to_end(unpacked)?,
-        other => return Err(McapError::UnsupportedCompression(other.to_owned())),
-    };
-    if unpacked.len() as u64 != size {
-        return Err(McapError::UnexpectedEoc);
-    }
-    let (saved, calculated) = (header.uncompressed_crc, crc32fast::hash(unpacked));
-    if saved != 0 && saved != calculated {
-        return Err(McapError::BadChunkCrc { saved, calculated });
-    }
-    Ok(())
-}
-
-impl Reading<'_> {
+impl BagReader<'_> {
     fn run(
         mut self,
         mut source: impl Read,
         size: u64,
         mut reader: LinearReader,
     ) -> Result<Loss, Unusable> {
-        // Bytes of records that were taken whole, the magic at the start included.
-        let mut done = mcap::MAGIC.len() as u64;
+        // Bytes of all complete records, including the magic bytes at the start.
+        let mut bytes_done = mcap::MAGIC.len() as u64;
         let mut started = false;
         let mut data_ended = false;
         while let Some(event) = reader.next_event() {
@@ -215,17 +123,17 @@ impl Reading<'_> {
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
                     started = true;
-                    done += 9 + data.len() as u64;
+                    bytes_done += 9 + data.len() as u64;
                     data_ended |= opcode == op::DATA_END;
                     self.record(opcode, data);
                 }
                 Err(error) => {
                     if !started {
-                        return Err(self.no_bag(size, &error));
+                        return Err(self.not_a_bag(size, &error));
                     }
-                    self.loss.broken_off = true;
+                    self.loss.truncated = true;
                     self.loss.index_only = data_ended;
-                    self.loss.bytes_at_end = size.saturating_sub(done);
+                    self.loss.bytes_at_end = size.saturating_sub(bytes_done);
                     break;
                 }
             }
@@ -233,21 +141,21 @@ impl Reading<'_> {
         Ok(self.loss)
     }
 
-    fn no_bag(&self, size: u64, error: &McapError) -> Unusable {
+    fn not_a_bag(&self, size: u64, error: &McapError) -> Unusable {
         let remedy = "give an MCAP file or a folder with recording.toml";
         if size == 0 {
             return Unusable::new(self.path, "the file is empty", remedy);
         }
         match error {
-            McapError::BadMagic => Unusable::new(self.path, "is no MCAP file", remedy),
+            McapError::BadMagic => Unusable::new(self.path, "is not an MCAP file", remedy),
             other => {
-                let problem = format!("is no whole MCAP file ({other})");
+                let problem = format!("is not a complete MCAP file ({other})");
                 Unusable::new(self.path, problem, remedy)
             }
         }
     }
 
-    /// A record outside of chunks, or a whole chunk.
+    /// Processes a record outside of chunks, or a whole chunk.
     fn record(&mut self, opcode: u8, data: &[u8]) {
         match opcode {
             op::CHUNK => {
@@ -266,9 +174,9 @@ impl Reading<'_> {
         }
     }
 
-    /// All records of a chunk, or none where its packing or checksum is wrong.
+    /// Processes all records of a chunk, or none if its compression or checksum is wrong.
     fn read_chunk(&mut self, data: &[u8]) -> Result<(), McapError> {
-        if !lengths::fit(op::CHUNK, data) {
+        if !lengths::are_valid(op::CHUNK, data) {
             return Err(McapError::UnexpectedEoc);
         }
         let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, data)? else {
@@ -280,6 +188,7 @@ impl Reading<'_> {
         read
     }
 
+    /// Processes the records of a decompressed chunk.
     fn records(&mut self, mut unread: &[u8]) -> Result<(), McapError> {
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -291,7 +200,7 @@ impl Reading<'_> {
             match event? {
                 LinearReadEvent::Record { opcode, data } => self.inner_record(opcode, data),
                 LinearReadEvent::ReadRequest(need) => {
-                    let (now, later) = unread.split_at(need.max(FEED).min(unread.len()));
+                    let (now, later) = unread.split_at(need.max(FEED_BYTES).min(unread.len()));
                     reader.insert(now.len()).copy_from_slice(now);
                     reader.notify_read(now.len());
                     unread = later;
@@ -301,8 +210,9 @@ impl Reading<'_> {
         Ok(())
     }
 
+    /// Processes a record that may also occur inside a chunk.
     fn inner_record(&mut self, opcode: u8, data: &[u8]) {
-        let record = lengths::fit(opcode, data).then(|| mcap::parse_record(opcode, data));
+        let record = lengths::are_valid(opcode, data).then(|| mcap::parse_record(opcode, data));
         let Some(Ok(record)) = record else {
             self.loss.damaged_records += 1;
             return;
@@ -345,6 +255,7 @@ impl Reading<'_> {
         }
     }
 
+    /// Registers a channel; of several with the same id, the first one.
     fn channel(&mut self, channel: mcap::records::Channel) {
         let id = usize::from(channel.id);
         if self.channels.len() <= id {

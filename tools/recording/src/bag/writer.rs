@@ -1,7 +1,7 @@
-//! Writes an MCAP file as a ROS 2 bag: compressed chunks, index, CRC, definitions embedded.
+//! Writer of an MCAP file as a ROS 2 bag: compressed chunks, index, checksums, embedded definitions.
 //!
-//! A chunk goes to the file in one piece once it is complete. A writer that is killed therefore
-//! leaves whole chunks and at most one that is cut off.
+//! A chunk is written in one piece once it is complete. A writer that is killed therefore leaves
+//! complete chunks and at most one truncated chunk.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,36 +13,36 @@ use mcap::write::{Metadata, NoSeek};
 use mcap::{Attachment, Compression, WriteOptions};
 use serde::Serialize;
 
-use crate::error::{Error, Result, writing};
+use crate::error::{Error, Result, write_error};
 use crate::ros2::{MessageType, cdr};
 
-/// A chunk is closed when it holds this much (bytes, before compression).
+/// Size at which a chunk is closed (bytes, before compression).
 const CHUNK_BYTES: u64 = 768 * 1024;
 
-/// A topic that is being written.
+/// A channel of the file being written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Channel(u16);
 
-/// An MCAP file that is being written.
+/// An MCAP file being written.
 pub(crate) struct BagWriter<W: Write> {
     path: PathBuf,
     file: mcap::Writer<NoSeek<W>>,
-    /// The encoded message, kept to save allocations.
+    /// The encoded message; kept to save allocations.
     buffer: Vec<u8>,
-    /// Number of messages written to each channel so far, by its id.
+    /// Number of messages written to each channel so far, by channel id.
     sequence: Vec<u32>,
 }
 
 impl BagWriter<BufWriter<File>> {
-    /// Starts a file, replacing what was there.
+    /// Creates a file, replacing an existing one.
     pub(crate) fn create(path: &Path) -> Result<Self> {
-        let file = File::create(path).map_err(writing(path))?;
+        let file = File::create(path).map_err(write_error(path))?;
         Self::new(BufWriter::new(file), path)
     }
 }
 
 impl<W: Write> BagWriter<W> {
-    /// Starts to write to `sink`; `path` is only for errors.
+    /// Writes to `sink`; `path` is used in errors only.
     pub(crate) fn new(sink: W, path: &Path) -> Result<Self> {
         let options = WriteOptions::new()
             .profile("ros2")
@@ -53,14 +53,15 @@ impl<W: Write> BagWriter<W> {
         Ok(Self {
             file: options
                 .create(NoSeek::new(sink))
-                .map_err(|e| failure(path, e))?,
+                .map_err(|e| mcap_error(path, e))?,
             path: path.to_owned(),
             buffer: Vec::new(),
             sequence: Vec::new(),
         })
     }
 
-    /// Opens a topic. `metadata` says what slipstream reads from it.
+    /// Adds a channel. `metadata` says which stream slipstream reads from it, see
+    /// [`StreamMetadata`](crate::topics::StreamMetadata).
     pub(crate) fn channel(
         &mut self,
         topic: &str,
@@ -71,25 +72,26 @@ impl<W: Write> BagWriter<W> {
         let schema = self
             .file
             .add_schema(message_type.name(), "ros2msg", schema.as_bytes())
-            .map_err(|e| failure(&self.path, e))?;
+            .map_err(|e| mcap_error(&self.path, e))?;
         let id = self
             .file
             .add_channel(schema, topic, "cdr", metadata)
-            .map_err(|e| failure(&self.path, e))?;
+            .map_err(|e| mcap_error(&self.path, e))?;
         if self.sequence.len() <= usize::from(id) {
             self.sequence.resize(usize::from(id) + 1, 0);
         }
         Ok(Channel(id))
     }
 
-    /// Writes a message at a time (ns); times before 0 are logged at 0, their own stamp is kept.
+    /// Writes a message with its log time (ns). Negative log times become 0; the stamp in the message
+    /// is not changed.
     pub(crate) fn write<T: Serialize>(
         &mut self,
         channel: Channel,
         t_ns: i64,
         message: &T,
     ) -> Result<()> {
-        cdr::encode(message, &mut self.buffer).map_err(|e| failure(&self.path, e))?;
+        cdr::encode(message, &mut self.buffer).map_err(|e| mcap_error(&self.path, e))?;
         let log_time = u64::try_from(t_ns).unwrap_or(0);
         let mut header = MessageHeader {
             channel_id: channel.0,
@@ -103,7 +105,7 @@ impl<W: Write> BagWriter<W> {
         }
         self.file
             .write_to_known_channel(&header, &self.buffer)
-            .map_err(|e| failure(&self.path, e))
+            .map_err(|e| mcap_error(&self.path, e))
     }
 
     /// Attaches a file.
@@ -117,10 +119,10 @@ impl<W: Write> BagWriter<W> {
         };
         self.file
             .attach(&attachment)
-            .map_err(|e| failure(&self.path, e))
+            .map_err(|e| mcap_error(&self.path, e))
     }
 
-    /// Writes names and values.
+    /// Writes a record of names and values.
     pub(crate) fn metadata(&mut self, name: &str, values: BTreeMap<String, String>) -> Result<()> {
         let metadata = Metadata {
             name: name.to_owned(),
@@ -128,24 +130,25 @@ impl<W: Write> BagWriter<W> {
         };
         self.file
             .write_metadata(&metadata)
-            .map_err(|e| failure(&self.path, e))
+            .map_err(|e| mcap_error(&self.path, e))
     }
 
-    /// Closes the chunk and hands it to the system: what was written so far outlives this process.
+    /// Closes the chunk and passes it to the operating system: it survives the end of this process.
     pub(crate) fn flush(&mut self) -> Result<()> {
-        self.file.flush().map_err(|e| failure(&self.path, e))
+        self.file.flush().map_err(|e| mcap_error(&self.path, e))
     }
 
     /// Writes the index and closes the file.
     pub(crate) fn finish(mut self) -> Result<W> {
-        self.file.finish().map_err(|e| failure(&self.path, e))?;
+        self.file.finish().map_err(|e| mcap_error(&self.path, e))?;
         let mut sink = self.file.into_inner().into_inner();
-        sink.flush().map_err(writing(&self.path))?;
+        sink.flush().map_err(write_error(&self.path))?;
         Ok(sink)
     }
 }
 
-fn failure(path: &Path, error: impl ToString) -> Error {
+/// Converts an error of the MCAP library.
+fn mcap_error(path: &Path, error: impl ToString) -> Error {
     Error::WriteMcap {
         path: path.to_owned(),
         message: error.to_string(),

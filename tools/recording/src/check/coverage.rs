@@ -1,57 +1,61 @@
-//! What can be judged from a recording, and what is missing.
+//! Coverage: what a recording can be used for, and what is missing.
 
 use slipstream_bus::RobotModel;
 
 use crate::recording::{Command, Recording, Robot, Wheels};
 
-/// What can be judged, and what is missing.
-pub(super) fn of(recording: &Recording, model: Option<&RobotModel>) -> (Vec<String>, Vec<String>) {
-    let (mut can, mut missing) = (Vec::new(), Vec::new());
+/// What the recording can be used for, and what is missing, as sentences.
+pub(super) fn coverage(
+    recording: &Recording,
+    model: Option<&RobotModel>,
+) -> (Vec<String>, Vec<String>) {
+    let (mut can_judge, mut missing) = (Vec::new(), Vec::new());
     for robot in &recording.robots {
-        for (found, list) in [
-            (judged(robot), &mut can),
-            (lacking(robot, model), &mut missing),
+        for (sentences, list) in [
+            (uses(robot), &mut can_judge),
+            (gaps(robot, model), &mut missing),
         ] {
             list.extend(
-                found
+                sentences
                     .into_iter()
                     .map(|what| format!("{}: {what}", robot.name)),
             );
         }
     }
     if recording.links.is_some() {
-        can.push("links: delay and loss of the messages between robots".to_owned());
+        can_judge.push("links: delay and loss of the messages between robots".to_owned());
     }
     if recording.rtt.is_some() {
-        can.push("rtt: replay as link delay (links.trace)".to_owned());
+        can_judge.push("rtt: replay as link delay (links.trace)".to_owned());
     }
     if model.is_none() && !recording.robots.is_empty() {
         missing.push(
             "a robot model (--robot): without it no factors between wheels and pose".to_owned(),
         );
     }
-    (can, missing)
+    (can_judge, missing)
 }
 
-fn judged(robot: &Robot) -> Vec<String> {
-    let force = robot
+/// What the streams of a robot can be used for.
+fn uses(robot: &Robot) -> Vec<String> {
+    let commands_force = robot
         .command
         .as_ref()
         .is_some_and(|s| matches!(s.values, Command::Torque { .. } | Command::Voltage { .. }));
-    let speed = robot.command.is_some() && !force;
+    let commands_speed = robot.command.is_some() && !commands_force;
     let (wheels, pose) = (robot.wheels.is_some(), robot.pose.is_some());
     let gyro = robot
         .imu
         .as_ref()
         .is_some_and(|imu| imu.values.gz_rad_s.is_some());
-    let moves = wheels || pose || gyro || robot.odometry.is_some();
+    let has_motion = wheels || pose || gyro || robot.odometry.is_some();
     let rules: [(bool, &str); 7] = [
         (
-            force && moves,
+            commands_force && has_motion,
             "forces and drive train: friction, drag, motor, payload, slope",
         ),
         (
-            speed && moves,
+            commands_speed && has_motion,
             "how the drives follow their commands: lag, delay, gain, limits",
         ),
         (
@@ -79,14 +83,15 @@ fn judged(robot: &Robot) -> Vec<String> {
         .collect()
 }
 
-fn lacking(robot: &Robot, model: Option<&RobotModel>) -> Vec<String> {
-    let ticks = robot
+/// What a robot lacks.
+fn gaps(robot: &Robot, model: Option<&RobotModel>) -> Vec<String> {
+    let has_ticks = robot
         .wheels
         .as_ref()
         .is_some_and(|s| matches!(s.values, Wheels::Ticks { .. }));
-    let counts = robot.encoder_counts_per_rev.is_some()
+    let has_counts = robot.encoder_counts_per_rev.is_some()
         || model.is_some_and(|model| model.encoder.is_some());
-    let yaw = robot
+    let has_yaw = robot
         .pose
         .as_ref()
         .is_none_or(|pose| pose.values.yaw_rad.is_some());
@@ -105,11 +110,11 @@ fn lacking(robot: &Robot, model: Option<&RobotModel>) -> Vec<String> {
             "pose.csv: without it nothing about the floor but through a gyro",
         ),
         (
-            !yaw,
+            !has_yaw,
             "yaw_rad in pose.csv: sideways motion cannot be told from turning",
         ),
         (
-            ticks && !counts,
+            has_ticks && !has_counts,
             "encoder_counts_per_rev: ticks cannot be turned into angles",
         ),
         (

@@ -1,77 +1,96 @@
-//! The same motion as each source tells it, in windows of half a second or more.
+//! The motion of a robot according to each source, over time windows.
 //!
-//! Wheels and poses are differences over the window, so their noise averages out; rates are means
-//! over the rows in it. A source that says nothing in a window is NaN there.
+//! Wheel angles and poses enter as differences over a window, so that their noise averages out; rates
+//! enter as means of the rows in a window. A source without data in a window is NaN there.
 
 use std::f64::consts::TAU;
 
 use slipstream_bus::RobotModel;
 
-use crate::recording::{Command, Pose, Robot, Stream, Wheels};
+use super::resample::{interpolate, means, rates};
+use super::similarity::combine;
+use crate::recording::{Command, Pose, Robot, Stream, Wheels, unwrap_angles};
 
-/// Shortest window (s).
-const SHORTEST_S: f64 = 0.5;
-/// Most windows that a recording is cut into.
-const MOST: f64 = 20_000.0;
+/// Shortest window of [`windows`] (s).
+const MIN_WINDOW_S: f64 = 0.5;
+/// Largest number of windows.
+const MAX_WINDOWS: f64 = 20_000.0;
+/// A window has a direction of motion if it moves faster than this share of the fastest window.
+const MOVING_SHARE: f64 = 0.2;
 
-/// What every source says, window by window; each list as long as there are windows.
+/// The motion according to each source, one value per window. A list is empty without its source.
 #[derive(Debug, Default)]
 pub(super) struct Windows {
-    /// Forward speed by the pose (m/s).
+    /// Pose: forward speed (m/s).
     pub(super) pose_v: Vec<f64>,
-    /// Yaw rate by the pose (rad/s).
+    /// Pose: yaw rate (rad/s).
     pub(super) pose_w: Vec<f64>,
-    /// Speed of the right wheel: rad/s, or counts/s where a turn is unknown.
+    /// Right wheel: speed (rad/s, or counts/s if the counts per revolution are unknown).
     pub(super) wheel_right: Vec<f64>,
-    /// Speed of the left wheel, likewise.
+    /// Left wheel: speed, in the same unit.
     pub(super) wheel_left: Vec<f64>,
-    /// Yaw rate by the gyro (rad/s).
+    /// Gyro: yaw rate (rad/s).
     pub(super) gyro_w: Vec<f64>,
-    /// Forward speed by the odometry (m/s).
+    /// Odometry: forward speed (m/s).
     pub(super) odometry_v: Vec<f64>,
-    /// Commanded forward speed (m/s).
+    /// Command: forward speed (m/s).
     pub(super) command_v: Vec<f64>,
-    /// Commanded yaw rate (rad/s).
+    /// Command: yaw rate (rad/s).
     pub(super) command_w: Vec<f64>,
-    /// Commanded speed of the right wheel (rad/s).
+    /// Command: speed of the right wheel (rad/s).
     pub(super) command_right: Vec<f64>,
-    /// Commanded speed of the left wheel (rad/s).
+    /// Command: speed of the left wheel (rad/s).
     pub(super) command_left: Vec<f64>,
-    /// Torque (N m) or voltage (V) at the right wheel, as told.
+    /// Command: torque (N m) or voltage (V) of the right wheel.
     pub(super) drive_right: Vec<f64>,
-    /// Torque or voltage at the left wheel, likewise.
+    /// Command: torque (N m) or voltage (V) of the left wheel.
     pub(super) drive_left: Vec<f64>,
-    /// Whether the wheels are in radians.
+    /// Whether the wheel speeds are in rad/s.
     pub(super) wheels_in_rad: bool,
-    /// r (m) and b (m), where a model gives them.
+    /// Wheel radius r (m) and half track b (m), if a model gives them.
     pub(super) size_m: Option<[f64; 2]>,
-    /// By the pose: cosine of the angle from the heading to the direction of motion, the yaw taken
-    /// as radians and as degrees. NaN where it hardly moves.
+    /// Pose: cosine of the angle between heading and direction of motion, with the yaw read as
+    /// radians and as degrees. NaN in windows with little motion.
     pub(super) heading_cos: [Vec<f64>; 2],
 }
 
-/// Cuts a robot's recording into windows of half a second or more.
-pub(super) fn windows(robot: &Robot, model: Option<&RobotModel>) -> Windows {
-    let span_s = span(robot).map_or(0.0, |[start, end]| end - start);
-    cut(robot, model, SHORTEST_S.max(span_s / MOST))
+impl Windows {
+    /// Forward speed (m/s) and yaw rate (rad/s) according to the wheels; empty if the size of the
+    /// robot or the counts per revolution are unknown.
+    pub(super) fn wheel_twist(&self) -> (Vec<f64>, Vec<f64>) {
+        let Some([r, b]) = self.size_m.filter(|_| self.wheels_in_rad) else {
+            return (Vec::new(), Vec::new());
+        };
+        let (right, left) = (&self.wheel_right, &self.wheel_left);
+        (
+            combine(right, left, |right, left| r * (right + left) / 2.0),
+            combine(right, left, |right, left| r * (right - left) / (2.0 * b)),
+        )
+    }
 }
 
-/// Cuts a robot's recording into windows of this length (s).
-pub(super) fn cut(robot: &Robot, model: Option<&RobotModel>, window_s: f64) -> Windows {
+/// The motion over windows of half a second; longer ones for very long recordings.
+pub(super) fn windows(robot: &Robot, model: Option<&RobotModel>) -> Windows {
+    let duration_s = span(robot).map_or(0.0, |[start, end]| end - start);
+    windows_of(robot, model, MIN_WINDOW_S.max(duration_s / MAX_WINDOWS))
+}
+
+/// The motion over windows of this length (s).
+pub(super) fn windows_of(robot: &Robot, model: Option<&RobotModel>, window_s: f64) -> Windows {
     let edges = edges(robot, window_s);
     let mut windows = Windows {
         size_m: model.map(|model| [model.robot.wheel_radius_m, model.robot.half_track_m]),
         ..Windows::default()
     };
     if let Some(pose) = &robot.pose {
-        of_pose(pose, &edges, &mut windows);
+        add_pose(pose, &edges, &mut windows);
     }
     if let Some(wheels) = &robot.wheels {
-        let model = model.and_then(|model| model.encoder.as_ref());
-        let counts = robot
+        let encoder = model.and_then(|model| model.encoder.as_ref());
+        let counts_per_rev = robot
             .encoder_counts_per_rev
-            .or(model.map(|e| e.counts_per_rev));
-        of_wheels(wheels, counts, &edges, &mut windows);
+            .or(encoder.map(|encoder| encoder.counts_per_rev));
+        add_wheels(wheels, counts_per_rev, &edges, &mut windows);
     }
     if let Some(imu) = &robot.imu
         && let Some(gz) = &imu.values.gz_rad_s
@@ -82,35 +101,12 @@ pub(super) fn cut(robot: &Robot, model: Option<&RobotModel>, window_s: f64) -> W
         windows.odometry_v = means(&odometry.t_s, &odometry.values.v_m_s, &edges);
     }
     if let Some(command) = &robot.command {
-        let mean = |cells: &Vec<f64>| means(&command.t_s, cells, &edges);
-        match &command.values {
-            Command::Twist { v_m_s, w_rad_s } => {
-                (windows.command_v, windows.command_w) = (mean(v_m_s), mean(w_rad_s));
-            }
-            Command::WheelSpeed {
-                right_rad_s,
-                left_rad_s,
-            } => {
-                windows.command_right = mean(right_rad_s);
-                windows.command_left = mean(left_rad_s);
-            }
-            Command::Torque {
-                right_nm: right,
-                left_nm: left,
-            }
-            | Command::Voltage {
-                right_v: right,
-                left_v: left,
-            } => {
-                windows.drive_right = mean(right);
-                windows.drive_left = mean(left);
-            }
-        }
+        add_command(command, &edges, &mut windows);
     }
     windows
 }
 
-/// First and last time (s) of the streams that tell a motion.
+/// First and last time (s) of the streams that describe the motion.
 fn span(robot: &Robot) -> Option<[f64; 2]> {
     let times = [
         robot.pose.as_ref().map(|s| &s.t_s),
@@ -129,74 +125,31 @@ fn span(robot: &Robot) -> Option<[f64; 2]> {
     Some([start, end])
 }
 
-/// The windows' borders (s), over the whole recording, no more than [`MOST`] windows.
+/// The edges of the windows (s), over the whole recording but at most [`MAX_WINDOWS`] windows.
 fn edges(robot: &Robot, window_s: f64) -> Vec<f64> {
     let Some([start, end]) = span(robot).filter(|[start, end]| end > start) else {
         return Vec::new();
     };
-    let count = ((end - start) / window_s).floor().min(MOST) as usize;
+    let count = ((end - start) / window_s).floor().min(MAX_WINDOWS) as usize;
     (0..=count).map(|i| start + i as f64 * window_s).collect()
 }
 
-/// A straight line between the samples around `t_s`; NaN outside, and across pauses of a second.
-fn at(times: &[f64], values: &[f64], t_s: f64) -> f64 {
-    let after = times.partition_point(|time| *time < t_s);
-    let sample = |i: usize| times.get(i).copied().zip(values.get(i).copied());
-    let Some((t_b, b)) = sample(after) else {
-        return f64::NAN;
-    };
-    if t_b == t_s {
-        return b;
-    }
-    match after.checked_sub(1).and_then(sample) {
-        Some((t_a, a)) if t_b - t_a <= 1.0 => a + (b - a) * (t_s - t_a) / (t_b - t_a),
-        _ => f64::NAN,
-    }
-}
-
-/// The rate of change over each window.
-fn rates(times: &[f64], values: &[f64], edges: &[f64]) -> Vec<f64> {
-    let pairs = edges.iter().zip(edges.iter().skip(1));
-    pairs
-        .map(|(a, b)| (at(times, values, *b) - at(times, values, *a)) / (b - a))
-        .collect()
-}
-
-/// The mean of the rows in each window; without rows what holds from before, if not over a second
-/// old.
-fn means(times: &[f64], values: &[f64], edges: &[f64]) -> Vec<f64> {
-    let pairs = edges.iter().zip(edges.iter().skip(1));
-    pairs
-        .map(|(a, b)| {
-            let from = times.partition_point(|time| time < a);
-            let to = times.partition_point(|time| time < b);
-            let rows = values.get(from..to).unwrap_or_default();
-            let seen: Vec<f64> = rows.iter().copied().filter(|v| !v.is_nan()).collect();
-            if !seen.is_empty() {
-                return seen.iter().sum::<f64>() / seen.len() as f64;
-            }
-            let before = from.checked_sub(1);
-            let held = before.and_then(|i| times.get(i).zip(values.get(i)));
-            held.filter(|(time, _)| a - **time <= 1.0)
-                .map_or(f64::NAN, |(_, value)| *value)
-        })
-        .collect()
-}
-
-fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
+fn add_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
     let Pose { x_m, y_m, yaw_rad } = &pose.values;
     let vx = rates(&pose.t_s, x_m, edges);
     let vy = rates(&pose.t_s, y_m, edges);
     let Some(yaw) = yaw_rad else {
         return;
     };
-    let unwrapped = unwrap(yaw);
+    let unwrapped = unwrap_angles(yaw);
     windows.pose_w = rates(&pose.t_s, &unwrapped, edges);
     let middles = edges
         .iter()
         .zip(edges.iter().skip(1))
-        .map(|(a, b)| (a + b) / 2.0);
-    let headings: Vec<f64> = middles.map(|t_s| at(&pose.t_s, &unwrapped, t_s)).collect();
+        .map(|(start, end)| (start + end) / 2.0);
+    let headings: Vec<f64> = middles
+        .map(|t_s| interpolate(&pose.t_s, &unwrapped, t_s))
+        .collect();
     let along = |heading: f64, (x, y): (&f64, &f64)| x * heading.cos() + y * heading.sin();
     let velocities = || vx.iter().zip(&vy);
     windows.pose_v = headings
@@ -204,15 +157,14 @@ fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
         .zip(velocities())
         .map(|(heading, v)| along(*heading, v))
         .collect();
-    // A window's direction of motion counts where it moves by more than a fifth of its fastest.
     let fastest = velocities().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
     for (cosines, unit) in windows.heading_cos.iter_mut().zip([1.0, TAU / 360.0]) {
-        let pairs = headings.iter().zip(velocities());
-        *cosines = pairs
+        *cosines = headings
+            .iter()
+            .zip(velocities())
             .map(|(heading, (x, y))| {
                 let speed = x.hypot(*y);
-                let moves = speed > 0.2 * fastest;
-                if moves {
+                if speed > MOVING_SHARE * fastest {
                     along(heading * unit, (x, y)) / speed
                 } else {
                     f64::NAN
@@ -222,25 +174,7 @@ fn of_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
     }
 }
 
-/// The heading without jumps of a whole turn. Empty cells stay empty.
-pub(crate) fn unwrap(yaw: &[f64]) -> Vec<f64> {
-    let mut last = f64::NAN;
-    let mut turns = 0.0;
-    yaw.iter()
-        .map(|yaw| {
-            if yaw.is_nan() {
-                return f64::NAN;
-            }
-            if !last.is_nan() {
-                turns -= ((yaw - last) / TAU).round();
-            }
-            last = *yaw;
-            yaw + turns * TAU
-        })
-        .collect()
-}
-
-fn of_wheels(
+fn add_wheels(
     wheels: &Stream<Wheels>,
     counts_per_rev: Option<u32>,
     edges: &[f64],
@@ -251,14 +185,14 @@ fn of_wheels(
         Wheels::Ticks { right, left } => {
             windows.wheels_in_rad = counts_per_rev.is_some();
             let rad_per_count = counts_per_rev.map_or(1.0, |counts| TAU / f64::from(counts));
-            let angle = |counts: &[Option<i64>]| -> Vec<f64> {
+            let angles = |counts: &[Option<i64>]| -> Vec<f64> {
                 let angle = |count: i64| count as f64 * rad_per_count;
                 counts
                     .iter()
                     .map(|count| count.map_or(f64::NAN, angle))
                     .collect()
             };
-            let rate = |counts| rates(&wheels.t_s, &angle(counts), edges);
+            let rate = |counts| rates(&wheels.t_s, &angles(counts), edges);
             (rate(right), rate(left))
         }
         Wheels::Angle {
@@ -278,36 +212,29 @@ fn of_wheels(
     };
 }
 
-/// How two lists go together, over the windows in which both say something.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Agreement {
-    /// Cosine between them: 1 the same up to a factor, -1 opposite, 0 unrelated.
-    pub(super) cosine: f64,
-    /// The factor from the second to the first (least squares).
-    pub(super) factor: f64,
-}
-
-/// Compares two lists; `None` where fewer than ten windows have both, or one of them rests.
-pub(super) fn agreement(a: &[f64], b: &[f64]) -> Option<Agreement> {
-    let (mut aa, mut ab, mut bb, mut n) = (0.0, 0.0, 0.0, 0);
-    for (a, b) in a.iter().zip(b) {
-        if a.is_finite() && b.is_finite() {
-            aa += a * a;
-            ab += a * b;
-            bb += b * b;
-            n += 1;
+fn add_command(command: &Stream<Command>, edges: &[f64], windows: &mut Windows) {
+    let mean = |cells: &[f64]| means(&command.t_s, cells, edges);
+    match &command.values {
+        Command::Twist { v_m_s, w_rad_s } => {
+            (windows.command_v, windows.command_w) = (mean(v_m_s), mean(w_rad_s));
+        }
+        Command::WheelSpeed {
+            right_rad_s,
+            left_rad_s,
+        } => {
+            windows.command_right = mean(right_rad_s);
+            windows.command_left = mean(left_rad_s);
+        }
+        Command::Torque {
+            right_nm: right,
+            left_nm: left,
+        }
+        | Command::Voltage {
+            right_v: right,
+            left_v: left,
+        } => {
+            windows.drive_right = mean(right);
+            windows.drive_left = mean(left);
         }
     }
-    if n < 10 || aa <= 0.0 || bb <= 0.0 {
-        return None;
-    }
-    Some(Agreement {
-        cosine: ab / (aa * bb).sqrt(),
-        factor: ab / bb,
-    })
-}
-
-/// Sum or difference of two lists, item by item.
-pub(super) fn combine(a: &[f64], b: &[f64], combine: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| combine(*a, *b)).collect()
 }

@@ -1,32 +1,31 @@
-//! Torques or voltages against what the wheels do after them: swapped, reversed, in mN m.
+//! Torque or voltage commands against the acceleration of the wheels: swapped, reversed, in mN m.
 
 use slipstream_bus::RobotModel;
 
-use super::motion::{Windows, agreement, combine, cut};
-use super::{Finding, Severity};
+use super::motion::{Windows, windows_of};
+use super::report::{Finding, Severity};
+use super::similarity::{combine, cosine, similarity};
 use crate::recording::{Command, Robot};
 
-/// From here on two lists say the same (cosine).
-const SAME: f64 = 0.7;
-/// The same for what slip disturbs, beside a sum that says it.
-const CLEAR: f64 = 0.4;
-/// Torque over inertia times acceleration, from where on it is in mN m. Friction asks for more torque
-/// than inertia does, but not for hundreds of times as much.
-const MILLI: [f64; 2] = [300.0, 3000.0];
-
-/// Length of the windows (s): short enough for what a command changes to be seen.
+/// Smallest cosine similarity at which command and acceleration count as the same.
+const SAME_MOTION: f64 = 0.7;
+/// The same for the difference of the wheels, which slip disturbs, if the sum is clear.
+const SAME_TURNING: f64 = 0.4;
+/// Range of command over (inertia times acceleration) in which the torque is in mN m. Friction can
+/// raise the torque above what inertia needs, but not a hundredfold.
+const MILLI_RANGE: [f64; 2] = [300.0, 3000.0];
+/// Length of the windows (s): short enough to show the response to a command.
 const WINDOW_S: f64 = 0.2;
 
-/// Findings about the commands of torque or voltage.
-pub(super) fn of(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let windows = &cut(robot, model, WINDOW_S);
-    let [right, left] = [&windows.drive_right, &windows.drive_left].map(|drive| between(drive));
+/// Adds findings about torque and voltage commands.
+pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
+    let windows = &windows_of(robot, model, WINDOW_S);
+    let [right, left] = [&windows.drive_right, &windows.drive_left].map(|drive| means(drive));
     let [to_right, to_left] = [&windows.wheel_right, &windows.wheel_left].map(|w| changes(w));
-    let cosine = |a: &[f64], b: &[f64]| agreement(a, b).map(|a| a.cosine);
     let sum = |a: &[f64], b: &[f64]| combine(a, b, |a, b| a + b);
     let difference = |a: &[f64], b: &[f64]| combine(a, b, |a, b| a - b);
-    let (asked, turned) = (sum(&right, &left), sum(&to_right, &to_left));
-    let along = cosine(&asked, &turned);
+    let (command, response) = (sum(&right, &left), sum(&to_right, &to_left));
+    let along = cosine(&command, &response);
     let about = cosine(&difference(&right, &left), &difference(&to_right, &to_left));
     let (Some(along), Some(about)) = (along, about) else {
         return;
@@ -36,14 +35,14 @@ pub(super) fn of(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<F
         findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
     };
     let numbers = format!("(cosines of both together {along:.2}, of their difference {about:.2})");
-    if along < -SAME && about < -CLEAR {
+    if along < -SAME_MOTION && about < -SAME_TURNING {
         let statement = format!("the wheels speed up against their commands {numbers}");
         add(
             "opposite_signs",
             statement,
             "turn the sign of the wrong one",
         );
-    } else if along > SAME && about < -CLEAR {
+    } else if along > SAME_MOTION && about < -SAME_TURNING {
         let statement = format!("each wheel follows the other one's command {numbers}");
         add(
             "wheels_swapped",
@@ -51,8 +50,8 @@ pub(super) fn of(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<F
             "swap right and left in one of the two",
         );
     }
-    if let Some(ratio) = over_inertia(robot, model, windows, &asked, &turned)
-        && (MILLI[0]..MILLI[1]).contains(&ratio)
+    if let Some(ratio) = torque_over_inertia(robot, model, windows, &command, &response)
+        && (MILLI_RANGE[0]..MILLI_RANGE[1]).contains(&ratio)
     {
         let statement = format!(
             "the torques are {ratio:.0} times what the wheels' acceleration takes: they are in mN m"
@@ -61,23 +60,22 @@ pub(super) fn of(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<F
     }
 }
 
-/// Torque over what inertia asks for at the acceleration that was seen, where masses are known.
-fn over_inertia(
+/// Commanded torque over (inertia times measured acceleration), if the masses are known.
+fn torque_over_inertia(
     robot: &Robot,
     model: Option<&RobotModel>,
     windows: &Windows,
-    asked: &[f64],
-    turned: &[f64],
+    command: &[f64],
+    response: &[f64],
 ) -> Option<f64> {
     let body = &model.filter(|_| windows.wheels_in_rad)?.robot;
-    let command = robot.command.as_ref()?;
-    if !matches!(command.values, Command::Torque { .. }) {
+    if !matches!(robot.command.as_ref()?.values, Command::Torque { .. }) {
         return None;
     }
     let r = body.wheel_radius_m;
     let mass_kg = body.body_mass_kg? + 2.0 * body.wheel_mass_kg?;
     let inertia_kg_m2 = mass_kg * r * r / 2.0 + body.wheel_spin_inertia_kg_m2?;
-    let found = agreement(asked, turned).filter(|found| found.cosine > SAME)?;
+    let found = similarity(command, response).filter(|found| found.cosine > SAME_MOTION)?;
     Some(found.factor * WINDOW_S / inertia_kg_m2)
 }
 
@@ -88,7 +86,7 @@ fn changes(list: &[f64]) -> Vec<f64> {
 }
 
 /// The mean of each window and the next.
-fn between(list: &[f64]) -> Vec<f64> {
+fn means(list: &[f64]) -> Vec<f64> {
     let pairs = list.iter().zip(list.iter().skip(1));
     pairs.map(|(a, b)| (a + b) / 2.0).collect()
 }

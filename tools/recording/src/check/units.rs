@@ -1,24 +1,34 @@
-//! Degrees for radians, millimetres for metres: factors between sources of the same motion.
+//! Units: degrees instead of radians, millimetres or centimetres instead of metres.
+//!
+//! A wrong unit shows as a known factor between two sources of the same motion.
 
 use std::f64::consts::TAU;
 
-use super::motion::{Windows, agreement, combine, unwrap};
-use super::{Finding, Severity};
-use crate::recording::Robot;
+use super::motion::Windows;
+use super::report::{Finding, Severity};
+use super::similarity::similarity;
+use crate::recording::{Robot, unwrap_angles};
 
-/// Degrees in a radian.
+/// Degrees per radian.
 const DEGREES: f64 = 360.0 / TAU;
+/// Smallest cosine similarity at which the factor between two sources is judged.
+const MIN_SIMILARITY: f64 = 0.7;
+/// Largest deviation of the factor from a known one, as a natural logarithm (30 %).
+const MAX_LN_DEVIATION: f64 = 0.26;
+/// Fewest windows with motion that are needed to judge the yaw by the direction of motion.
+const MIN_MOVING_WINDOWS: usize = 10;
 
-/// Two sources of the same quantity, and what a factor between them would mean.
+/// Two sources of the same quantity.
 struct Pair<'a> {
     first: &'a str,
     a: &'a [f64],
     second: &'a str,
     b: &'a [f64],
-    /// Factor from second to first, what it means, what to do.
+    /// Known factors from the second source to the first, with their meaning.
     factors: &'a [(f64, &'a str)],
 }
 
+/// Known factors between forward speeds.
 const SPEEDS: [(f64, &str); 6] = [
     (1000.0, "the first is in mm, or the second in km"),
     (100.0, "the first is in cm"),
@@ -31,72 +41,20 @@ const SPEEDS: [(f64, &str); 6] = [
     (0.001, "the second is in mm"),
 ];
 
+/// Known factors between yaw rates.
 const TURNS: [(f64, &str); 2] = [
     (DEGREES, "the first is in degrees"),
     (1.0 / DEGREES, "the second is in degrees"),
 ];
 
-/// Findings about units.
-pub(super) fn of(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
-    let mut yaw_in_degrees = yaw_in_degrees(robot, windows);
-    let (wheels_v, wheels_w) = twist_of_wheels(windows);
-    let pair = |first, a, second, b, factors| Pair {
-        first,
-        a,
-        second,
-        b,
-        factors,
-    };
-    let mut pairs: Vec<Pair<'_>> = Vec::new();
-    if !yaw_in_degrees {
-        pairs.push(pair(
-            "pose",
-            &windows.pose_v,
-            "command",
-            &windows.command_v,
-            &SPEEDS,
-        ));
-        pairs.push(pair("pose", &windows.pose_v, "wheels", &wheels_v, &SPEEDS));
-        pairs.push(pair(
-            "pose",
-            &windows.pose_v,
-            "odometry",
-            &windows.odometry_v,
-            &SPEEDS,
-        ));
-        pairs.push(pair(
-            "pose",
-            &windows.pose_w,
-            "gyro",
-            &windows.gyro_w,
-            &TURNS,
-        ));
-        pairs.push(pair("pose", &windows.pose_w, "wheels", &wheels_w, &TURNS));
-        pairs.push(pair(
-            "pose",
-            &windows.pose_w,
-            "command",
-            &windows.command_w,
-            &TURNS,
-        ));
-    }
-    pairs.push(pair(
-        "wheels",
-        &wheels_v,
-        "command",
-        &windows.command_v,
-        &SPEEDS,
-    ));
-    pairs.push(pair("gyro", &windows.gyro_w, "wheels", &wheels_w, &TURNS));
-    pairs.push(pair(
-        "gyro",
-        &windows.gyro_w,
-        "command",
-        &windows.command_w,
-        &TURNS,
-    ));
-    for pair in pairs {
-        if let Some(finding) = factor(&robot.name, &pair) {
+/// Adds findings about units.
+pub(super) fn check(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
+    let mut yaw_in_degrees = yaw_is_in_degrees(robot, windows);
+    let (wheels_v, wheels_w) = windows.wheel_twist();
+    // With a yaw in degrees, neither speed nor yaw rate of the pose means anything.
+    let with_pose = !yaw_in_degrees;
+    for pair in pairs(windows, &wheels_v, &wheels_w, with_pose) {
+        if let Some(finding) = known_factor(&robot.name, &pair) {
             yaw_in_degrees &= finding.id != "units";
             findings.push(finding);
         }
@@ -114,12 +72,60 @@ pub(super) fn of(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) 
     }
 }
 
-/// Whether the heading lies along the motion when read as degrees, and does not as radians; or
-/// jumps by 360 and never by a turn.
-fn yaw_in_degrees(robot: &Robot, windows: &Windows) -> bool {
+/// The pairs to compare, with or without the pose.
+fn pairs<'a>(
+    windows: &'a Windows,
+    wheels_v: &'a [f64],
+    wheels_w: &'a [f64],
+    with_pose: bool,
+) -> impl Iterator<Item = Pair<'a>> {
+    let Windows {
+        pose_v,
+        pose_w,
+        gyro_w,
+        odometry_v,
+        command_v,
+        command_w,
+        ..
+    } = windows;
+    let speeds = |first, a, second, b| Pair {
+        first,
+        a,
+        second,
+        b,
+        factors: &SPEEDS,
+    };
+    let turns = |first, a, second, b| Pair {
+        first,
+        a,
+        second,
+        b,
+        factors: &TURNS,
+    };
+    let of_pose = [
+        speeds("pose", pose_v, "command", command_v),
+        speeds("pose", pose_v, "wheels", wheels_v),
+        speeds("pose", pose_v, "odometry", odometry_v),
+        turns("pose", pose_w, "gyro", gyro_w),
+        turns("pose", pose_w, "wheels", wheels_w),
+        turns("pose", pose_w, "command", command_w),
+    ];
+    let others = [
+        speeds("wheels", wheels_v, "command", command_v),
+        turns("gyro", gyro_w, "wheels", wheels_w),
+        turns("gyro", gyro_w, "command", command_w),
+    ];
+    let of_pose = of_pose.into_iter().filter(move |_| with_pose);
+    of_pose.chain(others)
+}
+
+/// Whether the yaw is in degrees: it points along the motion when read as degrees and not when read as
+/// radians, or it jumps by 360 and is larger than a turn.
+fn yaw_is_in_degrees(robot: &Robot, windows: &Windows) -> bool {
     let mean = |cosines: &[f64]| {
-        let seen: Vec<f64> = cosines.iter().copied().filter(|c| c.is_finite()).collect();
-        (seen.len() >= 10).then(|| (seen.iter().sum::<f64>() / seen.len() as f64).abs())
+        let known: Vec<f64> = cosines.iter().copied().filter(|c| c.is_finite()).collect();
+        (known.len() >= MIN_MOVING_WINDOWS)
+            .then(|| (known.iter().sum::<f64>() / known.len() as f64).abs())
     };
     let yaw = robot
         .pose
@@ -128,13 +134,13 @@ fn yaw_in_degrees(robot: &Robot, windows: &Windows) -> bool {
     let Some(yaw) = yaw else {
         return false;
     };
-    // Radians of a few turns are possible, but then they grow without jumps.
+    // A yaw in radians may exceed a turn, but then it has no jumps of 360.
     let steps = yaw
         .iter()
         .zip(yaw.iter().skip(1))
         .map(|(a, b)| (b - a).abs());
     let jumps = steps.filter(|step| (350.0..370.0).contains(step)).count();
-    let largest = unwrap(yaw)
+    let largest = unwrap_angles(yaw)
         .iter()
         .chain(yaw)
         .fold(0.0_f64, |a, b| a.max(b.abs()));
@@ -143,27 +149,15 @@ fn yaw_in_degrees(robot: &Robot, windows: &Windows) -> bool {
     largest > TAU && (along || jumps > 0)
 }
 
-/// Forward speed and yaw rate by the wheels, where their size is known.
-pub(super) fn twist_of_wheels(windows: &Windows) -> (Vec<f64>, Vec<f64>) {
-    let Some([r, b]) = windows.size_m.filter(|_| windows.wheels_in_rad) else {
-        return (Vec::new(), Vec::new());
-    };
-    let (right, left) = (&windows.wheel_right, &windows.wheel_left);
-    (
-        combine(right, left, |right, left| r * (right + left) / 2.0),
-        combine(right, left, |right, left| r * (right - left) / (2.0 * b)),
-    )
-}
-
-/// A finding where the two are the same up to one of the known factors, within 30 %.
-fn factor(robot: &str, pair: &Pair<'_>) -> Option<Finding> {
-    let agreement = agreement(pair.a, pair.b)?;
-    if agreement.cosine.abs() < 0.7 {
+/// A finding if the two sources are equal up to a known factor.
+fn known_factor(robot: &str, pair: &Pair<'_>) -> Option<Finding> {
+    let similarity = similarity(pair.a, pair.b)?;
+    if similarity.cosine.abs() < MIN_SIMILARITY {
         return None;
     }
-    let size = agreement.factor.abs();
-    let near = |known: f64| (size / known).ln().abs() < 0.26;
-    let (_, meaning) = pair.factors.iter().find(|(known, _)| near(*known))?;
+    let size = similarity.factor.abs();
+    let is_near = |known: f64| (size / known).ln().abs() < MAX_LN_DEVIATION;
+    let (_, meaning) = pair.factors.iter().find(|(known, _)| is_near(*known))?;
     let (first, second) = (pair.first, pair.second);
     let meaning = meaning
         .replace("the first", first)

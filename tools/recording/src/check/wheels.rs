@@ -1,50 +1,57 @@
-//! Swapped or reversed wheels, and a pose or command that runs the other way.
+//! Sides and signs: swapped or reversed wheels, and sources with opposite signs.
 
-use super::motion::{Windows, agreement, combine};
-use super::{Finding, Severity};
+use super::motion::Windows;
+use super::report::{Finding, Severity};
+use super::similarity::{combine, cosine};
 use crate::recording::Robot;
 
-/// From here on two lists say the same (cosine).
-const SAME: f64 = 0.7;
+/// Smallest cosine similarity at which two sources count as the same motion.
+const SAME_MOTION: f64 = 0.7;
+/// By how much each wheel's similarity with the command of the other wheel must exceed that with its
+/// own.
+const CROSSED_MARGIN: f64 = 0.2;
 
-/// Who says how the robot moves, most trusted first.
-struct Witness<'a> {
+/// A source of the robot's speed and yaw rate.
+struct Reference<'a> {
     name: &'static str,
     v: &'a [f64],
     w: &'a [f64],
 }
 
-/// Findings about sides and signs.
-pub(super) fn of(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
+/// Severity, id, statement and remedy of a finding.
+type Verdict = (Severity, &'static str, String, &'static str);
+
+/// Adds findings about sides and signs.
+pub(super) fn check(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
     let mut add = |(severity, id, statement, remedy): Verdict| {
         findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
     };
-    let witnesses = [
-        Witness {
+    let references = [
+        Reference {
             name: "pose",
             v: &windows.pose_v,
             w: &windows.pose_w,
         },
-        Witness {
+        Reference {
             name: "command",
             v: &windows.command_v,
             w: &windows.command_w,
         },
-        Witness {
+        Reference {
             name: "odometry and gyro",
             v: &windows.odometry_v,
             w: &windows.gyro_w,
         },
     ];
-    witnesses
+    references
         .iter()
-        .filter_map(|witness| sides(windows, witness))
+        .filter_map(|reference| sides(windows, reference))
         .for_each(&mut add);
     opposite_signs(windows).into_iter().for_each(&mut add);
     crossed_commands(windows).into_iter().for_each(&mut add);
 }
 
-/// Sources of the same quantity that run against each other.
+/// Sources of the same quantity with opposite signs.
 fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
     let Windows {
         pose_v,
@@ -78,7 +85,7 @@ fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
             "left wheel's speeds",
         ),
     ];
-    let against = |a: &[f64], b: &[f64]| agreement(a, b).is_some_and(|a| a.cosine < -SAME);
+    let are_opposite = |a: &[f64], b: &[f64]| cosine(a, b).is_some_and(|c| c < -SAME_MOTION);
     let verdict = |first: &str, second: &str, what: &str| {
         let statement = format!("{first} and {second} have opposite {what}");
         let remedy = "turn the sign of the wrong one";
@@ -86,40 +93,36 @@ fn opposite_signs(windows: &Windows) -> Vec<Verdict> {
     };
     pairs
         .iter()
-        .filter(|(_, a, _, b, _)| against(a, b))
+        .filter(|(_, a, _, b, _)| are_opposite(a, b))
         .map(|(first, _, second, _, what)| verdict(first, second, what))
         .collect()
 }
 
-/// Each wheel follows the other one's command clearly better than its own.
+/// Whether each wheel follows the command of the other wheel clearly better than its own.
 fn crossed_commands(windows: &Windows) -> Option<Verdict> {
-    let follows = |a: &[f64], b: &[f64]| agreement(a, b).map_or(0.0, |a| a.cosine);
+    let follows = |a: &[f64], b: &[f64]| cosine(a, b).unwrap_or(0.0);
     let (right, left) = (&windows.wheel_right, &windows.wheel_left);
-    let (to_right, to_left) = (&windows.command_right, &windows.command_left);
-    let straight = follows(right, to_right).min(follows(left, to_left));
-    let crossed = follows(right, to_left).min(follows(left, to_right));
-    (crossed > (straight + 0.2).max(SAME)).then(|| {
+    let (command_right, command_left) = (&windows.command_right, &windows.command_left);
+    let straight = follows(right, command_right).min(follows(left, command_left));
+    let crossed = follows(right, command_left).min(follows(left, command_right));
+    (crossed > (straight + CROSSED_MARGIN).max(SAME_MOTION)).then(|| {
         let statement = "each wheel follows the other one's command".to_owned();
         let remedy = "swap right and left in one of the two";
         (Severity::Error, "wheels_swapped", statement, remedy)
     })
 }
 
-/// Severity, id, statement and remedy.
-type Verdict = (Severity, &'static str, String, &'static str);
-
-/// How the wheels' sum and difference go with the witness's speed and yaw rate.
-fn sides(windows: &Windows, witness: &Witness<'_>) -> Option<Verdict> {
+/// Compares sum and difference of the wheel speeds with speed and yaw rate of the reference.
+fn sides(windows: &Windows, reference: &Reference<'_>) -> Option<Verdict> {
     let sum = combine(&windows.wheel_right, &windows.wheel_left, |r, l| r + l);
     let difference = combine(&windows.wheel_right, &windows.wheel_left, |r, l| r - l);
-    let cosine = |a: &[f64], b: &[f64]| agreement(a, b).map(|a| a.cosine);
-    let sum_v = cosine(&sum, witness.v)?;
-    let difference_w = cosine(&difference, witness.w)?;
-    let sum_w = cosine(&sum, witness.w)?;
-    let difference_v = cosine(&difference, witness.v)?;
-    let name = witness.name;
+    let sum_v = cosine(&sum, reference.v)?;
+    let difference_w = cosine(&difference, reference.w)?;
+    let sum_w = cosine(&sum, reference.w)?;
+    let difference_v = cosine(&difference, reference.v)?;
+    let name = reference.name;
     let numbers = format!("(cosines with the {name}: speed {sum_v:.2}, turning {difference_w:.2})");
-    if sum_w.abs() > SAME && difference_v.abs() > SAME && sum_v.abs() < sum_w.abs() {
+    if sum_w.abs() > SAME_MOTION && difference_v.abs() > SAME_MOTION && sum_v.abs() < sum_w.abs() {
         let side = if difference_v > 0.0 { "left" } else { "right" };
         let statement = format!("the {side} wheel counts backwards {numbers}");
         return Some((
@@ -130,26 +133,26 @@ fn sides(windows: &Windows, witness: &Witness<'_>) -> Option<Verdict> {
         ));
     }
     let (severity, id, what, remedy) = match (sum_v, difference_w) {
-        (v, w) if v < -SAME && w < -SAME => (
+        (v, w) if v < -SAME_MOTION && w < -SAME_MOTION => (
             Severity::Error,
             "wheels_reversed",
             "both wheels count backwards".to_owned(),
             "turn the sign of both wheels",
         ),
-        (v, w) if v > SAME && w < -SAME => (
+        (v, w) if v > SAME_MOTION && w < -SAME_MOTION => (
             Severity::Error,
             "wheels_swapped",
             "right and left wheel are swapped, or yaw is clockwise".to_owned(),
             "swap the wheels' columns; if the gyro agrees with the wheels, turn the yaw's sign",
         ),
-        (v, w) if v < -SAME && w > SAME => (
+        (v, w) if v < -SAME_MOTION && w > SAME_MOTION => (
             Severity::Error,
             "wheels_swapped_and_reversed",
             "the wheels are swapped and count backwards, or the heading points to the back"
                 .to_owned(),
             "swap the wheels and turn their signs, or turn the yaw by half a turn",
         ),
-        (v, w) if v.abs() < SAME && w.abs() < SAME => (
+        (v, w) if v.abs() < SAME_MOTION && w.abs() < SAME_MOTION => (
             Severity::Note,
             "sides_unclear",
             format!("wheels and {name} tell different motions"),

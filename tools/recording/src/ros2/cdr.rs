@@ -1,25 +1,25 @@
-//! CDR as ROS 2 puts it on the wire: four bytes that name the encoding, then the message.
+//! CDR (Common Data Representation) as ROS 2 uses it: four bytes name the encoding, then the message.
 
 use byteorder::{BigEndian, LittleEndian};
 use serde::{Deserialize, Serialize};
 
-/// Plain CDR, little endian, no options.
+/// Encapsulation header of plain CDR: little endian, no options.
 const LITTLE_ENDIAN: [u8; 4] = [0, 1, 0, 0];
 
-/// Replaces what is in `buffer` by the encoded message.
+/// Replaces the content of `buffer` by the encoded message.
 ///
 /// # Errors
-/// Only where the message has a shape that CDR does not know.
+/// If CDR cannot represent the message's type.
 pub(crate) fn encode<T: Serialize>(message: &T, buffer: &mut Vec<u8>) -> Result<(), String> {
     buffer.clear();
     buffer.extend_from_slice(&LITTLE_ENDIAN);
     cdr_encoding::to_writer::<T, LittleEndian, _>(buffer, message).map_err(|e| e.to_string())
 }
 
-/// Decodes a message of either byte order. Allocates no more than the message is long.
+/// Decodes a message of either byte order. Allocates no more than the message's length.
 ///
 /// # Errors
-/// What is wrong with the bytes.
+/// If the bytes are not a message of this type.
 pub(crate) fn decode<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
     let Some(([_, encoding, _, _], body)) = bytes.split_first_chunk() else {
         return Err("the message is shorter than its header".to_owned());

@@ -1,9 +1,11 @@
-//! Messages made of plain numbers: the same for a run and for an imported recording.
+//! ROS 2 messages composed from plain numbers, shared by recorded runs and imported recordings.
 
-use crate::ros2::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
-use crate::topics;
+use super::messages::{self as ros, Header, Pose, Quaternion, Time, Twist, Vector3};
 
-/// The head of a message stamped with this time (ns).
+/// Name of the frame in which poses are given.
+pub(crate) const WORLD: &str = "world";
+
+/// Header with this time stamp (ns).
 pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
     Header {
         stamp: Time::from_ns(t_ns),
@@ -11,10 +13,10 @@ pub(crate) fn header(t_ns: i64, frame_id: &str) -> Header<&str> {
     }
 }
 
-/// The names of the wheels' joints, in the order of every pair.
+/// Names of the wheel joints, [right, left].
 pub(crate) const JOINTS: [&str; 2] = ["wheel_right", "wheel_left"];
 
-/// A joint state of both wheels; a list that is empty says nothing.
+/// Joint state of both wheels: angles (rad), speeds (rad/s), torques (N m). A list may be empty.
 pub(crate) fn joint_state<'a>(
     t_ns: i64,
     position: &'a [f64],
@@ -30,14 +32,14 @@ pub(crate) fn joint_state<'a>(
     }
 }
 
-/// An IMU message. No orientation is measured, which ROS marks by a covariance of -1.
+/// IMU message. A covariance of -1 marks the orientation as not measured (ROS convention).
 pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu<&'static str> {
-    let mut unknown = [0.0; 9];
-    unknown[0] = -1.0;
+    let mut not_measured = [0.0; 9];
+    not_measured[0] = -1.0;
     ros::Imu {
         header: header(t_ns, ""),
         orientation: Quaternion::from_yaw(0.0),
-        orientation_covariance: unknown,
+        orientation_covariance: not_measured,
         angular_velocity: Vector3::new(0.0, 0.0, gz_rad_s),
         angular_velocity_covariance: [0.0; 9],
         linear_acceleration: Vector3::new(ax_m_s2, ay_m_s2, 0.0),
@@ -45,7 +47,7 @@ pub(crate) fn imu(t_ns: i64, [ax_m_s2, ay_m_s2, gz_rad_s]: [f64; 3]) -> ros::Imu
     }
 }
 
-/// A robot's pose in the world and its motion.
+/// A robot's pose in the world, and its velocity in the body frame.
 pub(crate) fn odometry(
     t_ns: i64,
     robot: &str,
@@ -53,7 +55,7 @@ pub(crate) fn odometry(
     twist: Twist,
 ) -> ros::Odometry<&str> {
     ros::Odometry {
-        header: header(t_ns, topics::WORLD),
+        header: header(t_ns, WORLD),
         child_frame_id: robot,
         pose: Pose::planar(x_m, y_m, yaw_rad),
         pose_covariance: [[0.0; 6]; 6],

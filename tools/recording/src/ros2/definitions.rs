@@ -1,4 +1,4 @@
-//! The definition texts (`.msg`) that are embedded in every file, so that any reader can decode it.
+//! Message definitions (`.msg` text), embedded in every file so that any reader can decode it.
 
 use std::fmt::Write as _;
 
@@ -23,7 +23,7 @@ pub(crate) enum MessageType {
 }
 
 impl MessageType {
-    /// The name that ROS 2 knows it by.
+    /// Name of the type in ROS 2.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::JointState => "sensor_msgs/msg/JointState",
@@ -44,7 +44,7 @@ impl MessageType {
         }
     }
 
-    /// Its definition and those of all types in it, as the encoding `ros2msg` wants them.
+    /// The definition of this type and of all types that it contains, in the `ros2msg` encoding.
     pub(crate) fn schema(self) -> String {
         let mut seen = vec![self.name().replace("/msg/", "/")];
         let mut text = String::new();
@@ -67,14 +67,14 @@ impl MessageType {
     }
 }
 
-/// The type that a line of a definition declares a field of, without list brackets.
+/// Type of the field that a line of a definition declares, without array brackets.
 fn type_of_field(line: &str) -> Option<&str> {
     let name = line.split_whitespace().next()?;
     let name = name.split('[').next()?;
     (!name.starts_with('#')).then_some(name)
 }
 
-/// The fields of each type. The standard ones as ROS 2 has them, without their comments.
+/// Fields of each type. The standard types are those of ROS 2, without comments.
 fn definition(name: &str) -> &'static str {
     match name {
         "builtin_interfaces/Time" => "int32 sec\nuint32 nanosec\n",
@@ -112,12 +112,12 @@ fn definition(name: &str) -> &'static str {
              geometry_msgs/PoseWithCovariance pose\ngeometry_msgs/TwistWithCovariance twist\n"
         }
         "tf2_msgs/TFMessage" => "geometry_msgs/TransformStamped[] transforms\n",
-        own => own_definition(own),
+        other => slipstream_definition(other),
     }
 }
 
-/// The fields of slipstream's own types, with what they mean.
-fn own_definition(name: &str) -> &'static str {
+/// Fields of the types that slipstream defines, with comments.
+fn slipstream_definition(name: &str) -> &'static str {
     match name {
         "slipstream_msgs/EncoderTicks" => {
             "# Signed cumulative encoder counts.\nstd_msgs/Header header\nint64 right\nint64 left\n"
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_schema_brings_every_type_it_needs_once() {
+    fn a_schema_contains_every_nested_type_once() {
         let schema = MessageType::Odometry.schema();
         for name in ["geometry_msgs/Vector3", "builtin_interfaces/Time"] {
             let head = format!("MSG: {name}\n");

@@ -1,5 +1,7 @@
-//! The messages' fields, as `definitions` names them. `S` is a text and `L<T>` a list: borrowed
-//! when written, owned when read.
+//! Fields of the ROS 2 messages, in the order of [`definitions`](super::definitions).
+//!
+//! Texts (`S`) and lists (`L`, `N`, `V`, `T`, `B`) are type parameters: borrowed when a message is
+//! written, owned when it is read.
 
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +44,7 @@ pub(crate) struct Twist {
     pub(crate) angular: Vector3,
 }
 
-/// Row by row as ROS lays its 36 numbers out.
+/// Covariance of six coordinates, row by row; ROS stores it as 36 numbers.
 pub(crate) type Covariance6 = [[f64; 6]; 6];
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -181,8 +183,8 @@ pub(crate) struct RoundTrip {
     pub(crate) rtt_ms: f64,
 }
 
-/// One row of a stream exactly as it was given: numbers (NaN where empty), and as text what is no
-/// number (counts, names, columns that the format does not know).
+/// One row of a stream without loss: numbers (NaN if empty), and as text everything else (counts,
+/// names, columns that the format does not define).
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Row<V, T> {
     pub(crate) t_s: f64,
@@ -191,7 +193,7 @@ pub(crate) struct Row<V, T> {
 }
 
 impl Time {
-    /// Nanoseconds as ROS splits them; times beyond its 32 bits of seconds stay at the border.
+    /// Nanoseconds split into seconds and nanoseconds. Seconds beyond 32 bits are clamped.
     pub(crate) fn from_ns(t_ns: i64) -> Self {
         let sec = t_ns.div_euclid(1_000_000_000);
         Self {
@@ -200,7 +202,7 @@ impl Time {
         }
     }
 
-    /// The nanoseconds again.
+    /// The time in nanoseconds.
     pub(crate) fn ns(self) -> i64 {
         i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec)
     }
@@ -213,7 +215,7 @@ impl Vector3 {
 }
 
 impl Quaternion {
-    /// A turn by `yaw_rad` about the vertical.
+    /// Rotation by `yaw_rad` about the vertical.
     pub(crate) fn from_yaw(yaw_rad: f64) -> Self {
         let (z, w) = (yaw_rad / 2.0).sin_cos();
         Self {
@@ -224,7 +226,7 @@ impl Quaternion {
         }
     }
 
-    /// The heading (rad), in [-pi, pi], of any turn.
+    /// Heading (rad) of any rotation, in [-π, π].
     pub(crate) fn yaw(self) -> f64 {
         let Self { x, y, z, w } = self;
         (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
@@ -232,7 +234,7 @@ impl Quaternion {
 }
 
 impl Pose {
-    /// A pose in the plane.
+    /// Pose in the plane.
     pub(crate) fn planar(x_m: f64, y_m: f64, yaw_rad: f64) -> Self {
         Self {
             position: Vector3::new(x_m, y_m, 0.0),
@@ -242,7 +244,7 @@ impl Pose {
 }
 
 impl Twist {
-    /// A motion in the plane: forward (m/s), to the left (m/s), counter-clockwise (rad/s).
+    /// Velocity in the plane: forward (m/s), to the left (m/s), counter-clockwise (rad/s).
     pub(crate) fn planar(forward_m_s: f64, left_m_s: f64, yaw_rate_rad_s: f64) -> Self {
         Self {
             linear: Vector3::new(forward_m_s, left_m_s, 0.0),
@@ -256,14 +258,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_before_the_start_keep_their_nanoseconds() {
+    fn negative_times_round_trip() {
         for t_ns in [0, 1, -1, 1_999_999_999, -2_000_000_001] {
             assert_eq!(Time::from_ns(t_ns).ns(), t_ns);
         }
     }
 
     #[test]
-    fn yaw_comes_back_wrapped() {
+    fn yaw_round_trips_up_to_whole_turns() {
         for yaw in [0.0, 1.0, -3.1, 3.0 + std::f64::consts::TAU] {
             let back = Quaternion::from_yaw(yaw).yaw();
             assert!(((yaw - back) / std::f64::consts::TAU).fract().abs() < 1e-12);

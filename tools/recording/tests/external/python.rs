@@ -1,15 +1,15 @@
-//! A Python environment with the packages that read and write our files without us.
+//! A Python environment with packages that read and write ROS 2 bags.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
 /// Folder of the scripts and of the list of packages.
-fn here() -> PathBuf {
+fn scripts() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/external")
 }
 
-/// Runs a command to its end; what it printed, or why not.
+/// Runs a command. Returns what it printed, or its errors.
 fn run(command: &mut Command) -> Result<String, String> {
     let output = command.output().map_err(|e| e.to_string())?;
     if output.status.success() {
@@ -18,18 +18,18 @@ fn run(command: &mut Command) -> Result<String, String> {
     Err(String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// The Python of an environment that has the packages. The tests of a file share it.
+/// The Python interpreter of the environment. The tests of a file share it.
 fn python() -> Result<PathBuf, String> {
     static PYTHON: OnceLock<Result<PathBuf, String>> = OnceLock::new();
     PYTHON.get_or_init(install).clone()
 }
 
-/// Makes the environment of this test's name where it is not there yet.
+/// Creates the environment of this test file if it does not exist yet.
 fn install() -> Result<PathBuf, String> {
     let name = concat!("python-", env!("CARGO_CRATE_NAME"));
     let environment = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let python = environment.join("bin/python");
-    let requirements = here().join("requirements.txt");
+    let requirements = scripts().join("requirements.txt");
     let wanted = std::fs::read_to_string(&requirements).map_err(|e| e.to_string())?;
     let installed = environment.join("installed.txt");
     if std::fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
@@ -45,8 +45,11 @@ fn install() -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// What a script prints about a file. `None`, said aloud, where there is no Python; on a build
-/// server (`CI` set) that is a failure.
+/// Runs a script on a file and returns what it printed; `None`, with a message, if there is no
+/// Python environment.
+///
+/// # Panics
+/// If the script fails, or if there is no Python environment and `CI` is set.
 pub(crate) fn script(name: &str, file: &Path) -> Option<String> {
     let python = match python() {
         Ok(python) => python,
@@ -56,7 +59,7 @@ pub(crate) fn script(name: &str, file: &Path) -> Option<String> {
         }
         Err(why) => panic!("no Python environment: {why}"),
     };
-    match run(Command::new(python).arg(here().join(name)).arg(file)) {
+    match run(Command::new(python).arg(scripts().join(name)).arg(file)) {
         Ok(printed) => Some(printed),
         Err(why) => panic!("{name}: {why}"),
     }

@@ -1,4 +1,4 @@
-"""Reads an MCAP file with programs not written here and prints what they see as JSON.
+"""Reads an MCAP file with other programs and prints its content as JSON.
 
 usage: read_bag.py FILE.mcap
 """
@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 
 
 def plain(value):
-    """The message as JSON knows it: objects, lists, numbers, texts."""
+    """The message as JSON values: objects, lists, numbers, strings."""
     if hasattr(value, "__slots__") and not isinstance(value, (str, bytes)):
         return {name.lstrip("_"): plain(getattr(value, name)) for name in value.__slots__}
     if isinstance(value, (bytes, bytearray)):

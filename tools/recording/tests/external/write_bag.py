@@ -1,4 +1,4 @@
-"""Writes a ROS 2 bag as another robot would, with programs not written here.
+"""Writes a ROS 2 bag as another robot would, with other programs.
 
 usage: write_bag.py FILE.mcap
 """
@@ -38,7 +38,7 @@ def write(path):
             header = {"stamp": stamp, "frame_id": "odom"}
             twist = {"linear": vector(0.5), "angular": vector(z=0.1)}
             pose = {"position": vector(0.025 * k, 1.0), "orientation": turn(0.005 * k)}
-            # A message without stamp: only the time of logging, 2 ms later.
+            # A message without stamp has only its log time, 2 ms later.
             put("/cmd_vel", "geometry_msgs/msg/Twist", t_ns + 2_000_000, twist)
             put(
                 "/odom",

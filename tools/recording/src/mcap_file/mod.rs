@@ -1,0 +1,12 @@
+//! Recordings as MCAP files in slipstream's own layout: reader, writer, and the trace of a run.
+
+mod reader;
+mod standard;
+mod stream_writer;
+mod trace;
+mod writer;
+
+pub use reader::read_mcap_from;
+pub(crate) use reader::read_own;
+pub use trace::{TraceFile, read_trace};
+pub use writer::{write_mcap, write_mcap_to};

@@ -1,0 +1,232 @@
+//! Reader of MCAP files that slipstream wrote. The channel metadata says which stream a channel holds.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
+use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
+use crate::error::{Result, Unusable};
+use crate::import::Import;
+use crate::recording::{Recording, is_robot_name};
+use crate::ros2::MessageType;
+use crate::ros2::time::s_from_ns;
+use crate::table::StreamKind;
+use crate::toml_files::{recording_toml, robot_toml};
+use crate::topics::{self, StreamMetadata};
+
+/// Reads an MCAP file that slipstream wrote, from any source of `size` bytes; it may be truncated or
+/// damaged. [`Import::warnings`] and [`Import::loss`] say what was lost. `path` is used in errors and
+/// for the recording's name only.
+///
+/// # Errors
+/// If it is not an MCAP file, if slipstream did not write it, or if its description is invalid.
+pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
+    let import = read_own(source, size, path)?;
+    let problem = "no channel says which stream it holds";
+    import.ok_or_else(|| Unusable::new(path, problem, "give a file that slipstream wrote").into())
+}
+
+/// As [`read_mcap_from`], but returns `None` for a bag that slipstream did not write.
+pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
+    let mut loader = Loader::default();
+    let loss = read_bag(source, size, path, &mut |item| loader.visit(item))?;
+    if !loader.is_own {
+        return Ok(None);
+    }
+    loader.finish(loss, path).map(Some)
+}
+
+/// Where the messages of a channel go. `rows` tells lossless rows from standard messages.
+#[derive(Debug, Clone, Copy)]
+enum Route {
+    /// Nowhere: another channel holds the same stream.
+    View,
+    /// Nowhere: [`Recording`] cannot represent them.
+    LeftOut,
+    /// To a robot's stream.
+    Stream { builder: usize, rows: bool },
+    /// To the position messages.
+    Links { rows: bool },
+    /// To the round trips.
+    RoundTrips { rows: bool },
+}
+
+/// The contents of a file as far as they have been read.
+#[derive(Debug, Default)]
+struct Loader {
+    /// Whether slipstream wrote the file.
+    is_own: bool,
+    /// Text of the attached `recording.toml`.
+    description: Option<String>,
+    /// Text of the attached `robot.toml`.
+    model: Option<String>,
+    /// By channel id.
+    routes: Vec<Route>,
+    streams: Vec<StreamBuilder>,
+    links: Option<LinksBuilder>,
+    round_trips: Option<RoundTripsBuilder>,
+    /// Number of messages that [`Recording`] cannot represent, by topic.
+    left_out: BTreeMap<String, u64>,
+    warnings: Vec<String>,
+}
+
+impl Loader {
+    fn visit(&mut self, item: Item<'_>) -> VisitResult {
+        match item {
+            Item::Channel { id, channel } => {
+                let route = self.route_of(channel);
+                let index = usize::from(id);
+                if self.routes.len() <= index {
+                    self.routes.resize(index + 1, Route::View);
+                }
+                if let Some(slot) = self.routes.get_mut(index) {
+                    *slot = route;
+                }
+            }
+            Item::Message {
+                id, channel, data, ..
+            } => return self.message(id, channel, data),
+            Item::Attachment { name, data } => {
+                let text = || String::from_utf8_lossy(data).into_owned();
+                match name {
+                    topics::DESCRIPTION => self.description = Some(text()),
+                    topics::MODEL => self.model = Some(text()),
+                    _ => {}
+                }
+            }
+            Item::Metadata { name } => self.is_own |= name == topics::FILE_METADATA,
+        }
+        Ok(())
+    }
+
+    fn message(&mut self, id: u16, channel: &Arc<ChannelInfo>, data: &[u8]) -> VisitResult {
+        let route = self.routes.get(usize::from(id)).copied();
+        match route.unwrap_or(Route::View) {
+            Route::View => Ok(()),
+            Route::LeftOut => {
+                // Not `entry`, which would allocate a key for every message.
+                match self.left_out.get_mut(&channel.topic) {
+                    Some(count) => *count += 1,
+                    None => {
+                        self.left_out.insert(channel.topic.clone(), 1);
+                    }
+                }
+                Ok(())
+            }
+            Route::Stream { builder, rows } => match self.streams.get_mut(builder) {
+                Some(stream) if rows => stream.push_row(data),
+                Some(stream) => {
+                    let t_s = |t_ns: Option<i64>| s_from_ns(t_ns.unwrap_or_default());
+                    stream.push_message(&channel.schema, data, t_s)
+                }
+                None => Ok(()),
+            },
+            Route::Links { rows } => match &mut self.links {
+                Some(links) if rows => links.push_row(data),
+                Some(links) => links.push_message(data),
+                None => Ok(()),
+            },
+            Route::RoundTrips { rows } => match &mut self.round_trips {
+                Some(trips) if rows => trips.push_row(data),
+                Some(trips) => trips.push_message(data),
+                None => Ok(()),
+            },
+        }
+    }
+
+    /// Decides where the messages of a new channel go.
+    fn route_of(&mut self, channel: &ChannelInfo) -> Route {
+        if topics::is_view(&channel.metadata) {
+            self.is_own = true;
+            return Route::View;
+        }
+        let Some(metadata) = StreamMetadata::from_map(&channel.metadata) else {
+            return Route::LeftOut;
+        };
+        self.is_own = true;
+        let rows = channel.schema == MessageType::Row.name();
+        match self.open(&metadata, rows) {
+            Ok(route) => route,
+            Err(problem) => {
+                let topic = &channel.topic;
+                self.warnings
+                    .push(format!("topic {topic}: {problem}; ignored"));
+                Route::LeftOut
+            }
+        }
+    }
+
+    /// Creates the builder of a stream.
+    fn open(
+        &mut self,
+        metadata: &StreamMetadata,
+        rows: bool,
+    ) -> std::result::Result<Route, String> {
+        match metadata.stream.as_str() {
+            topics::LINK_STREAM if self.links.is_none() => {
+                let with_velocity = metadata.columns.iter().any(|column| column == "v_m_s");
+                self.links = Some(LinksBuilder::new(with_velocity, &metadata.unknown));
+                Ok(Route::Links { rows })
+            }
+            topics::ROUND_TRIP_STREAM if self.round_trips.is_none() => {
+                self.round_trips = Some(RoundTripsBuilder::new(&metadata.unknown));
+                Ok(Route::RoundTrips { rows })
+            }
+            stream => {
+                let (robot, kind) = stream.rsplit_once('/').unwrap_or(("", stream));
+                let kind = StreamKind::from_name(kind).filter(|_| is_robot_name(robot));
+                let Some(kind) = kind else {
+                    return Err(format!(
+                        "holds the stream {stream}, which the format does not define"
+                    ));
+                };
+                let is_same = |s: &StreamBuilder| s.robot == robot && s.kind == kind;
+                if self.streams.iter().any(is_same) {
+                    return Err(format!("an earlier topic already holds {stream}"));
+                }
+                let stream = StreamBuilder::new(robot, kind, &metadata.columns, &metadata.unknown)?;
+                self.streams.push(stream);
+                Ok(Route::Stream {
+                    builder: self.streams.len() - 1,
+                    rows,
+                })
+            }
+        }
+    }
+
+    fn finish(mut self, loss: Loss, path: &Path) -> Result<Import> {
+        let mut warnings = std::mem::take(&mut self.warnings);
+        if loss.any() {
+            warnings.insert(0, format!("{}: {loss}", path.display()));
+        }
+        let stem = path.file_stem().map(|stem| stem.to_string_lossy());
+        let stem = stem.unwrap_or_default();
+        // In errors, an attachment is named as a file inside the MCAP file.
+        let mut recording = match &self.description {
+            Some(text) => recording_toml::parse(text, &path.join(topics::DESCRIPTION), &stem)?,
+            None => {
+                warnings.push(format!("{}: the description is missing", path.display()));
+                Recording {
+                    name: stem.into_owned(),
+                    ..Recording::default()
+                }
+            }
+        };
+        if let Some(text) = &self.model {
+            recording.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
+        }
+        for stream in self.streams {
+            stream.finish(&mut recording, &mut warnings);
+        }
+        recording.links = self.links.map(LinksBuilder::finish);
+        recording.rtt = self.round_trips.map(RoundTripsBuilder::finish);
+        Ok(Import {
+            recording,
+            warnings,
+            loss: Some(loss),
+            left_out: self.left_out,
+        })
+    }
+}

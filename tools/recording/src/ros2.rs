@@ -1,8 +1,0 @@
-//! The ROS 2 messages of a recording: their shape, their definition text and their CDR encoding.
-
-pub(crate) mod cdr;
-pub(crate) mod compose;
-pub(crate) mod definitions;
-pub(crate) mod messages;
-
-pub(crate) use definitions::MessageType;

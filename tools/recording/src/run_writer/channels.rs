@@ -1,0 +1,182 @@
+//! Channels of a run's file, each opened when its first message is written.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use crate::bag::{BagWriter, Channel};
+use crate::error::Result;
+use crate::ros2::MessageType;
+use crate::table::{LINK_COLUMNS, StreamKind};
+use crate::topics::{self, StreamMetadata, robot_topic};
+
+/// The topics of one robot.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum RobotTopic {
+    Command,
+    Encoders,
+    Wheels,
+    Camera,
+    Odometry,
+    Imu,
+    Truth,
+    Contact,
+}
+
+/// The topics that belong to no robot.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum SharedTopic {
+    TruePoses,
+    Positions,
+    Trace,
+    Events,
+}
+
+/// The channels that are open.
+#[derive(Debug)]
+pub(super) struct Channels {
+    robots: Vec<RobotChannels>,
+    /// By [`SharedTopic`].
+    shared: [Option<Channel>; 4],
+}
+
+#[derive(Debug, Clone)]
+struct RobotChannels {
+    name: String,
+    /// By [`RobotTopic`].
+    open: [Option<Channel>; 8],
+}
+
+impl RobotTopic {
+    /// Message type, last part of the topic, and the stream that slipstream reads from the channel
+    /// with its columns. Topics without a stream are for viewers.
+    fn definition(
+        self,
+    ) -> (
+        MessageType,
+        &'static str,
+        Option<(StreamKind, &'static str)>,
+    ) {
+        match self {
+            Self::Command => (
+                MessageType::JointState,
+                "command",
+                Some((StreamKind::Command, "torque_right_nm,torque_left_nm")),
+            ),
+            Self::Encoders => (
+                MessageType::EncoderTicks,
+                "encoder_ticks",
+                Some((StreamKind::Wheels, "ticks_right,ticks_left")),
+            ),
+            Self::Wheels => (MessageType::JointState, "joint_states", None),
+            Self::Camera => (
+                MessageType::PoseStamped,
+                "pose",
+                Some((StreamKind::Pose, "x_m,y_m,yaw_rad")),
+            ),
+            Self::Odometry => (
+                MessageType::Odometry,
+                "odometry",
+                Some((StreamKind::Odometry, "v_m_s,w_rad_s")),
+            ),
+            Self::Imu => (
+                MessageType::Imu,
+                "imu",
+                Some((StreamKind::Imu, "ax_m_s2,ay_m_s2,gz_rad_s")),
+            ),
+            Self::Truth => (MessageType::Odometry, "truth", None),
+            Self::Contact => (MessageType::Contact, "contact", None),
+        }
+    }
+}
+
+impl SharedTopic {
+    /// Message type and topic.
+    fn definition(self) -> (MessageType, &'static str) {
+        match self {
+            Self::TruePoses => (MessageType::TfMessage, topics::TF),
+            Self::Positions => (MessageType::PositionMessage, topics::LINKS),
+            Self::Trace => (MessageType::TraceEvent, topics::TRACE),
+            Self::Events => (MessageType::Event, topics::EVENTS),
+        }
+    }
+
+    /// Channel metadata.
+    fn metadata(self) -> BTreeMap<String, String> {
+        match self {
+            Self::Positions => StreamMetadata {
+                stream: topics::LINK_STREAM.to_owned(),
+                columns: LINK_COLUMNS
+                    .iter()
+                    .skip(1)
+                    .map(|&name| name.to_owned())
+                    .collect(),
+                unknown: Vec::new(),
+            }
+            .to_map(),
+            Self::TruePoses | Self::Trace | Self::Events => BTreeMap::new(),
+        }
+    }
+}
+
+impl Channels {
+    /// No open channels, for robots with these names.
+    pub(super) fn new(names: impl Iterator<Item = String>) -> Self {
+        let robots = names.map(|name| RobotChannels {
+            name,
+            open: [None; 8],
+        });
+        Self {
+            robots: robots.collect(),
+            shared: [None; 4],
+        }
+    }
+
+    /// Names of the robots, in order.
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.robots.iter().map(|robot| robot.name.as_str())
+    }
+
+    /// Name of a robot; empty if there is no such robot.
+    pub(super) fn name(&self, robot: usize) -> &str {
+        self.robots
+            .get(robot)
+            .map_or("", |robot| robot.name.as_str())
+    }
+
+    /// The channel of a robot's topic; `None` if there is no such robot.
+    pub(super) fn of_robot<W: Write>(
+        &mut self,
+        bag: &mut BagWriter<W>,
+        robot: usize,
+        topic: RobotTopic,
+    ) -> Result<Option<Channel>> {
+        let Some(RobotChannels { name, open }) = self.robots.get_mut(robot) else {
+            return Ok(None);
+        };
+        let slot = &mut open[topic as usize];
+        if slot.is_none() {
+            let (message_type, topic, stream) = topic.definition();
+            let metadata = stream
+                .map(|(kind, columns)| StreamMetadata::of_robot(name, kind, columns).to_map())
+                .unwrap_or_default();
+            *slot = Some(bag.channel(&robot_topic(name, topic), message_type, &metadata)?);
+        }
+        Ok(*slot)
+    }
+
+    /// The channel of a topic that belongs to no robot.
+    pub(super) fn shared<W: Write>(
+        &mut self,
+        bag: &mut BagWriter<W>,
+        topic: SharedTopic,
+    ) -> Result<Channel> {
+        let slot = &mut self.shared[topic as usize];
+        match slot {
+            Some(channel) => Ok(*channel),
+            None => {
+                let (message_type, name) = topic.definition();
+                Ok(*slot.insert(bag.channel(name, message_type, &topic.metadata())?))
+            }
+        }
+    }
+}

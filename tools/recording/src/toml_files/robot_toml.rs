@@ -1,0 +1,375 @@
+//! `robot.toml`: the nominal model of a robot, read strictly and written readably.
+//!
+//! ```
+//! use slipstream_recording::robot_toml;
+//!
+//! let text = "format = 1
+//! [robot]
+//! wheel_radius_m = 0.0365
+//! half_track_m = 0.105
+//! [encoder]
+//! counts_per_rev = 1856
+//! ";
+//! let model = robot_toml::parse(text, "robot.toml".as_ref())?;
+//! assert_eq!(model.robot.half_track_m, 0.105);
+//! assert_eq!(model.robot.body_mass_kg, None); // unknown: a kinematic model
+//! assert_eq!(robot_toml::to_text(&model), text);
+//!
+//! let error = robot_toml::parse("format = 1\n[robo]\n", "robot.toml".as_ref()).unwrap_err();
+//! assert_eq!(error.line, Some(2));
+//! # Ok::<(), slipstream_recording::Error>(())
+//! ```
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use slipstream_bus::{Body, EffectSpec, Encoder, Motor, Parameter, RobotModel};
+use toml::de::DeValue;
+
+use super::document::{Entry, Section, TomlFile, read_text};
+use crate::error::{Result, Unusable, write_error};
+
+/// Keys of the root table.
+const TOP_KEYS: [&str; 5] = ["format", "robot", "motor", "encoder", "effects"];
+/// Keys of `[robot]`, in the order of writing.
+const BODY_KEYS: [&str; 10] = [
+    "body_mass_kg",
+    "body_yaw_inertia_kg_m2",
+    "wheel_mass_kg",
+    "wheel_spin_inertia_kg_m2",
+    "wheel_yaw_inertia_kg_m2",
+    "wheel_radius_m",
+    "half_track_m",
+    "com_to_axle_m",
+    "com_to_caster_m",
+    "com_height_m",
+];
+/// Keys of `[motor]`, in the order of writing.
+const MOTOR_KEYS: [&str; 3] = [
+    "nominal_voltage_v",
+    "no_load_speed_rad_s",
+    "stall_torque_nm",
+];
+
+/// Reads a model from a file.
+///
+/// # Errors
+/// If the file cannot be read or is not TOML, if a key is unknown or missing, or if a value has the
+/// wrong type, is not finite or is physically impossible. The names of effects are not checked here;
+/// the simulator does that.
+pub fn read(path: &Path) -> Result<RobotModel> {
+    Ok(parse(&read_text(path)?, path)?)
+}
+
+/// Parses the text of a model. `path` is used in errors only.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusable> {
+    let file = TomlFile { path, text };
+    let table = file.parse()?;
+    let root = file.root(&table);
+    root.require_format_1()?;
+    root.allow_only(&TOP_KEYS)?;
+    let body = root.require("robot")?.section()?;
+    let model = RobotModel {
+        robot: parse_body(&body)?,
+        motor: root
+            .section("motor")?
+            .map(|s| parse_motor(&s))
+            .transpose()?,
+        encoder: root
+            .section("encoder")?
+            .map(|s| parse_encoder(&s))
+            .transpose()?,
+        effects: match root.section("effects")? {
+            Some(section) => parse_effects(&section)?,
+            None => Vec::new(),
+        },
+    };
+    model.validate().map_err(|error| with_line(&root, &error))?;
+    Ok(model)
+}
+
+/// Adds the line of the key to an error of [`RobotModel::validate`].
+fn with_line(root: &Section<'_>, error: &slipstream_bus::InputError) -> Unusable {
+    let entry = error.place.split_once('.').and_then(|(table, key)| {
+        let section = root.section(table).ok()??;
+        section.get(key)
+    });
+    match entry {
+        Some(entry) => entry.error(&error.problem, &error.remedy),
+        None => root.error(format!("{} {}", error.place, error.problem), &error.remedy),
+    }
+}
+
+fn parse_body(section: &Section<'_>) -> std::result::Result<Body, Unusable> {
+    section.allow_only(&BODY_KEYS)?;
+    Ok(Body {
+        body_mass_kg: section.number("body_mass_kg")?,
+        body_yaw_inertia_kg_m2: section.number("body_yaw_inertia_kg_m2")?,
+        wheel_mass_kg: section.number("wheel_mass_kg")?,
+        wheel_spin_inertia_kg_m2: section.number("wheel_spin_inertia_kg_m2")?,
+        wheel_yaw_inertia_kg_m2: section.number("wheel_yaw_inertia_kg_m2")?,
+        wheel_radius_m: section.require("wheel_radius_m")?.number()?,
+        half_track_m: section.require("half_track_m")?.number()?,
+        com_to_axle_m: section.number("com_to_axle_m")?,
+        com_to_caster_m: section.number("com_to_caster_m")?,
+        com_height_m: section.number("com_height_m")?,
+    })
+}
+
+fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, Unusable> {
+    section.allow_only(&MOTOR_KEYS)?;
+    Ok(Motor {
+        nominal_voltage_v: section.require("nominal_voltage_v")?.number()?,
+        no_load_speed_rad_s: section.require("no_load_speed_rad_s")?.number()?,
+        stall_torque_nm: section.require("stall_torque_nm")?.number()?,
+    })
+}
+
+fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, Unusable> {
+    section.allow_only(&["counts_per_rev"])?;
+    Ok(Encoder {
+        counts_per_rev: section.require("counts_per_rev")?.counts_per_rev()?,
+    })
+}
+
+/// Parses effects: `id = {…}`, or `id = [{…}, {…}]` for an effect that occurs several times.
+fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, Unusable> {
+    let mut effects = Vec::new();
+    for (id, entry) in section.entries() {
+        for occurrence in entry.elements() {
+            effects.push(EffectSpec {
+                effect: id.to_owned(),
+                parameters: occurrence
+                    .section()?
+                    .entries()
+                    .map(|(name, value)| Ok((name.to_owned(), parse_parameter(&value)?)))
+                    .collect::<std::result::Result<_, Unusable>>()?,
+            });
+        }
+    }
+    Ok(effects)
+}
+
+fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, Unusable> {
+    match entry.value {
+        DeValue::String(text) => Ok(Parameter::Text(text.to_string())),
+        DeValue::Integer(_) | DeValue::Float(_) => Ok(Parameter::Number(entry.number()?)),
+        _ => Err(entry.wrong_type("a number or a string")),
+    }
+}
+
+/// Writes a model to a file, replacing an existing one.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(model: &RobotModel, path: &Path) -> Result<()> {
+    std::fs::write(path, to_text(model)).map_err(write_error(path))
+}
+
+/// The model as the text of a `robot.toml`. Parsing it gives the same model bit for bit.
+pub fn to_text(model: &RobotModel) -> String {
+    let mut text = String::from("format = 1\n[robot]\n");
+    write_body(&mut text, &model.robot);
+    if let Some(motor) = &model.motor {
+        text.push_str("[motor]\n");
+        write_line(
+            &mut text,
+            MOTOR_KEYS[0],
+            &toml_number(motor.nominal_voltage_v),
+        );
+        write_line(
+            &mut text,
+            MOTOR_KEYS[1],
+            &toml_number(motor.no_load_speed_rad_s),
+        );
+        write_line(
+            &mut text,
+            MOTOR_KEYS[2],
+            &toml_number(motor.stall_torque_nm),
+        );
+    }
+    if let Some(encoder) = &model.encoder {
+        text.push_str("[encoder]\n");
+        write_line(
+            &mut text,
+            "counts_per_rev",
+            &encoder.counts_per_rev.to_string(),
+        );
+    }
+    if !model.effects.is_empty() {
+        text.push_str("[effects]\n");
+        write_effects(&mut text, &model.effects);
+    }
+    text
+}
+
+/// Writes the known keys of `[robot]`.
+fn write_body(text: &mut String, body: &Body) {
+    let Body {
+        body_mass_kg,
+        body_yaw_inertia_kg_m2,
+        wheel_mass_kg,
+        wheel_spin_inertia_kg_m2,
+        wheel_yaw_inertia_kg_m2,
+        wheel_radius_m,
+        half_track_m,
+        com_to_axle_m,
+        com_to_caster_m,
+        com_height_m,
+    } = *body;
+    let values = [
+        body_mass_kg,
+        body_yaw_inertia_kg_m2,
+        wheel_mass_kg,
+        wheel_spin_inertia_kg_m2,
+        wheel_yaw_inertia_kg_m2,
+        Some(wheel_radius_m),
+        Some(half_track_m),
+        com_to_axle_m,
+        com_to_caster_m,
+        com_height_m,
+    ];
+    for (key, value) in BODY_KEYS.into_iter().zip(values) {
+        if let Some(value) = value {
+            write_line(text, key, &toml_number(value));
+        }
+    }
+}
+
+/// Writes effects in the order of their first occurrence; an effect that occurs several times becomes
+/// one array.
+fn write_effects(text: &mut String, effects: &[EffectSpec]) {
+    for (i, effect) in effects.iter().enumerate() {
+        let same = |other: &&EffectSpec| other.effect == effect.effect;
+        if effects.iter().take(i).any(|other| same(&other)) {
+            continue;
+        }
+        let tables: Vec<String> = effects.iter().filter(same).map(inline_table).collect();
+        let value = match tables.as_slice() {
+            [one] => one.clone(),
+            many => format!("[{}]", many.join(", ")),
+        };
+        write_line(text, &toml_key(&effect.effect), &value);
+    }
+}
+
+fn inline_table(effect: &EffectSpec) -> String {
+    if effect.parameters.is_empty() {
+        return String::from("{}");
+    }
+    let parameters: Vec<String> = effect
+        .parameters
+        .iter()
+        .map(|(name, value)| match value {
+            Parameter::Number(value) => format!("{} = {}", toml_key(name), toml_number(*value)),
+            Parameter::Text(value) => {
+                format!(
+                    "{} = {}",
+                    toml_key(name),
+                    toml::Value::String(value.clone())
+                )
+            }
+        })
+        .collect();
+    format!("{{ {} }}", parameters.join(", "))
+}
+
+fn write_line(text: &mut String, key: &str, value: &str) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{key} = {value}");
+}
+
+/// The shortest text that parses to the same number.
+fn toml_number(value: f64) -> String {
+    toml::Value::Float(value).to_string()
+}
+
+/// The key, quoted where TOML requires it.
+fn toml_key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
+    if !name.is_empty() && name.chars().all(bare) {
+        name.to_owned()
+    } else {
+        toml::Value::String(name.to_owned()).to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse_text(text: &str) -> std::result::Result<RobotModel, String> {
+        parse(text, Path::new("robot.toml")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_papers_robot_round_trips() {
+        let model = RobotModel::paper_with_slip()
+            .with("push", &[("t_s", 3.0), ("impulse_n_s", 0.1)])
+            .with("push", &[("t_s", 4.0), ("impulse_n_s", 0.1 + 0.2)]);
+        assert_eq!(parse_text(&to_text(&model)), Ok(model));
+    }
+
+    #[test]
+    fn an_effect_can_have_a_text_parameter() {
+        let text = "format = 1\n[robot]\nwheel_radius_m = 1\nhalf_track_m = 2\n\
+                    [effects]\nclock_drift = { rate = 1e-5, stream = \"a \\\"b\\\"\" }\n";
+        let model = parse_text(text).unwrap();
+        assert_eq!(
+            model.effects[0].parameters[1].1,
+            Parameter::Text("a \"b\"".into())
+        );
+        assert_eq!(parse_text(&to_text(&model)), Ok(model));
+    }
+
+    #[test]
+    fn errors_name_line_key_and_remedy() {
+        let ok = "format = 1\n[robot]\nwheel_radius_m = 0.1\nhalf_track_m = 0.2\n";
+        let cases = [
+            ("", "robot.toml:1: format is missing; "),
+            ("format = 2\n", "robot.toml:1: format is 2; "),
+            ("format = 1\n[robo]\n", "robot.toml:2: robo is not a key"),
+            (
+                "format = 1\n[robot]\nwheel_radius_m = 1\n",
+                "robot.toml:2: robot.half_track_m is missing",
+            ),
+            (
+                "format = 1\n[robot]\nwheel_radius_m = -1\nhalf_track_m = 1\n",
+                "robot.toml:3: robot.wheel_radius_m is -1; give 0 or more",
+            ),
+            (
+                "format = 1\n[robot]\nwheel_radius_m = nan\nhalf_track_m = 1\n",
+                "robot.toml:3: robot.wheel_radius_m is not finite",
+            ),
+            (
+                "format = 1\n[robot]\nwheel_radius_m = \"1\"\n",
+                "robot.toml:3: robot.wheel_radius_m is a string; give a number",
+            ),
+            (
+                &format!("{ok}wheel_raduis_m = 1\n"),
+                "robot.toml:5: robot.wheel_raduis_m is not a key of this table; remove it or write",
+            ),
+            (
+                &format!("{ok}[encoder]\ncounts_per_rev = 0\n"),
+                "robot.toml:6: encoder.counts_per_rev is not a valid number of counts",
+            ),
+            (
+                &format!("{ok}[effects]\nwheel_slip = 3\n"),
+                "robot.toml:6: effects.wheel_slip is an integer; give a table",
+            ),
+            (
+                &format!("{ok}[effects]\npush = [{{ t_s = inf }}]\n"),
+                "robot.toml:6: effects.push[0].t_s is not finite",
+            ),
+            ("format = 1\n[robot\n", "robot.toml:2: "),
+        ];
+        for (text, message) in cases {
+            let error = parse_text(text).unwrap_err();
+            assert!(error.starts_with(message), "{error}\n wanted {message}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+    }
+}
