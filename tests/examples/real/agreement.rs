@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use slipstream_diagnose::{Finding, Unusable};
+use slipstream_diagnose::{Finding, InputError};
 use slipstream_recording::Recording;
 
 use crate::study::{Found, Study};
@@ -59,7 +59,7 @@ pub(crate) fn agree(row: &[Option<Estimate>]) -> bool {
 pub(crate) fn agreements(
     recordings: &[Recording],
     studies: &[Study<'_>],
-) -> Result<Vec<Agreement>, Unusable> {
+) -> Result<Vec<Agreement>, InputError> {
     let mut list = Vec::new();
     for names in TOGETHER {
         let own: Vec<&Study<'_>> = studies
@@ -79,7 +79,7 @@ pub(crate) fn agreements(
             continue;
         }
         if recording.same_robot {
-            let alone: Result<Vec<Found>, Unusable> = (0..recording.robots.len())
+            let alone: Result<Vec<Found>, InputError> = (0..recording.robots.len())
                 .map(|i| Found::new(&[alone(recording, &[i])], &[]))
                 .collect();
             let alone = alone?;

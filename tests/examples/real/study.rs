@@ -1,7 +1,7 @@
 //! One recording: diagnosed, and predicted by the models before, on the way and after.
 
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Answer, Prediction, Request, Unusable, diagnose, predict};
+use slipstream_diagnose::{Answer, InputError, Prediction, Request, diagnose, predict};
 use slipstream_recording::Recording;
 
 /// What was found on recordings of one or several machines.
@@ -13,7 +13,10 @@ pub(crate) struct Found {
 
 impl Found {
     /// Diagnoses `recordings` without the times `excluded_s`, by their own models.
-    pub(crate) fn new(recordings: &[Recording], excluded_s: &[[f64; 2]]) -> Result<Self, Unusable> {
+    pub(crate) fn new(
+        recordings: &[Recording],
+        excluded_s: &[[f64; 2]],
+    ) -> Result<Self, InputError> {
         let (answer, models) = diagnose(&Request {
             recordings,
             model_of: &|_| None,
@@ -37,7 +40,7 @@ pub(crate) fn predicted(
     recording: &Recording,
     model_of: &dyn Fn(&str) -> Option<RobotModel>,
     excluded_s: &[[f64; 2]],
-) -> Result<Vec<Prediction>, Unusable> {
+) -> Result<Vec<Prediction>, InputError> {
     predict(&Request {
         recordings: std::slice::from_ref(recording),
         model_of,
@@ -64,7 +67,7 @@ pub(crate) struct Study<'a> {
 }
 
 impl<'a> Study<'a> {
-    pub(crate) fn new(recording: &'a Recording) -> Result<Self, Unusable> {
+    pub(crate) fn new(recording: &'a Recording) -> Result<Self, InputError> {
         let found = Found::new(std::slice::from_ref(recording), &[])?;
         let own = recording.model.as_ref().map_or(0, |m| m.effects.len());
         let longest = found.models.iter().map(|(_, m)| m.effects.len()).max();

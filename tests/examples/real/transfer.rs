@@ -1,6 +1,6 @@
 //! Models made on one run, tried on another that they never saw.
 
-use slipstream_diagnose::{Prediction, Unusable};
+use slipstream_diagnose::{InputError, Prediction};
 use slipstream_recording::Recording;
 
 use crate::agreement::alone;
@@ -44,7 +44,7 @@ pub(crate) struct Transfer {
 pub(crate) fn transfers(
     recordings: &[Recording],
     studies: &[Study<'_>],
-) -> Result<Vec<Transfer>, Unusable> {
+) -> Result<Vec<Transfer>, InputError> {
     let at = |name: &str| recordings.iter().position(|r| r.name == name);
     let mut list = Vec::new();
     for [from, to] in RECORDINGS {
@@ -87,7 +87,7 @@ fn tried(
     fitted_on: String,
     recording: &Recording,
     excluded_s: &[[f64; 2]],
-) -> Result<Vec<Transfer>, Unusable> {
+) -> Result<Vec<Transfer>, InputError> {
     let before = predicted(recording, &|_| None, excluded_s)?;
     let after = predicted(
         recording,

@@ -1,4 +1,4 @@
-//! `slipstream check`: what a recording can be used for.
+//! `slipstream check`: quality of a recording, and what can be judged from it.
 
 use std::path::PathBuf;
 
@@ -6,20 +6,22 @@ use clap::Args;
 use slipstream_recording::{TopicMap, robot_toml};
 
 use crate::exit::{Error, Exit};
-use crate::say::{self, complain};
+use crate::print::{self, complain};
 
-/// Look a recording over before any diagnosis: rates, gaps, units, swapped wheels, clocks.
+/// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
+///
+/// Example: slipstream check RECORDING --robot robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file.
+    /// Folder with recording.toml, or an MCAP file
     recording: PathBuf,
-    /// The robot's model; without it the one that came with the recording.
+    /// Robot model [default: the one in the recording]
     #[arg(long, value_name = "FILE.toml")]
     robot: Option<PathBuf>,
-    /// Which topic of a bag is which stream; guessed without it.
+    /// Which topic of a bag is which stream [default: guessed]
     #[arg(long, value_name = "FILE.toml")]
     topics: Option<PathBuf>,
-    /// Write the report as JSON, too.
+    /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -41,9 +43,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         complain!("{warning}");
     }
     let report = slipstream_recording::check(&import.recording, model.as_ref());
-    say::out(format_args!("{report}"));
+    print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {
-        crate::file::write_json(path, &report)?;
+        crate::output_file::write_json(path, &report)?;
     }
     Ok(Exit::Done)
 }

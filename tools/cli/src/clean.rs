@@ -1,15 +1,15 @@
-//! `slipstream clean`: what dead runs left behind.
+//! `slipstream clean`: removes what dead runs left in shared memory.
 
 use slipstream_ipc::run_directory;
 
 use crate::exit::{Error, Exit};
-use crate::say::say;
+use crate::print::say;
 
-/// Removes it, and says what it did.
+/// Runs the command.
 pub(crate) fn run() -> Result<Exit, Error> {
     let failed = |error: std::io::Error| {
         Error::Failed(format!(
-            "{}: {error}; check its rights",
+            "{}: {error}; check its permissions",
             run_directory::SHARED_MEMORY
         ))
     };
@@ -22,12 +22,14 @@ pub(crate) fn run() -> Result<Exit, Error> {
     }
     match own.len() {
         0 => say!("Nothing to clean."),
-        1 => say!("Removed what 1 dead run had left."),
-        n => say!("Removed what {n} dead runs had left."),
+        1 => say!("Removed the files of 1 dead run."),
+        n => say!("Removed the files of {n} dead runs."),
     }
     if !foreign.is_empty() {
         let n = foreign.len();
-        say!("Left alone: {n} of another user, who can remove them with slipstream clean.");
+        say!(
+            "Kept the files of {n} runs of other users, who can remove them with slipstream clean."
+        );
     }
     Ok(Exit::Done)
 }

@@ -1,26 +1,28 @@
-//! `slipstream compare`: the simulation of the recorded commands over the recording, in pictures.
+//! `slipstream compare`: plots the simulation of the recorded commands over the recording.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_recording::Channel;
+use slipstream_bus::InputError;
+use slipstream_recording::{Channel, CompareError};
 use slipstream_report::{Chart, Line, Page, PictureError};
 
 use crate::exit::{Error, Exit};
 use crate::models::Models;
-use crate::say::{complain, say};
+use crate::print::{complain, say};
 use crate::study::command_line;
 
-/// Show the simulation of the recorded commands over the recording: one picture per channel, no
-/// diagnosis.
+/// Plot the simulation of the recorded commands over the recording, channel by channel
+///
+/// Example: slipstream compare RECORDING --robot robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file.
+    /// Folder with recording.toml, or an MCAP file
     recording: PathBuf,
-    /// A robot's model, for all or for the robot NAME; without it the one in the recording.
+    /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
-    /// The page to write.
+    /// Page to write
     #[arg(long, value_name = "FILE.html", default_value = "compare.html")]
     report: PathBuf,
 }
@@ -33,10 +35,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
-        .map_err(|why| Error::Input(format!("{}: {why}", arguments.recording.display())))?;
+        .map_err(|error| located(&arguments.recording, error))?;
     let failed = |e: String| Error::Failed(format!("{}: {e}", arguments.report.display()));
     let page = page(&import.recording.name, &channels).map_err(|e| failed(e.to_string()))?;
-    crate::file::write(&arguments.report, &page)?;
+    crate::output_file::write(&arguments.report, &page)?;
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
         match channel.rms_difference() {
@@ -48,7 +50,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
-/// One page with a picture of every channel.
+/// The error with the recording as its place.
+fn located(recording: &Path, error: CompareError) -> InputError {
+    match error {
+        CompareError::NoModel(robot) => {
+            let problem = format!("has no model of {robot}");
+            InputError::file(recording, problem, "give one with --robot")
+        }
+        CompareError::Model { robot, source } => InputError {
+            place: format!(
+                "{}: model of {robot}: {}",
+                recording.display(),
+                source.place
+            ),
+            ..source
+        },
+        CompareError::NothingToSimulate => InputError::file(
+            recording,
+            "no robot has two rows in command.csv or wheels.csv",
+            "record the commands to the drives",
+        ),
+    }
+}
+
+/// A page with one chart for each channel.
 fn page(title: &str, channels: &[Channel]) -> Result<String, PictureError> {
     let mut page = Page::new(title, &command_line());
     page.paragraph("The simulation runs open loop from the recorded commands.");

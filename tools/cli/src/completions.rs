@@ -1,17 +1,17 @@
-//! `slipstream completions`: what a shell has to know to complete a command line.
+//! `slipstream completions`: completion scripts for shells.
 
 use clap::{Args, Command};
 use clap_complete::Shell;
 
 use crate::exit::{Error, Exit};
-use crate::say::say;
+use crate::print::say;
 
-/// Print completions for a shell
+/// Print the completion script of a shell
 ///
 /// Example: slipstream completions bash >> ~/.bashrc
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// The shell.
+    /// The shell
     shell: Shell,
 }
 

@@ -1,4 +1,4 @@
-//! `slipstream diagnose`: what the model leaves out, where, how much, how sure.
+//! `slipstream diagnose`: finds what a robot model lacks, from a recording.
 
 mod page;
 mod points;
@@ -9,43 +9,43 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slipstream_diagnose::{
-    Answer, Illustrated, Request, Unusable, diagnose, diagnose_with_figures,
+    Answer, Illustrated, InputError, Request, diagnose, diagnose_with_figures,
 };
 use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
-use crate::file;
 use crate::models::Models;
-use crate::say::{self, complain, say};
+use crate::output_file;
+use crate::print::{self, complain, say};
 
-/// Find what a robot's model leaves out, from a recording
+/// Find what a robot model lacks, from a recording
 ///
-/// Says where the model and the recording part, which physics of the catalogue was left out, how
-/// much of it and how sure that is; or that nothing is missing; or that something is missing that
-/// the catalogue does not hold, and what it looks like.
+/// Prints where model and recording differ, which effects of the catalogue the model lacks, their
+/// parameters and 95 % intervals; or that nothing is missing; or that something is missing that the
+/// catalogue does not hold, and what it depends on.
 ///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file; several are recordings of the same machines.
+    /// Folder with recording.toml, or an MCAP file; several are runs of the same machines
     #[arg(required = true)]
     recording: Vec<PathBuf>,
-    /// A robot's model, for all or for the robot NAME; without it the one in the recording.
+    /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
-    /// Write the answer to a file.
+    /// Write the answer as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write a page that shows the answer in figures.
+    /// Write a page with the answer and its figures
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Write the model with the found effects added (several robots: FILE.NAME.toml each).
+    /// Write the model with the found effects added (several robots: FILE.NAME.toml each)
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
-    /// Believe nothing that was measured from A to B seconds.
+    /// Ignore everything measured from A to B seconds
     #[arg(long, value_name = "A:B", value_parser = time_span)]
     exclude_time: Vec<[f64; 2]>,
-    /// Take an effect out of the catalogue.
+    /// Leave an effect out of the catalogue
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
 }
@@ -54,9 +54,10 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for id in &arguments.without {
         if slipstream_sim::effects::find(id).is_none() {
-            return Err(Error::Input(format!(
-                "--without {id}: is not an effect; `slipstream effects` lists those that are"
-            )));
+            let place = format!("--without {id}");
+            return Err(
+                InputError::new(place, "is not an effect", "see slipstream effects").into(),
+            );
         }
     }
     let mut recordings = Vec::new();
@@ -68,9 +69,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         recordings.push(import.recording);
     }
     let models = Models::read(&arguments.robot)?;
-    let live = std::io::stderr().is_terminal();
+    let terminal = std::io::stderr().is_terminal();
     let progress = |what: &str| {
-        if live {
+        if terminal {
             // a progress line that cannot be shown is not worth an error
             let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
         }
@@ -83,12 +84,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         progress: &progress,
     };
     let done = examine(&request, arguments.report.is_some());
-    if live {
-        say::err(format_args!("\r\x1b[K"));
+    if terminal {
+        print::err(format_args!("\r\x1b[K"));
     }
-    let (answer, improved, figures) = done.map_err(|why| Error::Input(why.to_string()))?;
+    let (answer, improved, figures) = done?;
     if let Some(file) = &arguments.json {
-        file::write_json(file, &answer)?;
+        output_file::write_json(file, &answer)?;
     }
     if let Some(file) = &arguments.report {
         let names: Vec<&str> = recordings
@@ -97,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             .collect();
         let page = page::page(&names.join(", "), &answer, &figures);
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
-        file::write(file, &page)?;
+        output_file::write(file, &page)?;
     }
     if let Some(file) = &arguments.improved {
         for (name, model) in &improved {
@@ -106,24 +107,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             } else {
                 file.with_extension(format!("{name}.toml"))
             };
-            file::write(&file, &robot_toml::to_text(model))?;
+            output_file::write(&file, &robot_toml::to_text(model))?;
         }
     }
     say(&answer);
     Ok(Exit::Done)
 }
 
-/// A span of time as `A:B`.
+/// Parses a time span `A:B` (s).
 fn time_span(text: &str) -> Result<[f64; 2], String> {
     let ends = text
         .split_once(':')
         .and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
     ends.filter(|[a, b]| a < b)
-        .ok_or_else(|| "give two times in seconds, as 12.5:14".to_owned())
+        .ok_or_else(|| "give two times in seconds, such as 12.5:14".to_owned())
 }
 
-/// The diagnosis, with figures where a page is wanted.
-fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Unusable> {
+/// The diagnosis, with figures if a page is written.
+fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, InputError> {
     if with_figures {
         return diagnose_with_figures(request);
     }

@@ -1,41 +1,41 @@
-//! `slipstream effects`: the catalogue of physics that a model may have or leave out.
+//! `slipstream effects`: the catalogue of physics that a model may have or lack.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
+use slipstream_bus::InputError;
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
 
 use crate::exit::{Error, Exit};
-use crate::say::say;
+use crate::print::say;
 
-/// List the effects: what each is, its equation, its parameters and where it shows
+/// List the effects: summary, equation, parameters, and where each one shows
 ///
 /// Example: slipstream effects wheel_slip
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// One effect only.
+    /// One effect only
     effect: Option<String>,
-    /// Write the catalogue to a file.
+    /// Write the catalogue as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
 
-/// Prints it.
+/// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let chosen: Vec<&Info> = match &arguments.effect {
         None => CATALOGUE.iter().collect(),
-        Some(id) => vec![find(id).ok_or_else(|| {
-            Error::Input(format!(
-                "{id}: is not an effect; `slipstream effects` lists those that are"
-            ))
-        })?],
+        Some(id) => vec![
+            find(id)
+                .ok_or_else(|| InputError::new(id, "is not an effect", "see slipstream effects"))?,
+        ],
     };
     if let Some(file) = &arguments.json {
         let effects: Vec<Value> = chosen.iter().map(|info| as_json(info)).collect();
         let answer = json!({"format": 1, "effects": effects});
-        crate::file::write_json(file, &answer)?;
+        crate::output_file::write_json(file, &answer)?;
     }
     for info in chosen {
         say!("{}", in_words(info));
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 fn in_words(info: &Info) -> String {
     let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
     let mut words = format!(
-        "{}\n  {}\n  {}    [{}]\n  acts {}; shows in {}\n  seen best by {}\n",
+        "{}\n  {}\n  {}    [{}]\n  acts {}; shows in {}\n  best observed by {}\n",
         info.id,
         info.summary,
         info.equation,
@@ -56,7 +56,7 @@ fn in_words(info: &Info) -> String {
         info.manoeuvre.words()
     );
     for parameter in info.parameters {
-        // writing to a string cannot fail
+        // Writing to a string cannot fail.
         let _ = writeln!(words, "  {}", parameter_in_words(parameter));
     }
     words

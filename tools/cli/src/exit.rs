@@ -1,4 +1,4 @@
-//! Exit codes (CONTRACT.md, section 5), in one place.
+//! Exit codes: 0 done, 1 the work failed, 2 unusable input, 130 interrupted.
 
 use std::process::ExitCode;
 
@@ -17,7 +17,7 @@ pub(crate) enum Exit {
     Failed,
     /// The input cannot be used.
     Unusable,
-    /// Somebody interrupted it.
+    /// A signal interrupted the work.
     Interrupted,
 }
 
@@ -39,22 +39,16 @@ impl From<Exit> for ExitCode {
     }
 }
 
-/// Why a command did not do its work; one line for the user.
+/// Why a command failed, as one line.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// The input cannot be used.
     #[error(transparent)]
-    Unusable(#[from] InputError),
-    /// A file or argument cannot be used.
-    #[error("{0}")]
-    Input(String),
-    /// The processes of a run could not be started.
-    #[error(transparent)]
-    Launch(LaunchError),
+    Input(#[from] InputError),
     /// The work failed.
     #[error("{0}")]
     Failed(String),
-    /// Somebody interrupted the work.
+    /// A signal interrupted the work.
     #[error("{0}")]
     Interrupted(String),
 }
@@ -62,8 +56,8 @@ pub(crate) enum Error {
 impl From<LaunchError> for Error {
     fn from(error: LaunchError) -> Self {
         match error {
-            LaunchError::Input(unusable) => Self::Unusable(unusable),
-            other => Self::Launch(other),
+            LaunchError::Input(error) => Self::Input(error),
+            other @ LaunchError::System { .. } => Self::Failed(other.to_string()),
         }
     }
 }
@@ -71,7 +65,7 @@ impl From<LaunchError> for Error {
 impl From<RunError> for Error {
     fn from(error: RunError) -> Self {
         match error {
-            RunError::Input(unusable) => Self::Unusable(unusable),
+            RunError::Input(error) => Self::Input(error),
             other => Self::Failed(other.to_string()),
         }
     }
@@ -80,7 +74,7 @@ impl From<RunError> for Error {
 impl From<StudyError> for Error {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Unusable(unusable) => Self::Unusable(unusable),
+            StudyError::Unusable(error) => Self::Input(error),
             StudyError::Run(run) => run.into(),
             StudyError::Picture(_) => Self::Failed(error.to_string()),
         }
@@ -90,7 +84,11 @@ impl From<StudyError> for Error {
 impl From<TrialError> for Error {
     fn from(error: TrialError) -> Self {
         match error {
-            TrialError::Unusable { .. } => Self::Input(error.to_string()),
+            TrialError::Unusable {
+                place,
+                problem,
+                remedy,
+            } => Self::Input(InputError::new(place, problem, remedy)),
             TrialError::System { .. } => Self::Failed(error.to_string()),
             TrialError::Interrupted => Self::Interrupted(error.to_string()),
         }
@@ -100,7 +98,7 @@ impl From<TrialError> for Error {
 impl From<RecordingError> for Error {
     fn from(error: RecordingError) -> Self {
         match error {
-            RecordingError::Input(unusable) => Self::Input(unusable.to_string()),
+            RecordingError::Input(error) => Self::Input(error),
             RecordingError::Write { .. } | RecordingError::WriteMcap { .. } => {
                 Self::Failed(error.to_string())
             }
@@ -112,8 +110,8 @@ impl Error {
     /// The exit code of this error.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Unusable(_) | Self::Input(_) => Exit::Unusable,
-            Self::Launch(_) | Self::Failed(_) => Exit::Failed,
+            Self::Input(_) => Exit::Unusable,
+            Self::Failed(_) => Exit::Failed,
             Self::Interrupted(_) => Exit::Interrupted,
         }
     }

@@ -1,18 +1,20 @@
-//! `slipstream export`: a recording into a folder of CSV files.
+//! `slipstream export`: writes a recording as a folder of CSV files.
 
 use std::path::PathBuf;
 
 use clap::Args;
 
 use crate::exit::{Error, Exit};
-use crate::say::{complain, say};
+use crate::print::{complain, say};
 
-/// Turn a recording into a folder of CSV files, to the digit.
+/// Convert a recording to a folder of CSV files, without loss of digits
+///
+/// Example: slipstream export run.mcap --out run
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// The MCAP file.
+    /// MCAP file
     recording: PathBuf,
-    /// The folder to write; it must not exist or be empty.
+    /// Folder to write; it must be empty or not exist
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
 }
@@ -24,7 +26,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         complain!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        complain!("{topic}: {messages} messages have no place in the CSV format; left out");
+        complain!(
+            "{topic}: left out: its {messages} messages have no equivalent in the CSV format"
+        );
     }
     slipstream_recording::write_folder(&import.recording, &arguments.out)?;
     say!("{}", arguments.out.display());

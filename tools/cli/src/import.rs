@@ -1,4 +1,4 @@
-//! `slipstream import`: any recording into one MCAP file.
+//! `slipstream import`: converts any recording to one MCAP file.
 
 use std::path::PathBuf;
 
@@ -6,17 +6,19 @@ use clap::Args;
 use slipstream_recording::TopicMap;
 
 use crate::exit::{Error, Exit};
-use crate::say::{complain, say};
+use crate::print::{complain, say};
 
-/// Turn a recording (a folder of CSV files, or a robot's ROS 2 bag) into one MCAP file.
+/// Convert a recording (a folder of CSV files, or a ROS 2 bag in MCAP) to one MCAP file
+///
+/// Example: slipstream import FOLDER --out run.mcap
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file.
+    /// Folder with recording.toml, or an MCAP file
     recording: PathBuf,
-    /// The MCAP file to write.
+    /// MCAP file to write
     #[arg(long, value_name = "FILE.mcap")]
     out: PathBuf,
-    /// Which topic of a bag is which stream; guessed without it.
+    /// Which topic of a bag is which stream [default: guessed]
     #[arg(long, value_name = "FILE.toml")]
     topics: Option<PathBuf>,
 }
@@ -33,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         complain!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        complain!("{topic}: {messages} messages are of no stream of the format; left out");
+        complain!("{topic}: left out: its {messages} messages belong to no stream");
     }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
     say!("{}", arguments.out.display());

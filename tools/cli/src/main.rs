@@ -1,4 +1,4 @@
-//! `slipstream`: arguments in, words and exit codes out.
+//! `slipstream`, the command line: parses arguments, calls the packages, prints results, sets exit codes.
 
 mod check;
 mod clean;
@@ -8,12 +8,12 @@ mod diagnose;
 mod effects;
 mod exit;
 mod export;
-mod file;
 mod import;
 mod models;
+mod output_file;
+mod print;
 mod reproduce;
 mod run;
-mod say;
 mod study;
 mod summary;
 mod trace;
@@ -25,11 +25,11 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::exit::Exit;
-use crate::say::complain;
+use crate::print::complain;
 
-/// Robots in formation on real floors: run them, measure them, find the physics a model leaves out.
+/// Differential-drive robots in formation: simulate them, measure latency, and find what a model lacks.
 ///
-/// Without a command: runs the platoon of three robots and says what happened.
+/// Without a command, runs the built-in platoon of three robots and prints a summary.
 #[derive(Debug, Parser)]
 #[command(name = "slipstream", version = env!("SLIPSTREAM_VERSION"))]
 struct Arguments {
@@ -52,7 +52,7 @@ enum Command {
     Study(study::Arguments),
     Trial(trial::Arguments),
     Completions(completions::Arguments),
-    /// Remove what dead runs left behind in shared memory
+    /// Remove what dead runs left in shared memory
     Clean,
 }
 

@@ -1,4 +1,4 @@
-//! The robot models that a command line names: `--robot FILE` for all, `--robot NAME=FILE` for one.
+//! Robot models of the command line: `--robot FILE` for all robots, `--robot NAME=FILE` for one.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use slipstream_recording::robot_toml;
 
 use crate::exit::Error;
 
-/// Models by robot; one without a name is for all that have none of their own.
+/// Models by robot name; a model without a name is for all robots that have none of their own.
 #[derive(Debug)]
 pub(crate) struct Models(Vec<(Option<String>, RobotModel)>);
 

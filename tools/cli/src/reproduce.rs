@@ -1,4 +1,4 @@
-//! `slipstream reproduce`: the paper's experiments against its printed numbers.
+//! `slipstream reproduce`: the paper's experiments, compared with its printed numbers.
 
 use std::path::PathBuf;
 
@@ -6,17 +6,17 @@ use clap::Args;
 use slipstream_study::reproduce::{self, Row};
 
 use crate::exit::{Error, Exit};
-use crate::file::{write, write_json};
-use crate::say::say;
+use crate::output_file::{write, write_json};
+use crate::print::say;
 use crate::study::command_line;
 
-/// Run the paper's experiments and set every number that it prints beside what comes out
+/// Run the paper's experiments and compare every printed number with the computed one
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Write the table as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write the report, with the paper's figures
+    /// Write a page with the table and the paper's figures
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }
@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let (yes, all) = printed.fold((0, 0), |(yes, all), agrees| {
         (yes + u32::from(agrees), all + 1)
     });
-    say!("{yes} of {all} agree; --json and --report say why the others do not");
+    say!("{yes} of {all} agree; --json and --report give the reasons for the others");
     say!(
         "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry off (m)"
     );

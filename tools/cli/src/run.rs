@@ -1,4 +1,4 @@
-//! `slipstream run`: one experiment.
+//! `slipstream run`: runs one experiment.
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -10,42 +10,42 @@ use slipstream_launch::{
 };
 
 use crate::exit::{Error, Exit};
-use crate::say::{self, complain};
+use crate::print::{self, complain};
 use crate::summary;
 
-/// What `run` is told.
+/// Arguments of `slipstream run`.
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Arguments {
     /// platoon (the default), single, circle, figure_eight, lane_change, or a TOML file
     experiment: Option<String>,
-    /// How many robots
+    /// Number of robots
     #[arg(long, value_name = "N")]
     robots: Option<u32>,
-    /// A robot.toml for all robots, or for one (r2=robot.toml)
+    /// Robot model for all robots, or for one (r2=robot.toml)
     #[arg(long = "robot", value_name = "[NAME=]FILE")]
     models: Vec<String>,
     /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Virtual time, as fast as it goes, or the wall clock
+    /// Virtual time, as fast as possible, or the wall clock
     #[arg(long, value_enum)]
     clock: Option<ClockName>,
     /// Run everything in this process, without shared memory
     #[arg(long)]
     in_process: bool,
-    /// Where all chance comes from
+    /// Seed of all random numbers
     #[arg(long)]
     seed: Option<u64>,
-    /// The recording; NAME.mcap in this folder where not given
+    /// Recording to write [default: EXPERIMENT.mcap]
     #[arg(long, value_name = "FILE.mcap")]
     out: Option<PathBuf>,
-    /// Keep no recording
+    /// Write no recording
     #[arg(long, conflicts_with = "out")]
     no_recording: bool,
-    /// Only show the experiment: every key, its value and where it came from
+    /// Print every key of the experiment with its value and origin, and run nothing
     #[arg(long)]
     dry_run: bool,
-    /// Write the result as JSON
+    /// Write the summary as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
@@ -56,20 +56,20 @@ enum ClockName {
     Wall,
 }
 
-/// Runs the experiment and says what happened.
+/// Runs the experiment and prints the summary.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let resolved = resolve(&arguments.request()?)?;
     if arguments.dry_run {
-        say::out(format_args!("{}", resolved.to_toml()));
+        print::out(format_args!("{}", resolved.to_toml()));
         return Ok(Exit::Done);
     }
-    let outcome = if arguments.in_process {
+    let run = if arguments.in_process {
         arguments.run_in_process(&resolved)?
     } else {
         arguments.run_processes(&resolved)?
     };
     if let Some(path) = &arguments.json {
-        outcome.write_json(path).map_err(|error| {
+        run.write_json(path).map_err(|error| {
             let place = format!("--json {}", path.display());
             InputError::new(
                 place,
@@ -78,11 +78,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             )
         })?;
     }
-    say::out(format_args!(
+    print::out(format_args!(
         "{}",
-        summary::text(&outcome, &resolved.experiment)
+        summary::text(&run, &resolved.experiment)
     ));
-    Ok(match outcome.status {
+    Ok(match run.status {
         RunStatus::Done => Exit::Done,
         RunStatus::Interrupted => Exit::Interrupted,
         RunStatus::Failed(reason) => {
@@ -136,10 +136,10 @@ impl Arguments {
 
     fn run_in_process(&self, resolved: &Resolved) -> Result<RunSummary, Error> {
         if resolved.experiment.settings.clock == Clock::Wall {
-            return Err(Error::Unusable(InputError::new(
+            return Err(Error::Input(InputError::new(
                 "--in-process",
-                "has no wall clock",
-                "leave one of --in-process and --clock wall",
+                "runs on the virtual clock only",
+                "drop --in-process or --clock wall",
             )));
         }
         Ok(in_process::summary(

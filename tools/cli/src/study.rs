@@ -10,8 +10,8 @@ use signal_hook::flag;
 use slipstream_study::delay::{self, Grid, Shard, Study};
 
 use crate::exit::{Error, Exit};
-use crate::file::{write, write_json};
-use crate::say::say;
+use crate::output_file::{write, write_json};
+use crate::print::say;
 
 /// Answer a question by many runs
 #[derive(Debug, Args)]

@@ -1,4 +1,4 @@
-//! What a person reads after a run: what the robots did, what to look at, what to try next.
+//! Summary of a run on the terminal: results for each robot, slip, links, deadlines, and what to try next.
 
 use std::fmt::Write as _;
 
@@ -7,64 +7,64 @@ use slipstream_bus::experiment::{Clock, TorqueLimit};
 use slipstream_launch::summary::RobotSummary;
 use slipstream_launch::{RunStatus, RunSummary};
 
-/// Robots that the table shows; of more only the ends.
-const MOST_ROWS: usize = 12;
+/// Largest number of rows of a table; of more robots only the first and the last are shown.
+const MAX_ROWS: usize = 12;
 
-/// The summary.
-pub(crate) fn text(outcome: &RunSummary, experiment: &Experiment) -> String {
+/// The text of the summary.
+pub(crate) fn text(run: &RunSummary, experiment: &Experiment) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_text(&mut text, outcome, experiment);
+    let _ = write_text(&mut text, run, experiment);
     text
 }
 
-fn write_text(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
-    headline(out, outcome, experiment)?;
-    robots(out, outcome)?;
-    slip(out, outcome)?;
-    links(out, outcome, experiment)?;
-    deadlines(out, outcome)?;
-    if let Some(recording) = &outcome.recording {
+fn write_text(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
+    headline(out, run, experiment)?;
+    robots(out, run)?;
+    slip(out, run)?;
+    links(out, run, experiment)?;
+    deadlines(out, run)?;
+    if let Some(recording) = &run.recording {
         writeln!(out, "Recording: {}", recording.display())?;
     }
-    if outcome.lost_records > 0 {
-        writeln!(out, "  {} records did not reach it.", outcome.lost_records)?;
+    if run.lost_records > 0 {
+        writeln!(out, "  {} records are missing from it.", run.lost_records)?;
     }
     next(out, experiment)
 }
 
-fn headline(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
+fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
     let count = experiment.robots.len();
     let robots = if count == 1 {
         "1 robot".to_owned()
     } else {
         format!("{count} robots")
     };
-    let name = &outcome.experiment;
-    let ended = match outcome.status {
+    let name = &run.experiment;
+    let ended = match run.status {
         RunStatus::Done => "",
-        RunStatus::Failed(_) => ", then a process failed",
-        RunStatus::Interrupted => ", then it was interrupted",
+        RunStatus::Failed(_) => " until a process failed",
+        RunStatus::Interrupted => " until it was interrupted",
     };
-    let how = match (outcome.processes.len(), experiment.settings.clock) {
+    let how = match (run.processes.len(), experiment.settings.clock) {
         (0, _) => "in one process".to_owned(),
-        (n, Clock::Virtual) => format!("in lockstep of {n} processes"),
-        (n, Clock::Wall) => format!("on the wall clock, {n} processes"),
+        (n, Clock::Virtual) => format!("{n} processes in lockstep"),
+        (n, Clock::Wall) => format!("{n} processes on the wall clock"),
     };
-    let (t, wall) = (outcome.duration_s, outcome.wall_s);
+    let (t, wall) = (run.duration_s, run.wall_s);
     writeln!(
         out,
-        "{name}: {robots}, {t:.2} s of their time{ended}; {how}, {wall:.2} s of yours"
+        "{name}: {robots}, {t:.2} s simulated{ended}; {how}, {wall:.2} s of wall time"
     )
 }
 
-fn robots(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
-    let table = "robot    ended at x, y (m)    believed x, y (m)    wheels slipped   spacing error";
+fn robots(out: &mut String, run: &RunSummary) -> std::fmt::Result {
+    let table = "robot     final x, y (m)   odometry x, y (m)         slip time   spacing error";
     writeln!(out, "\n{table}")?;
-    let count = outcome.robots.len();
-    let hidden = count.saturating_sub(MOST_ROWS);
-    let ends = if hidden > 0 { MOST_ROWS / 2 } else { count };
-    for (i, robot) in outcome.robots.iter().enumerate() {
+    let count = run.robots.len();
+    let hidden = count.saturating_sub(MAX_ROWS);
+    let ends = if hidden > 0 { MAX_ROWS / 2 } else { count };
+    for (i, robot) in run.robots.iter().enumerate() {
         if i < ends || i >= count - ends {
             writeln!(out, "{}", row(robot))?;
         } else if i == ends {
@@ -95,19 +95,19 @@ fn row(robot: &RobotSummary) -> String {
     )
 }
 
-fn slip(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
-    let missed = |robot: &RobotSummary| {
+fn slip(out: &mut String, run: &RunSummary) -> std::fmt::Result {
+    let odometry_error = |robot: &RobotSummary| {
         let ([x, y, _], [u, v, _]) = (robot.final_true?, robot.final_odometry?);
         Some((x - u).hypot(y - v))
     };
-    let worst = outcome
+    let worst = run
         .robots
         .iter()
-        .filter_map(|robot| Some((missed(robot)?, robot)));
+        .filter_map(|robot| Some((odometry_error(robot)?, robot)));
     let Some((error, robot)) = worst.max_by(|(a, _), (b, _)| a.total_cmp(b)) else {
         return Ok(());
     };
-    let slipped = outcome
+    let slipped = run
         .robots
         .iter()
         .filter_map(|robot| robot.slip_time_s)
@@ -116,23 +116,23 @@ fn slip(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
     if slipped.fold(0.0, f64::max) == 0.0 {
         return writeln!(
             out,
-            "No wheel slipped; odometry is off by at most {:.1} mm ({name}).",
+            "No wheel slipped. Largest odometry error: {:.1} mm ({name}).",
             error * 1e3
         );
     }
     writeln!(
         out,
-        "Wheels slipped, and odometry did not notice: {name} is {:.1} cm from where it believes.",
+        "Wheels slipped, which encoders cannot see: the odometry of {name} is off by {:.1} cm.",
         error * 100.0
     )
 }
 
-fn links(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
-    if outcome.links.is_empty() {
+fn links(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
+    if run.links.is_empty() {
         return Ok(());
     }
     let sum = |count: fn(&slipstream_launch::summary::LinkSummary) -> u64| {
-        outcome.links.iter().map(count).sum::<u64>()
+        run.links.iter().map(count).sum::<u64>()
     };
     let (sent, lost, stale) = (sum(|l| l.sent), sum(|l| l.lost), sum(|l| l.stale));
     let links = &experiment.settings.links;
@@ -143,17 +143,17 @@ fn links(out: &mut String, outcome: &RunSummary, experiment: &Experiment) -> std
     };
     writeln!(
         out,
-        "Links: {sent} positions sent, {lost} lost, {stale} overtaken; delay {delay}."
+        "Links: {sent} positions sent, {lost} lost, {stale} out of order; delay {delay}."
     )
 }
 
-fn deadlines(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
-    let Some(real_time) = outcome.real_time else {
+fn deadlines(out: &mut String, run: &RunSummary) -> std::fmt::Result {
+    let Some(real_time) = run.real_time else {
         return Ok(());
     };
-    let ticks: u64 = outcome.deadlines.iter().map(|loops| loops.ticks).sum();
-    let missed: u64 = outcome.deadlines.iter().map(|loops| loops.missed).sum();
-    let latest = outcome
+    let ticks: u64 = run.deadlines.iter().map(|loops| loops.ticks).sum();
+    let missed: u64 = run.deadlines.iter().map(|loops| loops.missed).sum();
+    let latest = run
         .deadlines
         .iter()
         .map(|loops| loops.latest_s)
@@ -165,14 +165,14 @@ fn deadlines(out: &mut String, outcome: &RunSummary) -> std::fmt::Result {
     };
     writeln!(
         out,
-        "Deadlines: {missed} of {ticks} missed, the latest wake-up {:.2} ms late ({fifo}).",
+        "Deadlines: {missed} of {ticks} missed, latest wake-up {:.2} ms late ({fifo}).",
         latest * 1e3
     )?;
-    for loops in outcome
+    for loops in run
         .deadlines
         .iter()
         .filter(|loops| loops.missed > 0)
-        .take(MOST_ROWS)
+        .take(MAX_ROWS)
     {
         writeln!(
             out,
@@ -193,15 +193,15 @@ fn next(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
     let (command, why) = if settings.control.torque_limit == TorqueLimit::None {
         (
             "--set control.torque_limit=inner",
-            "the wheels stop slipping",
+            "keeps the wheels from slipping",
         )
     } else if settings.links.delay_s == 0.0 && !settings.open_loop.enabled {
         (
             "--set links.delay_s=0.1",
-            "late positions make the robots hasty",
+            "late positions make the followers overshoot",
         )
     } else {
-        ("--dry-run", "every key that you can set")
+        ("--dry-run", "lists every key that you can set")
     };
     writeln!(out, "Try: slipstream run {name} {command}   ({why})")
 }

@@ -9,8 +9,8 @@ use clap::Args;
 use slipstream_trace::{Age, Answer, Figures, Hop, HopChange, Incomplete, Reading};
 
 use crate::exit::{Error, Exit};
-use crate::file;
-use crate::say::{self, complain};
+use crate::output_file;
+use crate::print::{self, complain};
 
 /// Show where the time of each position between robots went, from the encoder sample to the torque
 ///
@@ -47,11 +47,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         answer.against = Some(changes);
     }
     if let Some(file) = &arguments.json {
-        file::write_json(file, &answer)?;
+        output_file::write_json(file, &answer)?;
     }
     if let Some(file) = &arguments.perfetto {
         let timeline = slipstream_trace::timeline(&reading.log, &reading.robots);
-        file::write_json(file, &timeline)?;
+        output_file::write_json(file, &timeline)?;
     }
     if let Some(file) = &arguments.rtt {
         write_round_trips(file, &reading)?;
@@ -59,9 +59,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(file) = &arguments.report {
         let page = page::page(&arguments.recording, &answer, &reading);
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
-        file::write(file, &page)?;
+        output_file::write(file, &page)?;
     }
-    say::out(format_args!("{}", table(&answer)));
+    print::out(format_args!("{}", table(&answer)));
     Ok(Exit::Done)
 }
 
@@ -70,7 +70,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
     for link in &links {
         let [from, to] = [link.from, link.to].map(|robot| reading.name_of(robot));
         let own = file.with_extension(format!("{from}-{to}.csv"));
-        file::write(if links.len() == 1 { file } else { &own }, &link.csv)?;
+        output_file::write(if links.len() == 1 { file } else { &own }, &link.csv)?;
     }
     Ok(())
 }

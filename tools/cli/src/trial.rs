@@ -11,6 +11,7 @@ use std::time::Duration;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
+use slipstream_bus::InputError;
 use slipstream_trial::TrialError;
 use slipstream_trial::examine::Examiner;
 use slipstream_trial::folder::Trial;
@@ -20,8 +21,8 @@ use slipstream_trial::maker::Plan;
 use slipstream_trial::tally::{Report, tally};
 
 use crate::exit::{Error, Exit};
-use crate::file::{write, write_json};
-use crate::say::say;
+use crate::output_file::{write, write_json};
+use crate::print::say;
 use crate::study::command_line;
 
 /// Try the diagnosis on recordings whose truth is concealed from it
@@ -89,10 +90,9 @@ enum Which {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for id in &arguments.without {
         if slipstream_sim::effects::find(id).is_none() {
-            let remedy = "`slipstream effects` lists those that are";
-            return Err(Error::Input(format!(
-                "--without {id}: is not an effect; {remedy}"
-            )));
+            let remedy = "see slipstream effects";
+            let place = format!("--without {id}");
+            return Err(InputError::new(place, "is not an effect", remedy).into());
         }
     }
     let stop = listen()?;

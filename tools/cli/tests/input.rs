@@ -85,7 +85,7 @@ fn what_arguments_say_wrong_is_named() {
     );
     refuse(
         &["--in-process", "--clock", "wall"],
-        &["--in-process: has no wall clock"],
+        &["--in-process: runs on the virtual clock only"],
     );
 }
 

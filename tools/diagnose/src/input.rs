@@ -4,7 +4,7 @@
 use serde::Serialize;
 use slipstream_recording::{Finding as Fault, faults};
 
-use crate::{Request, Unusable};
+use crate::{InputError, Request};
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name
 /// a wrong physics.
@@ -37,7 +37,7 @@ pub struct Warning {
 ///
 /// # Errors
 /// What cannot be diagnosed as it is.
-pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, Unusable> {
+pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, InputError> {
     let mut warnings = Vec::new();
     for recording in request.recordings {
         for fault in faults(recording, request.model_of) {
@@ -56,10 +56,10 @@ pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, Unusable> 
     Ok(warnings)
 }
 
-fn refusal(recording: &str, fault: Fault) -> Unusable {
+fn refusal(recording: &str, fault: Fault) -> InputError {
     let place = match fault.robot {
         Some(robot) => format!("{recording}: {robot}"),
         None => recording.to_owned(),
     };
-    Unusable::new(place, fault.statement, fault.remedy)
+    InputError::new(place, fault.statement, fault.remedy)
 }

@@ -77,31 +77,8 @@ use crate::search::{Outcome, Search};
 use crate::track::{Block, Track};
 use crate::weigh::Found;
 
-/// Why a recording cannot be diagnosed: the place, what is wrong and what to do.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {problem}; {remedy}")]
-pub struct Unusable {
-    /// File, robot or key.
-    pub place: String,
-    /// What is wrong.
-    pub problem: String,
-    /// What to do about it.
-    pub remedy: String,
-}
-
-impl Unusable {
-    pub(crate) fn new(
-        place: impl Into<String>,
-        problem: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self {
-            place: place.into(),
-            problem: problem.into(),
-            remedy: remedy.into(),
-        }
-    }
-}
+/// Why a recording cannot be diagnosed.
+pub use slipstream_bus::InputError;
 
 /// What is asked.
 pub struct Request<'a> {
@@ -127,7 +104,7 @@ const CUTS: u32 = 4;
 ///
 /// # Errors
 /// A robot that cannot be diagnosed, or a model that is none.
-pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), InputError> {
     examine(request, |_, _| ())
 }
 
@@ -138,7 +115,7 @@ pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Unusable> {
+pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, InputError> {
     let mut figures = Vec::new();
     let each = |bench: &Bench, found: &Found| figures.push(Figures::new(bench, found, request));
     let (answer, improved) = examine(request, each)?;
@@ -149,7 +126,7 @@ pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Unusa
 fn examine(
     request: &Request<'_>,
     mut each: impl FnMut(&Bench, &Found),
-) -> Result<(Answer, Vec<(String, RobotModel)>), Unusable> {
+) -> Result<(Answer, Vec<(String, RobotModel)>), InputError> {
     let mut answer = Answer {
         warnings: input::warnings(request)?,
         ..Answer::default()
@@ -172,7 +149,7 @@ fn examine(
             };
             let unusable = || {
                 let remedy = "check masses, lengths and units, and the kind of the commands";
-                Unusable::new(name, "cannot be simulated by its model", remedy)
+                InputError::new(name, "cannot be simulated by its model", remedy)
             };
             let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
             let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
@@ -275,25 +252,25 @@ fn bench(
     request: &Request<'_>,
     machine: &[(&Recording, &Recorded)],
     block: Block,
-) -> Result<Bench, Unusable> {
+) -> Result<Bench, InputError> {
     let (recording, robot) = machine[0];
     let model = (request.model_of)(&robot.name)
         .or_else(|| recording.model.clone())
         .ok_or_else(|| {
-            Unusable::new(
+            InputError::new(
                 &robot.name,
                 "has no model",
                 "give one with --robot robot.toml",
             )
         })?;
     let constants = slipstream_sim::Robot::new(&model)
-        .map_err(|error| Unusable::new(error.place, error.problem, error.remedy))?;
+        .map_err(|error| InputError::new(error.place, error.problem, error.remedy))?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {
         let mut track = Track::new(recording, robot, &model, block)?;
         constants
             .accepts(track.kind())
-            .map_err(|error| Unusable::new(error.place, error.problem, error.remedy))?;
+            .map_err(|error| InputError::new(error.place, error.problem, error.remedy))?;
         track.leave_out(request.excluded_s);
         track.thin(ROWS);
         tracks.push(track);
@@ -301,7 +278,7 @@ fn bench(
     let windows = window::cut_fitted(&tracks, &[]);
     if windows.is_empty() {
         let remedy = "record at least a few seconds, or exclude less";
-        return Err(Unusable::new(&robot.name, "has nothing to fit", remedy));
+        return Err(InputError::new(&robot.name, "has nothing to fit", remedy));
     }
     Ok(Bench {
         tracks,

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::score;
 use crate::track::{Block, Sensor, Track};
 use crate::window::{WINDOW_S, Window, cut};
-use crate::{Point, Request, Unusable, bench};
+use crate::{InputError, Point, Request, bench};
 
 /// How one robot of one recording is predicted over windows of 5 s: the start of each is fitted to
 /// its first half second, the rest is simulated from what drove the robot. The model is taken as it
@@ -47,7 +47,7 @@ struct Piece {
 ///
 /// # Errors
 /// A robot that cannot be predicted, or a model that is none.
-pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, Unusable> {
+pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
     let mut predictions = Vec::new();
     for recording in request.recordings {
         for robot in &recording.robots {

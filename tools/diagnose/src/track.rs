@@ -9,7 +9,7 @@ use slipstream_recording::recording::{
 };
 use slipstream_sim::{Command, CommandKind, Stream};
 
-use crate::Unusable;
+use crate::InputError;
 use crate::noise;
 
 /// Standard deviation of a rounding to whole counts (counts).
@@ -140,7 +140,7 @@ impl Track {
         robot: &Recorded,
         model: &RobotModel,
         block: Block,
-    ) -> Result<Self, Unusable> {
+    ) -> Result<Self, InputError> {
         let place = format!("{}: {}", recording.name, robot.name);
         let wheels = wheels(robot, model);
         let told = commands(robot).filter(|_| block != Block::FromWheels);
@@ -152,7 +152,7 @@ impl Track {
         let driven = told.or_else(|| wheels.as_ref().and_then(driven_by));
         let commands = driven.ok_or_else(|| {
             let remedy = "record command.csv, or wheels.csv with counts per turn";
-            Unusable::new(&place, "has neither commands nor wheels", remedy)
+            InputError::new(&place, "has neither commands nor wheels", remedy)
         })?;
         let mut series: Vec<Series> = Vec::new();
         series.extend(wheels.filter(|_| driver == Driver::Command));
@@ -177,7 +177,11 @@ impl Track {
         series.retain(|series| !series.rows.is_empty());
         if series.is_empty() {
             let remedy = "record pose.csv, wheels.csv beside a command, or imu.csv";
-            return Err(Unusable::new(place, "has nothing to compare with", remedy));
+            return Err(InputError::new(
+                place,
+                "has nothing to compare with",
+                remedy,
+            ));
         }
         let axle = robot.pose_point == Some(PosePoint::Axle);
         let back = model.robot.com_to_axle_m.filter(|_| axle).unwrap_or(0.0);

@@ -45,7 +45,7 @@
 //! # Errors
 //!
 //! Reading and writing fail with [`Error`]. [`Error::Input`] is about a file of the user and names file,
-//! line, problem and remedy ([`Unusable`]); [`Error::Write`] and [`Error::WriteMcap`] are about output.
+//! line, problem and remedy ([`InputError`]); [`Error::Write`] and [`Error::WriteMcap`] are about output.
 //! Damage of an MCAP file is not an error: everything intact is read, and [`Import::loss`] counts the
 //! rest.
 //!
@@ -75,11 +75,12 @@ pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults};
 pub use compare::{Channel, CompareError, compare};
 pub use csv_folder::{read_folder, write_folder};
-pub use error::{Error, Result, Unusable};
+pub use error::{Error, Result};
 pub use foreign_bag::TopicMap;
 pub use import::Import;
 pub use mcap_file::{TraceFile, read_mcap_from, read_trace, write_mcap, write_mcap_to};
 pub use open::{read, read_mapped};
 pub use recording::Recording;
+pub use slipstream_bus::InputError;
 pub use table::StreamKind;
 pub use toml_files::robot_toml;

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use slipstream_bus::InputError;
+
 use crate::bag::open_file;
 use crate::csv_folder::read_folder;
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::foreign_bag::{TopicMap, read_foreign};
 use crate::import::Import;
 use crate::mcap_file::read_own;
@@ -24,7 +26,7 @@ pub fn read(path: &Path) -> Result<Import> {
 /// # Errors
 /// As [`read`], or if a topic of the map does not exist or cannot provide its stream.
 pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
-    let metadata = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
+    let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
     if metadata.is_dir() {
         return match bag_in_folder(path)? {
             Some(bag) => read_mapped(&bag, map),
@@ -43,11 +45,11 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
 
 /// The only MCAP file of a folder without `recording.toml`; ROS 2 stores a bag as such a folder,
 /// with a `metadata.yaml`. `None` for a folder of CSV files.
-fn bag_in_folder(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable> {
+fn bag_in_folder(folder: &Path) -> std::result::Result<Option<PathBuf>, InputError> {
     if folder.join("recording.toml").exists() {
         return Ok(None);
     }
-    let unreadable = |e| Unusable::unreadable(folder, &e);
+    let unreadable = |e| InputError::unreadable(folder, &e);
     let mut bags = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
@@ -63,11 +65,11 @@ fn bag_in_folder(folder: &Path) -> std::result::Result<Option<PathBuf>, Unusable
         0 => {
             let problem = "contains neither recording.toml nor an MCAP file";
             let remedy = "give a folder of CSV files with recording.toml, or an MCAP file";
-            Err(Unusable::new(folder, problem, remedy))
+            Err(InputError::file(folder, problem, remedy))
         }
         count => {
             let problem = format!("contains {count} MCAP files");
-            Err(Unusable::new(folder, problem, "give one of them"))
+            Err(InputError::file(folder, problem, "give one of them"))
         }
     }
 }

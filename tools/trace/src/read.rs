@@ -4,7 +4,7 @@ use std::path::Path;
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::trace::{self, TraceError, TraceRecord, Value};
-use slipstream_recording::{Result, Unusable, read_trace};
+use slipstream_recording::{InputError, Result, read_trace};
 
 use crate::answer::Names;
 use crate::log::{Log, Note};
@@ -50,7 +50,7 @@ pub fn read(path: &Path) -> Result<Reading> {
             TraceError::OtherFormat => "record it again, or read it with the version that wrote it",
             TraceError::Damaged => "record it again",
         };
-        return Err(Unusable::new(path, why.to_string(), remedy).into());
+        return Err(InputError::file(path, why.to_string(), remedy).into());
     }
     let mut log = Log::default();
     for piece in &pieces {
@@ -60,7 +60,7 @@ pub fn read(path: &Path) -> Result<Reading> {
     if log.sent.is_empty() && log.inner.is_empty() {
         let remedy = "record with RUST_LOG=slipstream=debug, or without RUST_LOG";
         let problem = "its trace holds no ticks and no messages".to_owned();
-        return Err(Unusable::new(path, problem, remedy).into());
+        return Err(InputError::file(path, problem, remedy).into());
     }
     let loss = file.loss;
     let warnings = loss.any().then(|| format!("{}: {loss}", path.display()));

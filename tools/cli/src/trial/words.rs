@@ -1,6 +1,6 @@
 //! What a trial says on the terminal.
 
-use crate::say::say;
+use crate::print::say;
 use slipstream_trial::examine::Examined;
 use slipstream_trial::hold::Question;
 use slipstream_trial::mark::Outcome;

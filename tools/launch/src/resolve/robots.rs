@@ -81,21 +81,7 @@ pub(super) fn check(
 
 fn read_model(path: &Path) -> Result<RobotModel, InputError> {
     robot_toml::read(path).map_err(|error| match error {
-        slipstream_recording::Error::Input(unusable) => {
-            let line = unusable
-                .line
-                .map(|line| format!(":{line}"))
-                .unwrap_or_default();
-            InputError::new(
-                format!("{}{line}", unusable.path.display()),
-                unusable.problem,
-                unusable.remedy,
-            )
-        }
-        other => InputError::new(
-            path.display().to_string(),
-            other.to_string(),
-            "check the file",
-        ),
+        slipstream_recording::Error::Input(error) => error,
+        other => InputError::file(path, other.to_string(), "check the file"),
     })
 }

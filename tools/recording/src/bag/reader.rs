@@ -11,11 +11,11 @@ use std::sync::Arc;
 use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use slipstream_bus::InputError;
 
 use super::chunk::{MAX_CHUNK_BYTES, unpack};
 use super::lengths;
 use super::loss::Loss;
-use crate::error::Unusable;
 
 /// A channel of a file: a topic with its type.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub(crate) fn read_bag(
     size: u64,
     path: &Path,
     visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
-) -> Result<Loss, Unusable> {
+) -> Result<Loss, InputError> {
     let limit = usize::try_from(size.clamp(64, MAX_CHUNK_BYTES)).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default()
         .with_emit_chunks(true)
@@ -107,7 +107,7 @@ impl BagReader<'_> {
         mut source: impl Read,
         size: u64,
         mut reader: LinearReader,
-    ) -> Result<Loss, Unusable> {
+    ) -> Result<Loss, InputError> {
         // Bytes of all complete records, including the magic bytes at the start.
         let mut bytes_done = mcap::MAGIC.len() as u64;
         let mut started = false;
@@ -118,7 +118,7 @@ impl BagReader<'_> {
                     let room = reader.insert(need);
                     let read = source
                         .read(room)
-                        .map_err(|e| Unusable::unreadable(self.path, &e))?;
+                        .map_err(|e| InputError::unreadable(self.path, &e))?;
                     reader.notify_read(read);
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
@@ -141,16 +141,16 @@ impl BagReader<'_> {
         Ok(self.loss)
     }
 
-    fn not_a_bag(&self, size: u64, error: &McapError) -> Unusable {
+    fn not_a_bag(&self, size: u64, error: &McapError) -> InputError {
         let remedy = "give an MCAP file or a folder with recording.toml";
         if size == 0 {
-            return Unusable::new(self.path, "the file is empty", remedy);
+            return InputError::file(self.path, "the file is empty", remedy);
         }
         match error {
-            McapError::BadMagic => Unusable::new(self.path, "is not an MCAP file", remedy),
+            McapError::BadMagic => InputError::file(self.path, "is not an MCAP file", remedy),
             other => {
                 let problem = format!("is not a complete MCAP file ({other})");
-                Unusable::new(self.path, problem, remedy)
+                InputError::file(self.path, problem, remedy)
             }
         }
     }

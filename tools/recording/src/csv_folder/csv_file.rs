@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
+use slipstream_bus::InputError;
 
-use crate::error::Unusable;
 use crate::recording::{NamePool, UnknownColumn};
 
-type CsvResult<T> = Result<T, Unusable>;
+type CsvResult<T> = Result<T, InputError>;
 
 /// Integers of a smaller size are exact in floating point (2^53).
 const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
@@ -28,7 +28,7 @@ impl<'a> CsvFile<'a> {
     /// # Errors
     /// If the file cannot be read or is empty, or if a column name occurs twice.
     pub(super) fn open(path: &'a Path) -> CsvResult<Self> {
-        let file = std::fs::File::open(path).map_err(|e| Unusable::unreadable(path, &e))?;
+        let file = std::fs::File::open(path).map_err(|e| InputError::unreadable(path, &e))?;
         let mut reader = ReaderBuilder::new().trim(Trim::All).from_reader(file);
         let header = reader.headers().map_err(|e| csv_error(path, &e))?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
@@ -54,9 +54,9 @@ impl<'a> CsvFile<'a> {
     }
 
     /// An error about the header.
-    pub(super) fn header_error(&self, problem: &str) -> Unusable {
+    pub(super) fn header_error(&self, problem: &str) -> InputError {
         let remedy = "give a header line as the format defines it";
-        Unusable::new(self.path, problem, remedy).at(1)
+        InputError::file(self.path, problem, remedy).at(1)
     }
 
     /// Checks the name of the first column.
@@ -143,9 +143,9 @@ impl<'a> CsvFile<'a> {
     }
 
     /// An error about the current row.
-    pub(super) fn row_error(&self, problem: impl Into<String>, remedy: &str) -> Unusable {
+    pub(super) fn row_error(&self, problem: impl Into<String>, remedy: &str) -> InputError {
         let line = self.row.position().map_or(0, csv::Position::line);
-        Unusable::new(self.path, problem, remedy).at(line)
+        InputError::file(self.path, problem, remedy).at(line)
     }
 
     /// A cell of the current row as text.
@@ -241,7 +241,7 @@ impl<'a> CsvFile<'a> {
 }
 
 /// Converts an error of the CSV library.
-fn csv_error(path: &Path, error: &csv::Error) -> Unusable {
+fn csv_error(path: &Path, error: &csv::Error) -> InputError {
     let line = error.position().map(csv::Position::line);
     let (problem, remedy) = match error.kind() {
         csv::ErrorKind::UnequalLengths {
@@ -254,7 +254,7 @@ fn csv_error(path: &Path, error: &csv::Error) -> Unusable {
         csv::ErrorKind::Io(e) => (e.to_string(), "check the path and its permissions"),
         _ => (error.to_string(), "correct the CSV syntax"),
     };
-    let error = Unusable::new(path, problem, remedy);
+    let error = InputError::file(path, problem, remedy);
     match line {
         Some(line) => error.at(line),
         None => error,

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use slipstream_bus::InputError;
+
 use super::csv_file::CsvFile;
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::import::Import;
 use crate::recording::{
     LinkMessage, Links, NamePool, Recording, Robot, RoundTrips, UnknownColumn, is_robot_name,
@@ -39,8 +41,8 @@ pub fn read_folder(folder: &Path) -> Result<Import> {
     })
 }
 
-fn sorted_entries(folder: &Path) -> std::result::Result<Vec<PathBuf>, Unusable> {
-    let unreadable = |e| Unusable::unreadable(folder, &e);
+fn sorted_entries(folder: &Path) -> std::result::Result<Vec<PathBuf>, InputError> {
+    let unreadable = |e| InputError::unreadable(folder, &e);
     let mut paths = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         paths.push(entry.map_err(unreadable)?.path());
@@ -119,7 +121,7 @@ fn read_stream(path: &Path, robot: &mut Robot, warnings: &mut Vec<String>) -> Re
         file.header[1..].iter().map(|c| kind.column(c)).collect();
     let present: Vec<&'static str> = known.iter().copied().flatten().collect();
     ColumnSet::choose(kind, &present)
-        .map_err(|(problem, remedy)| Unusable::new(path, problem, remedy).at(1))?;
+        .map_err(|(problem, remedy)| InputError::file(path, problem, remedy).at(1))?;
     file.warn_of_unknown(1, &known, warnings);
 
     let mut table = Table {

@@ -5,7 +5,9 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use crate::error::{Error, Result, Unusable, write_error};
+use slipstream_bus::InputError;
+
+use crate::error::{Error, Result, write_error};
 use crate::recording::{Links, Recording, RoundTrips, UnknownColumn};
 use crate::table::{
     CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
@@ -21,7 +23,7 @@ pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
     let mut entries = std::fs::read_dir(folder).map_err(write_error(folder))?;
     if entries.next().is_some() {
         let problem = "the folder is not empty";
-        return Err(Unusable::new(folder, problem, "give a new folder").into());
+        return Err(InputError::file(folder, problem, "give a new folder").into());
     }
     let path = folder.join("recording.toml");
     std::fs::write(&path, recording_toml::to_text(recording)).map_err(write_error(&path))?;

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use slipstream_bus::InputError;
+
 use super::guess::guess;
 use super::survey::{Topic, scan, survey};
 use super::topic_map::TopicMap;
 use crate::bag::{Item, VisitResult};
 use crate::decode::StreamBuilder;
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::import::Import;
 use crate::recording::Recording;
 use crate::ros2::time::s_from_ns;
@@ -90,7 +92,7 @@ fn open_streams(
     path: &Path,
     map: &TopicMap,
     topics: &[Topic],
-) -> std::result::Result<Vec<(String, StreamBuilder)>, Unusable> {
+) -> std::result::Result<Vec<(String, StreamBuilder)>, InputError> {
     let mut streams = Vec::new();
     for source in &map.sources {
         let topic = topics
@@ -103,7 +105,7 @@ fn open_streams(
                 .collect();
             let problem = format!("has no topic {}", source.topic);
             let remedy = format!("name one of: {}", names.join(", "));
-            return Err(Unusable::new(path, problem, remedy));
+            return Err(InputError::file(path, problem, remedy));
         };
         let Some(columns) = source.columns(&topic.channel.schema) else {
             let (name, schema) = (source.kind.name(), &topic.channel.schema);
@@ -111,18 +113,18 @@ fn open_streams(
                 "{} is a {schema}, which cannot provide {name}",
                 source.topic
             );
-            return Err(Unusable::new(path, problem, "map another topic"));
+            return Err(InputError::file(path, problem, "map another topic"));
         };
         let columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
         let stream = StreamBuilder::new(&source.robot, source.kind, &columns, &[]);
-        let mut stream = stream.map_err(|e| Unusable::new(path, e, "map another topic"))?;
+        let mut stream = stream.map_err(|e| InputError::file(path, e, "map another topic"))?;
         stream.selector = source.selector.clone();
         streams.push((source.topic.clone(), stream));
     }
     if streams.is_empty() {
         let problem = "no topic looks like a stream of a robot";
         let remedy = "give a topic map with --topics; README.md shows one";
-        return Err(Unusable::new(path, problem, remedy));
+        return Err(InputError::file(path, problem, remedy));
     }
     Ok(streams)
 }

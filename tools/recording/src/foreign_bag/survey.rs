@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
+use slipstream_bus::InputError;
+
 use crate::bag::{ChannelInfo, Item, Loss, VisitResult, open_file, read_bag};
 use crate::decode::{MessageSelector, Sample};
-use crate::error::Unusable;
 use crate::ros2::MessageType;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages::JointState;
@@ -39,7 +40,7 @@ pub(super) struct Joints {
 pub(super) fn scan(
     path: &Path,
     visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
-) -> Result<Loss, Unusable> {
+) -> Result<Loss, InputError> {
     let (source, size) = open_file(path)?;
     read_bag(source, size, path, visit)
 }
@@ -48,7 +49,7 @@ pub(super) fn scan(
 ///
 /// # Errors
 /// As [`scan`].
-pub(super) fn survey(path: &Path) -> Result<Vec<Topic>, Unusable> {
+pub(super) fn survey(path: &Path) -> Result<Vec<Topic>, InputError> {
     let mut topics: Vec<Topic> = Vec::new();
     let mut index_of_channel: BTreeMap<u16, usize> = BTreeMap::new();
     scan(path, &mut |item| {

@@ -15,8 +15,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use slipstream_bus::InputError;
+
 use crate::decode::MessageSelector;
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
 use crate::toml_files::{Entry, TomlFile, read_text};
@@ -69,7 +71,7 @@ impl TopicMap {
     ///
     /// # Errors
     /// As [`TopicMap::read`].
-    pub fn parse(text: &str, path: &Path) -> std::result::Result<Self, Unusable> {
+    pub fn parse(text: &str, path: &Path) -> std::result::Result<Self, InputError> {
         let file = TomlFile { path, text };
         let table = file.parse()?;
         let root = file.root(&table);
@@ -133,7 +135,7 @@ fn parse_source(
     robot: &str,
     kind: StreamKind,
     entry: &Entry<'_>,
-) -> std::result::Result<Source, Unusable> {
+) -> std::result::Result<Source, InputError> {
     let mut source = Source {
         robot: robot.to_owned(),
         kind,

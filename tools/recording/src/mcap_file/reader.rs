@@ -5,9 +5,11 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use slipstream_bus::InputError;
+
 use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
 use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::import::Import;
 use crate::recording::{Recording, is_robot_name};
 use crate::ros2::MessageType;
@@ -25,7 +27,8 @@ use crate::topics::{self, StreamMetadata};
 pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
     let import = read_own(source, size, path)?;
     let problem = "no channel says which stream it holds";
-    import.ok_or_else(|| Unusable::new(path, problem, "give a file that slipstream wrote").into())
+    import
+        .ok_or_else(|| InputError::file(path, problem, "give a file that slipstream wrote").into())
 }
 
 /// As [`read_mcap_from`], but returns `None` for a bag that slipstream did not write.

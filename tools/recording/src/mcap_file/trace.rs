@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use slipstream_bus::InputError;
+
 use crate::bag::{Item, Loss, Undecodable, open_file, read_bag};
-use crate::error::{Result, Unusable};
+use crate::error::Result;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages::TraceEvent;
 use crate::toml_files::recording_toml;
@@ -24,10 +26,10 @@ pub struct TraceFile {
 /// # Errors
 /// If the file cannot be read, is not an MCAP file, or contains no trace.
 pub fn read_trace(path: &Path, each: &mut dyn FnMut(&[u8]) -> bool) -> Result<TraceFile> {
-    let metadata = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
+    let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
     let no_trace = |problem: &str| {
         let remedy = "give an MCAP file that `slipstream run` wrote";
-        Unusable::new(path, problem, remedy)
+        InputError::file(path, problem, remedy)
     };
     if metadata.is_dir() {
         return Err(no_trace("is a folder, which contains no trace").into());

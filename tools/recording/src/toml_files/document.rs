@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use slipstream_bus::InputError;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-use crate::error::Unusable;
 
 /// Largest TOML file that is read (bytes). Models and descriptions have a few kilobytes.
 const MAX_BYTES: u64 = 4 << 20;
@@ -14,16 +13,16 @@ const MAX_BYTES: u64 = 4 << 20;
 ///
 /// # Errors
 /// If the file cannot be read, is not UTF-8 or is too large.
-pub(crate) fn read_text(path: &Path) -> Result<String, Unusable> {
-    let size = std::fs::metadata(path).map_err(|e| Unusable::unreadable(path, &e))?;
+pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
+    let size = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
     if size.len() > MAX_BYTES {
-        return Err(Unusable::new(
+        return Err(InputError::file(
             path,
             format!("has {} bytes, too many for a TOML file", size.len()),
             "give a TOML file, not the data",
         ));
     }
-    std::fs::read_to_string(path).map_err(|e| Unusable::unreadable(path, &e))
+    std::fs::read_to_string(path).map_err(|e| InputError::unreadable(path, &e))
 }
 
 /// The text of a file.
@@ -58,11 +57,11 @@ impl<'a> TomlFile<'a> {
     ///
     /// # Errors
     /// If it is not TOML, with the line.
-    pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'a>>, Unusable> {
+    pub(crate) fn parse(&self) -> Result<Spanned<DeTable<'a>>, InputError> {
         DeTable::parse(self.text).map_err(|error| {
             let line = error.span().map_or(1, |span| self.line(span.start));
             let problem = error.message().replace('\n', ", ");
-            Unusable::new(self.path, problem, "correct the TOML syntax").at(line)
+            InputError::file(self.path, problem, "correct the TOML syntax").at(line)
         })
     }
 
@@ -93,8 +92,12 @@ impl<'a> Section<'a> {
     }
 
     /// An error about this table.
-    pub(crate) fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Unusable {
-        Unusable::new(self.file.path, problem, remedy).at(self.line)
+    pub(crate) fn error(
+        &self,
+        problem: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> InputError {
+        InputError::file(self.file.path, problem, remedy).at(self.line)
     }
 
     /// All keys with their values, in file order.
@@ -123,7 +126,7 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// If it is missing.
-    pub(crate) fn require(&self, key: &str) -> Result<Entry<'a>, Unusable> {
+    pub(crate) fn require(&self, key: &str) -> Result<Entry<'a>, InputError> {
         self.get(key).ok_or_else(|| {
             self.error(
                 format!("{} is missing", self.full_key(key)),
@@ -136,7 +139,7 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// If the value is not a finite number.
-    pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, Unusable> {
+    pub(crate) fn number(&self, key: &str) -> Result<Option<f64>, InputError> {
         self.get(key).map(|entry| entry.number()).transpose()
     }
 
@@ -144,7 +147,7 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// If the value is not a table.
-    pub(crate) fn section(&self, key: &str) -> Result<Option<Section<'a>>, Unusable> {
+    pub(crate) fn section(&self, key: &str) -> Result<Option<Section<'a>>, InputError> {
         self.get(key).map(|entry| entry.section()).transpose()
     }
 
@@ -152,7 +155,7 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// The first other key.
-    pub(crate) fn allow_only(&self, known: &[&str]) -> Result<(), Unusable> {
+    pub(crate) fn allow_only(&self, known: &[&str]) -> Result<(), InputError> {
         match self.entries().find(|(name, _)| !known.contains(name)) {
             None => Ok(()),
             Some((_, entry)) => Err(entry.error(
@@ -166,7 +169,7 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// If it is missing or not 1.
-    pub(crate) fn require_format_1(&self) -> Result<(), Unusable> {
+    pub(crate) fn require_format_1(&self) -> Result<(), InputError> {
         let entry = self.require("format")?;
         match entry.integer()? {
             1 => Ok(()),
@@ -180,16 +183,16 @@ impl<'a> Section<'a> {
 
 impl<'a> Entry<'a> {
     /// An error about this key.
-    pub(crate) fn error(&self, problem: impl AsRef<str>, remedy: impl Into<String>) -> Unusable {
+    pub(crate) fn error(&self, problem: impl AsRef<str>, remedy: impl Into<String>) -> InputError {
         let problem = format!("{} {}", self.key, problem.as_ref());
-        Unusable::new(self.file.path, problem, remedy).at(self.line)
+        InputError::file(self.file.path, problem, remedy).at(self.line)
     }
 
     /// The value as a number.
     ///
     /// # Errors
     /// If it is not a finite number.
-    pub(crate) fn number(&self) -> Result<f64, Unusable> {
+    pub(crate) fn number(&self) -> Result<f64, InputError> {
         let number = match self.value {
             DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
                 .ok()
@@ -207,7 +210,7 @@ impl<'a> Entry<'a> {
     ///
     /// # Errors
     /// If it is not a whole number of 64 bits.
-    pub(crate) fn integer(&self) -> Result<i64, Unusable> {
+    pub(crate) fn integer(&self) -> Result<i64, InputError> {
         match self.value {
             DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
                 .map_err(|_| self.error("is out of range", "give a smaller whole number")),
@@ -219,7 +222,7 @@ impl<'a> Entry<'a> {
     ///
     /// # Errors
     /// If it is not a whole number above 0.
-    pub(crate) fn counts_per_rev(&self) -> Result<u32, Unusable> {
+    pub(crate) fn counts_per_rev(&self) -> Result<u32, InputError> {
         match u32::try_from(self.integer()?) {
             Ok(counts) if counts > 0 => Ok(counts),
             _ => Err(self.error(
@@ -233,7 +236,7 @@ impl<'a> Entry<'a> {
     ///
     /// # Errors
     /// If it is not a string.
-    pub(crate) fn text(&self) -> Result<&'a str, Unusable> {
+    pub(crate) fn text(&self) -> Result<&'a str, InputError> {
         self.value
             .as_str()
             .ok_or_else(|| self.wrong_type("a string"))
@@ -243,7 +246,7 @@ impl<'a> Entry<'a> {
     ///
     /// # Errors
     /// If it is not a boolean.
-    pub(crate) fn boolean(&self) -> Result<bool, Unusable> {
+    pub(crate) fn boolean(&self) -> Result<bool, InputError> {
         self.value
             .as_bool()
             .ok_or_else(|| self.wrong_type("true or false"))
@@ -253,7 +256,7 @@ impl<'a> Entry<'a> {
     ///
     /// # Errors
     /// If it is not a table.
-    pub(crate) fn section(&self) -> Result<Section<'a>, Unusable> {
+    pub(crate) fn section(&self) -> Result<Section<'a>, InputError> {
         let table = self
             .value
             .as_table()
@@ -285,7 +288,7 @@ impl<'a> Entry<'a> {
     }
 
     /// An error about the type of the value.
-    pub(crate) fn wrong_type(&self, expected: &str) -> Unusable {
+    pub(crate) fn wrong_type(&self, expected: &str) -> InputError {
         let found = self.value.type_str();
         let article = if found.starts_with(['a', 'i']) {
             "an"

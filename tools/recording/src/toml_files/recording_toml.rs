@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use slipstream_bus::InputError;
 use toml::{Table, Value};
 
 use super::document::{Entry, Section, TomlFile};
-use crate::error::Unusable;
 use crate::recording::{ImuKind, Noise, PosePoint, Recording, Robot, is_robot_name};
 
 /// Keys of the root table.
@@ -13,7 +13,7 @@ const TOP_KEYS: [&str; 5] = ["format", "name", "origin", "same_robot", "robots"]
 /// Keys of a robot's table.
 const ROBOT_KEYS: [&str; 4] = ["encoder_counts_per_rev", "pose_point", "imu", "noise"];
 
-type ParseResult<T> = Result<T, Unusable>;
+type ParseResult<T> = Result<T, InputError>;
 
 /// Parses the text of a `recording.toml` into a recording without streams. `path` is used in errors
 /// only; `name` is the recording's name if the file gives none.

@@ -23,11 +23,11 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use slipstream_bus::{Body, EffectSpec, Encoder, Motor, Parameter, RobotModel};
+use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Motor, Parameter, RobotModel};
 use toml::de::DeValue;
 
 use super::document::{Entry, Section, TomlFile, read_text};
-use crate::error::{Result, Unusable, write_error};
+use crate::error::{Result, write_error};
 
 /// Keys of the root table.
 const TOP_KEYS: [&str; 5] = ["format", "robot", "motor", "encoder", "effects"];
@@ -65,7 +65,7 @@ pub fn read(path: &Path) -> Result<RobotModel> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusable> {
+pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, InputError> {
     let file = TomlFile { path, text };
     let table = file.parse()?;
     let root = file.root(&table);
@@ -92,7 +92,7 @@ pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, Unusabl
 }
 
 /// Adds the line of the key to an error of [`RobotModel::validate`].
-fn with_line(root: &Section<'_>, error: &slipstream_bus::InputError) -> Unusable {
+fn with_line(root: &Section<'_>, error: &InputError) -> InputError {
     let entry = error.place.split_once('.').and_then(|(table, key)| {
         let section = root.section(table).ok()??;
         section.get(key)
@@ -103,7 +103,7 @@ fn with_line(root: &Section<'_>, error: &slipstream_bus::InputError) -> Unusable
     }
 }
 
-fn parse_body(section: &Section<'_>) -> std::result::Result<Body, Unusable> {
+fn parse_body(section: &Section<'_>) -> std::result::Result<Body, InputError> {
     section.allow_only(&BODY_KEYS)?;
     Ok(Body {
         body_mass_kg: section.number("body_mass_kg")?,
@@ -119,7 +119,7 @@ fn parse_body(section: &Section<'_>) -> std::result::Result<Body, Unusable> {
     })
 }
 
-fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, Unusable> {
+fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, InputError> {
     section.allow_only(&MOTOR_KEYS)?;
     Ok(Motor {
         nominal_voltage_v: section.require("nominal_voltage_v")?.number()?,
@@ -128,7 +128,7 @@ fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, Unusable> {
     })
 }
 
-fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, Unusable> {
+fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, InputError> {
     section.allow_only(&["counts_per_rev"])?;
     Ok(Encoder {
         counts_per_rev: section.require("counts_per_rev")?.counts_per_rev()?,
@@ -136,7 +136,7 @@ fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, Unusable
 }
 
 /// Parses effects: `id = {…}`, or `id = [{…}, {…}]` for an effect that occurs several times.
-fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, Unusable> {
+fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, InputError> {
     let mut effects = Vec::new();
     for (id, entry) in section.entries() {
         for occurrence in entry.elements() {
@@ -146,14 +146,14 @@ fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, 
                     .section()?
                     .entries()
                     .map(|(name, value)| Ok((name.to_owned(), parse_parameter(&value)?)))
-                    .collect::<std::result::Result<_, Unusable>>()?,
+                    .collect::<std::result::Result<_, InputError>>()?,
             });
         }
     }
     Ok(effects)
 }
 
-fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, Unusable> {
+fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, InputError> {
     match entry.value {
         DeValue::String(text) => Ok(Parameter::Text(text.to_string())),
         DeValue::Integer(_) | DeValue::Float(_) => Ok(Parameter::Number(entry.number()?)),

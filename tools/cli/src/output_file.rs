@@ -1,4 +1,4 @@
-//! Files that somebody named: whole or not at all.
+//! Output files: complete, or not written at all.
 
 use std::fs::Permissions;
 use std::io::Write as _;
@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use crate::exit::Error;
 
-/// Writes `text` beside `path` and then puts it in its place, so that an end in between leaves what
-/// was there before. What is no file, such as /dev/stdout, is written as it is.
+/// Writes `text` to a temporary file beside `path` and renames it, so that an interruption leaves the
+/// previous file. Devices and pipes, such as /dev/stdout, are written directly.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
     replace(path, text).map_err(|error| {
         let place = path.display();
@@ -26,17 +26,17 @@ pub(crate) fn write_json(path: &Path, answer: &impl serde::Serialize) -> Result<
 }
 
 fn replace(path: &Path, text: &str) -> std::io::Result<()> {
-    // behind a link, the file itself
+    // follow symbolic links
     let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if place.exists() && !place.is_file() {
         return std::fs::write(path, text);
     }
-    let mut making = tempfile::Builder::new()
+    let mut temporary = tempfile::Builder::new()
         .prefix(".slipstream-")
         .permissions(Permissions::from_mode(0o666))
         .tempfile_in(folder(&place))?;
-    making.write_all(text.as_bytes())?;
-    making.persist(&place)?;
+    temporary.write_all(text.as_bytes())?;
+    temporary.persist(&place)?;
     Ok(())
 }
 

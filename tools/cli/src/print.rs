@@ -1,33 +1,33 @@
-//! Words for people. Who closes the pipe has read enough (`slipstream effects | head -1`): the rest is
-//! not printed, and the work goes on to its files and its exit code.
+//! Output on the terminal. A closed pipe (`slipstream effects | head -1`) is no error: nothing more is
+//! printed, files are still written and the exit code is kept.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 
 use crate::exit::Exit;
 
-/// `println!`, but for closed pipes.
+/// `println!` that accepts closed pipes.
 macro_rules! say {
     ($($text:tt)*) => {
-        $crate::say::out(format_args!("{}\n", format_args!($($text)*)))
+        $crate::print::out(format_args!("{}\n", format_args!($($text)*)))
     };
 }
 
-/// `eprintln!`, but for closed pipes.
+/// `eprintln!` that accepts closed pipes.
 macro_rules! complain {
     ($($text:tt)*) => {
-        $crate::say::err(format_args!("{}\n", format_args!($($text)*)))
+        $crate::print::err(format_args!("{}\n", format_args!($($text)*)))
     };
 }
 
 pub(crate) use {complain, say};
 
-/// Onto standard output.
+/// Prints to standard output.
 pub(crate) fn out(text: Arguments<'_>) {
     match stdout().write_fmt(text) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             err(format_args!(
-                "slipstream: standard output: cannot be written: {error}; write to another place\n"
+                "slipstream: standard output: cannot be written: {error}; redirect the output elsewhere\n"
             ));
             std::process::exit(Exit::Failed.code().into());
         }
@@ -35,7 +35,7 @@ pub(crate) fn out(text: Arguments<'_>) {
     }
 }
 
-/// Onto standard error. Where that cannot be written there is nobody to tell.
+/// Prints to standard error, which may be closed.
 pub(crate) fn err(text: Arguments<'_>) {
     let _ = stderr().write_fmt(text);
 }
