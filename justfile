@@ -2,28 +2,35 @@
 ci:
     bash .ci/run
 
+# Compare behaviour with an earlier commit: state hashes, and diagnoses of the practice recordings in PRACTICE.
+same BASE PRACTICE="../shared/practice":
+    bash tests/same.sh {{BASE}} {{PRACTICE}}
+
+# Imports and sizes of every package; `--circles` lists files that import each other in a circle.
+structure *OPTIONS:
+    cargo run -q -p slipstream-tests --example structure -- . {{OPTIONS}}
+
 # All benchmarks: plant, lockstep and latency, recordings, diagnosis.
 bench:
     cargo bench --workspace
 
-# Processes killed at random moments, a hundred times over.
+# Long form of the kill test: processes killed at random moments, a hundred times.
 kill:
     SLIPSTREAM_KILLS=100 cargo test --release -p slipstream --test kill -- --nocapture
 
-# Ten million rows in and out.
+# Long form of the throughput test: ten million rows in and out.
 large:
     cargo test --release -p slipstream-recording --test large -- --include-ignored --nocapture
 
-# Each reader fuzzed for five minutes (needs a nightly toolchain and cargo-fuzz).
+# Fuzz each reader for five minutes (needs a nightly toolchain and cargo-fuzz).
 fuzz:
     cd tools/recording/fuzz && for target in $(cargo +nightly fuzz list); do cargo +nightly fuzz run $target -- -max_total_time=300; done
 
-# The diagnosis tried on every effect at several sizes, on nothing, on pairs and on what it does not
-# know: minutes to make, and as long as the diagnosis takes for each of some 170 cases.
+# Trial of the diagnosis on every effect at several sizes, on nothing, on pairs and on unknown physics: some 170 diagnoses.
 battery:
     cargo build --release -p slipstream
     target/release/slipstream trial --plan battery --json target/battery.json --report target/battery.html
 
-# The page of results on real robots, tests/real_robots (some minutes): RECORDINGS holds their folders.
+# Write the page of real robots, tests/real_robots (some minutes). RECORDINGS: the folder of their recordings.
 real RECORDINGS="../shared/recordings":
     cargo run --release -p slipstream-tests --example real -- {{RECORDINGS}}

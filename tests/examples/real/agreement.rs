@@ -1,4 +1,4 @@
-//! Whether runs of one machine, diagnosed each by itself, say the same.
+//! Agreement between the separate diagnoses of several runs of one machine.
 
 use std::collections::BTreeMap;
 
@@ -7,16 +7,16 @@ use slipstream_recording::Recording;
 
 use crate::study::{Found, Study};
 
-/// Recordings of one machine under several names.
+/// Recordings of one machine.
 const TOGETHER: [&[&str]; 1] = [&["trento-wheelchair-01", "trento-wheelchair-03"]];
 
-/// An estimate and its interval of 95 %.
+/// An estimate and its 95 % interval.
 pub(crate) type Estimate = (f64, [f64; 2]);
 
-/// What the runs of one machine, or of machines of one kind, say of each parameter.
+/// Estimates of each parameter by the runs of one machine, or of machines of one type.
 pub(crate) struct Agreement {
     pub(crate) runs: Vec<String>,
-    /// By effect and parameter, with its unit: what each run says.
+    /// Estimate of each run, by effect and parameter with its unit.
     pub(crate) rows: BTreeMap<(String, String), Vec<Option<Estimate>>>,
 }
 

@@ -1,9 +1,8 @@
-//! The page of results on real robots, made by diagnosing each recording.
+//! Writes the page of results on real robots: diagnoses each recording.
 //!
 //!     cargo run --release -p slipstream-tests --example real -- RECORDINGS [--out FOLDER]
 //!
-//! RECORDINGS is a folder of recordings with their models. What is not there is left out, with a
-//! word.
+//! RECORDINGS is a folder of recordings with their models. Missing recordings are reported and left out.
 
 mod agreement;
 mod page;
@@ -30,7 +29,7 @@ fn main() -> ExitCode {
         _ => Path::new(env!("CARGO_MANIFEST_DIR")).join("real_robots"),
     };
     let Some(from) = from.filter(|from| from.is_dir()) else {
-        println!("no folder of recordings: nothing to do");
+        println!("SKIPPED: no folder of recordings");
         return ExitCode::SUCCESS;
     };
     match write(&from, &into) {
@@ -76,7 +75,7 @@ fn read(from: &Path) -> Result<Vec<Recording>, Box<dyn Error>> {
     for folder in folders {
         let recording = slipstream_recording::read(&folder)?.recording;
         if recording.robots.is_empty() {
-            println!("{}: no robot, left out", recording.name);
+            println!("{}: no robot; left out", recording.name);
         } else {
             recordings.push(recording);
         }

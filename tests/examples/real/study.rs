@@ -1,13 +1,13 @@
-//! One recording: diagnosed, and predicted by the models before, on the way and after.
+//! One recording: its diagnosis, and its prediction by the nominal, the intermediate and the improved model.
 
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, InputError, Prediction, Request, diagnose, predict};
 use slipstream_recording::Recording;
 
-/// What was found on recordings of one or several machines.
+/// Diagnosis of recordings of one or several machines.
 pub(crate) struct Found {
     pub(crate) answer: Answer,
-    /// Each machine's improved model.
+    /// Improved model of each machine.
     pub(crate) models: Vec<(String, RobotModel)>,
 }
 

@@ -1,4 +1,4 @@
-//! Models made on one run, tried on another that they never saw.
+//! Prediction of a run by a model that was improved on another run.
 
 use slipstream_diagnose::{InputError, Prediction};
 use slipstream_recording::Recording;

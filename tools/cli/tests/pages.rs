@@ -1,5 +1,5 @@
-//! Every report opened in a browser: nothing in the console, figures there, no text over another,
-//! none over a line, none cut off. Skipped where no Chromium is installed.
+//! Every report is opened in a browser: no errors in the console, all figures present, no text that
+//! overlaps another or a line, none cut off. Skipped without Chromium, which fails if `CI` is set.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -152,7 +152,7 @@ fn a_diagnosis_is_in_order() {
 fn diagnoses_of_practice_are_in_order() {
     let practice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/practice");
     if !practice.exists() {
-        println!("skipped: {} is not there", practice.display());
+        println!("SKIPPED: {} does not exist", practice.display());
         return;
     }
     let Some(mut browser) = Browser::start() else {

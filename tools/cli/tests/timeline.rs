@@ -1,5 +1,5 @@
-//! The timeline read by a program that is not ours: the trace engine of the developer tools of
-//! Chromium (npm's @paulirish/trace_engine). Skipped where there is no npm.
+//! The Perfetto timeline is read by an independent parser: the trace engine of Chromium's developer
+//! tools (npm's @paulirish/trace_engine). Skipped without npm, which fails if `CI` is set.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -11,12 +11,12 @@ mod common;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::{read_json, run_json, slipstream};
+use common::{read_json, run_json, skipped, slipstream};
 use serde_json::Value;
 
 const PACKAGE: &str = "@paulirish/trace_engine@0.0.65";
 
-/// The folder with the engine. `None`, said aloud, where it cannot be installed.
+/// Folder with the engine; `None` if it cannot be installed.
 fn engine() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("trace-engine");
     let installed = folder.join("installed.txt");
@@ -33,11 +33,11 @@ fn engine() -> Option<PathBuf> {
         }
         Ok(output) => {
             let why = String::from_utf8_lossy(&output.stderr);
-            eprintln!("SKIPPED: npm does not install {PACKAGE}: {why}");
+            skipped(&format!("npm does not install {PACKAGE}: {why}"));
             None
         }
         Err(why) => {
-            eprintln!("SKIPPED: no npm: {why}");
+            skipped(&format!("no npm: {why}"));
             None
         }
     }

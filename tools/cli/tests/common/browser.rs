@@ -1,4 +1,4 @@
-//! A headless Chromium, spoken to over its debugging pipe: pages are opened as a person would.
+//! A headless Chromium, driven over its DevTools pipe.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -24,11 +24,11 @@ pub(crate) struct Browser {
 }
 
 impl Browser {
-    /// Starts it. `None`, said aloud, where none is installed.
+    /// Starts it; `None` if none is installed ([`super::skipped`]).
     pub(crate) fn start() -> Option<Self> {
         let answers = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
         let Some(name) = NAMES.iter().find(answers) else {
-            eprintln!("SKIPPED: no Chromium is installed ({})", NAMES.join(", "));
+            super::skipped(&format!("no Chromium is installed ({})", NAMES.join(", ")));
             return None;
         };
         let profile = tempfile::tempdir().unwrap();

@@ -16,6 +16,15 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
+/// Says that a test is skipped because a program is missing.
+///
+/// # Panics
+/// If `CI` is set: there a skipped test is a failure.
+pub(crate) fn skipped(reason: &str) {
+    assert!(std::env::var_os("CI").is_none(), "skipped: {reason}");
+    eprintln!("SKIPPED: {reason}");
+}
+
 /// `slipstream run` with these arguments, in a folder.
 pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipstream"));
