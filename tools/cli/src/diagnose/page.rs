@@ -1,4 +1,4 @@
-//! A diagnosis as a page: the answer in words first, then the figures that show it.
+//! Report page of a diagnosis: the answer first, then the figures behind it.
 
 use slipstream_diagnose::{
     Against, Answer, Figures, Finding, Limit, MissingForce, ParameterEstimate, Paths, Residuals,
@@ -10,16 +10,16 @@ use super::points::{kept, level, means};
 use super::words::{number, verdict, warning};
 use crate::study::command_line;
 
-/// What the lines are called, and their colours.
+/// Names and colours of the lines.
 const NOMINAL: (&str, usize) = ("nominal model", 1);
-const FOUND: (&str, usize) = ("with what was found", 0);
+const FOUND: (&str, usize) = ("improved model", 0);
 const CAMERA: (&str, usize) = ("camera", 5);
 
-/// Root mean square (standard deviations) below which a line is mostly noise.
-const NOISY: f64 = 3.0;
+/// Root mean square (standard deviations) below which residuals are mostly noise and drawn as dots.
+const NOISE_RMS: f64 = 3.0;
 
-/// From how much smaller residuals on (before over after) those after stand in a figure of their own.
-const OWN_FIGURE: f64 = 4.0;
+/// Ratio of the residuals before and after from which on those after get a figure of their own.
+const ENLARGE_RATIO: f64 = 4.0;
 
 /// The whole page.
 pub(super) fn page(
@@ -35,7 +35,7 @@ pub(super) fn page(
         figures.iter().partition(|own| found(own));
     for own in with.into_iter().chain(without) {
         if figures.len() > 1 {
-            let nothing = if found(own) { "" } else { ": nothing found" };
+            let nothing = if found(own) { "" } else { ": no finding" };
             page.section(&format!("Robot {}{nothing}", own.robot));
         }
         add_residuals(&mut page, own)?;
@@ -75,17 +75,16 @@ fn add_answer(page: &mut Page, answer: &Answer) {
     let named = |finding: &Finding| finding.effect != "unknown";
     page.paragraph(&if !answer.findings.iter().any(named) {
         let without = match answer.verdict {
-            Verdict::Unexplained => " What is outside of the catalogue does not predict.",
+            Verdict::Unexplained => " Physics outside the catalogue cannot be predicted.",
             _ => "",
         };
         format!(
-            "Prediction error over 5 s: {before:.2} standard deviations of the sensors. Noise alone \
-             gives 1.{without}"
+            "Prediction error over 5 s: {before:.2} sensor standard deviations (noise alone: 1).{without}"
         )
     } else {
         format!(
-            "Prediction error over 5 s, in standard deviations of the sensors: {before:.2} by the \
-             nominal model → {after:.2} with what was found. Noise alone gives 1."
+            "Prediction error over 5 s, in sensor standard deviations: nominal model {before:.2}, improved \
+             model {after:.2} (noise alone: 1)."
         )
     });
 }
@@ -93,8 +92,8 @@ fn add_answer(page: &mut Page, answer: &Answer) {
 fn add_residuals(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     page.subsection("Residuals before and after");
     page.paragraph(
-        "Simulated minus measured, in standard deviations of the sensor, in the windows of the fit \
-         (5 s each, with a free initial state). Noise stays within about ±3.",
+        "Simulated minus measured, in sensor standard deviations, over the windows of the fit (5 s each, \
+         with a free initial state). Noise stays within about ±3.",
     );
     for residuals in &figures.residuals {
         add_channel(page, residuals, &of_run(figures, residuals.run))?;
@@ -117,8 +116,8 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     let axis = format!("{channel} (standard deviations)");
     let same = residuals.after.is_empty();
     let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
-    // a line through noise would fill the figure
-    let nominal = if same && before < NOISY {
+    // Noise drawn as a line would fill the figure.
+    let nominal = if same && before < NOISE_RMS {
         nominal.dots()
     } else {
         nominal
@@ -134,14 +133,14 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
         format!("{channel}{run}: root mean square {before} before, {after} after.")
     };
     page.figure(&chart.svg()?, &caption);
-    if !same && before > OWN_FIGURE * after {
+    if !same && before > ENLARGE_RATIO * after {
         let line = Line::new(FOUND.0, kept(&residuals.after))
             .dots()
             .colour(FOUND.1);
         let chart = Chart::new("t (s)", axis).line(line);
         page.figure(
             &chart.svg()?,
-            &format!("{channel}{run}: what is left, enlarged."),
+            &format!("{channel}{run}: residuals of the improved model, enlarged."),
         );
     }
     Ok(())
@@ -154,7 +153,7 @@ fn add_timeline(page: &mut Page, answer: &Answer, figures: &Figures) -> Result<(
     if rows.is_empty() {
         return Ok(());
     }
-    page.subsection("When it is at work");
+    page.subsection("When each finding acts");
     let spans: Vec<(f64, f64)> = figures
         .spans_s
         .iter()
@@ -163,7 +162,7 @@ fn add_timeline(page: &mut Page, answer: &Answer, figures: &Figures) -> Result<(
     rows.push(row_of("recorded", &spans));
     page.figure(
         &Timeline::new("t (s)", rows).svg()?,
-        "Intervals in which each finding acts, with their sum. What always acts fills the recording.",
+        "Intervals in which each finding acts, and their total length.",
     );
     Ok(())
 }
@@ -200,12 +199,12 @@ fn row_of(name: &str, spans: &[(f64, f64)]) -> Row {
 }
 
 fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
-    page.subsection("What is missing");
+    page.subsection("Missing force");
     page.paragraph(
-        "The force that would have to be added to the model at every moment (50 ms each) for it to \
-         follow the measurements, without any idea of the cause; kept near zero where the \
-         measurements say nothing of it. Wheels that turn as they are told feel no force: then it is a \
-         motion. Over time: its mean over a quarter of a second, without the extremes.",
+        "The force that, added to the model in every interval of 50 ms, makes it follow the measurements. \
+         It is estimated without assuming a cause, and regularised towards zero where the measurements \
+         do not determine it. For a robot whose wheels follow their commands exactly it is a motion \
+         instead. Curves over time are means over 0.25 s without outliers.",
     );
     for force in &figures.forces {
         add_over_time(page, force, &of_run(figures, force.run))?;
@@ -239,21 +238,21 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
     if against.curve.is_empty() && against.after.is_empty() {
         chart = chart
             .line(dots("measured", &against.before, 4))
-            .line(Line::new("its mean", means(&against.before)).colour(NOMINAL.1));
+            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1));
     } else if against.curve.is_empty() {
         chart = chart
             .line(dots(NOMINAL.0, &against.before, 4))
-            .line(Line::new("its mean", means(&against.before)).colour(NOMINAL.1))
+            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1))
             .line(
-                Line::new("mean with what was found", means(&against.after))
+                Line::new("mean, improved model", means(&against.after))
                     .dashed()
                     .colour(FOUND.1),
             );
     } else {
-        let curve = Line::new("what was found", against.curve.iter().copied());
+        let curve = Line::new("finding", against.curve.iter().copied());
         let curve = curve.colour(NOMINAL.1);
         chart = chart
-            .line(dots("missing at each moment", &against.before, 4))
+            .line(dots("missing force", &against.before, 4))
             .line(if against.is_function {
                 curve
             } else {
@@ -271,13 +270,13 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
 fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     for path in &figures.paths {
         page.subsection(&format!(
-            "The path against the camera{}",
+            "Path{}",
             of_run(figures, path.run)
         ));
         page.figure(
             &track(path).svg()?,
-            "In pieces of 5 s: the start of each is fitted to its first half second, the rest is \
-             simulated from the commands alone.",
+            "Windows of 5 s: the initial state is fitted to the first half second, the rest is simulated \
+             from the commands.",
         );
     }
     Ok(())
@@ -313,7 +312,7 @@ fn add_parameters(page: &mut Page, answer: &Answer, figures: &Figures) {
                 "unit",
                 "nominal",
                 "estimate",
-                "95 % between",
+                "95 % interval",
             ],
             &rows,
         );
@@ -324,7 +323,7 @@ fn parameter_row(finding: &Finding, parameter: &ParameterEstimate) -> Vec<String
     let or_none = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
     let between = match parameter.ci95 {
         Some([low, high]) if low.is_finite() && high.is_finite() => {
-            format!("{} and {}", number(low), number(high))
+            format!("{} to {}", number(low), number(high))
         }
         Some(_) => "not determined by this recording".to_owned(),
         None => "–".to_owned(),
@@ -344,11 +343,10 @@ fn parameter_row(finding: &Finding, parameter: &ParameterEstimate) -> Vec<String
 }
 
 fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
-    page.subsection("Prediction over 5 s, channel by channel");
+    page.subsection("Prediction error over 5 s by channel");
     page.paragraph(
-        "Each window's start is fitted to its first half second; the rest, which that fit never \
-         saw, is simulated from the commands. Root mean square in standard deviations of the \
-         sensor; noise alone gives 1.",
+        "The initial state of each window is fitted to its first half second; the rest is simulated from \
+         the commands. Root mean square in sensor standard deviations; noise alone gives 1.",
     );
     let own = answer
         .held_out
@@ -367,13 +365,12 @@ fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
 }
 
 fn add_limits(page: &mut Page, figures: &Figures) {
-    page.subsection("What was ruled out, and down to what size");
+    page.subsection("Effects ruled out, and down to which size");
     page.paragraph(
-        "No other effect of the catalogue is larger than this: at this size its parameter would be \
-         4.5 standard deviations away from nothing beside what was found (thresholds: the smallest \
-         of those tried that the recording refutes). What could still be large comes first, by the \
-         smallest size at which the catalogue expects it. This is what noise allows; how well a \
-         simulation can know a robot is another question.",
+        "No other effect of the catalogue is larger than this. At this size, its parameter would differ \
+         from zero by 4.5 standard deviations beside the findings; for thresholds it is the smallest \
+         tried value that the recording refutes. Effects that could still be large come first. The \
+         limits account for sensor noise, not for other errors of the simulation.",
     );
     let known = figures
         .limits
@@ -412,7 +409,7 @@ fn ruled_out(limit: &Limit, size: f64) -> String {
 }
 
 fn add_look_alikes(page: &mut Page, answer: &Answer, figures: &Figures) {
-    page.subsection("What cannot be told apart here, and what would tell");
+    page.subsection("Effects that cannot be told apart, and the experiment that would");
     let mut rows: Vec<Vec<String>> = Vec::new();
     for finding in answer.findings.iter().filter(|f| f.robot == figures.robot) {
         for twin in &finding.confused_with {
@@ -425,19 +422,19 @@ fn add_look_alikes(page: &mut Page, answer: &Answer, figures: &Figures) {
         let effect = effect_of(limit);
         if !blind.contains(&effect) {
             rows.push(vec![
-                format!("{effect}: not shown here"),
+                format!("{effect}: not observable here"),
                 manoeuvre(&[limit.effect]),
             ]);
             blind.push(effect);
         }
     }
     if rows.is_empty() {
-        page.paragraph("Nothing: each finding differs from everything else in the catalogue, and each other effect would have shown.");
+        page.paragraph("None: each finding differs from every other effect of the catalogue, and every other effect would have been observed.");
     } else {
-        page.table(&["what", "what would tell"], &rows);
+        page.table(&["effects", "experiment"], &rows);
     }
     page.paragraph(
-        "A push and a patch of other friction are looked for where nothing else brings the \
-         residuals to noise; delays of links need the recordings of two robots.",
+        "Pushes and friction patches are searched for only where no other effect brings the residuals to \
+         noise. Link delays need the recordings of both robots.",
     );
 }

@@ -1,12 +1,13 @@
-//! Points of figures, summed up.
+//! Statistics of the points of a figure.
 
 type Point = (f64, f64);
 
-/// Stretches of the axis across that have a mean of their own, and points that a mean takes.
-const STRETCHES: usize = 24;
-const ENOUGH: usize = 4;
+/// Number of bins of the horizontal axis.
+const BINS: usize = 24;
+/// Smallest number of points of a bin that is shown.
+const MIN_POINTS: usize = 4;
 
-/// Root mean square of what is measured.
+/// Root mean square of the finite values.
 pub(super) fn level(points: &[Point]) -> f64 {
     let finite = points.iter().map(|(_, y)| *y).filter(|y| y.is_finite());
     let (count, sum) = finite.fold((0.0, 0.0), |(count, sum), y| (count + 1.0, sum + y * y));
@@ -17,27 +18,27 @@ pub(super) fn level(points: &[Point]) -> f64 {
     }
 }
 
-/// What can be drawn.
+/// The points with finite coordinates.
 pub(super) fn kept(points: &[Point]) -> Vec<Point> {
     let finite = |(x, y): &&Point| x.is_finite() && y.is_finite();
     points.iter().filter(finite).copied().collect()
 }
 
-/// The mean in every stretch of the axis across, at the mean place of its points.
+/// Mean of every bin of the horizontal axis, at the mean position of its points.
 pub(super) fn means(points: &[Point]) -> Vec<Point> {
     let points = kept(points);
     let across = || points.iter().map(|(x, _)| *x);
     let low = across().fold(f64::INFINITY, f64::min);
     let high = across().fold(f64::NEG_INFINITY, f64::max);
-    let width = ((high - low) / STRETCHES as f64).max(f64::MIN_POSITIVE);
-    let mut sums = vec![(0_usize, 0.0, 0.0); STRETCHES];
+    let width = ((high - low) / BINS as f64).max(f64::MIN_POSITIVE);
+    let mut sums = vec![(0_usize, 0.0, 0.0); BINS];
     for (x, y) in &points {
-        let (count, across, up) = &mut sums[(((x - low) / width) as usize).min(STRETCHES - 1)];
+        let (count, across, up) = &mut sums[(((x - low) / width) as usize).min(BINS - 1)];
         *count += 1;
         *across += x;
         *up += y;
     }
-    let enough = sums.into_iter().filter(|(count, _, _)| *count >= ENOUGH);
+    let enough = sums.into_iter().filter(|(count, _, _)| *count >= MIN_POINTS);
     enough
         .map(|(count, x, y)| (x / count as f64, y / count as f64))
         .collect()
@@ -48,18 +49,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_of_a_line_is_the_line() {
+    fn binned_means_of_a_line_lie_on_it() {
         let line: Vec<Point> = (0..960)
             .map(|i| f64::from(i) / 960.0)
             .map(|x| (x, 3.0 * x))
             .collect();
         let means = means(&line);
-        assert_eq!(means.len(), STRETCHES);
+        assert_eq!(means.len(), BINS);
         assert!(means.iter().all(|(x, y)| (y - 3.0 * x).abs() < 1e-12));
     }
 
     #[test]
-    fn gaps_count_for_nothing() {
+    fn non_finite_points_are_ignored() {
         let points = [(0.0, 3.0), (f64::NAN, f64::NAN), (1.0, -3.0)];
         assert_eq!(level(&points), 3.0);
         assert_eq!(kept(&points).len(), 2);

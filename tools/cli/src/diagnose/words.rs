@@ -1,24 +1,24 @@
-//! Words of a diagnosis.
+//! Texts of a diagnosis: verdict, warnings, numbers.
 
 use slipstream_diagnose::{Verdict, Warning};
 
 /// The verdict as a sentence.
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
-        Verdict::Match => "The model matches the recording: nothing beyond the noise",
-        Verdict::Explained => "What the model leaves out explains the recording",
-        Verdict::Unexplained => "Something remains that the catalogue does not explain",
+        Verdict::Match => "Match: the model predicts the recording to within sensor noise",
+        Verdict::Explained => "Explained: with the findings below, the model predicts the recording to within sensor noise",
+        Verdict::Unexplained => "Unexplained: a difference remains that no effect of the catalogue explains",
     }
 }
 
-/// What about a recording makes the answer poorer, in one line.
+/// A property of a recording that weakens the answer, in one line.
 pub(super) fn warning(warning: &Warning) -> String {
     let robot = warning.robot.as_deref().unwrap_or("all robots");
     let (name, what, remedy) = (&warning.recording, &warning.statement, &warning.remedy);
     format!("{name}, {robot}: {what}; {remedy}")
 }
 
-/// A number with four digits that count.
+/// A number with four significant digits.
 pub(super) fn number(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
@@ -45,7 +45,7 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-/// Zeros behind the point before the first digit that counts.
+/// Number of zeros between the decimal point and the first significant digit.
 fn leading(size: f64) -> usize {
     if size == 0.0 {
         0
