@@ -63,7 +63,7 @@ fn sensors_keep_their_rates_and_deviations() {
     let mut world = World::new(&[still], 3).unwrap();
     let (mut frames, mut samples) = (Vec::new(), Vec::new());
     for _ in 0..400_000 {
-        world.step(1_000_000, &[Command::rest()]);
+        world.step(1_000_000, &[Command::zero_torque()]);
         frames.extend(world.camera(0));
         samples.extend(world.imu(0));
     }

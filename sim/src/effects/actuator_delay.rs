@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.delay_s = Some(self.delay_s);
+        parameters.actuator.direct = false;
+        parameters.actuator.delay_s = Some(self.delay_s);
     }
 }

@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.lag_s = Some(self.time_constant_s);
+        parameters.actuator.direct = false;
+        parameters.actuator.lag_s = Some(self.time_constant_s);
     }
 }

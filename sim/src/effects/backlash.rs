@@ -43,6 +43,6 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.gap_rad = Some(self.gap_rad);
+        parameters.actuator.gap_rad = Some(self.gap_rad);
     }
 }

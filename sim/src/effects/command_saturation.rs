@@ -4,7 +4,7 @@ use super::{
     Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, Variable,
     When,
 };
-use crate::parts::actuator::Limits;
+use crate::parts::actuator::CommandLimits;
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
@@ -69,7 +69,7 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.saturation = Limits {
+        parameters.actuator.saturation = CommandLimits {
             torque_nm: self.torque_nm,
             speed_rad_s: self.speed_rad_s,
         };

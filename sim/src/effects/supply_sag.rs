@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.sag_per_s = self.rate_per_s;
+        parameters.actuator.direct = false;
+        parameters.actuator.sag_per_s = self.rate_per_s;
     }
 }

@@ -41,6 +41,6 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.droop += self.coefficient;
+        parameters.actuator.droop += self.coefficient;
     }
 }

@@ -42,7 +42,7 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.grip = Some(Friction {
+        parameters.wheel_friction = Some(Friction {
             friction_static: self.friction_static,
             friction_kinetic: self.friction_kinetic,
         });

@@ -111,7 +111,7 @@ struct Teller<'a>(&'a WakePage);
 
 impl Progress for Teller<'_> {
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer) {
-        let (speed_m_s, spacing_error_m) = observer.glance(world);
+        let (speed_m_s, spacing_error_m) = observer.progress(world);
         self.0.publish_progress(now_ns, speed_m_s, spacing_error_m);
     }
 }
@@ -202,7 +202,7 @@ impl Actuators {
         })?;
         for (heard_ns, torque) in self.heard_ns.iter().zip(&mut self.commands) {
             if now_ns - heard_ns > self.timeout_ns {
-                *torque = Command::rest();
+                *torque = Command::zero_torque();
             }
         }
         Ok(())

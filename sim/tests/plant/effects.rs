@@ -301,7 +301,7 @@ fn payload() {
     // beside the axis it presses one wheel down: N_r − N_l = −m_p g y / b
     let list = [("mass_kg", 0.4), ("x_m", -0.02), ("y_m", 0.03)];
     let model = gripping(0.3).with("payload", &list);
-    let [right, left] = ahead(&robot(&model), 0.001, 0.0).contact().normal_n;
+    let [right, left] = ahead(&robot(&model), 0.001, 0.0).contact_forces().normal_n;
     assert_near("apart", right - left, -0.4 * GRAVITY_M_S2 * 0.03 / B, 1e-9);
     let caster = (M * D + 0.4 * (D - 0.02)) * GRAVITY_M_S2 / (D + E);
     assert_near("sum", right + left, (M + 0.4) * GRAVITY_M_S2 - caster, 1e-9);

@@ -89,10 +89,10 @@ fn forces_stay_inside_the_friction_limit() {
     for k in 0..20_000 {
         let t_s = f64::from(k) * STEP_S;
         robot.step(&mut state, t_s, STEP_S, &mixed_torque(0.1)(t_s));
-        let contact = state.contact();
+        let contact = state.contact_forces();
         let [right, left] = contact.normal_n;
         let limits = contact.normal_n.map(|n| friction * n);
-        let spare = [0, 1].map(|i| limits[i].powi(2) - contact.along_n[i].powi(2));
+        let spare = [0, 1].map(|i| limits[i].powi(2) - contact.longitudinal_n[i].powi(2));
         let tolerance = 1e-8 * (limits[0] + limits[1]);
         assert!(
             spare[0] > -tolerance && spare[1] > -tolerance,
@@ -100,13 +100,13 @@ fn forces_stay_inside_the_friction_limit() {
         );
         let across = spare[0].max(0.0).sqrt() + spare[1].max(0.0).sqrt();
         assert!(
-            contact.across_n.abs() <= across + 1e-3 * across.max(1e-3),
+            contact.lateral_n.abs() <= across + 1e-3 * across.max(1e-3),
             "{contact:?}"
         );
         assert_near(
             "Eq. 5",
             (right - left) * 0.105,
-            contact.across_n * height,
+            contact.lateral_n * height,
             1e-12,
         );
         if state.slides() == [true, true] {

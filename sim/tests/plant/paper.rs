@@ -143,9 +143,9 @@ fn the_plant_satisfies_eq_3() {
         let phi_d = state.velocity()[2];
         let (s, c) = phi.sin_cos();
         let [x_dd, y_dd] = [along * c - across * s, along * s + across * c];
-        let contact = state.contact();
-        let f_long = contact.along_n[0] + contact.along_n[1];
-        let f_lat = contact.across_n;
+        let contact = state.contact_forces();
+        let f_long = contact.longitudinal_n[0] + contact.longitudinal_n[1];
+        let f_lat = contact.lateral_n;
         let (m13, m23) = (2.0 * D * M_W * s, 2.0 * D * M_W * c);
         let rows = [
             M_T * x_dd + m13 * phi_dd + 2.0 * D * M_W * phi_d * phi_d * c
@@ -153,7 +153,7 @@ fn the_plant_satisfies_eq_3() {
             M_T * y_dd - m23 * phi_dd + 2.0 * D * M_W * phi_d * phi_d * s
                 - (f_long * s + f_lat * c),
             m13 * x_dd - m23 * y_dd + i_t * phi_dd
-                - ((contact.along_n[0] - contact.along_n[1]) * b - f_lat * D),
+                - ((contact.longitudinal_n[0] - contact.longitudinal_n[1]) * b - f_lat * D),
         ];
         // forces are those at the predicted end of the step: the velocities differ from it by O(h^2)
         for row in rows {
