@@ -72,7 +72,7 @@ pub struct Truth {
 /// }
 ///
 /// assert_eq!(world.time_ns(), 1_000_000_000);
-/// assert!(world.truth(0).pose[0] > 0.5, "r1 has moved");
+/// assert!(world.truth(0).pose[0] > 0.3, "r1 has moved");
 /// assert_eq!(world.truth(1).pose[0], -0.6096, "r2 stands");
 /// assert!((29..=31).contains(&frames), "30 frames a second");
 /// # Ok::<(), slipstream_bus::InputError>(())

@@ -116,7 +116,7 @@ fn wheel_forces<S: Scalar>(
     if slides == [false; 2] && robot.load.transfer.is_none() {
         return sticking_wheels(robot, mode, dynamics, force, sticks, lateral);
     }
-    let sliding = SlidingWheels::new(robot, mode, dynamics, nu, slides, sticks);
+    let sliding = SlidingWheels::new(robot, mode, dynamics, nu, sticks);
     let surge = robot.load.transfer.map(|transfer| {
         let rate = |f: &Vector<S>| dynamics.acceleration.row(0).transpose().dot(f);
         let [right, left] = &sliding.generalised;
@@ -177,7 +177,6 @@ impl<S: Scalar> SlidingWheels<S> {
         mode: &Mode<S>,
         dynamics: &ConstrainedDynamics<S>,
         nu: &Vector<S>,
-        slides: [bool; 2],
         sticks: bool,
     ) -> Self {
         let zero = S::constant(0.0);
@@ -186,9 +185,8 @@ impl<S: Scalar> SlidingWheels<S> {
             generalised: [Vector::from([zero; 5]); 2],
             lateral: [zero; 2],
         };
-        for i in 0..2 {
-            if let (true, Some(wheel_friction)) = (slides[i], mode.wheel_friction[i]) {
-                let wheel = FrictionConstraint::WHEELS[i];
+        for (i, wheel) in FrictionConstraint::WHEELS.into_iter().enumerate() {
+            if let (true, Some(wheel_friction)) = (mode.slides(wheel), mode.wheel_friction[i]) {
                 let [x, y] = sliding_direction(robot, mode, wheel, nu);
                 let friction = -wheel_friction.friction_kinetic;
                 wheels.at_contact[i] = [friction * x, friction * y];

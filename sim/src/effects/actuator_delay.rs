@@ -1,4 +1,4 @@
-//! The actuator acts late.
+//! Actuator delay: a pure delay of the command.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

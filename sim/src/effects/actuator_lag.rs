@@ -1,4 +1,4 @@
-//! The actuator follows its command gradually.
+//! Actuator lag: a first-order low-pass on the command.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

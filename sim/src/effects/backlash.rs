@@ -1,4 +1,4 @@
-//! Play in the gears.
+//! Backlash: a dead zone between motor and wheel.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

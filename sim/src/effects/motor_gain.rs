@@ -1,4 +1,4 @@
-//! The motors are not as strong as told.
+//! Motor gain: the motors are stronger or weaker than nominal.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! The battery runs down.
+//! Supply sag: drive strength falls as the battery runs down.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

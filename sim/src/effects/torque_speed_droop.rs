@@ -1,4 +1,4 @@
-//! The motor weakens with speed.
+//! Torque-speed droop: drive torque falls with wheel speed (back-EMF, viscous bearings).
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! Traction at the driven wheels ends at Coulomb friction.
+//! Wheel slip: traction at the driven wheels is limited by Coulomb friction.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
