@@ -1,11 +1,11 @@
-//! Simulation of differential-drive robots with wheel slip: plant, effects, sensors, and the plant's
-//! part of a run.
+//! Simulation of differential-drive robots with wheel slip: plant, effects, sensors, and the
+//! plant's part of a run.
 //!
 //! The model is that of Konduri, Torres and Pagilla, *Effect of Wheel Slip in the Coordination of
 //! Wheeled Mobile Robots* (Eq. 1 to 6, 9 and 10; symbols as there), extended by a catalogue of
 //! [`effects`]. With Coulomb friction it is a hybrid system: [`Robot::step`] integrates the smooth
-//! motion by Heun's method and locates the events, such as a wheel that breaks away or comes to rest,
-//! inside the step.
+//! motion by Heun's method and locates the events, such as a wheel that breaks away or comes to
+//! rest, inside the step.
 //!
 //! * [`Robot`] has the constants of one robot, [`State`] all that changes.
 //! * [`World`] is N robots with sensors and noise.
@@ -38,8 +38,8 @@
 //!
 //! # Derivatives
 //!
-//! Everything is generic over the [`Scalar`]: with dual numbers a step carries exact derivatives with
-//! respect to the parameters of effects, through events too. [`lift`] has an example.
+//! Everything is generic over the [`Scalar`]: with dual numbers a step carries exact derivatives
+//! with respect to the parameters of effects, through events too. [`lift`] has an example.
 
 mod contact;
 mod dynamics;

@@ -106,8 +106,8 @@ impl World {
         })
     }
 
-    /// Advances all robots by `dt_ns` (ns). `commands` has one command for each robot, held throughout;
-    /// robots without a command get zero torque.
+    /// Advances all robots by `dt_ns` (ns). `commands` has one command for each robot, held
+    /// throughout; robots without a command get zero torque.
     pub fn step(&mut self, dt_ns: i64, commands: &[Command]) {
         let none = Command::zero_torque();
         let (t_s, dt_s) = (s_from_ns(self.time_ns), s_from_ns(dt_ns));
@@ -155,8 +155,8 @@ impl World {
         }
     }
 
-    /// Counters of robot `i`'s encoders now, right and left. Without an encoder in the model a count is
-    /// a microradian.
+    /// Counters of robot `i`'s encoders now, right and left. Without an encoder in the model a
+    /// count is a microradian.
     ///
     /// # Panics
     /// If there is no robot `i`.
@@ -177,8 +177,8 @@ impl World {
         ns_from_s(robot.stamp_s(stream, s_from_ns(self.time_ns)))
     }
 
-    /// Pose of robot `i` by its camera: x, y (m) and yaw (rad). `None` between frames, for a lost frame,
-    /// and without a camera. Call it after every step.
+    /// Pose of robot `i` by its camera: x, y (m) and yaw (rad). `None` between frames, for a lost
+    /// frame, and without a camera. Call it after every step.
     ///
     /// # Panics
     /// If there is no robot `i`.
@@ -189,8 +189,8 @@ impl World {
         camera.sample(&simulated.robot, &simulated.state, stamp_ns, self.time_ns)
     }
 
-    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) of robot `i` by its inertial
-    /// sensor. `None` between samples and without such a sensor. Call it after every step.
+    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) of robot `i` by its
+    /// inertial sensor. `None` between samples and without such a sensor. Call it after every step.
     ///
     /// # Panics
     /// If there is no robot `i`.

@@ -1,8 +1,8 @@
 //! Coulomb friction at acceleration level, solved by block Gauss-Seidel with projection on the
 //! friction discs.
 //!
-//! At one instant the accelerations minimise ½ (a − a₀)ᵀ M (a − a₀) + Σ limit |J a|, summed over the
-//! constraints at rest: Gauss's principle of least constraint (1829) with Coulomb friction. The
+//! At one instant the accelerations minimise ½ (a − a₀)ᵀ M (a − a₀) + Σ limit |J a|, summed over
+//! the constraints at rest: Gauss's principle of least constraint (1829) with Coulomb friction. The
 //! minimum is unique. A sweep gives each constraint in turn the force inside its disc that fits the
 //! forces of the others. An outer fixed-point iteration makes the friction limits agree with the
 //! normal forces.
@@ -192,8 +192,8 @@ impl<S: Scalar> FrictionProblem<'_, S> {
         limits
     }
 
-    /// Sum of the applied force and all friction, as a generalised force. Sets the entries of `force`
-    /// for constraints that are not at rest: kinetic friction against their slip.
+    /// Sum of the applied force and all friction, as a generalised force. Sets the entries of
+    /// `force` for constraints that are not at rest: kinetic friction against their slip.
     fn total_force(&self, limits: &Limits, force: &mut Forces) -> Vector<f64> {
         let mut total = self.applied;
         for constraint in self.mode.frictional.iter() {

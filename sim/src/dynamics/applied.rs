@@ -5,8 +5,8 @@ use crate::effects::{Motion, Wrench};
 use crate::parts::scalar::{Pair, Scalar, Vector, heading};
 use crate::robot::Robot;
 
-/// Generalised applied force at velocity `nu` and heading `yaw` (rad), averaged over `span` = [start
-/// (s), length (s)], with `torque` at the wheels (N m).
+/// Generalised applied force at velocity `nu` and heading `yaw` (rad), averaged over `span` =
+/// [start (s), length (s)], with `torque` at the wheels (N m).
 #[inline]
 pub(crate) fn applied_forces<S: Scalar>(
     robot: &Robot<S>,

@@ -8,8 +8,8 @@ use crate::parts::scalar::{Matrix, Pair, Scalar};
 use crate::robot::Robot;
 use crate::robot::mode::{DynamicsKey, Gear};
 
-/// The mass matrix of Eq. 3 over [surge, sway, yaw rate, wheel speeds] of c in the body frame, where
-/// m13 and m23 become constants. `wheels` is the inertia that turns with each wheel (kg m²).
+/// The mass matrix of Eq. 3 over [surge, sway, yaw rate, wheel speeds] of c in the body frame,
+/// where m13 and m23 become constants. `wheels` is the inertia that turns with each wheel (kg m²).
 pub(crate) fn inertia_matrix<S: Scalar>(robot: &Robot<S>, wheels: [S; 2]) -> Matrix<S> {
     let zero = S::constant(0.0);
     let (m, [sx, sy]) = (robot.mass, robot.first_moment);
@@ -74,8 +74,8 @@ pub(crate) fn effective_inertia<S: Scalar>(
     matrix
 }
 
-/// Inertia that turns with each wheel (kg m²): with backlash, the motor's share only while the gear is
-/// engaged.
+/// Inertia that turns with each wheel (kg m²): with backlash, the motor's share only while the gear
+/// is engaged.
 pub(crate) fn wheel_inertias<S: Scalar>(robot: &Robot<S>, gear: [Gear; 2]) -> Pair<S> {
     gear.map(|gear| {
         let share = if gear.is_engaged() {
@@ -87,9 +87,9 @@ pub(crate) fn wheel_inertias<S: Scalar>(robot: &Robot<S>, gear: [Gear; 2]) -> Pa
     })
 }
 
-/// Length (s) of the implicit part of a step of `over_s` for a velocity damped at `rate` (1/s): half of
-/// the step (trapezoidal rule) where damping is slow against the step, more where it is fast, to stay
-/// stable.
+/// Length (s) of the implicit part of a step of `over_s` for a velocity damped at `rate` (1/s):
+/// half of the step (trapezoidal rule) where damping is slow against the step, more where it is
+/// fast, to stay stable.
 fn implicit_span<S: Scalar>(rate: S, over_s: f64) -> f64 {
     let z = rate.value() * over_s;
     let share = if z > 2.0 { 1.0 - 1.0 / z } else { 0.5 };

@@ -76,7 +76,8 @@ pub(crate) fn damping_vector<S: Scalar>(
     damping
 }
 
-/// Whether any velocity is damped, so that the effective mass matrix depends on the length of a step.
+/// Whether any velocity is damped, so that the effective mass matrix depends on the length of a
+/// step.
 pub(crate) fn is_damped<S: Scalar>(robot: &Robot<S>, kind: CommandKind) -> bool {
     robot.damped || kind == CommandKind::Voltage
 }

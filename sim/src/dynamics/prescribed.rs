@@ -45,8 +45,8 @@ pub(crate) fn prescribed_motion<S: Scalar>(
     })
 }
 
-/// Sets the velocities that rolling wheels determine from the others, so that Eq. 1 holds to the last
-/// digit.
+/// Sets the velocities that rolling wheels determine from the others, so that Eq. 1 holds to the
+/// last digit.
 pub(crate) fn enforce_rolling<S: Scalar>(
     robot: &Robot<S>,
     kind: CommandKind,

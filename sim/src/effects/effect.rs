@@ -1,4 +1,5 @@
-//! Interface of an effect: the values of its parameters, and the methods by which it changes a robot.
+//! Interface of an effect: the values of its parameters, and the methods by which it changes a
+//! robot.
 
 use super::info::Info;
 use crate::parts::parameters::{Friction, RobotParameters};
@@ -36,8 +37,8 @@ impl<S: Scalar> Values<S> {
             .map(|&(_, value)| value)
     }
 
-    /// The value of a parameter that is always given: [`crate::read_effects`] rejects effects without
-    /// it.
+    /// The value of a parameter that is always given: [`crate::read_effects`] rejects effects
+    /// without it.
     pub(super) fn number(&self, name: &str) -> S {
         self.get(name).unwrap_or_else(|| S::constant(f64::NAN))
     }
@@ -73,8 +74,8 @@ pub trait FromValues<S: Scalar>: Sized {
     fn from_values(values: &Values<S>) -> Self;
 }
 
-/// Declares the struct of an effect whose parameters are all numbers and always given: one field for
-/// each, named as in `robot.toml`.
+/// Declares the struct of an effect whose parameters are all numbers and always given: one field
+/// for each, named as in `robot.toml`.
 macro_rules! numbers {
     ($name:ident { $($field:ident),* }) => {
         /// The effect described by its `INFO`.
@@ -110,8 +111,8 @@ pub trait Effect<S: Scalar>: FromValues<S> {
         false
     }
 
-    /// Depth (m) at which `contact` (m, world frame) lies inside the part of the floor whose friction
-    /// this effect replaces, negative outside, and that friction.
+    /// Depth (m) at which `contact` (m, world frame) lies inside the part of the floor whose
+    /// friction this effect replaces, negative outside, and that friction.
     fn floor(&self, _contact: Pair<S>) -> Option<(S, Friction<S>)> {
         None
     }

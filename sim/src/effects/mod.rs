@@ -1,7 +1,7 @@
 //! Catalogue of effects: physics that a robot model may include or leave out.
 //!
-//! Each effect is one file here and one line in the list below; plant, `robot.toml`, diagnosis, trials,
-//! report and `slipstream effects` get it from the catalogue. Texts of [`Info`] and
+//! Each effect is one file here and one line in the list below; plant, `robot.toml`, diagnosis,
+//! trials, report and `slipstream effects` get it from the catalogue. Texts of [`Info`] and
 //! [`Manoeuvre::words`] appear in answers of the commands byte for byte.
 
 mod effect;

@@ -1,5 +1,5 @@
-//! Observability of an effect in a recording: when and as a function of what it acts, and the manoeuvre
-//! that shows it best.
+//! Observability of an effect in a recording: when and as a function of what it acts, and the
+//! manoeuvre that shows it best.
 
 /// When an effect acts, which determines how a search may treat its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,8 +12,8 @@ pub enum When {
     Inside,
     /// Once, for a short time.
     Once,
-    /// On commands below a threshold: a recording has finitely many commands, so that the threshold has
-    /// no derivative.
+    /// On commands below a threshold: a recording has finitely many commands, so that the threshold
+    /// has no derivative.
     Below,
     /// On commands above a limit: a limit above all commands has no effect.
     Above,

@@ -27,8 +27,9 @@ struct Segment<S> {
 impl<S: Scalar> Robot<S> {
     /// Advances `state` from time `t_s` by `dt_s` (s) under `command`, held throughout.
     ///
-    /// Second order in `dt_s`. Changes between sticking and sliding, and all other events, are located
-    /// inside the step. Allocates nothing, unless a delay line holds more than 1024 commands.
+    /// Second order in `dt_s`. Changes between sticking and sliding, and all other events, are
+    /// located inside the step. Allocates nothing, unless a delay line holds more than 1024
+    /// commands.
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
         if kind == CommandKind::Torque
@@ -67,8 +68,8 @@ impl<S: Scalar> Robot<S> {
 }
 
 /// Advances by one segment: accepts the trial step if the mode holds throughout, else bisects until
-/// the event lies at the end of a segment and applies it there. `events` counts down the events that
-/// may still be located in this step.
+/// the event lies at the end of a segment and applies it there. `events` counts down the events
+/// that may still be located in this step.
 fn advance<S: Scalar>(
     robot: &Robot<S>,
     state: &mut State<S>,

@@ -1,5 +1,5 @@
-//! Friction Jacobian of slow slip: where friction would reverse the slip within an explicit step, the
-//! step is linearly implicit in it.
+//! Friction Jacobian of slow slip: where friction would reverse the slip within an explicit step,
+//! the step is linearly implicit in it.
 
 use super::state::State;
 use crate::dynamics::constrained::{ConstrainedDynamics, inverse};

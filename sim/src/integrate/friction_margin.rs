@@ -109,8 +109,8 @@ fn wheel_margin<S: Scalar>(mode: &Mode<S>, forces: &Forces<S>) -> Option<Frictio
     }
 }
 
-/// Margin of two sticking wheels: their lateral force may be shared in any way that keeps both forces
-/// inside their discs of radius `limits` (N).
+/// Margin of two sticking wheels: their lateral force may be shared in any way that keeps both
+/// forces inside their discs of radius `limits` (N).
 fn both_wheels_margin<S: Scalar>(
     mode: &Mode<S>,
     forces: &Forces<S>,
@@ -139,8 +139,8 @@ fn both_wheels_margin<S: Scalar>(
 }
 
 /// Which wheels break away when the lateral force exceeds what both can carry, `spare` (N) each. If
-/// friction drops when sliding begins, it is the one with less to spare: the other then has to carry
-/// the rest under static friction, and may be able to.
+/// friction drops when sliding begins, it is the one with less to spare: the other then has to
+/// carry the rest under static friction, and may be able to.
 fn first_to_break_away<S: Scalar>(mode: &Mode<S>, spare: Pair<S>) -> ConstraintSet {
     let [right, left] = spare.map(|spare| spare.value());
     let first = usize::from(left < right);
@@ -154,7 +154,8 @@ fn first_to_break_away<S: Scalar>(mode: &Mode<S>, spare: Pair<S>) -> ConstraintS
     }
 }
 
-/// What is left of `limit` beside `force`, relative to it. A limit of zero is exceeded by any force.
+/// What is left of `limit` beside `force`, relative to it. A limit of zero is exceeded by any
+/// force.
 fn relative_margin<S: Scalar>(limit: S, force: S) -> S {
     if limit.value() > 0.0 {
         (limit - force) / limit

@@ -1,5 +1,5 @@
-//! Backlash: a dead zone between motor and wheel with perfectly inelastic contact, and the events of
-//! closing and opening it.
+//! Backlash: a dead zone between motor and wheel with perfectly inelastic contact, and the events
+//! of closing and opening it.
 
 use super::outcome::Event;
 use super::state::State;

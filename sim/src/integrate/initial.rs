@@ -12,8 +12,8 @@ use crate::robot::Robot;
 
 impl<S: Scalar> Robot<S> {
     /// Sets the velocity of `state`: of c along and across the body (m/s), yaw rate (rad/s), and
-    /// wheel speeds (rad/s). Contacts with slip slide from then on; slip of wheels that cannot slide
-    /// is projected out.
+    /// wheel speeds (rad/s). Contacts with slip slide from then on; slip of wheels that cannot
+    /// slide is projected out.
     pub fn set_motion(&self, state: &mut State<S>, velocity: [S; 3], wheel_speed: Pair<S>) {
         let [u, w, rate] = velocity;
         state.body.nu = Vector::from([u, w, rate, wheel_speed[0], wheel_speed[1]]);

@@ -10,8 +10,8 @@ use crate::parts::scalar::{Pair, Scalar};
 use crate::robot::Robot;
 use crate::robot::body::Body;
 
-/// Advances pose, wheel angles and motors from `state` over `over_s` (s) to the velocity that `body`
-/// already has. `torque` is that of the motors, without what they lose with speed (N m).
+/// Advances pose, wheel angles and motors from `state` over `over_s` (s) to the velocity that
+/// `body` already has. `torque` is that of the motors, without what they lose with speed (N m).
 pub(super) fn advance_configuration<S: Scalar>(
     robot: &Robot<S>,
     state: &State<S>,

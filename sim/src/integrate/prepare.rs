@@ -1,5 +1,5 @@
-//! Preparation of a step: the constrained dynamics for the present mode, and a unique solution where
-//! the active set is redundant.
+//! Preparation of a step: the constrained dynamics for the present mode, and a unique solution
+//! where the active set is redundant.
 
 use super::active_set::{ActiveSetChange, update_active_set};
 use super::fast::FastPath;
@@ -12,8 +12,8 @@ use crate::parts::actuator::ActuatorOutput;
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::robot::Robot;
 
-/// Computes the constrained dynamics for the present mode and the length of `span`, unless the state
-/// already has them.
+/// Computes the constrained dynamics for the present mode and the length of `span`, unless the
+/// state already has them.
 ///
 /// A redundant active set has no unique multipliers, so that friction margins cannot tell when it
 /// breaks away: the contact solver decides again whenever the applied force has changed.

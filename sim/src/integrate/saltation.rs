@@ -1,9 +1,9 @@
 //! Event at the end of a segment: the mode changes, and derivatives get the saltation correction.
 //!
-//! The derivative of a hybrid system through an event is not the derivative of the reset alone: where
-//! a parameter shifts the event by δt, the motion before it lasts δt longer and the motion after it
-//! begins δt later (Aizerman and Gantmacher, 1958; Leine and Nijmeijer, 2004). Both motions are
-//! therefore followed for a δt whose value is zero and which carries derivatives alone.
+//! The derivative of a hybrid system through an event is not the derivative of the reset alone:
+//! where a parameter shifts the event by δt, the motion before it lasts δt longer and the motion
+//! after it begins δt later (Aizerman and Gantmacher, 1958; Leine and Nijmeijer, 2004). Both
+//! motions are therefore followed for a δt whose value is zero and which carries derivatives alone.
 
 use super::active_set::{ActiveSetChange, update_active_set};
 use super::gears::update_gears;
@@ -32,7 +32,8 @@ pub(super) fn apply_event<S: Scalar>(
         shift_along(robot, state, actuation, &event.before, shift);
     }
     if event.stopped.is_empty() && event.broken_away.is_empty() {
-        // at a friction event the acceleration, and the torque in the gears, are not yet those after it
+        // at a friction event the acceleration, and the torque in the gears, are not yet those
+        // after it
         update_gears(robot, state);
     }
     if !event.stopped.is_empty() {

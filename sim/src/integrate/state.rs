@@ -64,8 +64,8 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    /// Slip velocities of the driven wheels' contacts (m/s): longitudinal right and left, ρ̇ − r θ̇,
-    /// and the lateral one of both, η̇ (Eq. 2).
+    /// Slip velocities of the driven wheels' contacts (m/s): longitudinal right and left, ρ̇ − r
+    /// θ̇, and the lateral one of both, η̇ (Eq. 2).
     pub fn slip_m_s(&self, state: &State<S>) -> [S; 3] {
         self.wheel_slip(&state.body.nu)
     }
@@ -114,9 +114,9 @@ impl<S: Scalar> State<S> {
         FrictionConstraint::WHEELS.map(|wheel| self.mode.slides(wheel))
     }
 
-    /// Sets a constant external force for all steps to come; `None` removes it. The five entries are
-    /// forces along and across the body (N) and the moment about the vertical (N m), all at c, and
-    /// torques at the right and the left wheel (N m). Used to probe which force a model lacks.
+    /// Sets a constant external force for all steps to come; `None` removes it. The five entries
+    /// are forces along and across the body (N) and the moment about the vertical (N m), all at c,
+    /// and torques at the right and the left wheel (N m). Used to probe which force a model lacks.
     pub fn set_external_force(&mut self, force: Option<[S; 5]>) {
         self.external_force = force.map(Vector::from);
     }

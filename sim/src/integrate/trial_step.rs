@@ -1,5 +1,5 @@
-//! Trial step with a fixed active set: Heun's method (explicit trapezoidal rule) with viscous damping
-//! linearly implicit; slow slip, which is stiff, by a two-stage Rosenbrock method.
+//! Trial step with a fixed active set: Heun's method (explicit trapezoidal rule) with viscous
+//! damping linearly implicit; slow slip, which is stiff, by a two-stage Rosenbrock method.
 
 use super::friction_jacobian::{friction_jacobian, implicit_dynamics};
 use super::friction_margin::friction_margin;
@@ -87,7 +87,8 @@ struct Stage<'a, S> {
     torque: Pair<S>,
     /// The part of them that reaches the wheels: nothing through an open gear (N m).
     wheel_torque: Pair<S>,
-    /// Viscous damping force at the start: its change over the step is in the effective mass matrix.
+    /// Viscous damping force at the start: its change over the step is in the effective mass
+    /// matrix.
     damping: Option<Vector<S>>,
     prescribed: Option<PrescribedMotion<S>>,
     /// Acceleration that prescribed wheel speeds force on the robot.
@@ -143,8 +144,8 @@ impl<'a, S: Scalar> Stage<'a, S> {
 }
 
 /// Velocity at the end of a step of the two-stage Rosenbrock method, which is of second order with
-/// any approximate Jacobian. `dynamics` are linearly implicit in friction; [`start`, `end`] are their
-/// accelerations in the two stages.
+/// any approximate Jacobian. `dynamics` are linearly implicit in friction; [`start`, `end`] are
+/// their accelerations in the two stages.
 fn rosenbrock<S: Scalar>(
     robot: &Robot<S>,
     state: &State<S>,

@@ -2,8 +2,8 @@
 
 use super::scalar::{Pair, Scalar};
 
-/// A command to both wheels, held until the next one. Fields with derivatives carry them through the
-/// step.
+/// A command to both wheels, held until the next one. Fields with derivatives carry them through
+/// the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command<S = f64> {
     /// Torque at the wheels (no motor curve).
@@ -69,7 +69,8 @@ impl<S: Scalar> Command<S> {
         }
     }
 
-    /// The prescribed quantity and its value at the right and the left wheel. `nominal` = [r, b] (m).
+    /// The prescribed quantity and its value at the right and the left wheel. `nominal` = [r, b]
+    /// (m).
     pub(crate) fn at_wheels(&self, nominal: Pair<f64>) -> (CommandKind, Pair<S>) {
         match *self {
             Self::Torque { right_nm, left_nm } => (CommandKind::Torque, [right_nm, left_nm]),

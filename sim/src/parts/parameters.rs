@@ -18,7 +18,8 @@ pub struct Friction<S> {
 /// Systematic errors of the sensors, and the encoders' resolution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensing<S> {
-    /// Tracked minus declared point, x and y in the body frame (m), and measured minus true yaw (rad).
+    /// Tracked minus declared point, x and y in the body frame (m), and measured minus true yaw
+    /// (rad).
     pub pose_offset: [S; 3],
     /// Stamp minus true time of each stream (s).
     pub latency_s: Streams<S>,
@@ -101,8 +102,8 @@ pub struct RobotParameters<S> {
 impl<S: Scalar> RobotParameters<S> {
     /// The parameters of `model` without its effects.
     ///
-    /// If a mass or length is missing the model is kinematic and stand-ins take the place of the masses:
-    /// under prescribed wheel speeds and without slip the motion does not depend on them.
+    /// If a mass or length is missing the model is kinematic and stand-ins take the place of the
+    /// masses: under prescribed wheel speeds and without slip the motion does not depend on them.
     ///
     /// # Errors
     /// See [`RobotModel::validate`].

@@ -6,8 +6,8 @@ use super::scalar::{Scalar, Vector, heading};
 /// The pose [x (m), y (m), φ (rad)] after `over_s` at a body-frame velocity of mean `mean` that
 /// changes linearly by `change`.
 ///
-/// The displacement is taken in the frame at half the turn, ∫ R(δ τ) (v + Δv τ) dτ over τ from −½ to
-/// ½, to the fourth order in the turn δ: an arc of 1 ms is exact to rounding.
+/// The displacement is taken in the frame at half the turn, ∫ R(δ τ) (v + Δv τ) dτ over τ from −½
+/// to ½, to the fourth order in the turn δ: an arc of 1 ms is exact to rounding.
 #[inline]
 pub(crate) fn advance_pose<S: Scalar>(
     pose: [S; 3],

@@ -39,9 +39,9 @@ pub type Pair<S> = [S; 2];
 
 /// Cosine and sine of an angle, with first derivatives.
 ///
-/// Implemented here instead of by the platform's library to give the same bits on every machine, and to be
-/// inlined. Argument reduction by π/2 in three parts (Cody and Waite, 1980), then Taylor series on
-/// [−π/4, π/4]: within 2.5e-16 for angles up to 1e5 rad.
+/// Implemented here instead of by the platform's library to give the same bits on every machine,
+/// and to be inlined. Argument reduction by π/2 in three parts (Cody and Waite, 1980), then Taylor
+/// series on [−π/4, π/4]: within 2.5e-16 for angles up to 1e5 rad.
 #[inline]
 pub(crate) fn heading<S: Scalar>(angle: S) -> Pair<S> {
     let value = angle.value();

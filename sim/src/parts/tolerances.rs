@@ -37,8 +37,8 @@ impl Tolerances {
 }
 
 /// Slip speed below which the direction of sliding is not computed from the slip but kept from when
-/// sliding began (m/s or rad/s): a tenth of [`AT_REST_MAX`], so that a constraint that has just left
-/// rest already has a direction.
+/// sliding began (m/s or rad/s): a tenth of [`AT_REST_MAX`], so that a constraint that has just
+/// left rest already has a direction.
 pub(crate) const SLIP_DIRECTION_MIN: f64 = 1e-13;
 
 /// Slip speed up to which a constraint counts as at rest when the active set is updated (m/s or
@@ -68,7 +68,8 @@ pub(crate) const EXPLICIT_MAX: f64 = 0.2;
 /// this share of its inverse effective mass.
 pub(crate) const DEPENDENT_ROW: f64 = 1e-9;
 
-/// Share of the accelerations in play below which the contact solver takes an acceleration for zero.
+/// Share of the accelerations in play below which the contact solver takes an acceleration for
+/// zero.
 pub(crate) const ZERO_ACCELERATION: f64 = 1e-8;
 
 /// Share of the accelerations in play below which a Gauss-Seidel sweep has converged.

@@ -17,8 +17,8 @@ pub const GRAVITY_M_S2: f64 = 9.81;
 
 /// The constants of one robot. Immutable; everything that changes is in its [`crate::State`].
 ///
-/// Generic over the scalar: with dual numbers for `S` a step carries derivatives with respect to any
-/// parameter of an effect (see [`crate::lift`]).
+/// Generic over the scalar: with dual numbers for `S` a step carries derivatives with respect to
+/// any parameter of an effect (see [`crate::lift`]).
 #[derive(Debug, Clone)]
 pub struct Robot<S = f64> {
     /// Mass of body, wheels and payloads (kg).
@@ -26,7 +26,8 @@ pub struct Robot<S = f64> {
     /// First moment of all mass about c, body frame (kg m). The wheels' share is −2 m_w d: the
     /// origin of m13 and m23 in Eq. 3.
     pub(crate) first_moment: Pair<S>,
-    /// Yaw inertia of all mass about c (kg m²): I_t = I_rz + 2 I_wz + 2 m_w (b² + d²), and payloads.
+    /// Yaw inertia of all mass about c (kg m²): I_t = I_rz + 2 I_wz + 2 m_w (b² + d²), and
+    /// payloads.
     pub(crate) yaw_inertia: S,
     /// I_wy (kg m²).
     pub(crate) wheel_inertia: S,

@@ -12,8 +12,8 @@ use crate::parts::scalar::{Pair, Scalar};
 pub(crate) struct Mode<S> {
     /// What the command prescribes.
     pub(crate) kind: CommandKind,
-    /// Active set: constraints that hold, because they stick or because they cannot slide. Prescribed
-    /// wheel speeds are not in it; they follow from `kind` and `gear`.
+    /// Active set: constraints that hold, because they stick or because they cannot slide.
+    /// Prescribed wheel speeds are not in it; they follow from `kind` and `gear`.
     pub(crate) active: ConstraintSet,
     /// Constraints with a friction limit: they stick or slide. The others never slide.
     pub(crate) frictional: ConstraintSet,
@@ -85,8 +85,8 @@ pub(crate) struct DynamicsKey {
 }
 
 /// The constraints with a friction limit under a command of `kind`, with `wheel_friction` under the
-/// driven wheels. Prescribed wheel speeds fix the axles; if the wheels cannot slide either, they fix
-/// the whole robot.
+/// driven wheels. Prescribed wheel speeds fix the axles; if the wheels cannot slide either, they
+/// fix the whole robot.
 pub(crate) fn frictional_constraints<S: Scalar>(
     robot: &Robot<S>,
     kind: CommandKind,

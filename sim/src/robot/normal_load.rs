@@ -21,8 +21,8 @@ pub(crate) struct NormalLoad<S> {
 }
 
 impl<S: Scalar> NormalLoad<S> {
-    /// For a robot of `mass` with `bodies` of it without payloads (kg), under `gravity` normal to the
-    /// floor (m/s²).
+    /// For a robot of `mass` with `bodies` of it without payloads (kg), under `gravity` normal to
+    /// the floor (m/s²).
     ///
     /// # Errors
     /// If a payload lifts the driven wheels or the caster off the floor.

@@ -1,5 +1,6 @@
-//! Lockstep co-simulation on virtual time: the plant advances to the next instant at which a control
-//! loop is due, exchanges measurements and torques with the agents, and goes on. No wall clock.
+//! Lockstep co-simulation on virtual time: the plant advances to the next instant at which a
+//! control loop is due, exchanges measurements and torques with the agents, and goes on. No wall
+//! clock.
 
 use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};

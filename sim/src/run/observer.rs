@@ -59,8 +59,8 @@ pub struct RobotReport {
 }
 
 impl Observer {
-    /// For a run of `experiment` that has not begun. `hashing` the states costs about as much as a plant
-    /// step.
+    /// For a run of `experiment` that has not begun. `hashing` the states costs about as much as a
+    /// plant step.
     pub fn new(experiment: &Experiment, hashing: bool) -> Self {
         let settings = &experiment.settings;
         let in_formation = !settings.open_loop.enabled;

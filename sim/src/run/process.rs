@@ -186,7 +186,8 @@ impl Actuators {
         }
     }
 
-    /// Takes over the torques that have arrived, records new ones, and drops those that are too old.
+    /// Takes over the torques that have arrived, records new ones, and drops those that are too
+    /// old.
     fn receive(
         &mut self,
         end: &PlantEnd,

@@ -8,8 +8,8 @@ const POINT_SPACING_M: f64 = 0.02;
 /// Largest number of stored points; older ones are dropped.
 const CAPACITY: usize = 4096;
 
-/// Largest movement of a follower along the path between two measurements (m): where the path crosses
-/// itself, it selects the branch on which the follower is.
+/// Largest movement of a follower along the path between two measurements (m): where the path
+/// crosses itself, it selects the branch on which the follower is.
 const REACH_M: f64 = 0.5;
 
 /// A point of the path of c, with its arc length.

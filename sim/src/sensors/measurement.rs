@@ -29,8 +29,8 @@ impl<S: Scalar> Streams<S> {
 }
 
 impl<S: Scalar> Robot<S> {
-    /// Time stamp (s) by `stream` of what it measures at the true time `true_s` (s): latency, then clock
-    /// drift.
+    /// Time stamp (s) by `stream` of what it measures at the true time `true_s` (s): latency, then
+    /// clock drift.
     pub fn stamp_s(&self, stream: Stream, true_s: S) -> S {
         let rate = self.sensing.clock_rate.of(stream);
         (true_s + self.sensing.latency_s.of(stream)) * (rate + 1.0)
@@ -48,8 +48,8 @@ impl<S: Scalar> Robot<S> {
         self.sensing.link_delay_s
     }
 
-    /// Pose that a camera or motion capture reports for the true `pose` of c: x, y (m) and yaw (rad,
-    /// not wrapped).
+    /// Pose that a camera or motion capture reports for the true `pose` of c: x, y (m) and yaw
+    /// (rad, not wrapped).
     pub fn measured_pose(&self, pose: [S; 3]) -> [S; 3] {
         let [forward, left, yaw] = self.sensing.pose_offset;
         let [cos, sin] = heading(pose[2]);
@@ -60,8 +60,8 @@ impl<S: Scalar> Robot<S> {
         ]
     }
 
-    /// Angles that the encoders report, right and left (rad): with backlash those of the motors; scaled by
-    /// the encoder's error.
+    /// Angles that the encoders report, right and left (rad): with backlash those of the motors;
+    /// scaled by the encoder's error.
     pub fn measured_angle(&self, state: &State<S>) -> Pair<S> {
         let at_motors = self.actuator.gap_rad.is_some();
         let [right, left] = if at_motors {
@@ -85,8 +85,8 @@ impl<S: Scalar> Robot<S> {
         [right * scale[0], left * scale[1]]
     }
 
-    /// Wheel odometry: forward speed (m/s) and yaw rate (rad/s) from the encoders' `speed` (rad/s) by the
-    /// nominal radius and track.
+    /// Wheel odometry: forward speed (m/s) and yaw rate (rad/s) from the encoders' `speed` (rad/s)
+    /// by the nominal radius and track.
     pub fn odometry(&self, speed: Pair<S>) -> Pair<S> {
         let [r, b] = self.nominal;
         [
@@ -95,8 +95,8 @@ impl<S: Scalar> Robot<S> {
         ]
     }
 
-    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c, at the end of the last
-    /// step. On a slope it contains gravity, as in a real sensor.
+    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c, at the end of the
+    /// last step. On a slope it contains gravity, as in a real sensor.
     pub fn measured_inertial(&self, state: &State<S>) -> [S; 3] {
         let [along, across, _] = state.acceleration();
         let [gravity_along, gravity_across] =
@@ -117,7 +117,8 @@ impl<S: Scalar> Robot<S> {
     }
 }
 
-/// Counter of an encoder at `angle_rad` (rad) with `phase` in [0, 1): floor(angle · counts / 2π + phase).
+/// Counter of an encoder at `angle_rad` (rad) with `phase` in [0, 1): floor(angle · counts / 2π +
+/// phase).
 pub(crate) fn counts(angle_rad: f64, counts_per_rev: f64, phase: f64) -> i64 {
     #[expect(
         clippy::cast_possible_truncation,

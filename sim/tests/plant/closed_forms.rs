@@ -30,8 +30,8 @@ fn straight_acceleration_while_rolling() {
     assert_near("y", state.pose()[1], 0.0, 1e-14);
 }
 
-/// 0.13 N m for 0.5 s makes the wheels break away at once. The body is accelerated by μ N and the wheel
-/// by the rest of the torque, until their speeds are equal again: an event inside a step.
+/// 0.13 N m for 0.5 s makes the wheels break away at once. The body is accelerated by μ N and the
+/// wheel by the rest of the torque, until their speeds are equal again: an event inside a step.
 #[test]
 fn straight_acceleration_with_slip() {
     let (tau, mu) = (0.13, 0.239);
@@ -119,8 +119,8 @@ fn steady_circle() {
     assert_near("left wheel", left, (v - B * w) / R, 1e-12);
 }
 
-/// Against viscous drag alone the speed of a coasting robot decays with rate k = c / (m + 2 I_wy / r²):
-/// it covers v0 / k.
+/// Against viscous drag alone the speed of a coasting robot decays with rate k = c / (m + 2 I_wy /
+/// r²): it covers v0 / k.
 #[test]
 fn coast_down() {
     let robot = robot(&RobotModel::default().with("viscous_drag", &[("coefficient", 2.0)]));
@@ -148,8 +148,8 @@ fn coast_down() {
     assert_near("distance", state.pose()[0] - start, far, 1e-7);
 }
 
-/// With axle friction that exceeds the slope's moment, and with a speed command of zero, a robot stands
-/// still on a slope for ten minutes in any orientation, to the last bit.
+/// With axle friction that exceeds the slope's moment, and with a speed command of zero, a robot
+/// stands still on a slope for ten minutes in any orientation, to the last bit.
 #[test]
 fn standing_on_a_slope() {
     for downhill in [0.0, 1.0, std::f64::consts::FRAC_PI_2, 3.0] {

@@ -202,8 +202,8 @@ fn model(case: &Case) -> RobotModel {
     model
 }
 
-/// Largest deviation of the derivatives of all observed quantities from central differences, and the
-/// largest derivative.
+/// Largest deviation of the derivatives of all observed quantities from central differences, and
+/// the largest derivative.
 fn compare(case: &Case, parameter: &str, value: f64) -> (f64, f64) {
     let model = model(case);
     let list = read_effects(&model).unwrap();

@@ -1,10 +1,10 @@
 //! Each effect against a closed-form solution or a limit.
 
-use std::f64::consts::TAU;
-
-use crate::support::{STEP_S, assert_near, drive, robot, torque, with_friction};
+use crate::support::{
+    STEP_S, assert_near, drive, drive_at_speeds, robot, robot_with, torque, with_friction,
+};
 use slipstream_bus::RobotModel;
-use slipstream_sim::{Command, GRAVITY_M_S2, Robot, State, Stream};
+use slipstream_sim::{Command, GRAVITY_M_S2, Robot, State};
 
 const R: f64 = 0.0365;
 const B: f64 = 0.105;
@@ -14,10 +14,6 @@ const M: f64 = 1.628;
 const I_WY: f64 = 0.001_168;
 /// Effective mass of rolling straight ahead: m_t + 2 I_wy / r² (kg).
 const ROLLING_MASS: f64 = M + 2.0 * I_WY / (R * R);
-
-fn robot_with(effect: &str, parameters: &[(&str, f64)]) -> Robot {
-    robot(&RobotModel::default().with(effect, parameters))
-}
 
 fn drive_straight(robot: &Robot, over_s: f64, torque_nm: f64) -> State {
     let mut state = robot.start([0.0; 3]);
@@ -33,16 +29,6 @@ fn spin(robot: &Robot, over_s: f64, torque_nm: f64) -> State {
     drive(robot, &mut state, 0.0, over_s, STEP_S, |_| {
         torque(torque_nm, -torque_nm)
     });
-    state
-}
-
-fn drive_at_speeds(robot: &Robot, over_s: f64, right: f64, left: f64) -> State {
-    let mut state = robot.start([0.0; 3]);
-    let command = |_| Command::Speed {
-        right_rad_s: right,
-        left_rad_s: left,
-    };
-    drive(robot, &mut state, 0.0, over_s, STEP_S, command);
     state
 }
 
@@ -96,8 +82,8 @@ fn yaw_scrub() {
         0.05,
     );
     let drive = 2.0 * 0.05 * B / R;
-    // the yaw acceleration is in proportion to the net moment; φ̇² accelerates c forward and takes 1e-4
-    // of it
+    // the yaw acceleration is in proportion to the net moment; φ̇² accelerates c forward and takes
+    // 1e-4 of it
     assert_near(
         "rate",
         state.velocity()[2] / free,
@@ -268,8 +254,8 @@ fn backlash() {
     assert_near("gap", apart, gap / 2.0, 1e-6);
 }
 
-/// The gap is respected also where the impact makes the wheel slide and friction stops it again: motor
-/// and wheel are never further apart than half the gap.
+/// The gap is respected also where the impact makes the wheel slide and friction stops it again:
+/// motor and wheel are never further apart than half the gap.
 #[test]
 fn backlash_under_slip() {
     let gap = 0.055;
@@ -392,53 +378,4 @@ fn friction_patch() {
         inside |= on && state.slides() == [true; 2];
     }
     assert!(before && inside, "rolls before the patch, slides on it");
-}
-
-#[test]
-fn sensors() {
-    let offset = robot_with(
-        "pose_offset",
-        &[("x_m", 0.1), ("y_m", 0.02), ("yaw_rad", 0.3)],
-    );
-    let [x, y, yaw] = offset.measured_pose([1.0, 2.0, TAU / 4.0]);
-    assert_near("x", x, 1.0 - 0.02, 1e-15);
-    assert_near("y", y, 2.0 + 0.1, 1e-15);
-    assert_near("yaw", yaw, TAU / 4.0 + 0.3, 1e-15);
-    for (effect, stream) in [
-        ("pose_latency", Stream::Pose),
-        ("wheels_latency", Stream::Wheels),
-        ("imu_latency", Stream::Imu),
-    ] {
-        let robot = robot_with(effect, &[("latency_s", 0.04)]);
-        assert_near(effect, robot.stamp_s(stream, 2.0), 2.04, 1e-15);
-        assert_near(
-            effect,
-            robot.true_s(stream, robot.stamp_s(stream, 2.0)),
-            2.0,
-            1e-15,
-        );
-    }
-    assert_near(
-        "link",
-        robot_with("link_delay", &[("delay_s", 0.1)]).link_delay_s(),
-        0.1,
-        0.0,
-    );
-    let scaled = robot_with(
-        "encoder_scale",
-        &[("right_scale", 1.1), ("left_scale", 0.9)],
-    );
-    let state = drive_at_speeds(&scaled, 1.0, 2.0, 2.0);
-    let [right, left] = scaled.measured_angle(&state);
-    assert_near("right", right, 2.2, 1e-12);
-    assert_near("left", left, 1.8, 1e-12);
-}
-
-/// An inertial sensor at rest on a slope measures the component of gravity.
-#[test]
-fn inertial_sensor_on_a_slope() {
-    let robot = robot_with("floor_slope", &[("grade", 0.1), ("downhill_rad", 0.0)]);
-    let state = drive_at_speeds(&robot, 0.1, 0.0, 0.0);
-    let g = GRAVITY_M_S2 * 0.1 / (1.0_f64 + 0.01).sqrt();
-    assert_near("along", robot.measured_inertial(&state)[0], -g, 1e-9);
 }

@@ -14,8 +14,8 @@ fn mixed_torque(size_nm: f64) -> impl Fn(f64) -> Command {
     }
 }
 
-/// Without input energy never grows, with any friction. Heun's method may add energy in the inertial
-/// terms, of third order in the step: 1e-9 of it per step.
+/// Without input energy never grows, with any friction. Heun's method may add energy in the
+/// inertial terms, of third order in the step: 1e-9 of it per step.
 #[test]
 fn energy_never_grows_without_input() {
     let frictions = [
@@ -209,8 +209,8 @@ fn momentum_is_kept_on_a_frictionless_floor() {
     assert_near("y", after[1], before[1], friction_n);
 }
 
-/// Without dissipation the motion is reversible: from opposite velocities, the torques in reverse order
-/// lead back to the start. Heun's method itself is not reversible: 1e-6 in 4 s.
+/// Without dissipation the motion is reversible: from opposite velocities, the torques in reverse
+/// order lead back to the start. Heun's method itself is not reversible: 1e-6 in 4 s.
 #[test]
 fn motion_is_reversible_without_friction() {
     let robot = robot(&RobotModel::default());
@@ -267,8 +267,8 @@ fn rolling_satisfies_eq_1() {
     }
 }
 
-/// The fast paths agree with the general step, which a push of zero in the far future forces a robot to
-/// take.
+/// The fast paths agree with the general step, which a push of zero in the far future forces a
+/// robot to take.
 #[test]
 fn fast_paths_agree_with_the_general_step() {
     let zero_push = [("t_s", 1e5), ("impulse_n_s", 0.0), ("direction_rad", 0.0)];
@@ -345,8 +345,8 @@ fn any_robot() -> impl Strategy<Value = RobotModel> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Random robots with random effects under random commands of every kind stay finite and slower than
-    /// their input allows.
+    /// Random robots with random effects under random commands of every kind stay finite and slower
+    /// than their input allows.
     #[test]
     fn motion_stays_bounded(
         model in any_robot(),

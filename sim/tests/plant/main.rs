@@ -1,4 +1,5 @@
-//! The plant against closed-form solutions, physical laws, its own derivatives and a fine reference.
+//! The plant against closed-form solutions, physical laws, its own derivatives and a fine
+//! reference.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -9,4 +10,5 @@ mod derivatives;
 mod effects;
 mod laws;
 mod paper;
+mod sensors;
 mod support;

@@ -121,8 +121,8 @@ fn the_plant_breaks_away_at_the_computed_torque() {
 }
 
 /// Eq. 3 as it is meant. In print f11 lacks a sine, and the rows of M2 are in another order than q:
-/// here the equations for c are derived from the wheels' masses on the axle, and the plant satisfies
-/// them at every instant.
+/// here the equations for c are derived from the wheels' masses on the axle, and the plant
+/// satisfies them at every instant.
 #[test]
 fn the_plant_satisfies_eq_3() {
     let model = RobotModel::paper_with_slip();

@@ -17,6 +17,11 @@ pub(crate) fn robot(model: &RobotModel) -> Robot {
     Robot::new(model).unwrap()
 }
 
+/// The paper's robot with one effect, without wheel slip.
+pub(crate) fn robot_with(effect: &str, parameters: &[(&str, f64)]) -> Robot {
+    robot(&RobotModel::default().with(effect, parameters))
+}
+
 /// The paper's robot with equal static and kinetic friction at the driven wheels.
 pub(crate) fn with_friction(friction: f64) -> RobotModel {
     RobotModel::default().with(
@@ -28,8 +33,8 @@ pub(crate) fn with_friction(friction: f64) -> RobotModel {
     )
 }
 
-/// Steps from `from_s` for `over_s` in steps of `step_s` (s) under a command that depends on the time at
-/// the middle of the step.
+/// Steps from `from_s` for `over_s` in steps of `step_s` (s) under a command that depends on the
+/// time at the middle of the step.
 pub(crate) fn drive<S: Scalar>(
     robot: &Robot<S>,
     state: &mut State<S>,
@@ -43,6 +48,17 @@ pub(crate) fn drive<S: Scalar>(
         let t_s = from_s + k as f64 * step_s;
         robot.step(state, t_s, step_s, &command(t_s + step_s / 2.0));
     }
+}
+
+/// Drives from rest for `over_s` (s) at constant wheel speeds (rad/s).
+pub(crate) fn drive_at_speeds(robot: &Robot, over_s: f64, right: f64, left: f64) -> State {
+    let mut state = robot.start([0.0; 3]);
+    let command = |_| Command::Speed {
+        right_rad_s: right,
+        left_rad_s: left,
+    };
+    drive(robot, &mut state, 0.0, over_s, STEP_S, command);
+    state
 }
 
 /// A torque profile that accelerates, turns, brakes and reverses, constant for 20 ms at a time.

@@ -47,8 +47,8 @@ impl<S: Scalar> FastPath<S> {
         }
     }
 
-    /// Advances `body` by `over_s` (s) under `torque` (N m), or returns `false` without a change where
-    /// the general step has to decide.
+    /// Advances `body` by `over_s` (s) under `torque` (N m), or returns `false` without a change
+    /// where the general step has to decide.
     #[inline]
     pub(crate) fn step(
         &self,

@@ -1,9 +1,9 @@
 //! Fast path for rolling: Heun's method in the two velocities that rolling leaves, u and φ̇ (Eq. 1:
 //! η̇ = 0, ρ̇ = r θ̇).
 //!
-//! All accelerations and contact forces are linear in τ_r, τ_l, u φ̇ and φ̇²; the coefficients are taken
-//! from the constrained dynamics once. The step equals that of [`crate::Robot::step`]; it is declined
-//! where a wheel might break away.
+//! All accelerations and contact forces are linear in τ_r, τ_l, u φ̇ and φ̇²; the coefficients are
+//! taken from the constrained dynamics once. The step equals that of [`crate::Robot::step`]; it is
+//! declined where a wheel might break away.
 
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::parts::friction_constraints::{LATERAL, LONGITUDINAL_LEFT, LONGITUDINAL_RIGHT};
