@@ -38,7 +38,7 @@
 //!
 //! # Derivatives
 //!
-//! Everything is generic over the [`Scalar`]: with dual numbers a step carries exact derivatives
+//! Everything is generic over the [`Scalar`]: with dual numbers a step carries first derivatives
 //! with respect to the parameters of effects, through events too. [`lift`] has an example.
 
 mod contact;
