@@ -1,9 +1,6 @@
-//! Robot-steps a second, and the price of derivatives. One thread, one core.
+//! Throughput of the plant in robot steps per second, with and without derivatives, on one core.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on says so and stops"
-)]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -22,7 +19,7 @@ fn slipping() -> RobotModel {
     RobotModel::paper_with_slip()
 }
 
-/// Torques that turn the robot to and fro, for 0.3 s each.
+/// Torques that drive and turn the robot back and forth, for 0.3 s each.
 fn torque<S: Scalar>(k: u32, size_nm: f64) -> Command<S> {
     let signs = [[1.0, 0.9], [-0.9, -1.0], [1.0, -1.0], [-1.0, 1.0]][(k / 300 % 4) as usize];
     let [right_nm, left_nm] = signs.map(|sign| S::constant(sign * size_nm));

@@ -1,33 +1,36 @@
-//! N robots on one floor, with their sensors and noise.
+//! N robots on one floor, with their sensors and noise. They do not interact.
 
+use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::{Camera, Imu, InputError, RobotModel, Sensors};
 
 use crate::integrate::State;
 use crate::parts::command::Command;
 use crate::robot::Robot;
-use crate::robot::body::Contact;
+use crate::robot::body::ContactForces;
 use crate::sensors::measurement::{Stream, counts};
 use crate::sensors::noise::{Noise, Purpose};
+use crate::sensors::sampler::{Sample, Sampler};
 
-const NS_PER_S: f64 = 1e9;
+/// Counts per revolution of an encoder that the model does not describe: microradians.
+const DEFAULT_COUNTS_PER_REV: f64 = std::f64::consts::TAU * 1e6;
 
-/// One robot as a run begins.
+/// One robot at the start of a run.
 #[derive(Debug, Clone)]
 pub struct Setup {
-    /// Its name. Its noise depends on it and on the seed alone.
+    /// Its name. Its noise depends on the name and the seed alone.
     pub name: String,
-    /// Its model, with the effects that are really there.
+    /// Its model, with the effects that are really present.
     pub model: RobotModel,
-    /// x and y of c (m) and heading φ (rad).
+    /// x and y of c (m) and heading φ (rad), world frame.
     pub pose: [f64; 3],
-    /// What sees it.
+    /// Its sensors besides the encoders.
     pub sensors: Sensors,
 }
 
-/// A robot as it is, all sensors aside. Pairs are [right, left].
+/// Ground truth of one robot. Pairs are [right, left].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
-    /// x and y of c (m) and heading φ (rad, not wrapped).
+    /// x and y of c (m) and heading φ (rad, not wrapped), world frame.
     pub pose: [f64; 3],
     /// Velocity of c along and across the body (m/s) and yaw rate (rad/s).
     pub velocity: [f64; 3],
@@ -35,232 +38,167 @@ pub struct Truth {
     pub wheel_angle_rad: [f64; 2],
     /// Wheel speeds (rad/s).
     pub wheel_speed_rad_s: [f64; 2],
-    /// Mean torques at the wheels in the last step (N m).
+    /// Mean torques at the wheels over the last step (N m).
     pub torque_nm: [f64; 2],
-    /// Forces between floor and driven wheels.
-    pub contact: Contact,
-    /// Speed at which each contact slides (m/s).
-    pub slip_m_s: [f64; 2],
-    /// The same along the right and the left wheel, and across both (m/s).
-    pub slip_parts_m_s: [f64; 3],
+    /// Forces between the floor and the driven wheels at the end of the last step.
+    pub contact: ContactForces,
+    /// Slip velocities of the contacts: longitudinal right and left, lateral of both (m/s).
+    pub slip_m_s: [f64; 3],
+    /// Slip speed of each contact, the length of its slip velocity (m/s).
+    pub slip_speed_m_s: [f64; 2],
     /// Whether each contact slides.
     pub slides: [bool; 2],
 }
 
-/// A measurement of one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample<T> {
-    /// Stamp by the stream's own clock (ns).
-    pub stamp_ns: i64,
-    /// When it is known to whoever asked for it (ns).
-    pub known_ns: i64,
-    /// The measurement.
-    pub value: T,
+/// N robots, simulated with `f64` throughout.
+///
+/// ```
+/// use slipstream_bus::{Camera, RobotModel, Sensors};
+/// use slipstream_sim::{Command, Setup, World};
+///
+/// let setup = |name: &str, x_m: f64| Setup {
+///     name: name.to_owned(),
+///     model: RobotModel::paper_with_slip(),
+///     pose: [x_m, 0.0, 0.0],
+///     sensors: Sensors { camera: Some(Camera::default()), imu: None },
+/// };
+/// let mut world = World::new(&[setup("r1", 0.0), setup("r2", -0.6096)], 1)?;
+///
+/// let forward = Command::Torque { right_nm: 0.05, left_nm: 0.05 };
+/// let mut frames = 0;
+/// for _ in 0..1000 {
+///     world.step(1_000_000, &[forward, Command::zero_torque()]);
+///     frames += usize::from(world.camera(0).is_some());
+/// }
+///
+/// assert_eq!(world.time_ns(), 1_000_000_000);
+/// assert!(world.truth(0).pose[0] > 0.3, "r1 has moved");
+/// assert_eq!(world.truth(1).pose[0], -0.6096, "r2 stands");
+/// assert!((29..=31).contains(&frames), "30 frames a second");
+/// # Ok::<(), slipstream_bus::InputError>(())
+/// ```
+#[derive(Debug)]
+pub struct World {
+    robots: Vec<SimulatedRobot>,
+    time_ns: i64,
 }
 
 #[derive(Debug)]
 struct SimulatedRobot {
     robot: Robot,
     state: State,
-    phase: [f64; 2],
-    camera: Option<RateSensor<Camera>>,
-    imu: Option<RateSensor<Imu>>,
-}
-
-/// A sensor that samples at a rate of its own.
-#[derive(Debug)]
-struct RateSensor<T> {
-    sensor: T,
-    noise: Noise,
-    period_ns: i64,
-    due_ns: i64,
-}
-
-impl<T> RateSensor<T> {
-    fn new(sensor: T, rate_hz: f64, noise: Noise) -> Self {
-        let period_ns = nanoseconds(1.0 / rate_hz).max(1);
-        Self {
-            sensor,
-            noise,
-            period_ns,
-            due_ns: 0,
-        }
-    }
-
-    /// Whether it samples now: at the first instant at or after each multiple of its period.
-    fn is_due(&mut self, now_ns: i64) -> bool {
-        if now_ns < self.due_ns {
-            return false;
-        }
-        self.due_ns = (now_ns / self.period_ns + 1) * self.period_ns;
-        true
-    }
-}
-
-/// N robots, f64 throughout. They do not touch each other.
-#[derive(Debug)]
-pub struct World {
-    machines: Vec<SimulatedRobot>,
-    time_ns: i64,
+    /// Unknown offset of each encoder's counter, in [0, 1) counts.
+    encoder_phase: [f64; 2],
+    camera: Option<Sampler<Camera>>,
+    imu: Option<Sampler<Imu>>,
 }
 
 impl World {
-    /// The robots of `setups`, in this order, at rest at time zero.
+    /// The robots of `setups`, in this order, at rest at time zero. `seed` determines all noise.
     ///
     /// # Errors
-    /// A model or sensor that cannot be; the key names the robot.
+    /// An invalid model or sensor; the error's place begins with the robot's name.
     pub fn new(setups: &[Setup], seed: u64) -> Result<Self, InputError> {
-        let machines = setups
-            .iter()
-            .map(|setup| SimulatedRobot::new(setup, seed))
-            .collect::<Result<_, _>>();
+        let robots = setups.iter().map(|setup| SimulatedRobot::new(setup, seed));
         Ok(Self {
-            machines: machines?,
+            robots: robots.collect::<Result<_, _>>()?,
             time_ns: 0,
         })
     }
 
-    /// Moves all robots on by `dt_ns`. `commands` holds one command for each robot and acts all the
-    /// time; robots without one get no torque.
+    /// Advances all robots by `dt_ns` (ns). `commands` has one command for each robot, held
+    /// throughout; robots without a command get zero torque.
     pub fn step(&mut self, dt_ns: i64, commands: &[Command]) {
-        let rest = Command::rest();
-        let (t_s, dt_s) = (seconds(self.time_ns), seconds(dt_ns));
-        for (i, machine) in self.machines.iter_mut().enumerate() {
-            let command = commands.get(i).unwrap_or(&rest);
-            machine.robot.step(&mut machine.state, t_s, dt_s, command);
+        let none = Command::zero_torque();
+        let (t_s, dt_s) = (s_from_ns(self.time_ns), s_from_ns(dt_ns));
+        for (i, simulated) in self.robots.iter_mut().enumerate() {
+            let command = commands.get(i).unwrap_or(&none);
+            let SimulatedRobot { robot, state, .. } = simulated;
+            robot.step(state, t_s, dt_s, command);
         }
         self.time_ns += dt_ns;
     }
 
-    /// Time since the run began (ns).
+    /// True time since the start of the run (ns).
     pub fn time_ns(&self) -> i64 {
         self.time_ns
     }
 
     /// Number of robots.
     pub fn len(&self) -> usize {
-        self.machines.len()
+        self.robots.len()
     }
 
-    /// Whether there is no robot.
+    /// Whether there are no robots.
     pub fn is_empty(&self) -> bool {
-        self.machines.is_empty()
+        self.robots.is_empty()
     }
 
-    /// Robot `i` as it is.
+    /// Ground truth of robot `i`.
     ///
     /// # Panics
-    /// If there is no robot `i`, as indexing does.
+    /// If there is no robot `i`.
     pub fn truth(&self, i: usize) -> Truth {
-        let SimulatedRobot { robot, state, .. } = &self.machines[i];
-        let [right, left, across] = robot.slip_m_s(state);
+        let SimulatedRobot { robot, state, .. } = &self.robots[i];
+        let slip_m_s = robot.slip_m_s(state);
+        let [right, left, lateral] = slip_m_s;
         Truth {
             pose: state.pose(),
             velocity: state.velocity(),
             wheel_angle_rad: state.wheel_angle(),
             wheel_speed_rad_s: state.wheel_speed(),
             torque_nm: state.applied_torque(),
-            contact: state.contact(),
-            slip_m_s: [right.hypot(across), left.hypot(across)],
-            slip_parts_m_s: [right, left, across],
+            contact: state.contact_forces(),
+            slip_m_s,
+            slip_speed_m_s: [right.hypot(lateral), left.hypot(lateral)],
             slides: state.slides(),
         }
     }
 
-    /// Counters of robot `i`'s encoders now. Without an encoder in the model: in microradians.
+    /// Counters of robot `i`'s encoders now, right and left. Without an encoder in the model a
+    /// count is a microradian.
     ///
     /// # Panics
-    /// If there is no robot `i`, as indexing does.
+    /// If there is no robot `i`.
     pub fn encoder_counts(&self, i: usize) -> [i64; 2] {
-        let SimulatedRobot {
-            robot,
-            state,
-            phase,
-            ..
-        } = &self.machines[i];
-        let per_rev = robot
-            .counts_per_rev()
-            .unwrap_or(std::f64::consts::TAU * 1e6);
+        let SimulatedRobot { robot, state, .. } = &self.robots[i];
+        let phase = self.robots[i].encoder_phase;
+        let per_rev = robot.counts_per_rev().unwrap_or(DEFAULT_COUNTS_PER_REV);
         let angle = robot.measured_angle(state);
         [0, 1].map(|side| counts(angle[side], per_rev, phase[side]))
     }
 
-    /// Stamp that robot `i`'s `stream` gives to what it sees now (ns).
+    /// Time stamp that `stream` of robot `i` gives to a measurement made now (ns).
     ///
     /// # Panics
-    /// If there is no robot `i`, as indexing does.
+    /// If there is no robot `i`.
     pub fn stamp_ns(&self, i: usize, stream: Stream) -> i64 {
-        nanoseconds(
-            self.machines[i]
-                .robot
-                .stamp_s(stream, seconds(self.time_ns)),
-        )
+        let robot = &self.robots[i].robot;
+        ns_from_s(robot.stamp_s(stream, s_from_ns(self.time_ns)))
     }
 
-    /// The pose of robot `i` that its camera sees now: `None` between frames, where the frame is
-    /// lost, and without a camera. To be asked after every step.
+    /// Pose of robot `i` by its camera: x, y (m) and yaw (rad). `None` between frames, for a lost
+    /// frame, and without a camera. Call it after every step.
     ///
     /// # Panics
-    /// If there is no robot `i`, as indexing does.
+    /// If there is no robot `i`.
     pub fn camera(&mut self, i: usize) -> Option<Sample<[f64; 3]>> {
         let stamp_ns = self.stamp_ns(i, Stream::Pose);
-        let time_ns = self.time_ns;
-        let SimulatedRobot {
-            robot,
-            state,
-            camera,
-            ..
-        } = &mut self.machines[i];
-        let eye = camera.as_mut()?;
-        if !eye.is_due(time_ns) {
-            return None;
-        }
-        let seen = eye.noise.uniform() >= eye.sensor.dropout;
-        let Camera {
-            noise_m,
-            noise_rad,
-            latency_s,
-            ..
-        } = eye.sensor;
-        let exact = robot.measured_pose(state.pose());
-        let deviation = [noise_m, noise_m, noise_rad];
-        let value = [0, 1, 2].map(|axis| exact[axis] + eye.noise.normal(deviation[axis]));
-        let known_ns = time_ns + nanoseconds(latency_s);
-        seen.then_some(Sample {
-            stamp_ns,
-            known_ns,
-            value,
-        })
+        let simulated = &mut self.robots[i];
+        let camera = simulated.camera.as_mut()?;
+        camera.sample(&simulated.robot, &simulated.state, stamp_ns, self.time_ns)
     }
 
-    /// Specific force (m/s²) and yaw rate (rad/s) of robot `i` that its inertial sensor sees now;
-    /// `None` between samples and without one. To be asked after every step.
+    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) of robot `i` by its
+    /// inertial sensor. `None` between samples and without such a sensor. Call it after every step.
     ///
     /// # Panics
-    /// If there is no robot `i`, as indexing does.
+    /// If there is no robot `i`.
     pub fn imu(&mut self, i: usize) -> Option<Sample<[f64; 3]>> {
         let stamp_ns = self.stamp_ns(i, Stream::Imu);
-        let time_ns = self.time_ns;
-        let SimulatedRobot {
-            robot, state, imu, ..
-        } = &mut self.machines[i];
-        let eye = imu.as_mut()?;
-        if !eye.is_due(time_ns) {
-            return None;
-        }
-        let exact = robot.measured_inertial(state);
-        let Imu {
-            noise_m_s2,
-            noise_rad_s,
-            ..
-        } = eye.sensor;
-        let deviation = [noise_m_s2, noise_m_s2, noise_rad_s];
-        let value = [0, 1, 2].map(|axis| exact[axis] + eye.noise.normal(deviation[axis]));
-        Some(Sample {
-            stamp_ns,
-            known_ns: time_ns,
-            value,
-        })
+        let simulated = &mut self.robots[i];
+        let imu = simulated.imu.as_mut()?;
+        imu.sample(&simulated.robot, &simulated.state, stamp_ns, self.time_ns)
     }
 }
 
@@ -270,32 +208,20 @@ impl SimulatedRobot {
             place: format!("{}: {}", setup.name, error.place),
             ..error
         };
-        setup.sensors.validate().map_err(named)?;
+        let sensors = &setup.sensors;
+        sensors.validate().map_err(named)?;
         let robot = Robot::new(&setup.model).map_err(named)?;
         let state = robot.start(setup.pose);
         let noise = |purpose| Noise::new(seed, &setup.name, purpose);
         let mut phase = noise(Purpose::EncoderPhase);
-        let camera = setup.sensors.camera.clone();
-        let imu = setup.sensors.imu.clone();
+        let camera = |camera| Sampler::camera(camera, noise(Purpose::Camera));
+        let imu = |imu| Sampler::imu(imu, noise(Purpose::Imu));
         Ok(Self {
             robot,
             state,
-            phase: [phase.uniform(), phase.uniform()],
-            camera: camera.map(|c| RateSensor::new(c.clone(), c.rate_hz, noise(Purpose::Camera))),
-            imu: imu.map(|s| RateSensor::new(s.clone(), s.rate_hz, noise(Purpose::Imu))),
+            encoder_phase: [phase.uniform(), phase.uniform()],
+            camera: sensors.camera.as_ref().map(camera),
+            imu: sensors.imu.as_ref().map(imu),
         })
     }
-}
-
-fn seconds(ns: i64) -> f64 {
-    ns as f64 / NS_PER_S
-}
-
-fn nanoseconds(s: f64) -> i64 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "saturates, after 292 years"
-    )]
-    let ns = (s * NS_PER_S).round() as i64;
-    ns
 }

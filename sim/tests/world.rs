@@ -1,9 +1,6 @@
-//! N robots, their sensors and their noise.
+//! N robots with sensors and noise.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on says so and stops"
-)]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use slipstream_bus::{Camera, Imu, RobotModel, Sensors};
 use slipstream_sim::{Command, Setup, World};
@@ -20,41 +17,45 @@ fn setup(name: &str) -> Setup {
     }
 }
 
-const PUSH: Command = Command::Torque {
+const DRIVE: Command = Command::Torque {
     right_nm: 0.1,
     left_nm: 0.08,
 };
 
-/// All that the sensors of robot `i` say in a second.
-fn listen(names: &[&str], i: usize, seed: u64) -> Vec<(i64, [f64; 3])> {
+/// All measurements of robot `i` in one second.
+fn measurements(names: &[&str], i: usize, seed: u64) -> Vec<(i64, [f64; 3])> {
     let setups: Vec<Setup> = names.iter().map(|name| setup(name)).collect();
     let mut world = World::new(&setups, seed).unwrap();
-    let mut heard = Vec::new();
+    let mut measured = Vec::new();
     for _ in 0..1000 {
-        world.step(1_000_000, &vec![PUSH; names.len()]);
+        world.step(1_000_000, &vec![DRIVE; names.len()]);
         let [right, left] = world.encoder_counts(i);
-        heard.push((world.time_ns(), [right as f64, left as f64, 0.0]));
+        measured.push((world.time_ns(), [right as f64, left as f64, 0.0]));
         let samples = [world.camera(i), world.imu(i)];
-        heard.extend(samples.into_iter().flatten().map(|s| (s.stamp_ns, s.value)));
+        measured.extend(samples.into_iter().flatten().map(|s| (s.stamp_ns, s.value)));
     }
-    heard
+    measured
 }
 
 #[test]
-fn a_robot_more_changes_nobody_elses_noise() {
-    let alone = listen(&["r1"], 0, 7);
-    assert_eq!(alone, listen(&["r1", "r2", "r3"], 0, 7));
-    assert_eq!(alone, listen(&["r0", "r1"], 1, 7));
-    assert_ne!(alone, listen(&["r1"], 0, 8), "another seed is other noise");
+fn noise_of_a_robot_does_not_depend_on_the_others() {
+    let alone = measurements(&["r1"], 0, 7);
+    assert_eq!(alone, measurements(&["r1", "r2", "r3"], 0, 7));
+    assert_eq!(alone, measurements(&["r0", "r1"], 1, 7));
     assert_ne!(
         alone,
-        listen(&["r2"], 0, 7),
+        measurements(&["r1"], 0, 8),
+        "another seed gives other noise"
+    );
+    assert_ne!(
+        alone,
+        measurements(&["r2"], 0, 7),
         "another robot has other noise"
     );
 }
 
 #[test]
-fn sensors_keep_their_rates_and_deviations() {
+fn sensors_have_the_configured_rates_and_deviations() {
     let mut still = setup("r1");
     still.sensors.camera = Some(Camera {
         dropout: 0.25,
@@ -63,7 +64,7 @@ fn sensors_keep_their_rates_and_deviations() {
     let mut world = World::new(&[still], 3).unwrap();
     let (mut frames, mut samples) = (Vec::new(), Vec::new());
     for _ in 0..400_000 {
-        world.step(1_000_000, &[Command::rest()]);
+        world.step(1_000_000, &[Command::zero_torque()]);
         frames.extend(world.camera(0));
         samples.extend(world.imu(0));
     }
@@ -78,7 +79,7 @@ fn sensors_keep_their_rates_and_deviations() {
         let square: f64 = values.iter().map(|value| value * value).sum();
         (square / values.len() as f64).sqrt()
     };
-    // within five standard errors of an estimate from so many
+    // within five standard errors of an estimate from that many samples
     let near = |value: f64, expected: f64, count: usize| {
         let tolerance = 5.0 * expected / (2.0 * count as f64).sqrt();
         assert!(
@@ -93,12 +94,12 @@ fn sensors_keep_their_rates_and_deviations() {
     near(deviation(&yaw), 0.006, yaw.len());
 }
 
-/// The counter is floor(angle · counts / 2π + phase): it follows the wheel within one count.
+/// The counter is floor(angle · counts / 2π + phase): within one count of the wheel angle.
 #[test]
-fn encoders_count_the_wheels() {
+fn encoder_counts_follow_the_wheel_angle() {
     let mut world = World::new(&[setup("r1")], 5).unwrap();
     for _ in 0..3000 {
-        world.step(1_000_000, &[PUSH]);
+        world.step(1_000_000, &[DRIVE]);
         let exact = world
             .truth(0)
             .wheel_angle_rad
@@ -111,7 +112,7 @@ fn encoders_count_the_wheels() {
 }
 
 #[test]
-fn wrong_sensors_are_refused() {
+fn rejects_invalid_sensors_naming_the_robot() {
     let mut wrong = setup("r9");
     wrong.sensors.camera = Some(Camera {
         rate_hz: 0.0,
@@ -121,11 +122,11 @@ fn wrong_sensors_are_refused() {
     assert_eq!(error.place, "r9: sensors.camera.rate_hz");
 }
 
-/// A step allocates nothing, whatever rolls, slips, rubs or waits in a delay line.
+/// A step allocates nothing: rolling, slipping, with every kind of friction, backlash and delay.
 #[test]
-fn a_step_allocates_nothing() {
+fn steps_allocate_nothing() {
     let slipping = RobotModel::paper_with_slip();
-    let rubbing = slipping
+    let with_effects = slipping
         .clone()
         .with("axle_friction", &[("torque_nm", 0.004)])
         .with("caster_drag", &[("friction", 0.05)])
@@ -147,7 +148,7 @@ fn a_step_allocates_nothing() {
             &[("t_s", 0.5), ("impulse_n_s", 0.2), ("direction_rad", 1.0)],
         )
         .with("floor_slope", &[("grade", 0.01), ("downhill_rad", 1.0)]);
-    for model in [RobotModel::default(), slipping, rubbing] {
+    for model in [RobotModel::default(), slipping, with_effects] {
         let setups: Vec<Setup> = ["r1", "r2"]
             .map(|name| Setup {
                 model: model.clone(),

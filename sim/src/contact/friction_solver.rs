@@ -1,292 +1,292 @@
-//! Which elements stick and which slide, decided anew at an event.
+//! Coulomb friction at acceleration level, solved by block Gauss-Seidel with projection on the
+//! friction discs.
 //!
-//! At one instant, the accelerations are those that minimise ½ (a − a₀)ᵀ M (a − a₀) + Σ limit |J a|
-//! over the elements that stand: the principle of least constraint with Coulomb friction, which has
-//! one solution. It is found element by element (block Gauss–Seidel on the forces): each in turn gets
-//! the force inside its disc that suits the others' best. In plain numbers: what follows from the
-//! decision is computed with derivatives by the operator of the new set.
+//! At one instant the accelerations minimise ½ (a − a₀)ᵀ M (a − a₀) + Σ limit |J a|, summed over
+//! the constraints at rest: Gauss's principle of least constraint (1829) with Coulomb friction. The
+//! minimum is unique. A sweep gives each constraint in turn the force inside its disc that fits the
+//! forces of the others. An outer fixed-point iteration makes the friction limits agree with the
+//! normal forces.
+//!
+//! The solver computes with plain numbers, because its result is discrete: the active set. What
+//! follows from it is computed with derivatives by the dynamics of the new set.
 
-use crate::parts::friction_elements::{ELEMENTS, Element, ElementSet};
+use super::friction_disc::{InverseMass, project_on_disc, project_on_interval};
+use crate::parts::friction_constraints::{ConstraintSet, FRICTION_CONSTRAINTS, FrictionConstraint};
 use crate::parts::scalar::{Matrix, Pair, Scalar, Vector};
-use crate::robot::body::Mode;
+use crate::parts::tolerances::{NORMAL_CONVERGED, SWEEP_CONVERGED, ZERO_ACCELERATION};
+use crate::robot::mode::Mode;
 use crate::robot::{GRAVITY_M_S2, Robot};
 
-/// Steps of Newton's method on one disc; it doubles the digits from the first.
-const NEWTON: usize = 30;
-
-/// Share of the accelerations in play below which one counts as none.
-const AT_REST: f64 = 1e-8;
-
-/// The elements that stand, the forces on the robot, and what answers.
+/// The friction problem at one instant.
 pub(crate) struct FrictionProblem<'a, S> {
     pub(crate) robot: &'a Robot<S>,
     pub(crate) mode: &'a Mode<S>,
-    /// M⁻¹ projected on what the elements leave free that cannot slide.
+    /// A: M⁻¹ projected on the motions that the constraints without friction limit leave free.
     pub(crate) mobility: Matrix<f64>,
-    /// Force without dry friction of loose elements.
+    /// Generalised force without any friction.
     pub(crate) applied: Vector<f64>,
-    /// Acceleration that exact wheel speeds force on the robot.
-    pub(crate) forced: Vector<f64>,
-    /// Velocities.
+    /// Acceleration that prescribed wheel speeds force on the robot.
+    pub(crate) prescribed: Vector<f64>,
+    /// Velocity ν.
     pub(crate) nu: Vector<f64>,
-    /// Loose elements that stand: they may stick or begin to slide.
-    pub(crate) candidates: ElementSet,
-    /// Lateral multiplier of wheels that cannot slide, per unit of each force.
-    pub(crate) across: Vector<f64>,
+    /// Frictional constraints at rest: each sticks or begins to slide.
+    pub(crate) at_rest: ConstraintSet,
+    /// Lateral force of wheels that cannot slide, per unit of each force.
+    pub(crate) lateral: Vector<f64>,
 }
 
-/// How the robot answers to unit forces at one element.
+/// The solution: constraints that stick, and the directions in which the others begin to slide.
+pub(crate) struct ContactModes {
+    pub(crate) sticking: ConstraintSet,
+    /// Unit vector for each constraint that begins to slide, else zero.
+    pub(crate) direction: [Pair<f64>; FRICTION_CONSTRAINTS],
+}
+
+/// Response of the robot to unit forces at one constraint.
 #[derive(Clone, Copy, Default)]
 struct ConstraintResponse {
-    /// What the element sees of a velocity.
-    rows: [Vector<f64>; 2],
-    /// Acceleration of the robot by a unit force along each row.
-    responses: [Vector<f64>; 2],
-    /// What the element sees of its own unit forces: J M⁻¹ Jᵀ, by its upper triangle.
-    own: [f64; 3],
+    /// Rows of the contact Jacobian.
+    jacobian: [Vector<f64>; 2],
+    /// Acceleration of the robot per unit force along each row.
+    acceleration: [Vector<f64>; 2],
+    /// Slip acceleration of the constraint per unit force of its own.
+    inverse_mass: InverseMass,
 }
 
-/// What was decided: elements that stick, and the directions in which the others set off.
-pub(crate) struct ContactModes {
-    pub(crate) sticking: ElementSet,
-    pub(crate) direction: [Pair<f64>; ELEMENTS],
-}
+type Forces = [Pair<f64>; FRICTION_CONSTRAINTS];
+type Limits = [f64; FRICTION_CONSTRAINTS];
+type Responses = [ConstraintResponse; FRICTION_CONSTRAINTS];
 
 impl<S: Scalar> FrictionProblem<'_, S> {
-    /// Decides for each candidate whether it sticks. Those in `broken` have broken away.
-    pub(crate) fn decide(&self, broken: ElementSet) -> ContactModes {
-        let mut force = [[0.0; 2]; ELEMENTS];
-        let mut responses_of = [ConstraintResponse::default(); ELEMENTS];
-        for element in self.candidates.iter() {
-            responses_of[element as usize] = self.touch(element);
+    /// Decides for each constraint at rest whether it sticks. Those in `broken_away` have exceeded
+    /// their static limit and have kinetic friction from the start; others join them when they
+    /// accelerate, until none does.
+    pub(crate) fn solve(&self, broken_away: ConstraintSet) -> ContactModes {
+        let mut responses = Responses::default();
+        for constraint in self.at_rest.iter() {
+            responses[constraint as usize] = self.response(constraint);
         }
-        let mut sliding = self.candidates.both(broken);
+        let mut force = Forces::default();
+        let mut sliding = self.at_rest.intersection(broken_away);
         loop {
-            let acceleration = self.solve(sliding, &responses_of, &mut force);
-            let scale = self.mobility_scale();
-            let sets_off = |element: Element| {
-                let [along, across] = self.seen(element, &acceleration);
-                along.hypot(across) > AT_REST * scale
+            let acceleration = self.accelerations(sliding, &responses, &mut force);
+            let scale = self.acceleration_scale();
+            let accelerates = |&constraint: &FrictionConstraint| {
+                let [along, across] = self.slip_velocity(constraint, &acceleration);
+                along.hypot(across) > ZERO_ACCELERATION * scale
             };
-            let set_off = self.candidates.iter().filter(|&element| sets_off(element));
-            let now = set_off.fold(sliding, ElementSet::with);
-            if now == sliding {
-                return self.decision(&force, sliding);
+            let starting = self.at_rest.iter().filter(accelerates);
+            let next = starting.fold(sliding, ConstraintSet::with);
+            if next == sliding {
+                return self.modes(&force, sliding);
             }
-            sliding = now;
+            sliding = next;
         }
     }
 
-    fn touch(&self, element: Element) -> ConstraintResponse {
-        let mut touch = ConstraintResponse::default();
-        for (at, &row) in element.rows().iter().enumerate() {
-            touch.rows[at] = self.row(row);
-            touch.responses[at] = self.mobility * touch.rows[at];
+    fn response(&self, constraint: FrictionConstraint) -> ConstraintResponse {
+        let mut response = ConstraintResponse::default();
+        for (i, &row) in constraint.rows().iter().enumerate() {
+            response.jacobian[i] = self.jacobian_row(row);
+            response.acceleration[i] = self.mobility * response.jacobian[i];
         }
-        let own = |one: usize, other: usize| touch.rows[one].dot(&touch.responses[other]);
-        touch.own = [own(0, 0), own(0, 1), own(1, 1)];
-        touch
+        let entry = |i: usize, j: usize| response.jacobian[i].dot(&response.acceleration[j]);
+        response.inverse_mass = [entry(0, 0), entry(0, 1), entry(1, 1)];
+        response
     }
 
-    /// What slides does so against its force.
-    fn decision(&self, force: &[Pair<f64>; ELEMENTS], sliding: ElementSet) -> ContactModes {
-        let mut decision = ContactModes {
-            sticking: self.candidates,
-            direction: [[0.0; 2]; ELEMENTS],
+    /// The active set and the sliding directions, opposite to the friction forces.
+    fn modes(&self, force: &Forces, sliding: ConstraintSet) -> ContactModes {
+        let mut modes = ContactModes {
+            sticking: self.at_rest,
+            direction: [[0.0; 2]; FRICTION_CONSTRAINTS],
         };
-        for element in sliding.iter() {
-            let [along, across] = force[element as usize];
+        for constraint in sliding.iter() {
+            let [along, across] = force[constraint as usize];
             let size = along.hypot(across);
             if size > 0.0 {
-                decision.sticking = decision.sticking.without(element);
-                decision.direction[element as usize] = [-along / size, -across / size];
+                modes.sticking = modes.sticking.without(constraint);
+                modes.direction[constraint as usize] = [-along / size, -across / size];
             }
         }
-        decision
+        modes
     }
 
-    /// Accelerations that matter beside this are not zero (m/s² or rad/s²).
-    fn mobility_scale(&self) -> f64 {
+    /// Size of the accelerations in play (m/s² or rad/s²), by which to judge what counts as zero.
+    fn acceleration_scale(&self) -> f64 {
         let free = self.mobility * self.applied;
         free.iter()
             .fold(GRAVITY_M_S2 * 1e-3, |most: f64, a| most.max(a.abs()))
     }
 
     /// The accelerations, with normal forces that agree with the lateral forces.
-    fn solve(
+    fn accelerations(
         &self,
-        sliding: ElementSet,
-        responses_of: &[ConstraintResponse; ELEMENTS],
-        force: &mut [Pair<f64>; ELEMENTS],
+        sliding: ConstraintSet,
+        responses: &Responses,
+        force: &mut Forces,
     ) -> Vector<f64> {
         let load = &self.robot.load;
-        let driven = load.driven.value();
-        let mut normal = [driven / 2.0; 2];
+        let mut normal = [load.driven.value() / 2.0; 2];
         for _ in 0..self.robot.tolerances.normal_iterations {
-            let limits = self.limits(sliding, normal);
-            let acceleration = self.sweep(&limits, responses_of, force);
-            let total = self.total(&limits, force);
-            let across: f64 = Element::WHEELS
-                .iter()
-                .map(|&wheel| force[wheel as usize][1])
-                .sum();
-            let across = across + self.across.dot(&total);
-            let surge = acceleration[0] - self.nu[1] * self.nu[2];
-            let transfer = load.transfer.map_or(0.0, |t| t.value() * surge);
-            let whole = (driven + transfer).clamp(0.0, load.total.value());
-            let apart = load.lateral.value() * across + load.offset.value();
-            let apart = apart.clamp(-whole, whole);
-            let next = [(whole + apart) / 2.0, (whole - apart) / 2.0];
+            let limits = self.friction_limits(sliding, normal);
+            let acceleration = self.gauss_seidel(&limits, responses, force);
+            let next = self.normal_forces(&limits, force, &acceleration);
             let change = (next[0] - normal[0]).abs().max((next[1] - normal[1]).abs());
             normal = next;
-            if change <= 1e-12 * load.total.value() {
+            if change <= NORMAL_CONVERGED * load.total.value() {
                 return acceleration;
             }
         }
-        self.sweep(&self.limits(sliding, normal), responses_of, force)
+        self.gauss_seidel(&self.friction_limits(sliding, normal), responses, force)
     }
 
-    /// Friction limit of each loose element (N or N m): static for what sticks so far.
-    fn limits(&self, sliding: ElementSet, normal: Pair<f64>) -> [f64; ELEMENTS] {
-        let mut limits = [0.0; ELEMENTS];
+    /// N_r and N_l (Eq. 4 to 6) under these forces and accelerations (N).
+    fn normal_forces(
+        &self,
+        limits: &Limits,
+        force: &mut Forces,
+        acceleration: &Vector<f64>,
+    ) -> Pair<f64> {
+        let load = &self.robot.load;
+        let total = self.total_force(limits, force);
+        let lateral: f64 = FrictionConstraint::WHEELS
+            .iter()
+            .map(|&wheel| force[wheel as usize][1])
+            .sum();
+        let lateral = lateral + self.lateral.dot(&total);
+        let surge = acceleration[0] - self.nu[1] * self.nu[2];
+        let transfer = load.transfer.map_or(0.0, |t| t.value() * surge);
+        let sum = (load.driven.value() + transfer).clamp(0.0, load.total.value());
+        let difference = load.lateral.value() * lateral + load.offset.value();
+        let difference = difference.clamp(-sum, sum);
+        [(sum + difference) / 2.0, (sum - difference) / 2.0]
+    }
+
+    /// Friction limit of each constraint (N or N m) under these normal forces: static for those at
+    /// rest that are not in `sliding`, else kinetic.
+    fn friction_limits(&self, sliding: ConstraintSet, normal: Pair<f64>) -> Limits {
+        let mut limits = Limits::default();
         let caster = self.robot.load.total.value() - normal[0] - normal[1];
-        for element in self.mode.loose.iter() {
-            let i = element as usize;
-            limits[i] = match (element, self.mode.grip.get(i)) {
-                (Element::WheelRight | Element::WheelLeft, Some(Some(grip))) => {
-                    let stands = self.candidates.has(element) && !sliding.has(element);
-                    let friction = if stands {
-                        grip.friction_static
+        for constraint in self.mode.frictional.iter() {
+            let i = constraint as usize;
+            limits[i] = match (constraint, self.mode.wheel_friction.get(i)) {
+                (
+                    FrictionConstraint::WheelRight | FrictionConstraint::WheelLeft,
+                    Some(Some(friction)),
+                ) => {
+                    let sticks = self.at_rest.contains(constraint) && !sliding.contains(constraint);
+                    let coefficient = if sticks {
+                        friction.friction_static
                     } else {
-                        grip.friction_kinetic
+                        friction.friction_kinetic
                     };
-                    friction.value() * normal[i]
+                    coefficient.value() * normal[i]
                 }
-                _ => self.robot.dry_limit(element, S::constant(caster)).value(),
+                _ => {
+                    let caster = S::constant(caster);
+                    self.robot.dry_friction.limit(constraint, caster).value()
+                }
             };
         }
         limits
     }
 
-    /// All forces: applied, of elements that slide, of those that stand.
-    fn total(&self, limits: &[f64; ELEMENTS], force: &mut [Pair<f64>; ELEMENTS]) -> Vector<f64> {
+    /// Sum of the applied force and all friction, as a generalised force. Sets the entries of
+    /// `force` for constraints that are not at rest: kinetic friction against their slip.
+    fn total_force(&self, limits: &Limits, force: &mut Forces) -> Vector<f64> {
         let mut total = self.applied;
-        for element in self.mode.loose.iter() {
-            let i = element as usize;
-            if !self.candidates.has(element) {
-                let [along, across] = self.seen(element, &self.nu);
+        for constraint in self.mode.frictional.iter() {
+            let i = constraint as usize;
+            if !self.at_rest.contains(constraint) {
+                let [along, across] = self.slip_velocity(constraint, &self.nu);
                 let size = along.hypot(across).max(f64::MIN_POSITIVE);
                 force[i] = [-limits[i] * along / size, -limits[i] * across / size];
             }
-            for (&row, part) in element.rows().iter().zip(force[i]) {
-                total += self.row(row) * part;
+            for (&row, part) in constraint.rows().iter().zip(force[i]) {
+                total += self.jacobian_row(row) * part;
             }
         }
         total
     }
 
-    /// Each candidate's best answer to the others', until none changes.
-    fn sweep(
+    /// Sweeps over the constraints at rest until no force changes; returns the accelerations.
+    fn gauss_seidel(
         &self,
-        limits: &[f64; ELEMENTS],
-        responses_of: &[ConstraintResponse; ELEMENTS],
-        force: &mut [Pair<f64>; ELEMENTS],
+        limits: &Limits,
+        responses: &Responses,
+        force: &mut Forces,
     ) -> Vector<f64> {
-        let total = self.total(limits, force);
-        let mut acceleration = self.mobility * total + self.forced;
-        let scale = self.mobility_scale();
+        let total = self.total_force(limits, force);
+        let mut acceleration = self.mobility * total + self.prescribed;
+        let scale = self.acceleration_scale();
         for _ in 0..self.robot.tolerances.sweeps {
             let mut change: f64 = 0.0;
-            for element in self.candidates.iter() {
-                let i = element as usize;
-                let touch = &responses_of[i];
-                let best = self.best(element, touch, limits[i], force[i], &acceleration);
-                let responses = &touch.responses[..element.rows().len()];
-                for (at, response) in responses.iter().enumerate() {
-                    let more = best[at] - force[i][at];
-                    force[i][at] = best[at];
-                    let response = response * more;
-                    acceleration += response;
-                    change = change.max(response.amax());
+            for constraint in self.at_rest.iter() {
+                let i = constraint as usize;
+                let response = &responses[i];
+                let next = self.project(constraint, response, limits[i], force[i], &acceleration);
+                let per_force = &response.acceleration[..constraint.rows().len()];
+                for (k, per_force) in per_force.iter().enumerate() {
+                    let more = next[k] - force[i][k];
+                    force[i][k] = next[k];
+                    let effect = per_force * more;
+                    acceleration += effect;
+                    change = change.max(effect.amax());
                 }
             }
-            if change <= 1e-5 * AT_REST * scale {
+            if change <= SWEEP_CONVERGED * scale {
                 break;
             }
         }
         acceleration
     }
 
-    /// The force inside the disc of radius `limit` that leaves the element at rest, or opposes its
-    /// acceleration: p with W p + q = −s p, s ≥ 0, where W = J M⁻¹ Jᵀ and q is the acceleration
-    /// without this element. |p| falls with s: the root of 1/|p| − 1/limit, by Newton's method.
-    fn best(
+    /// The force of one constraint that fits the forces of all others.
+    fn project(
         &self,
-        element: Element,
-        touch: &ConstraintResponse,
+        constraint: FrictionConstraint,
+        response: &ConstraintResponse,
         limit: f64,
-        own: Pair<f64>,
+        force: Pair<f64>,
         acceleration: &Vector<f64>,
     ) -> Pair<f64> {
-        let [a, b, d] = touch.own;
-        let along = touch.rows[0].dot(acceleration);
-        if element.rows().len() == 1 || self.is_led(element) {
-            let rest = own[0] - along / a;
-            return if a > 0.0 {
-                [rest.clamp(-limit, limit), 0.0]
+        let [along, ..] = response.inverse_mass;
+        let slip_along = response.jacobian[0].dot(acceleration);
+        if constraint.rows().len() == 1 || self.is_laterally_fixed(constraint) {
+            return if along > 0.0 {
+                [project_on_interval(along, limit, force[0], slip_along), 0.0]
             } else {
-                own
+                force
             };
         }
-        if a * d - b * b <= 0.0 {
-            return own;
-        }
-        let seen = [along, touch.rows[1].dot(acceleration)];
-        let q = [
-            seen[0] - a * own[0] - b * own[1],
-            seen[1] - b * own[0] - d * own[1],
-        ];
-        let solve = |s: f64, [x, y]: Pair<f64>| {
-            let (a, d) = (a + s, d + s);
-            let per = (a * d - b * b).recip();
-            [(b * y - d * x) * per, (b * x - a * y) * per]
-        };
-        let mut s = 0.0;
-        let mut p = solve(s, q);
-        for _ in 0..NEWTON {
-            let size = (p[0] * p[0] + p[1] * p[1]).sqrt();
-            if size <= limit * (1.0 + 1e-15) {
-                break;
-            }
-            let slope = solve(s, p);
-            let falls = -(p[0] * slope[0] + p[1] * slope[1]);
-            if limit == 0.0 || falls <= 0.0 {
-                return [0.0; 2];
-            }
-            s += (size - limit) / limit * size * size / falls;
-            p = solve(s, q);
-        }
-        p
+        let slip = [slip_along, response.jacobian[1].dot(acceleration)];
+        project_on_disc(response.inverse_mass, limit, force, slip)
     }
 
-    fn row(&self, row: usize) -> Vector<f64> {
-        self.robot.row(row).map(|entry| entry.value())
+    fn jacobian_row(&self, row: usize) -> Vector<f64> {
+        self.robot.jacobian_row(row).map(|entry| entry.value())
     }
 
-    /// Whether the element is a wheel beside one that cannot slide, and so does not go across.
-    fn is_led(&self, element: Element) -> bool {
-        match element {
-            Element::WheelRight => !self.mode.loose.has(Element::WheelLeft),
-            Element::WheelLeft => !self.mode.loose.has(Element::WheelRight),
+    /// Whether the constraint is a wheel beside one that cannot slide, which fixes the lateral slip
+    /// of both.
+    fn is_laterally_fixed(&self, constraint: FrictionConstraint) -> bool {
+        let frictional = self.mode.frictional;
+        match constraint {
+            FrictionConstraint::WheelRight => !frictional.contains(FrictionConstraint::WheelLeft),
+            FrictionConstraint::WheelLeft => !frictional.contains(FrictionConstraint::WheelRight),
             _ => false,
         }
     }
 
-    /// What an element sees of a velocity or an acceleration.
-    fn seen(&self, element: Element, nu: &Vector<f64>) -> Pair<f64> {
-        let rows = element.rows();
-        let along = self.row(rows[0]).dot(nu);
-        let across = rows.get(1).filter(|_| !self.is_led(element));
-        [along, across.map_or(0.0, |&row| self.row(row).dot(nu))]
+    /// Slip velocity of a constraint at velocity `nu`, or slip acceleration at an acceleration.
+    fn slip_velocity(&self, constraint: FrictionConstraint, nu: &Vector<f64>) -> Pair<f64> {
+        let rows = constraint.rows();
+        let along = self.jacobian_row(rows[0]).dot(nu);
+        let across = rows
+            .get(1)
+            .filter(|_| !self.is_laterally_fixed(constraint))
+            .map_or(0.0, |&row| self.jacobian_row(row).dot(nu));
+        [along, across]
     }
 }

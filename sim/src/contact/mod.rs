@@ -1,3 +1,4 @@
-//! Which contacts stick.
+//! Contact problem: which contacts at rest stick and which begin to slide.
 
+mod friction_disc;
 pub(crate) mod friction_solver;

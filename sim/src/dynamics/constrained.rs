@@ -1,82 +1,83 @@
-//! The equations of motion solved for one set of held elements: A = M⁻¹ projected on the motions
-//! that the held rows leave free, and the multipliers that hold them.
+//! Constrained dynamics in operator form: accelerations and Lagrange multipliers as linear
+//! functions of the force, for one active set.
 //!
-//! In the body frame every row of the contact Jacobian and the mass matrix of Eq. 3 are constants
-//! of the robot, so that A changes only when an element starts or stops to slide.
+//! M a = F + Jᵀ λ with J a = 0 for the active rows gives a = A F, where A is M⁻¹ projected on the
+//! motions that these rows leave free, and λ = Λ F. In the body frame the mass matrix of Eq. 3 and
+//! every row of the contact Jacobian are constants of the robot, so that A and Λ change only with
+//! the active set.
 
-use crate::parts::friction_elements::{ALONG_LEFT, ALONG_RIGHT, Element, ElementSet, ROWS};
+use crate::parts::friction_constraints::{
+    ConstraintSet, JACOBIAN_ROWS, LONGITUDINAL_LEFT, LONGITUDINAL_RIGHT,
+};
 use crate::parts::scalar::{Matrix, Scalar, VELOCITIES, Vector};
+use crate::parts::tolerances::DEPENDENT_ROW;
 use crate::robot::Robot;
 
-/// A row depends on earlier ones if what they leave of it is smaller than this share.
-const DEPENDENT: f64 = 1e-9;
-
-/// Accelerations and multipliers for a given force.
+/// A and Λ for one active set.
 #[derive(Debug, Clone)]
 pub(crate) struct ConstrainedDynamics<S> {
-    /// a = A F.
+    /// A: the acceleration is a = A F.
     pub(crate) acceleration: Matrix<S>,
-    /// λ = Λ F for each row, zero where it is free or depends on rows held before it.
-    multipliers: [Vector<S>; ROWS],
-    /// Rows held, without those that depend on others.
-    held: [bool; ROWS],
+    /// Λ: the multiplier of each row is λ = Λ F. Zero where the row is inactive or redundant.
+    multipliers: [Vector<S>; JACOBIAN_ROWS],
+    /// Rows that are active and independent of those before them.
+    active_rows: [bool; JACOBIAN_ROWS],
+    /// Number of such rows.
     count: usize,
-    /// ActiveSetChange of each contact's slip along its wheel for a newton there, 1/kg.
+    /// Longitudinal slip acceleration of each driven wheel's contact per newton there (1/kg).
     pub(crate) mobility: [f64; 2],
-    /// Some held row beside the second wheel's [`crate::parts::friction_elements::ACROSS`] depends on others.
+    /// Some active row depends on others, besides the lateral row that both wheels share: the
+    /// multipliers are then not unique.
     pub(crate) redundant: bool,
 }
 
 impl<S: Scalar> ConstrainedDynamics<S> {
-    /// For the inertia `inverse`⁻¹ (damping included) and the held elements.
-    pub(crate) fn new(robot: &Robot<S>, inverse: Matrix<S>, held: ElementSet) -> Self {
-        let mut operator = Self {
+    /// For the inverse of the (effective) mass matrix and the active set.
+    pub(crate) fn new(robot: &Robot<S>, inverse: Matrix<S>, active: ConstraintSet) -> Self {
+        let mut dynamics = Self {
             acceleration: inverse,
-            multipliers: [Vector::zeros(); ROWS],
-            held: [false; ROWS],
+            multipliers: [Vector::zeros(); JACOBIAN_ROWS],
+            active_rows: [false; JACOBIAN_ROWS],
             count: 0,
             mobility: [0.0; 2],
             redundant: false,
         };
-        for element in Element::ALL
-            .into_iter()
-            .filter(|&element| held.has(element))
-        {
-            for &row in element.rows() {
-                if !operator.held[row] {
-                    operator.hold(row, &robot.row(row), &inverse);
+        for constraint in active.iter() {
+            for &row in constraint.rows() {
+                if !dynamics.active_rows[row] {
+                    dynamics.activate(row, &robot.jacobian_row(row), &inverse);
                 }
             }
         }
-        operator.mobility = [ALONG_RIGHT, ALONG_LEFT].map(|row| {
-            let row = robot.row(row);
-            row.dot(&(operator.acceleration * row)).value()
+        dynamics.mobility = [LONGITUDINAL_RIGHT, LONGITUDINAL_LEFT].map(|row| {
+            let row = robot.jacobian_row(row);
+            row.dot(&(dynamics.acceleration * row)).value()
         });
-        operator
+        dynamics
     }
 
-    /// Takes the row out of the motions that are free.
-    fn hold(&mut self, row: usize, jacobian: &Vector<S>, inverse: &Matrix<S>) {
+    /// Adds one row to the active rows: a rank-one update of A and Λ.
+    fn activate(&mut self, row: usize, jacobian: &Vector<S>, inverse: &Matrix<S>) {
         let response = self.acceleration * jacobian;
         let pivot = jacobian.dot(&response);
         let alone = jacobian.dot(&(inverse * jacobian));
-        if self.count == VELOCITIES || pivot.value() <= DEPENDENT * alone.value() {
+        if self.count == VELOCITIES || pivot.value() <= DEPENDENT_ROW * alone.value() {
             self.redundant = true;
             return;
         }
-        let share = response * pivot.recip();
-        self.acceleration -= response * share.transpose();
-        let own = -share;
+        let scaled = response * pivot.recip();
+        self.acceleration -= response * scaled.transpose();
+        let own = -scaled;
         for (earlier, _) in self
             .multipliers
             .iter_mut()
-            .zip(self.held)
-            .filter(|(_, held)| *held)
+            .zip(self.active_rows)
+            .filter(|(_, active)| *active)
         {
             *earlier += own * earlier.dot(jacobian);
         }
         self.multipliers[row] = own;
-        self.held[row] = true;
+        self.active_rows[row] = true;
         self.count += 1;
         if self.count == VELOCITIES {
             // nothing can move, not even by rounding
@@ -84,43 +85,44 @@ impl<S: Scalar> ConstrainedDynamics<S> {
         }
     }
 
-    /// Accelerations under `force`.
+    /// Acceleration a = A F.
     #[inline]
     pub(crate) fn accelerate(&self, force: &Vector<S>) -> Vector<S> {
-        // symmetric: row i is column i, which lies together
+        // A is symmetric: row i equals column i, which is contiguous in memory
         let row = |i: usize| dot(self.acceleration.column(i).as_slice(), force);
         Vector::from([row(0), row(1), row(2), row(3), row(4)])
     }
 
-    /// Multiplier of a row under `force`, zero where the row is free.
+    /// Multiplier of a row under `force`; zero where the row is inactive or redundant.
     #[inline]
     pub(crate) fn multiplier(&self, row: usize, force: &Vector<S>) -> S {
         dot(self.multipliers[row].as_slice(), force)
     }
 
-    /// Multiplier of a row for each unit of each force, zero where the row is free.
+    /// The row of Λ: multiplier per unit of each force.
     pub(crate) fn multiplier_vector(&self, row: usize) -> Vector<S> {
         self.multipliers[row]
     }
 
-    /// Velocities (or accelerations) that follow where a held row is moved at `rate`.
+    /// Velocities (or accelerations) of the robot when an active row is moved at `rate`.
     pub(crate) fn response(&self, row: usize, rate: S) -> Vector<S> {
         self.multipliers[row] * -rate
     }
 
-    /// Removes from `nu` what the held rows forbid, as an impulse at them would.
+    /// Velocity projection: removes from `nu` what the active rows forbid, as an impulse at them
+    /// would. `inertia` is the mass matrix that A was made of.
     pub(crate) fn project(&self, inertia: &Matrix<S>, nu: &Vector<S>) -> Vector<S> {
         self.acceleration * (inertia * nu)
     }
 }
 
-/// Scalar product in an order that leaves the sums independent of each other.
+/// Scalar product, summed in an order that leaves the partial sums independent.
 #[inline(always)]
 fn dot<S: Scalar>(a: &[S], b: &Vector<S>) -> S {
     (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + a[4] * b[4]
 }
 
-/// Inverse of a symmetric positive matrix (Gauss and Jordan, without pivoting).
+/// Inverse of a symmetric positive definite matrix by Gauss-Jordan elimination without pivoting.
 pub(crate) fn inverse<S: Scalar>(matrix: &Matrix<S>) -> Matrix<S> {
     let mut m = *matrix;
     for k in 0..VELOCITIES {

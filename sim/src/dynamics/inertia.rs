@@ -1,18 +1,18 @@
-//! Mass matrix of Eq. 3 with implicit damping, and the torque of the motors.
+//! Mass matrix of Eq. 3 in the body frame, and its effective form with linearly implicit damping.
 
 use super::constrained::{ConstrainedDynamics, inverse};
+use super::motors::{MOTOR_SHARE, damping_vector};
 use crate::parts::command::CommandKind;
-use crate::parts::friction_elements::Element;
-use crate::parts::scalar::{Matrix, Pair, Scalar, Vector};
-use crate::parts::tolerances::MOTOR_SHARE;
+use crate::parts::friction_constraints::FrictionConstraint;
+use crate::parts::scalar::{Matrix, Pair, Scalar};
 use crate::robot::Robot;
-use crate::robot::body::{DynamicsKey, Gear};
+use crate::robot::mode::{DynamicsKey, Gear};
 
 /// The mass matrix of Eq. 3 over [surge, sway, yaw rate, wheel speeds] of c in the body frame,
-/// where m13 and m23 become constants. `wheels` is the inertia that turns with each wheel.
+/// where m13 and m23 become constants. `wheels` is the inertia that turns with each wheel (kg m²).
 pub(crate) fn inertia_matrix<S: Scalar>(robot: &Robot<S>, wheels: [S; 2]) -> Matrix<S> {
     let zero = S::constant(0.0);
-    let (m, [sx, sy]) = (robot.mass, robot.moment);
+    let (m, [sx, sy]) = (robot.mass, robot.first_moment);
     Matrix::from_row_slice(&[
         m,
         zero,
@@ -26,7 +26,7 @@ pub(crate) fn inertia_matrix<S: Scalar>(robot: &Robot<S>, wheels: [S; 2]) -> Mat
         zero, //
         -sy,
         sx,
-        robot.inertia,
+        robot.yaw_inertia,
         zero,
         zero, //
         zero,
@@ -42,22 +42,21 @@ pub(crate) fn inertia_matrix<S: Scalar>(robot: &Robot<S>, wheels: [S; 2]) -> Mat
     ])
 }
 
-/// The operator for `key`. Damping enters implicitly, with the weight that keeps it stable:
-/// half of the step where it is slow against the step, more where it is fast.
+/// The constrained dynamics for `key`, with damping treated implicitly.
 pub(crate) fn constrained_dynamics<S: Scalar>(
     robot: &Robot<S>,
     key: &DynamicsKey,
 ) -> ConstrainedDynamics<S> {
     let matrix = effective_inertia(robot, key.kind, key.gear, key.over_s);
-    let rigid = key.kind == CommandKind::Speed;
-    let axles = Element::AXLES.into_iter().zip(key.gear);
-    let held = axles
-        .filter(|(_, gear)| rigid && gear.is_engaged())
-        .fold(key.held, |held, (axle, _)| held.with(axle));
-    ConstrainedDynamics::new(robot, inverse(&matrix), held)
+    let prescribed = key.kind == CommandKind::Speed;
+    let axles = FrictionConstraint::AXLES.into_iter().zip(key.gear);
+    let active = axles
+        .filter(|(_, gear)| prescribed && gear.is_engaged())
+        .fold(key.active, |active, (axle, _)| active.with(axle));
+    ConstrainedDynamics::new(robot, inverse(&matrix), active)
 }
 
-/// Inertia, and what damping adds to it over a step.
+/// Mass matrix plus the damping matrix times the length of the implicit part of a step of `over_s`.
 pub(crate) fn effective_inertia<S: Scalar>(
     robot: &Robot<S>,
     kind: CommandKind,
@@ -68,14 +67,15 @@ pub(crate) fn effective_inertia<S: Scalar>(
     if over_s > 0.0 {
         let damping = damping_vector(robot, kind, gear);
         for i in 0..damping.len() {
-            let own = matrix[(i, i)];
-            matrix[(i, i)] += damping[i] * implicit_span(damping[i] / own, over_s);
+            let inertia = matrix[(i, i)];
+            matrix[(i, i)] += damping[i] * implicit_span(damping[i] / inertia, over_s);
         }
     }
     matrix
 }
 
-/// What turns with each wheel: with play, the motor's share only while it is engaged.
+/// Inertia that turns with each wheel (kg m²): with backlash, the motor's share only while the gear
+/// is engaged.
 pub(crate) fn wheel_inertias<S: Scalar>(robot: &Robot<S>, gear: [Gear; 2]) -> Pair<S> {
     gear.map(|gear| {
         let share = if gear.is_engaged() {
@@ -87,55 +87,9 @@ pub(crate) fn wheel_inertias<S: Scalar>(robot: &Robot<S>, gear: [Gear; 2]) -> Pa
     })
 }
 
-/// Torque lost at each motor for each rad/s.
-pub(crate) fn motor_damping<S: Scalar>(robot: &Robot<S>, kind: CommandKind) -> S {
-    match kind {
-        CommandKind::Voltage => robot.drive.droop + robot.drive.back_emf,
-        CommandKind::Torque => robot.drive.droop,
-        CommandKind::Speed => S::constant(0.0),
-    }
-}
-
-/// Force lost for each unit of each velocity.
-pub(crate) fn damping_vector<S: Scalar>(
-    robot: &Robot<S>,
-    kind: CommandKind,
-    gear: [Gear; 2],
-) -> Vector<S> {
-    let mut damping = robot.damping;
-    for (i, gear) in gear.into_iter().enumerate() {
-        let engaged = gear.is_engaged();
-        damping[3 + i] = if engaged {
-            motor_damping(robot, kind)
-        } else {
-            S::constant(0.0)
-        };
-    }
-    damping
-}
-
-/// Whether the operator depends on the length of the step.
-pub(crate) fn is_damped<S: Scalar>(robot: &Robot<S>, kind: CommandKind) -> bool {
-    robot.damped || kind == CommandKind::Voltage
-}
-
-/// Torque of each motor without what it loses with speed.
-pub(crate) fn motor_torque<S: Scalar>(
-    robot: &Robot<S>,
-    kind: CommandKind,
-    mean: Pair<S>,
-) -> Pair<S> {
-    match kind {
-        CommandKind::Torque => mean,
-        CommandKind::Voltage => {
-            let per_volt = robot.drive.torque_per_volt.unwrap_or(S::constant(0.0));
-            mean.map(|volts| volts * per_volt)
-        }
-        CommandKind::Speed => [S::constant(0.0); 2],
-    }
-}
-
-/// Length of the implicit part of a step of `over_s` for a velocity damped at `rate` (1/s).
+/// Length (s) of the implicit part of a step of `over_s` for a velocity damped at `rate` (1/s):
+/// half of the step (trapezoidal rule) where damping is slow against the step, more where it is
+/// fast, to stay stable.
 fn implicit_span<S: Scalar>(rate: S, over_s: f64) -> f64 {
     let z = rate.value() * over_s;
     let share = if z > 2.0 { 1.0 - 1.0 / z } else { 0.5 };

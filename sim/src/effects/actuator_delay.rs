@@ -1,4 +1,4 @@
-//! The actuator acts late.
+//! Actuator delay: a pure delay of the command.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for ActuatorDelay<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.delay_s = Some(self.delay_s);
+        parameters.actuator.direct = false;
+        parameters.actuator.delay_s = Some(self.delay_s);
     }
 }

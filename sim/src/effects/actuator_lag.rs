@@ -1,4 +1,4 @@
-//! The actuator follows its command gradually.
+//! Actuator lag: a first-order low-pass on the command.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for ActuatorLag<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.lag_s = Some(self.time_constant_s);
+        parameters.actuator.direct = false;
+        parameters.actuator.lag_s = Some(self.time_constant_s);
     }
 }

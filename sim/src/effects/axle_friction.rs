@@ -1,4 +1,4 @@
-//! Dry friction in the wheels' bearings.
+//! Axle friction: Coulomb friction in the wheels' bearings.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

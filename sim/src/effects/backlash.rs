@@ -1,4 +1,4 @@
-//! Play in the gears.
+//! Backlash: a dead zone between motor and wheel.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -43,6 +43,6 @@ impl<S: Scalar> Effect<S> for Backlash<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.gap_rad = Some(self.gap_rad);
+        parameters.actuator.gap_rad = Some(self.gap_rad);
     }
 }

@@ -1,4 +1,4 @@
-//! The caster rubs.
+//! Caster drag: Coulomb friction at the caster's contact.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

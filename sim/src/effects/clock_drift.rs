@@ -1,4 +1,4 @@
-//! One stream's clock runs fast or slow.
+//! Clock drift: the clock of one stream runs fast or slow.
 
 use super::{
     Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, When,
@@ -6,10 +6,10 @@ use super::{
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
-/// The streams that have a clock of their own.
+/// Streams with a clock of their own.
 const STREAMS: &[&str] = &["pose", "wheels", "imu"];
 
-/// See [`Effect::INFO`].
+/// The effect described by its [`Effect::INFO`].
 #[derive(Debug, Clone)]
 pub(super) struct ClockDrift<S> {
     rate: S,

@@ -1,14 +1,14 @@
-//! Small commands do nothing.
+//! Command dead band: small commands are ignored.
 
 use super::{
     Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, Variable,
     When,
 };
-use crate::parts::actuator::Limits;
+use crate::parts::actuator::CommandLimits;
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
+/// The effect described by its [`Effect::INFO`].
 #[derive(Debug, Clone)]
 pub(super) struct CommandDeadBand<S> {
     torque_nm: Option<S>,
@@ -46,7 +46,7 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
                 1e3,
                 &[0.004, 0.012, 0.03],
             )
-            .or(),
+            .as_alternative(),
             ParameterInfo::number(
                 Role::Size,
                 "speed_rad_s",
@@ -55,7 +55,7 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
                 1e4,
                 &[0.05, 0.2, 1.0],
             )
-            .or(),
+            .as_alternative(),
         ],
         repeats: false,
         kinematic: true,
@@ -69,7 +69,7 @@ impl<S: Scalar> Effect<S> for CommandDeadBand<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.dead_band = Limits {
+        parameters.actuator.dead_band = CommandLimits {
             torque_nm: self.torque_nm,
             speed_rad_s: self.speed_rad_s,
         };

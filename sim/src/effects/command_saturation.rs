@@ -1,14 +1,14 @@
-//! Large commands are cut.
+//! Command saturation: large commands are cut to a limit.
 
 use super::{
     Channel, Effect, FromValues, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Values, Variable,
     When,
 };
-use crate::parts::actuator::Limits;
+use crate::parts::actuator::CommandLimits;
 use crate::parts::parameters::RobotParameters;
 use crate::parts::scalar::Scalar;
 
-/// See [`Effect::INFO`].
+/// The effect described by its [`Effect::INFO`].
 #[derive(Debug, Clone)]
 pub(super) struct CommandSaturation<S> {
     torque_nm: Option<S>,
@@ -46,7 +46,7 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
                 1e3,
                 &[0.04, 0.07, 0.1],
             )
-            .or(),
+            .as_alternative(),
             ParameterInfo::number(
                 Role::Limit,
                 "speed_rad_s",
@@ -55,7 +55,7 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
                 1e4,
                 &[1.0, 5.0, 15.0],
             )
-            .or(),
+            .as_alternative(),
         ],
         repeats: false,
         kinematic: true,
@@ -69,7 +69,7 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.saturation = Limits {
+        parameters.actuator.saturation = CommandLimits {
             torque_nm: self.torque_nm,
             speed_rad_s: self.speed_rad_s,
         };

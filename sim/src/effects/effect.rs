@@ -1,10 +1,11 @@
-//! What an effect does: its parameters' values, and the methods by which it changes a robot.
+//! Interface of an effect: the values of its parameters, and the methods by which it changes a
+//! robot.
 
 use super::info::Info;
 use crate::parts::parameters::{Friction, RobotParameters};
 use crate::parts::scalar::{Pair, Scalar};
 
-/// The values of one effect's parameters, judged against [`Info::parameters`].
+/// Values of one effect's parameters, validated against [`Info::parameters`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values<S> {
     numbers: Vec<(&'static str, S)>,
@@ -16,7 +17,7 @@ impl<S: Scalar> Values<S> {
         Self { numbers, text }
     }
 
-    /// The same with other numbers: constants become numbers with derivatives.
+    /// The same parameters with numbers of another scalar type.
     pub(crate) fn map<T: Scalar>(&self, mut number: impl FnMut(&'static str, S) -> T) -> Values<T> {
         let numbers = self
             .numbers
@@ -28,7 +29,7 @@ impl<S: Scalar> Values<S> {
         }
     }
 
-    /// The value of a parameter, if it is there and a number.
+    /// The value of a numerical parameter, if it is given.
     pub fn get(&self, name: &str) -> Option<S> {
         self.numbers
             .iter()
@@ -36,18 +37,19 @@ impl<S: Scalar> Values<S> {
             .map(|&(_, value)| value)
     }
 
-    /// The value of a parameter that every instance has: [`crate::robot`] refuses one without.
+    /// The value of a parameter that is always given: [`crate::read_effects`] rejects effects
+    /// without it.
     pub(super) fn number(&self, name: &str) -> S {
         self.get(name).unwrap_or_else(|| S::constant(f64::NAN))
     }
 }
 
-/// The robot as the forces on its body see it.
+/// Motion of the robot, on which forces of effects may depend.
 #[derive(Debug, Clone, Copy)]
 pub struct Motion<S> {
     /// Time since the recording's start (s).
     pub t_s: f64,
-    /// Length of the time that the force is averaged over, from `t_s` on (s).
+    /// Length of the time from `t_s` over which the force is averaged (s).
     pub over_s: f64,
     /// Cosine and sine of the heading φ.
     pub heading: Pair<S>,
@@ -55,7 +57,7 @@ pub struct Motion<S> {
     pub velocity: Pair<S>,
 }
 
-/// Forces along and across the body (N) and moment about the vertical (N m), all at c.
+/// Force along and across the body (N) and moment about the vertical (N m), at c.
 #[derive(Debug, Clone, Copy)]
 pub struct Wrench<S> {
     /// Force along the body (N).
@@ -68,15 +70,15 @@ pub struct Wrench<S> {
 
 /// Construction of an effect from the values of its parameters.
 pub trait FromValues<S: Scalar>: Sized {
-    /// The effect with these parameters.
+    /// The effect with these parameter values.
     fn from_values(values: &Values<S>) -> Self;
 }
 
-/// Declares the struct of an effect whose parameters are all numbers that every instance has: a
-/// field for each, named as in `robot.toml`.
+/// Declares the struct of an effect whose parameters are all numbers and always given: one field
+/// for each, named as in `robot.toml`.
 macro_rules! numbers {
     ($name:ident { $($field:ident),* }) => {
-        /// See its `INFO`.
+        /// The effect described by its `INFO`.
         #[derive(Debug, Clone)]
         pub(super) struct $name<S> {
             $($field: S,)*
@@ -93,24 +95,24 @@ macro_rules! numbers {
 }
 pub(super) use numbers;
 
-/// One effect with its parameters. What a method does not override, the effect does not do.
+/// One effect with its parameters. It implements only the methods for what it changes.
 pub trait Effect<S: Scalar>: FromValues<S> {
-    /// What it is.
+    /// Its description.
     const INFO: Info;
 
-    /// Writes the effect into the numbers of the robot. Done once, before the run.
+    /// Changes the parameters of the robot; called once, before the run.
     fn apply(&self, _parameters: &mut RobotParameters<S>) {}
 
-    /// Adds a force on the body that depends on time, place or speed. Done in every step.
+    /// Adds a force on the body that depends on time, heading or velocity; called in every step.
     fn force(&self, _motion: &Motion<S>, _wrench: &mut Wrench<S>) {}
 
-    /// Whether [`Effect::force`] adds anything, ever.
+    /// Whether [`Effect::force`] ever adds a force.
     fn has_force(&self) -> bool {
         false
     }
 
-    /// How far `contact` (m, world frame) lies inside a place whose friction this effect replaces
-    /// (negative: outside), and that friction.
+    /// Depth (m) at which `contact` (m, world frame) lies inside the part of the floor whose
+    /// friction this effect replaces, negative outside, and that friction.
     fn floor(&self, _contact: Pair<S>) -> Option<(S, Friction<S>)> {
         None
     }

@@ -1,4 +1,4 @@
-//! The encoders count too much or too little.
+//! Encoder scale: the encoders count too much or too little.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

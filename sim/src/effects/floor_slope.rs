@@ -1,4 +1,4 @@
-//! The floor tilts.
+//! Floor slope: gravity has a component along the floor.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

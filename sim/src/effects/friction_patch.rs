@@ -1,4 +1,4 @@
-//! A slippery, or sticky, spot.
+//! Friction patch: a disc of floor with a friction of its own.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::Friction;
@@ -56,10 +56,10 @@ impl<S: Scalar> Effect<S> for FrictionPatch<S> {
 
     fn floor(&self, contact: Pair<S>) -> Option<(S, Friction<S>)> {
         let offset = [contact[0] - self.x_m, contact[1] - self.y_m];
-        let grip = Friction {
+        let friction = Friction {
             friction_static: self.friction,
             friction_kinetic: self.friction,
         };
-        Some((self.radius_m - length(offset), grip))
+        Some((self.radius_m - length(offset), friction))
     }
 }

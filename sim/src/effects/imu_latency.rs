@@ -1,4 +1,4 @@
-//! The inertial sensor is stamped late.
+//! IMU latency: time stamps of the inertial sensor are late.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

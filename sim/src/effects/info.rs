@@ -1,32 +1,33 @@
-//! What an effect is: identity, equation, parameters, where it acts and where it shows.
+//! Description of an effect: id, equation, parameters, where it acts and where it is observed.
 
 use super::observability::{Manoeuvre, Variable, When};
 
-/// Where in the flow from command to recording an effect acts.
+/// Part of the model that an effect changes, in the order from command to recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelSite {
-    /// Before the motor: on what the actuators are told.
+    /// The command, before the motor.
     Command,
-    /// Between motor and wheel.
+    /// The drive train, between motor and wheel.
     DriveTrain,
-    /// Where wheels or caster touch the floor.
+    /// The contacts of wheels and caster with the floor.
     Contact,
-    /// On the body.
+    /// The body.
     Body,
-    /// Between the robot and a recorded stream.
+    /// A sensor, between the robot and a recorded stream.
     Sensor,
-    /// Between two robots.
+    /// A link between two robots.
     Link,
 }
 
-/// Where an effect shows (`where.channel` of a diagnosis).
+/// Direction of motion, or recorded stream, in which an effect is observed (`where.channel` of a
+/// diagnosis).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
-    /// Along the body.
+    /// Motion along the body.
     Longitudinal,
-    /// Across the body.
+    /// Motion across the body.
     Lateral,
-    /// About the vertical.
+    /// Rotation about the vertical.
     Yaw,
     /// Rotation of the right wheel.
     WheelRight,
@@ -59,23 +60,23 @@ impl Channel {
     }
 }
 
-/// What kind of value a parameter takes.
+/// Set of values that a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Domain {
     /// A number in [`lower`, `upper`].
     Number {
-        /// Smallest value that is physical.
+        /// Smallest physical value.
         lower: f64,
-        /// Largest value that is plausible.
+        /// Largest plausible value.
         upper: f64,
-        /// Values, spread over what robots show, at which a search looks for the effect.
+        /// Values spread over what robots show, from which a search for the effect starts.
         probes: &'static [f64],
     },
     /// One of these words.
     Text(&'static [&'static str]),
 }
 
-/// What a parameter is, which says how a search treats it.
+/// Meaning of a parameter, which determines how a search treats it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Role {
     /// Strength of the effect; at zero the effect is absent.
@@ -86,11 +87,11 @@ pub enum Role {
     Limit,
     /// Mass that is added to the robot.
     Mass,
-    /// Instant on the recording's time axis.
+    /// Time on the recording's time axis.
     Time,
-    /// Coordinate of a place, on the floor or on the robot.
+    /// Coordinate of a point on the floor or on the robot.
     Position,
-    /// Extent of a place.
+    /// Radius of a part of the floor.
     Radius,
     /// Angle that wraps at a full turn.
     Direction,
@@ -118,15 +119,15 @@ impl Role {
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterInfo {
-    /// What it is.
+    /// Its meaning.
     pub role: Role,
-    /// The key in `robot.toml`; its end is the unit.
+    /// Its key in `robot.toml`, which ends with the unit if it has one.
     pub name: &'static str,
-    /// The unit, "1" for a plain number.
+    /// Its unit; "1" for a plain number.
     pub unit: &'static str,
-    /// What it may be.
+    /// The values it may take.
     pub domain: Domain,
-    /// Exactly one of an effect's alternatives is given.
+    /// Whether it is one of several alternatives, of which a model gives exactly one.
     pub alternative: bool,
 }
 
@@ -163,7 +164,8 @@ impl ParameterInfo {
         }
     }
 
-    pub(super) const fn or(self) -> Self {
+    /// The same parameter as one of several alternatives.
+    pub(super) const fn as_alternative(self) -> Self {
         Self {
             alternative: true,
             ..self
@@ -171,39 +173,39 @@ impl ParameterInfo {
     }
 }
 
-/// What an effect is.
+/// Description of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Info {
-    /// Identity in the vocabulary.
+    /// Its id: the key in `robot.toml` and in all answers.
     pub id: &'static str,
-    /// What it is, in a line.
+    /// What it is, in one line.
     pub summary: &'static str,
     /// Its equation, in the paper's symbols.
     pub equation: &'static str,
-    /// Where the equation comes from.
+    /// Source of the equation.
     pub source: &'static str,
-    /// Where it acts.
+    /// Part of the model that it changes.
     pub site: ModelSite,
-    /// Where it shows.
+    /// Channels in which it is observed.
     pub channels: &'static [Channel],
     /// Its parameters.
     pub parameters: &'static [ParameterInfo],
-    /// It may occur more than once.
+    /// Whether a model may list it more than once.
     pub repeats: bool,
-    /// A model without masses can express it.
+    /// Whether a kinematic model, without masses, can include it.
     pub kinematic: bool,
-    /// When it acts.
+    /// When it acts, for a search.
     pub acts: When,
-    /// The same for a person, without its numbers.
+    /// When it acts, for people, without numbers.
     pub condition: &'static str,
-    /// Where its force or moment tells most of it, and over what.
+    /// Channels in which it appears as a force or moment that is a function of a variable.
     pub follows: &'static [(Channel, Variable)],
-    /// What shows it best.
+    /// The manoeuvre that shows it best.
     pub manoeuvre: Manoeuvre,
 }
 
 impl Info {
-    /// The parameter of this name.
+    /// The parameter with this name, if there is one.
     pub fn parameter(&self, name: &str) -> Option<&'static ParameterInfo> {
         self.parameters.iter().find(|known| known.name == name)
     }

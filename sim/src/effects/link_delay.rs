@@ -1,4 +1,4 @@
-//! Messages tell the past.
+//! Link delay: the content of messages is older than their stamps say.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

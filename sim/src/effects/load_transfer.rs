@@ -1,4 +1,4 @@
-//! Accelerating presses the driven wheels down.
+//! Load transfer: longitudinal acceleration shifts load between caster and driven wheels.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,7 +1,8 @@
-//! The vocabulary of effects: physics that a model may have or leave out.
+//! Catalogue of effects: physics that a robot model may include or leave out.
 //!
-//! One file each, one line each in the list below. A new effect is a new file and a new line; plant,
-//! `robot.toml`, diagnosis, trial, report and `slipstream effects` then know it.
+//! Each effect is one file here and one line in the list below; plant, `robot.toml`, diagnosis,
+//! trials, report and `slipstream effects` get it from the catalogue. Texts of [`Info`] and
+//! [`Manoeuvre::words`] appear in answers of the commands byte for byte.
 
 mod effect;
 mod info;
@@ -19,21 +20,21 @@ macro_rules! catalogue {
     ($($module:ident :: $name:ident),* $(,)?) => {
         $(mod $module;)*
 
-        /// All effects, in the order in which the command's part of them acts.
+        /// All effects. Those that act on the command are in the order in which they act.
         pub const CATALOGUE: &[Info] = &[$(<$module::$name<f64> as Effect<f64>>::INFO),*];
 
         /// The effects of one robot.
         #[derive(Debug, Clone)]
         pub(crate) struct Effects<S> {
             $($module: Vec<$module::$name<S>>,)*
-            /// Some effect adds a force in every step.
+            /// Whether any effect adds a force.
             pub(crate) has_force: bool,
-            /// Some effect replaces the friction of a place.
+            /// Whether any effect replaces the friction of a part of the floor.
             pub(crate) has_floor: bool,
         }
 
         impl<S: Scalar> Effects<S> {
-            /// The effects named in `list`, all of them in the catalogue.
+            /// The effects of `list`, with their parameters.
             pub(crate) fn new(list: &[(&'static Info, Values<S>)]) -> Self {
                 let mut effects = Self {
                     $($module: Vec::new(),)*
@@ -52,19 +53,22 @@ macro_rules! catalogue {
                 effects
             }
 
+            /// Changes the parameters of the robot, effect by effect.
             pub(crate) fn apply(&self, parameters: &mut RobotParameters<S>) {
                 $(for effect in &self.$module { effect.apply(parameters); })*
             }
 
+            /// Adds the forces of all effects.
             pub(crate) fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
                 $(for effect in &self.$module { effect.force(motion, wrench); })*
             }
 
-            /// Calls `visit` for each place whose friction some effect replaces.
+            /// Calls `visit` for each part of the floor whose friction an effect replaces, with the
+            /// depth (m) at which `contact` lies inside it and its friction.
             pub(crate) fn floors(&self, contact: Pair<S>, mut visit: impl FnMut(S, Friction<S>)) {
                 $(for effect in &self.$module {
-                    if let Some((inside, grip)) = effect.floor(contact) {
-                        visit(inside, grip);
+                    if let Some((depth, friction)) = effect.floor(contact) {
+                        visit(depth, friction);
                     }
                 })*
             }
@@ -104,7 +108,7 @@ catalogue! {
     link_delay::LinkDelay,
 }
 
-/// The effect of this name.
+/// The effect with this id, if there is one.
 pub fn find(id: &str) -> Option<&'static Info> {
     CATALOGUE.iter().find(|info| info.id == id)
 }

@@ -1,4 +1,4 @@
-//! The motors are not as strong as told.
+//! Motor gain: the motors are stronger or weaker than nominal.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -51,7 +51,7 @@ impl<S: Scalar> Effect<S> for MotorGain<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.gain = [self.right, self.left];
+        parameters.actuator.direct = false;
+        parameters.actuator.gain = [self.right, self.left];
     }
 }

@@ -1,69 +1,70 @@
-//! How an effect shows in a recording: what a search for it has to heed, and what shows it best.
+//! Observability of an effect in a recording: when and as a function of what it acts, and the
+//! manoeuvre that shows it best.
 
-/// When an effect acts.
+/// When an effect acts, which determines how a search may treat its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum When {
-    /// At all times, and little by little more with its numbers.
+    /// At all times, smoothly in its parameters.
     Always,
-    /// While a wheel slides: a friction that is far off says nothing of which way the true one lies.
+    /// While a wheel slides: far from the true friction the gradient does not point towards it.
     Sliding,
-    /// On one piece of floor, whose friction it replaces.
+    /// While a wheel is on one part of the floor, whose friction it replaces.
     Inside,
-    /// Once, for a moment.
+    /// Once, for a short time.
     Once,
-    /// On commands below a threshold; of commands there are only so many, so that nothing has a
-    /// derivative.
+    /// On commands below a threshold: a recording has finitely many commands, so that the threshold
+    /// has no derivative.
     Below,
-    /// On commands above a limit: the less, the larger that is, and nothing from some size on.
+    /// On commands above a limit: a limit above all commands has no effect.
     Above,
-    /// While gears are apart.
+    /// While the gears are open.
     Apart,
 }
 
-/// What the force or the moment of an effect follows.
+/// Variable of which the force or moment of an effect is a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
     /// Speed along the body, v.
     Speed,
-    /// Turn rate, w.
+    /// Yaw rate, w.
     TurnRate,
     /// Heading, φ.
     Heading,
-    /// What the wheels are told.
+    /// Command at the wheels.
     Command,
 }
 
 /// A manoeuvre whose recording shows an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Manoeuvre {
-    /// What slows the body down.
+    /// For forces that slow the body down.
     CoastDown,
-    /// What sits between motor and wheel.
+    /// For the drive train between motor and wheel.
     LiftedWheels,
-    /// What masses and torques do.
+    /// For masses and torques, of which motion shows only the ratio.
     AddedMass,
-    /// What changes over minutes.
+    /// For changes over minutes.
     SameAgain,
-    /// What becomes of small, large and changing commands.
+    /// For the response to small, large and changing commands.
     Steps,
-    /// What turning shows.
+    /// For resistance and geometry in turns.
     SpinInPlace,
-    /// What weight does on a slope.
+    /// For gravity on a slope.
     Ramp,
-    /// What a turn of a wheel means.
+    /// For wheel radii and encoder scales.
     HandTurned,
-    /// What friction holds.
+    /// For friction of the driven wheels.
     UntilItSlips,
-    /// What the clocks say.
+    /// For latencies and clocks.
     SharpStarts,
-    /// What a message's way takes.
+    /// For delays of messages.
     Follow,
-    /// What came from outside.
+    /// For forces from outside.
     NobodyNear,
 }
 
 impl Manoeuvre {
-    /// How to do it.
+    /// Instruction for carrying it out, as it appears in answers.
     pub fn words(self) -> &'static str {
         match self {
             Self::CoastDown => {

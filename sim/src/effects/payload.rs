@@ -1,4 +1,4 @@
-//! Something lies on the robot.
+//! Payload: an additional point mass on the robot.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

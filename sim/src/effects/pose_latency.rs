@@ -1,4 +1,4 @@
-//! The camera is stamped late.
+//! Pose latency: time stamps of the camera or motion capture are late.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

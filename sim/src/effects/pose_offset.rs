@@ -1,4 +1,4 @@
-//! The camera tracks another point.
+//! Pose offset: the camera or motion capture tracks another point or heading than declared.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

@@ -1,11 +1,11 @@
-//! Somebody pushes.
+//! Push: a short external force on the body.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, When, Wrench, numbers,
 };
 use crate::parts::scalar::{Scalar, larger};
 
-/// How long a push lasts (s).
+/// Duration of a push (s).
 const DURATION_S: f64 = 0.06;
 
 numbers!(Push {

@@ -1,4 +1,4 @@
-//! A force in proportion to the square of speed.
+//! Quadratic drag: a force in proportion to the square of speed.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, Motion, ParameterInfo, Role, Variable, When,

@@ -1,4 +1,4 @@
-//! A force of constant size against the motion.
+//! Rolling resistance: a force of constant size against the motion.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! The battery runs down.
+//! Supply sag: drive strength falls as the battery runs down.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -41,7 +41,7 @@ impl<S: Scalar> Effect<S> for SupplySag<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.direct = false;
-        parameters.drive.sag_per_s = self.rate_per_s;
+        parameters.actuator.direct = false;
+        parameters.actuator.sag_per_s = self.rate_per_s;
     }
 }

@@ -1,4 +1,4 @@
-//! The motor weakens with speed.
+//! Torque-speed droop: drive torque falls with wheel speed (back-EMF, viscous bearings).
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -41,6 +41,6 @@ impl<S: Scalar> Effect<S> for TorqueSpeedDroop<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.drive.droop += self.coefficient;
+        parameters.actuator.droop += self.coefficient;
     }
 }

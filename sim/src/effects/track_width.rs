@@ -1,4 +1,4 @@
-//! The wheels roll as if further apart, or closer, than told.
+//! Track width: the effective distance between the wheels differs from nominal.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! A force in proportion to speed.
+//! Viscous drag: a force in proportion to speed.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! The wheels are larger or smaller than told.
+//! Wheel radius: the wheels are larger or smaller than nominal.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,4 +1,4 @@
-//! Traction at the driven wheels ends at Coulomb friction.
+//! Wheel slip: traction at the driven wheels is limited by Coulomb friction.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,
@@ -42,7 +42,7 @@ impl<S: Scalar> Effect<S> for WheelSlip<S> {
     };
 
     fn apply(&self, parameters: &mut RobotParameters<S>) {
-        parameters.grip = Some(Friction {
+        parameters.wheel_friction = Some(Friction {
             friction_static: self.friction_static,
             friction_kinetic: self.friction_kinetic,
         });

@@ -1,4 +1,4 @@
-//! The encoders are stamped late.
+//! Wheels latency: time stamps of the encoders are late.
 
 use super::{Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When, numbers};
 use crate::parts::parameters::RobotParameters;

@@ -1,4 +1,4 @@
-//! A moment of constant size against turning.
+//! Yaw scrub: a moment of constant size against turning.
 
 use super::{
     Channel, Effect, Info, Manoeuvre, ModelSite, ParameterInfo, Role, Variable, When, numbers,

@@ -1,53 +1,55 @@
-//! Outcome of a trial step: the mode holds, or an event ends it.
+//! Outcome of a trial step: accepted, ended by an event, or to be repeated.
 
-use crate::parts::friction_elements::ElementSet;
+use crate::parts::friction_constraints::ConstraintSet;
 use crate::parts::scalar::{Scalar, Vector};
 
-/// What became of the set of held elements in a step.
+/// Whether the mode holds throughout a trial step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum StepOutcome<S> {
-    /// It holds from start to end.
-    Steady,
-    /// These elements do not hold at the start.
-    Broken(ElementSet),
-    /// It ceases to hold inside the step.
+    /// The mode holds from start to end.
+    Accepted,
+    /// These sticking constraints exceed their friction limit at the start already.
+    LimitExceeded(ConstraintSet),
+    /// The mode ends inside the step.
     Event(Event<S>),
-    /// It may hold, but the step is too long to say, until it is halved so often.
-    Coarse(u32),
+    /// The step is too long to be accurate; it has to be bisected this many times.
+    TooLong(u32),
 }
 
-/// What happens inside a step.
+/// The end of a mode: a margin that crosses zero inside a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Event<S> {
-    /// What is above zero before and below zero after it, at the step's start and end.
+    /// The margin at the step's start and end: positive before the event, negative after it.
     pub(crate) margins: [S; 2],
-    /// ElementSet that come to rest.
-    pub(crate) stopped: ElementSet,
-    /// ElementSet that break away.
-    pub(crate) broken: ElementSet,
-    /// Acceleration until then.
+    /// Sliding constraints that come to rest.
+    pub(crate) stopped: ConstraintSet,
+    /// Sticking constraints that break away.
+    pub(crate) broken_away: ConstraintSet,
+    /// Acceleration before the event.
     pub(crate) before: Vector<S>,
 }
 
 impl<S: Scalar> Event<S> {
-    pub(crate) fn new(before: S, after: S) -> Self {
-        let none = ElementSet::default();
+    /// An event whose margin is `start` at the step's start and `end` at its end.
+    pub(crate) fn new(start: S, end: S) -> Self {
+        let none = ConstraintSet::default();
         Self {
-            margins: [before, after],
+            margins: [start, end],
             stopped: none,
-            broken: none,
+            broken_away: none,
             before: Vector::zeros(),
         }
     }
 
-    /// How much later the event is where a parameter moves it (s): zero, with derivatives. The
-    /// forces before it act that much longer and those after it shorter.
-    pub(crate) fn shift(&self, over_s: f64) -> S {
-        let [before, after] = self.margins;
-        let rate = (after.value() - before.value()) / over_s;
+    /// Shift δt of the event's time (s) with the parameters that carry derivatives: its value is
+    /// zero, its derivatives are those of the event time (implicit function theorem), for an event
+    /// located in a step of `over_s`.
+    pub(crate) fn time_shift(&self, over_s: f64) -> S {
+        let [start, end] = self.margins;
+        let rate = (end.value() - start.value()) / over_s;
         if rate == 0.0 {
             return S::constant(0.0);
         }
-        (after - S::constant(after.value())) / -rate
+        (end - S::constant(end.value())) / -rate
     }
 }

@@ -1,99 +1,73 @@
-//! What changes while a robot drives.
-
-use std::collections::VecDeque;
+//! State of one robot: everything that changes while it drives.
 
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::inertia::constrained_dynamics;
 use crate::integrate::fast::FastPath;
 use crate::parts::command::CommandKind;
-use crate::parts::friction_elements::{ELEMENTS, Element, ElementSet};
+use crate::parts::command_history::CommandHistory;
+use crate::parts::friction_constraints::{ConstraintSet, FRICTION_CONSTRAINTS, FrictionConstraint};
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::robot::Robot;
-use crate::robot::body::{Body, Contact, DynamicsKey, Gear, Mode, can_slide};
+use crate::robot::body::{Body, ContactForces};
+use crate::robot::mode::{DynamicsKey, Gear, Mode, frictional_constraints};
 
-/// Commands that a delay line holds before it has to allocate.
-const HISTORY: usize = 1024;
-
-/// One robot's state. Its constants are in [`Robot`].
+/// One robot's state. Its constants are in [`Robot`], which starts and steps it.
 #[derive(Debug, Clone)]
 pub struct State<S = f64> {
     pub(crate) body: Body<S>,
     pub(crate) mode: Mode<S>,
-    pub(crate) operator: ConstrainedDynamics<S>,
-    /// What the operator was made for.
+    /// Constrained dynamics of the current mode.
+    pub(crate) dynamics: ConstrainedDynamics<S>,
+    /// What `dynamics` were computed for.
     pub(crate) dynamics_key: DynamicsKey,
-    /// The short way through a step, where the mode allows it.
-    pub(crate) short: Option<FastPath<S>>,
-    /// The force under which all of redundantly held elements were last found to hold.
+    /// The fast path through a step, if the mode has one.
+    pub(crate) fast_path: Option<FastPath<S>>,
+    /// The applied force for which a redundant active set was last solved.
     pub(crate) redundant_force: Option<Vector<f64>>,
-    /// Past commands, oldest first: from when (s) and what. Empty without a delay.
-    pub(crate) history: VecDeque<(f64, Pair<S>)>,
-    /// Forces from outside, beside those of the effects.
-    pub(crate) load: Option<Vector<S>>,
+    /// Past commands; empty without a delay.
+    pub(crate) history: CommandHistory<S>,
+    /// Force from outside, besides those of effects.
+    pub(crate) external_force: Option<Vector<S>>,
 }
 
 impl<S: Scalar> Robot<S> {
-    /// Velocities at which the right and the left contact slide along the wheel, and both across
-    /// it (m/s).
-    pub fn slip_m_s(&self, state: &State<S>) -> [S; 3] {
-        self.slip(&state.body.nu)
-    }
-
-    /// The robot at rest with c at `pose` = [x (m), y (m), φ (rad)].
+    /// The robot at rest at `pose`: x and y of c (m) and heading φ (rad), world frame.
     pub fn start(&self, pose: [S; 3]) -> State<S> {
-        let zero = S::constant(0.0);
-        let gear = if self.drive.gap_rad.is_some() {
+        let gear = if self.actuator.gap_rad.is_some() {
             Gear::Free
         } else {
             Gear::Rigid
         };
         let kind = CommandKind::Torque;
-        let grip = [self.grip; 2];
-        let loose = can_slide(self, kind, grip);
+        let wheel_friction = [self.wheel_friction; 2];
+        let frictional = frictional_constraints(self, kind, wheel_friction);
         let mode = Mode {
             kind,
-            held: loose.either(ElementSet::WHEELS),
-            loose,
-            direction: [[zero; 2]; ELEMENTS],
-            grip,
+            active: frictional.union(ConstraintSet::WHEELS),
+            frictional,
+            direction: [[S::constant(0.0); 2]; FRICTION_CONSTRAINTS],
+            wheel_friction,
             gear: [gear; 2],
         };
-        let contact = Contact {
-            normal_n: [zero; 2],
-            along_n: [zero; 2],
-            across_n: zero,
-        };
-        let body = Body {
-            pose,
-            nu: Vector::from([zero; 5]),
-            angle: [zero; 2],
-            motor_angle: [zero; 2],
-            motor_speed: [zero; 2],
-            lagged: [zero; 2],
-            acceleration: Vector::from([zero; 5]),
-            torque: [zero; 2],
-            contact,
-        };
-        let dynamics_key = DynamicsKey {
-            held: mode.held,
-            gear: mode.gear,
-            kind,
-            over_s: 0.0,
-        };
-        let operator = constrained_dynamics(self, &dynamics_key);
-        let delayed = self.drive.delay_s.is_some();
-        let history = VecDeque::with_capacity(if delayed { HISTORY } else { 0 });
-        let short = FastPath::new(self, &mode, &operator);
+        let dynamics_key = mode.dynamics_key(mode.active, 0.0);
+        let dynamics = constrained_dynamics(self, &dynamics_key);
+        let fast_path = FastPath::new(self, &mode, &dynamics);
         State {
-            body,
+            body: Body::at_rest(pose),
             mode,
-            operator,
+            dynamics,
             dynamics_key,
-            short,
+            fast_path,
             redundant_force: None,
-            history,
-            load: None,
+            history: CommandHistory::new(self.actuator.delay_s.is_some()),
+            external_force: None,
         }
+    }
+
+    /// Slip velocities of the driven wheels' contacts (m/s): longitudinal right and left, ρ̇ − r
+    /// θ̇, and the lateral one of both, η̇ (Eq. 2).
+    pub fn slip_m_s(&self, state: &State<S>) -> [S; 3] {
+        self.wheel_slip(&state.body.nu)
     }
 }
 
@@ -108,42 +82,42 @@ impl<S: Scalar> State<S> {
         [self.body.nu[0], self.body.nu[1], self.body.nu[2]]
     }
 
-    /// Wheel angles, right and left (rad).
+    /// Wheel angles θ, right and left (rad).
     pub fn wheel_angle(&self) -> Pair<S> {
         self.body.angle
     }
 
-    /// Wheel speeds, right and left (rad/s).
+    /// Wheel speeds θ̇, right and left (rad/s).
     pub fn wheel_speed(&self) -> Pair<S> {
         [self.body.nu[3], self.body.nu[4]]
     }
 
-    /// Mean torque at each wheel in the last step (N m).
+    /// Mean torque at each wheel over the last step, right and left (N m).
     pub fn applied_torque(&self) -> Pair<S> {
         self.body.torque
     }
 
-    /// Acceleration of c, along and across the body, in the frame of the floor (m/s²), and yaw
+    /// Acceleration of c relative to the floor, resolved along and across the body (m/s²), and yaw
     /// acceleration (rad/s²), at the end of the last step.
     pub fn acceleration(&self) -> [S; 3] {
         let (a, nu) = (&self.body.acceleration, &self.body.nu);
         [a[0] - nu[1] * nu[2], a[1] + nu[0] * nu[2], a[2]]
     }
 
-    /// Forces between floor and driven wheels at the end of the last step.
-    pub fn contact(&self) -> Contact<S> {
+    /// Forces between the floor and the driven wheels at the end of the last step.
+    pub fn contact_forces(&self) -> ContactForces<S> {
         self.body.contact
     }
 
-    /// Lets an outside force act in all steps to come: along and across the body (N) and about the
-    /// vertical (N m), all at c, and torques at the right and the left wheel (N m). For asking what
-    /// force is missing; `None` ends it.
-    pub fn set_external_force(&mut self, load: Option<[S; 5]>) {
-        self.load = load.map(Vector::from);
+    /// Whether each of the driven wheels slides, right and left.
+    pub fn slides(&self) -> [bool; 2] {
+        FrictionConstraint::WHEELS.map(|wheel| self.mode.slides(wheel))
     }
 
-    /// Which of the driven wheels slide, right and left.
-    pub fn slides(&self) -> [bool; 2] {
-        Element::WHEELS.map(|wheel| self.mode.slides(wheel))
+    /// Sets a constant external force for all steps to come; `None` removes it. The five entries
+    /// are forces along and across the body (N) and the moment about the vertical (N m), all at c,
+    /// and torques at the right and the left wheel (N m). Used to probe which force a model lacks.
+    pub fn set_external_force(&mut self, force: Option<[S; 5]>) {
+        self.external_force = force.map(Vector::from);
     }
 }

@@ -1,49 +1,49 @@
-//! Actuator chain, from the command to the motor: delay, dead band, saturation, lag, gain and sag.
+//! Actuator chain from command to motor: delay, dead band, saturation, first-order lag, gain and
+//! supply sag, in this order, integrated exactly over a step.
 
-use std::collections::VecDeque;
-
-use slipstream_bus::RobotModel;
+use slipstream_bus::{Motor, RobotModel};
 
 use super::command::CommandKind;
+use super::command_history::CommandHistory;
 use super::scalar::{Pair, Scalar, clamp};
 
-/// What stands between the command and the wheels.
+/// Parameters of the chain between the command and the wheels. Pairs are [right, left].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Actuator<S> {
-    /// Age of the command that acts (s).
+    /// Delay of the command (s); `None` without.
     pub delay_s: Option<S>,
-    /// Size below which a torque (N m), or speed (rad/s), does nothing.
-    pub dead_band: Limits<S>,
-    /// Size above which a torque or speed is cut.
-    pub saturation: Limits<S>,
-    /// Time constant of a first-order lag (s).
+    /// Commands smaller than this are ignored.
+    pub dead_band: CommandLimits<S>,
+    /// Commands larger than this are cut to it.
+    pub saturation: CommandLimits<S>,
+    /// Time constant of a first-order lag (s); `None` without.
     pub lag_s: Option<S>,
-    /// Factor on the right and the left wheel.
+    /// Factor on the command of each wheel (1).
     pub gain: Pair<S>,
-    /// Loss of drive strength in proportion to time (1/s).
+    /// Relative loss of drive strength per second (1/s).
     pub sag_per_s: S,
-    /// Torque that a volt gives at standstill (N m/V), where the motor is known.
+    /// Stall torque per volt (N m/V); `None` where the model has no motor.
     pub torque_per_volt: Option<S>,
-    /// Torque lost in proportion to wheel speed under a voltage command (N m s/rad).
+    /// Torque lost per wheel speed under a voltage command (N m s/rad).
     pub back_emf: S,
-    /// Torque lost in proportion to wheel speed under any command (N m s/rad).
+    /// Torque lost per wheel speed under any command (N m s/rad).
     pub droop: S,
-    /// Play between motor and wheel (rad).
+    /// Backlash between motor and wheel (rad); `None` without.
     pub gap_rad: Option<S>,
-    /// No delay, no lag, no gain and no sag.
+    /// Dead band and saturation are all that acts on the command: no delay, lag, gain or sag.
     pub direct: bool,
 }
 
-/// A limit for each kind of command that can have one.
+/// A limit in the unit of each kind of command that can have one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits<S> {
+pub struct CommandLimits<S> {
     /// Limit of a torque (N m).
     pub torque_nm: Option<S>,
     /// Limit of a wheel speed (rad/s).
     pub speed_rad_s: Option<S>,
 }
 
-/// The commanded quantity after everything before the motor, over one span of time.
+/// Output of the actuator chain over one span of time, in the unit of the command.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ActuatorOutput<S> {
     /// At the span's start.
@@ -52,13 +52,13 @@ pub(crate) struct ActuatorOutput<S> {
     pub(crate) mean: Pair<S>,
     /// At the span's end.
     pub(crate) end: Pair<S>,
-    /// Output of the lag at the span's end.
+    /// State of the lag at the span's end.
     pub(crate) lagged: Pair<S>,
 }
 
 impl<S: Scalar> ActuatorOutput<S> {
-    /// No command, now and always.
-    pub(crate) fn none() -> Self {
+    /// Zero throughout.
+    pub(crate) fn zero() -> Self {
         let zero = [S::constant(0.0); 2];
         Self {
             start: zero,
@@ -70,14 +70,15 @@ impl<S: Scalar> ActuatorOutput<S> {
 }
 
 impl<S: Scalar> Actuator<S> {
-    pub(crate) fn direct(model: &RobotModel) -> Self {
-        let none = Limits {
+    /// The motor of `model` without any effect on the command.
+    pub(crate) fn ideal(model: &RobotModel) -> Self {
+        let none = CommandLimits {
             torque_nm: None,
             speed_rad_s: None,
         };
         let zero = S::constant(0.0);
-        let per_volt = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.nominal_voltage_v;
-        let per_speed = |m: &slipstream_bus::Motor| m.stall_torque_nm / m.no_load_speed_rad_s;
+        let per_volt = |m: &Motor| m.stall_torque_nm / m.nominal_voltage_v;
+        let per_speed = |m: &Motor| m.stall_torque_nm / m.no_load_speed_rad_s;
         Self {
             delay_s: None,
             dead_band: none,
@@ -93,98 +94,76 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 
-    /// Whether a torque reaches the motors as it is told.
-    pub(crate) fn is_direct(&self) -> bool {
+    /// Whether a commanded torque reaches the motors unchanged.
+    pub(crate) fn passes_torque(&self) -> bool {
         let limited = self.dead_band.torque_nm.is_some() || self.saturation.torque_nm.is_some();
         self.direct && !limited
     }
 
-    /// What reaches the motors over `span` = [from (s), length (s)] if no delayed command changes
-    /// inside it. `command` holds from before `span` to its end; `history` matters with a delay.
+    /// Output over `span` = [start (s), length (s)] under a `command` that is given throughout, if
+    /// no delayed command changes in the span's interior. `history` matters only with a delay.
     #[inline]
-    pub(crate) fn supply(
+    pub(crate) fn output(
         &self,
         kind: CommandKind,
         command: Pair<S>,
-        history: &VecDeque<(f64, Pair<S>)>,
+        history: &CommandHistory<S>,
         lagged: Pair<S>,
         span: Pair<f64>,
     ) -> ActuatorOutput<S> {
-        let told = match self.delay_s {
-            None => [self.shaped(kind, command[0]), self.shaped(kind, command[1])],
-            Some(delay_s) => self.delayed(kind, delay_s, history, span),
+        let limited = match self.delay_s {
+            None => [
+                self.limited(kind, command[0]),
+                self.limited(kind, command[1]),
+            ],
+            Some(delay_s) => history.delayed(delay_s, span, |u| self.limited(kind, u)),
         };
         if self.direct {
             return ActuatorOutput {
-                start: told,
-                mean: told,
-                end: told,
-                lagged: told,
+                start: limited,
+                mean: limited,
+                end: limited,
+                lagged: limited,
             };
         }
         let [t_s, over_s] = span;
         let (start, mean, end) = match self.lag_s {
-            None => (told, told, told),
+            None => (limited, limited, limited),
             Some(lag_s) => {
+                // share of the initial difference that is left at the end, and on average
                 let left = (-lag_s.recip() * over_s).exp();
-                let share = (-left + 1.0) * lag_s / over_s;
-                let part = |k: S| [0, 1].map(|i| told[i] + (lagged[i] - told[i]) * k);
-                (lagged, part(share), part(left))
+                let average = (-left + 1.0) * lag_s / over_s;
+                let part = |k: S| [0, 1].map(|i| limited[i] + (lagged[i] - limited[i]) * k);
+                (lagged, part(average), part(left))
             }
         };
-        let strength = |at_s: f64, y: Pair<S>| {
+        let amplified = |at_s: f64, y: Pair<S>| {
             let sag = -self.sag_per_s * at_s + 1.0;
             [y[0] * self.gain[0] * sag, y[1] * self.gain[1] * sag]
         };
         ActuatorOutput {
-            start: strength(t_s, start),
-            mean: strength(t_s + over_s / 2.0, mean),
-            end: strength(t_s + over_s, end),
+            start: amplified(t_s, start),
+            mean: amplified(t_s + over_s / 2.0, mean),
+            end: amplified(t_s + over_s, end),
             lagged: end,
         }
     }
 
-    /// The command of `delay_s` ago. A change at the span's very end weighs nothing, but how much
-    /// it would weigh if the delay were shorter is what its derivative tells.
-    fn delayed(
-        &self,
-        kind: CommandKind,
-        delay_s: S,
-        history: &VecDeque<(f64, Pair<S>)>,
-        span: Pair<f64>,
-    ) -> Pair<S> {
-        let [t_s, over_s] = span;
-        let mut told = [S::constant(0.0); 2];
-        for &(since_s, command) in history {
-            let acts_s = delay_s + since_s;
-            let shaped = command.map(|u| self.shaped(kind, u));
-            if acts_s.value() <= t_s + SIMULTANEOUS_S {
-                told = shaped;
-            } else if acts_s.value() <= t_s + over_s + SIMULTANEOUS_S {
-                let share = (-acts_s + t_s + over_s) / over_s;
-                told = [0, 1].map(|i| told[i] + (shaped[i] - told[i]) * share);
-            }
+    /// Stores the command given from `t_s` on, if commands are delayed.
+    pub(crate) fn store(&self, history: &mut CommandHistory<S>, t_s: f64, command: Pair<S>) {
+        if let Some(delay_s) = self.delay_s {
+            history.store(delay_s, t_s, command);
         }
-        told
     }
 
-    /// The first instant inside `span` at which a delayed command begins to act.
-    pub(crate) fn next_change(
-        &self,
-        history: &VecDeque<(f64, Pair<S>)>,
-        span: Pair<f64>,
-    ) -> Option<f64> {
-        let delay_s = self.delay_s?.value();
-        let [from, to] = [span[0] + SIMULTANEOUS_S, span[0] + span[1] - SIMULTANEOUS_S];
-        history
-            .iter()
-            .map(|(since_s, _)| since_s + delay_s)
-            .find(|at| (from..to).contains(at))
+    /// The first instant (s) in the interior of `span` at which a delayed command begins to act.
+    pub(crate) fn next_change(&self, history: &CommandHistory<S>, span: Pair<f64>) -> Option<f64> {
+        history.next_change(self.delay_s?, span)
     }
 
-    /// Dead band and saturation.
+    /// Applies dead band and saturation.
     #[inline]
-    fn shaped(&self, kind: CommandKind, u: S) -> S {
+    fn limited(&self, kind: CommandKind, u: S) -> S {
         let dead = self.limit(kind, &self.dead_band);
         if dead.is_some_and(|dead| u.value().abs() < dead.value()) {
             return S::constant(0.0);
@@ -193,8 +172,9 @@ impl<S: Scalar> Actuator<S> {
             .map_or(u, |top| clamp(u, -top, top))
     }
 
-    /// A limit in the unit of the command; a torque's limit bounds the voltage that would give it.
-    fn limit(&self, kind: CommandKind, limits: &Limits<S>) -> Option<S> {
+    /// A limit in the unit of the command. A torque limit bounds the voltage that gives this torque
+    /// at standstill.
+    fn limit(&self, kind: CommandKind, limits: &CommandLimits<S>) -> Option<S> {
         match kind {
             CommandKind::Torque => limits.torque_nm,
             CommandKind::Voltage => Some(limits.torque_nm? / self.torque_per_volt?),
@@ -202,6 +182,3 @@ impl<S: Scalar> Actuator<S> {
         }
     }
 }
-
-/// Instants closer than this are one (s): below it the change of a command moves nothing.
-const SIMULTANEOUS_S: f64 = 1e-12;

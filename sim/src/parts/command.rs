@@ -1,32 +1,34 @@
-//! What the actuators are told.
+//! Commands to the two wheels: torque, voltage, wheel speed or twist.
 
-use crate::parts::scalar::{Pair, Scalar};
+use super::scalar::{Pair, Scalar};
 
-/// A command to both wheels. It holds until the next one.
+/// A command to both wheels, held until the next one. Fields with derivatives carry them through
+/// the step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Command<S = f64> {
-    /// Torque at the wheels.
+    /// Torque at the wheels (no motor curve).
     Torque {
         /// Right wheel (N m).
         right_nm: S,
         /// Left wheel (N m).
         left_nm: S,
     },
-    /// Voltage at the motors.
+    /// Voltage at the motors: τ = τ_stall V / V_nominal − (τ_stall / ω_0) ω.
     Voltage {
         /// Right motor (V).
         right_v: S,
         /// Left motor (V).
         left_v: S,
     },
-    /// Speed of the wheels, followed exactly.
+    /// Speeds of the wheels, reached exactly and at once.
     Speed {
         /// Right wheel (rad/s).
         right_rad_s: S,
         /// Left wheel (rad/s).
         left_rad_s: S,
     },
-    /// Speed of the robot: wheel speeds (v ± b w) / r by the nominal b and r, followed exactly.
+    /// Twist of the robot, turned into wheel speeds (v ± b w) / r by the nominal b and r, which are
+    /// reached exactly and at once.
     Twist {
         /// Forward speed (m/s).
         v_m_s: S,
@@ -35,7 +37,7 @@ pub enum Command<S = f64> {
     },
 }
 
-/// The quantity that a command sets at the wheels. A twist is a speed.
+/// The quantity that a command prescribes at the wheels. A twist prescribes wheel speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CommandKind {
     /// Torque (N m).
@@ -47,7 +49,7 @@ pub enum CommandKind {
 }
 
 impl CommandKind {
-    /// The kind's name in messages.
+    /// The kind's name in error messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Torque => "torque",
@@ -58,8 +60,8 @@ impl CommandKind {
 }
 
 impl<S: Scalar> Command<S> {
-    /// No torque.
-    pub fn rest() -> Self {
+    /// Zero torque at both wheels: the robot coasts.
+    pub fn zero_torque() -> Self {
         let zero = S::constant(0.0);
         Self::Torque {
             right_nm: zero,
@@ -67,7 +69,8 @@ impl<S: Scalar> Command<S> {
         }
     }
 
-    /// The kind of quantity, and its value at the right and the left wheel. `nominal` is r and b.
+    /// The prescribed quantity and its value at the right and the left wheel. `nominal` = [r, b]
+    /// (m).
     pub(crate) fn at_wheels(&self, nominal: Pair<f64>) -> (CommandKind, Pair<S>) {
         match *self {
             Self::Torque { right_nm, left_nm } => (CommandKind::Torque, [right_nm, left_nm]),

@@ -1,37 +1,39 @@
-//! Parameters of one robot and its floor, collected from the model and its effects before the plant is assembled.
+//! Parameters of one robot and its floor, collected from the model and its effects before the plant
+//! is assembled.
 
-use slipstream_bus::{InputError, RobotModel};
+use slipstream_bus::{Body, InputError, RobotModel};
 
 use super::actuator::Actuator;
 use super::scalar::{Pair, Scalar};
 
-/// Static and kinetic coefficient of Coulomb friction at a driven wheel (Eq. 9 and 10).
+/// Coulomb friction coefficients at a driven wheel (Eq. 9 and 10).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction<S> {
-    /// μ_s: what it takes to break away.
+    /// μ_s, static: the contact sticks up to μ_s N (1).
     pub friction_static: S,
-    /// μ_k: what is left while sliding.
+    /// μ_k, kinetic: the force of a sliding contact is μ_k N (1).
     pub friction_kinetic: S,
 }
 
-/// How the sensors see the robot.
+/// Systematic errors of the sensors, and the encoders' resolution.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensing<S> {
-    /// Tracked point minus declared point, body frame (m), and measured minus true yaw (rad).
+    /// Tracked minus declared point, x and y in the body frame (m), and measured minus true yaw
+    /// (rad).
     pub pose_offset: [S; 3],
     /// Stamp minus true time of each stream (s).
     pub latency_s: Streams<S>,
-    /// Stamp = t (1 + rate) in each stream.
+    /// Clock error of each stream, stamp = t (1 + rate) (s/s).
     pub clock_rate: Streams<S>,
-    /// Counts per true count of the right and the left encoder.
+    /// Counted over true counts of the right and the left encoder (1).
     pub encoder_scale: Pair<S>,
-    /// Counts in one turn of the wheel, where known.
+    /// Counts per revolution of the wheel, where known.
     pub counts_per_rev: Option<f64>,
-    /// How much older a received message's content is than its stamp says (s).
+    /// Age of a received message's content beyond what its stamp says (s).
     pub link_delay_s: S,
 }
 
-/// One number for each stream of measurements.
+/// One value for each stream of measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Streams<S> {
     /// Camera or motion capture.
@@ -42,10 +44,10 @@ pub struct Streams<S> {
     pub imu: S,
 }
 
-/// One robot and its floor in numbers.
+/// Parameters of one robot and its floor; symbols are those of the paper.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobotParameters<S> {
-    /// The first dynamic key that the model does not give; `None` where dynamics are known.
+    /// The first key of the dynamic model that is not given; `None` if all are.
     pub missing: Option<&'static str>,
     /// m_r (kg).
     pub body_mass: S,
@@ -57,11 +59,11 @@ pub struct RobotParameters<S> {
     pub wheel_spin_inertia: S,
     /// I_wz (kg m²).
     pub wheel_yaw_inertia: S,
-    /// r as it is, right and left (m).
+    /// True r, right and left (m).
     pub radius: Pair<S>,
-    /// b as it is (m).
+    /// True b (m).
     pub half_track: S,
-    /// r and b as the controller believes them (m).
+    /// [r, b] as the controller assumes them (m).
     pub nominal: Pair<f64>,
     /// d (m).
     pub com_to_axle: S,
@@ -75,57 +77,40 @@ pub struct RobotParameters<S> {
     pub payload_moment: Pair<S>,
     /// Σ m (x² + y²) of the payloads (kg m²).
     pub payload_inertia: S,
-    /// Friction at the driven wheels; `None` rolls without slipping (Eq. 1).
-    pub grip: Option<Friction<S>>,
-    /// Coulomb torque against the rotation of each wheel (N m).
+    /// Friction at the driven wheels; `None`: they roll without slipping (Eq. 1).
+    pub wheel_friction: Option<Friction<S>>,
+    /// Coulomb friction torque of each wheel's bearing (N m).
     pub axle_torque: Option<S>,
-    /// Force against the motion along the body's axis, as a share of the weight.
+    /// Rolling resistance along the body over weight (1).
     pub rolling_coefficient: Option<S>,
-    /// Moment against turning (N m).
+    /// Coulomb friction moment against yaw (N m).
     pub yaw_moment: Option<S>,
-    /// Coulomb friction at the caster.
+    /// Coulomb friction coefficient of the caster's contact (1).
     pub caster_friction: Option<S>,
-    /// Viscous drag at c (N s/m).
+    /// Viscous drag coefficient at c (N s/m).
     pub drag: S,
-    /// Height through which longitudinal acceleration shifts load (m).
+    /// Height of c for longitudinal load transfer (m); `None`: no transfer (Eq. 6).
     pub transfer_height: Option<S>,
-    /// Downhill direction times grade, world frame.
+    /// Slope of the floor: grade times the unit vector downhill, world frame (1).
     pub gradient: Pair<S>,
-    /// Command to wheels.
-    pub drive: Actuator<S>,
-    /// Wheels and body to recordings.
+    /// Chain from command to wheels.
+    pub actuator: Actuator<S>,
+    /// Systematic errors of the sensors.
     pub sensing: Sensing<S>,
 }
 
 impl<S: Scalar> RobotParameters<S> {
-    /// The numbers of `model` without its effects. Where a mass or length is unknown, the robot is
-    /// kinematic: a unit mass on the axle moves as any other would.
+    /// The parameters of `model` without its effects.
+    ///
+    /// If a mass or length is missing the model is kinematic and stand-ins take the place of the
+    /// masses: under prescribed wheel speeds and without slip the motion does not depend on them.
     ///
     /// # Errors
     /// See [`RobotModel::validate`].
     pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         model.validate()?;
         let body = &model.robot;
-        let keys = [
-            ("robot.body_mass_kg", body.body_mass_kg),
-            ("robot.body_yaw_inertia_kg_m2", body.body_yaw_inertia_kg_m2),
-            ("robot.wheel_mass_kg", body.wheel_mass_kg),
-            (
-                "robot.wheel_spin_inertia_kg_m2",
-                body.wheel_spin_inertia_kg_m2,
-            ),
-            (
-                "robot.wheel_yaw_inertia_kg_m2",
-                body.wheel_yaw_inertia_kg_m2,
-            ),
-            ("robot.com_to_axle_m", body.com_to_axle_m),
-            ("robot.com_to_caster_m", body.com_to_caster_m),
-            ("robot.com_height_m", body.com_height_m),
-        ];
-        let missing = keys
-            .iter()
-            .find(|(_, value)| value.is_none())
-            .map(|&(key, _)| key);
+        let missing = first_missing_key(body);
         let known = |value: Option<f64>, stand_in: f64| {
             S::constant(if missing.is_none() {
                 value.unwrap_or(stand_in)
@@ -151,7 +136,7 @@ impl<S: Scalar> RobotParameters<S> {
             payload_mass: zero,
             payload_moment: [zero; 2],
             payload_inertia: zero,
-            grip: None,
+            wheel_friction: None,
             axle_torque: None,
             rolling_coefficient: None,
             yaw_moment: None,
@@ -159,7 +144,7 @@ impl<S: Scalar> RobotParameters<S> {
             drag: zero,
             transfer_height: None,
             gradient: [zero; 2],
-            drive: Actuator::direct(model),
+            actuator: Actuator::ideal(model),
             sensing: Sensing::exact(model),
         })
     }
@@ -182,4 +167,26 @@ impl<S: Scalar> Sensing<S> {
             link_delay_s: zero,
         }
     }
+}
+
+/// The first key of the dynamic model that `body` does not give.
+fn first_missing_key(body: &Body) -> Option<&'static str> {
+    let keys = [
+        ("robot.body_mass_kg", body.body_mass_kg),
+        ("robot.body_yaw_inertia_kg_m2", body.body_yaw_inertia_kg_m2),
+        ("robot.wheel_mass_kg", body.wheel_mass_kg),
+        (
+            "robot.wheel_spin_inertia_kg_m2",
+            body.wheel_spin_inertia_kg_m2,
+        ),
+        (
+            "robot.wheel_yaw_inertia_kg_m2",
+            body.wheel_yaw_inertia_kg_m2,
+        ),
+        ("robot.com_to_axle_m", body.com_to_axle_m),
+        ("robot.com_to_caster_m", body.com_to_caster_m),
+        ("robot.com_height_m", body.com_height_m),
+    ];
+    let missing = keys.iter().find(|(_, value)| value.is_none());
+    missing.map(|&(key, _)| key)
 }

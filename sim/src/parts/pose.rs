@@ -1,11 +1,13 @@
-//! Integration of the pose from body-frame velocities.
+//! Integration of the pose from body-frame velocities, exact for an arc to the fourth order of the
+//! turn.
 
 use super::scalar::{Scalar, Vector, heading};
 
-/// The pose after a velocity in the body frame of mean `mean` that changes by `change`, linearly.
+/// The pose [x (m), y (m), φ (rad)] after `over_s` at a body-frame velocity of mean `mean` that
+/// changes linearly by `change`.
 ///
-/// The displacement is that in the frame at half the turn, ∫ R(δ τ) (v + Δv τ) dτ over τ from −½ to
-/// ½, to the fourth order in the turn δ: an arc of 1 ms is exact to rounding.
+/// The displacement is taken in the frame at half the turn, ∫ R(δ τ) (v + Δv τ) dτ over τ from −½
+/// to ½, to the fourth order in the turn δ: an arc of 1 ms is exact to rounding.
 #[inline]
 pub(crate) fn advance_pose<S: Scalar>(
     pose: [S; 3],

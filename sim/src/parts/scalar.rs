@@ -1,9 +1,13 @@
-//! The numbers that the plant computes with: `f64`, or dual numbers that carry derivatives.
+//! Scalar type of the plant: `f64`, or dual numbers that carry first derivatives (forward-mode
+//! automatic differentiation).
 
 use nalgebra::{SMatrix, SVector};
 use num_dual::DualNum;
 
-/// A real number, with or without derivatives. Branches are decided by [`Scalar::value`] alone.
+/// A real number with or without derivatives: `f64` and the first-order types of `num_dual`.
+///
+/// Branches of the plant depend on [`Scalar::value`] alone, so that all scalar types take the same
+/// path.
 pub trait Scalar: DualNum<Primitive = f64> + Copy + nalgebra::Scalar {
     /// The number without its derivatives.
     fn value(&self) -> f64;
@@ -21,13 +25,13 @@ impl<T: DualNum<Primitive = f64> + Copy + nalgebra::Scalar> Scalar for T {
     }
 }
 
-/// Number of velocities: surge and sway of c, yaw rate, speeds of the right and the left wheel.
+/// Number of generalised velocities ν: surge and sway of c, yaw rate, right and left wheel speed.
 pub(crate) const VELOCITIES: usize = 5;
 
-/// A vector over the velocities.
+/// A vector over the generalised velocities.
 pub(crate) type Vector<S> = SVector<S, VELOCITIES>;
 
-/// A matrix over the velocities.
+/// A matrix over the generalised velocities.
 pub(crate) type Matrix<S> = SMatrix<S, VELOCITIES, VELOCITIES>;
 
 /// A pair of numbers, [right, left] or [along, across].
@@ -35,20 +39,20 @@ pub type Pair<S> = [S; 2];
 
 /// Cosine and sine of an angle, with first derivatives.
 ///
-/// Its own and not the platform's: the same bits on every machine, and inlined. Reduction by π/2 in
-/// three parts (Cody and Waite, 1980), then the Taylor series to the last digit in [−π/4, π/4]: within
-/// 2.5e-16 for angles up to 1e5 rad.
+/// Implemented here instead of by the platform's library to give the same bits on every machine,
+/// and to be inlined. Argument reduction by π/2 in three parts (Cody and Waite, 1980), then Taylor
+/// series on [−π/4, π/4]: within 2.5e-16 for angles up to 1e5 rad.
 #[inline]
 pub(crate) fn heading<S: Scalar>(angle: S) -> Pair<S> {
     let value = angle.value();
     let quarters = (value * std::f64::consts::FRAC_2_PI).round_ties_even();
     let x = value - quarters * HALF_PI[0] - quarters * HALF_PI[1] - quarters * HALF_PI[2];
     let z = x * x;
-    let sin = x + x * z * horner(z, &SIN);
-    let cos = 1.0 - 0.5 * z + z * z * horner(z, &COS);
+    let sin = x + x * z * polynomial(z, &SIN);
+    let cos = 1.0 - 0.5 * z + z * z * polynomial(z, &COS);
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "saturates: an angle of 10^18 has no digit"
+        reason = "saturates; an f64 of 10^18 rad has no digits after the point anyway"
     )]
     let [cos, sin] = match quarters as i64 & 3 {
         0 => [cos, sin],
@@ -94,9 +98,10 @@ const COS: [f64; 8] = [
     -1.0 / 6_402_373_705_728_000.0,
 ];
 
-/// A polynomial of eight coefficients, in pairs, so that its steps do not wait for each other.
+/// A polynomial of eight coefficients by Estrin's scheme: independent terms, for instruction-level
+/// parallelism.
 #[inline]
-fn horner(z: f64, c: &[f64; 8]) -> f64 {
+fn polynomial(z: f64, c: &[f64; 8]) -> f64 {
     let z2 = z * z;
     let z4 = z2 * z2;
     let low = (c[0] + c[1] * z) + (c[2] + c[3] * z) * z2;
@@ -104,12 +109,12 @@ fn horner(z: f64, c: &[f64; 8]) -> f64 {
     low + high * z4
 }
 
-/// The number of larger value.
+/// The one with the larger value.
 pub(crate) fn larger<S: Scalar>(a: S, b: S) -> S {
     if a.value() >= b.value() { a } else { b }
 }
 
-/// `value` moved into [`low`, `high`].
+/// `value` limited to [`low`, `high`].
 pub(crate) fn clamp<S: Scalar>(value: S, low: S, high: S) -> S {
     if value.value() < low.value() {
         low
@@ -120,14 +125,14 @@ pub(crate) fn clamp<S: Scalar>(value: S, low: S, high: S) -> S {
     }
 }
 
-/// Square of the length of a pair, without derivatives.
+/// Squared Euclidean length of a pair, without derivatives.
 #[inline]
 pub(crate) fn length_square<S: Scalar>(pair: Pair<S>) -> f64 {
     let [a, b] = [pair[0].value(), pair[1].value()];
     a * a + b * b
 }
 
-/// Length of a pair. Zero has the length zero and no derivative.
+/// Euclidean length of a pair. A zero pair has length zero and zero derivatives.
 pub(crate) fn length<S: Scalar>(pair: Pair<S>) -> S {
     let square = pair[0] * pair[0] + pair[1] * pair[1];
     if square.value() == 0.0 {
@@ -137,7 +142,7 @@ pub(crate) fn length<S: Scalar>(pair: Pair<S>) -> S {
     }
 }
 
-/// The number of smaller value.
+/// The one with the smaller value.
 pub(crate) fn smaller<S: Scalar>(a: S, b: S) -> S {
     if a.value() <= b.value() { a } else { b }
 }
@@ -147,7 +152,7 @@ mod tests {
     use super::heading;
 
     #[test]
-    fn headings_agree_with_the_library() {
+    fn agrees_with_the_standard_library() {
         for k in -200_000..200_000 {
             let angle = f64::from(k) * 0.377_13;
             let [cos, sin] = heading(angle);

@@ -1,29 +1,34 @@
-//! One robot on its floor: constants of the equations of motion, assembled once before the run.
+//! One robot on its floor: the constants of the equations of motion, assembled once before a run.
 
 use slipstream_bus::{InputError, RobotModel};
 
-use super::listed::{Listed, read_effects};
+use super::dry_friction::DryFriction;
+use super::effect_list::{ListedEffect, read_effects};
+use super::normal_load::NormalLoad;
 use crate::effects::Effects;
 use crate::parts::actuator::Actuator;
 use crate::parts::command::CommandKind;
-use crate::parts::friction_elements::{Element, ElementSet};
 use crate::parts::parameters::{Friction, RobotParameters, Sensing};
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::parts::tolerances::Tolerances;
 
-/// g (m/s²), as the paper has it.
+/// Acceleration of gravity g (m/s²), as in the paper.
 pub const GRAVITY_M_S2: f64 = 9.81;
 
-/// The constants of one robot. Immutable; what changes is in [`crate::State`].
+/// The constants of one robot. Immutable; everything that changes is in its [`crate::State`].
+///
+/// Generic over the scalar: with dual numbers for `S` a step carries derivatives with respect to
+/// any parameter of an effect (see [`crate::lift`]).
 #[derive(Debug, Clone)]
 pub struct Robot<S = f64> {
     /// Mass of body, wheels and payloads (kg).
     pub(crate) mass: S,
     /// First moment of all mass about c, body frame (kg m). The wheels' share is −2 m_w d: the
     /// origin of m13 and m23 in Eq. 3.
-    pub(crate) moment: Pair<S>,
-    /// Yaw inertia of all mass about c (kg m²): I_t = I_rz + 2 I_wz + 2 m_w (b² + d²), and payloads.
-    pub(crate) inertia: S,
+    pub(crate) first_moment: Pair<S>,
+    /// Yaw inertia of all mass about c (kg m²): I_t = I_rz + 2 I_wz + 2 m_w (b² + d²), and
+    /// payloads.
+    pub(crate) yaw_inertia: S,
     /// I_wy (kg m²).
     pub(crate) wheel_inertia: S,
     /// r, right and left (m).
@@ -34,115 +39,65 @@ pub struct Robot<S = f64> {
     pub(crate) com_to_axle: S,
     /// e (m).
     pub(crate) com_to_caster: S,
-    /// r and b as a twist command is turned into wheel speeds.
+    /// [r, b] (m) by which a twist command is converted into wheel speeds.
     pub(crate) nominal: Pair<f64>,
     /// Normal forces.
-    pub(crate) load: Load<S>,
-    /// Friction at the driven wheels away from patches; `None` never slips.
-    pub(crate) grip: Option<Friction<S>>,
-    /// Sizes of the dry friction that is not at the driven wheels.
-    pub(crate) dry: Dry<S>,
-    /// Damping in proportion to each velocity under a torque command: drag at c and droop.
+    pub(crate) load: NormalLoad<S>,
+    /// Friction at the driven wheels away from patches; `None`: they never slide.
+    pub(crate) wheel_friction: Option<Friction<S>>,
+    /// All other dry friction.
+    pub(crate) dry_friction: DryFriction<S>,
+    /// Viscous damping of each velocity under a torque command: drag at c and droop.
     pub(crate) damping: Vector<S>,
-    /// Some damping is not zero.
+    /// Whether any entry of `damping` is not zero.
     pub(crate) damped: bool,
-    /// Horizontal part of gravity, world frame (m/s²).
-    pub(crate) pull: Option<Pair<S>>,
-    pub(crate) drive: Actuator<S>,
+    /// Component of gravity along the floor, world frame (m/s²); `None` on a level floor.
+    pub(crate) slope_gravity: Option<Pair<S>>,
+    pub(crate) actuator: Actuator<S>,
     pub(crate) sensing: Sensing<S>,
     pub(crate) effects: Effects<S>,
     pub(crate) tolerances: Tolerances,
-    /// The first dynamic key that the model does not give.
+    /// The first key of the dynamic model that is not given.
     missing: Option<&'static str>,
 }
 
-/// Eq. 4 to 6 with payloads, slope and longitudinal load transfer.
-#[derive(Debug, Clone)]
-pub(crate) struct Load<S> {
-    /// N_r + N_l + N_ca (N).
-    pub(crate) total: S,
-    /// N_r + N_l without longitudinal acceleration (N).
-    pub(crate) driven: S,
-    /// h / b: N_r − N_l for each newton of lateral force (Eq. 5).
-    pub(crate) lateral: S,
-    /// N_r − N_l at rest, from payloads beside the axis (N).
-    pub(crate) offset: S,
-    /// N_r + N_l for each m/s² of longitudinal acceleration (N s²/m); `None` as in Eq. 6.
-    pub(crate) transfer: Option<S>,
-}
-
-/// Limits of dry friction beside the driven wheels' contacts.
-#[derive(Debug, Clone)]
-pub(crate) struct Dry<S> {
-    /// Those that there are.
-    pub(crate) elements: ElementSet,
-    /// At each axle (N m).
-    pub(crate) axle: Option<S>,
-    /// Along the body (N).
-    pub(crate) surge: Option<S>,
-    /// About the vertical (N m).
-    pub(crate) yaw: Option<S>,
-    /// At the caster, for each newton of normal force.
-    pub(crate) caster: Option<S>,
-}
-
-impl<S: Scalar> Dry<S> {
-    fn new(parts: &RobotParameters<S>, weight: S) -> Self {
-        let there = [
-            (parts.axle_torque.is_some(), Element::AxleRight),
-            (parts.axle_torque.is_some(), Element::AxleLeft),
-            (parts.rolling_coefficient.is_some(), Element::Surge),
-            (parts.yaw_moment.is_some(), Element::Yaw),
-            (parts.caster_friction.is_some(), Element::Caster),
-        ];
-        let there = there.iter().filter(|(there, _)| *there);
-        Self {
-            elements: there.fold(ElementSet::default(), |set, &(_, element)| {
-                set.with(element)
-            }),
-            axle: parts.axle_torque,
-            surge: parts.rolling_coefficient.map(|c| c * weight),
-            yaw: parts.yaw_moment,
-            caster: parts.caster_friction,
-        }
-    }
-}
-
 impl Robot<f64> {
-    /// The robot that `model` describes, with the effects that it lists.
+    /// The robot that `model` describes, with the effects it lists.
     ///
     /// # Errors
-    /// A value that no robot can have, an effect that is not in the vocabulary, a parameter that is
-    /// missing, unknown or out of bounds, an effect that needs masses that the model lacks.
+    /// An unphysical value; an effect that is not in the catalogue; a parameter that is missing,
+    /// unknown or out of bounds; an effect that needs masses the model does not give.
     pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         Self::assemble(model, &read_effects(model)?)
     }
 }
 
 impl<S: Scalar> Robot<S> {
-    /// The robot of `model`'s masses and lengths with the effects of `list` in place of the
-    /// model's own: the way to derivatives with respect to an effect's parameters.
+    /// The robot with `model`'s masses and lengths and the effects of `list` in place of those that
+    /// the model lists. With dual numbers in `list` (see [`crate::lift`]) every result carries
+    /// derivatives with respect to the effects' parameters.
     ///
     /// # Errors
     /// As [`Robot::new`].
-    pub fn assemble(model: &RobotModel, list: &[Listed<S>]) -> Result<Self, InputError> {
-        let mut parts = RobotParameters::new(model)?;
-        if let (Some(key), Some((info, _))) =
-            (parts.missing, list.iter().find(|(info, _)| !info.kinematic))
-        {
+    pub fn assemble(model: &RobotModel, list: &[ListedEffect<S>]) -> Result<Self, InputError> {
+        let mut parameters = RobotParameters::new(model)?;
+        if let (Some(key), Some((info, _))) = (
+            parameters.missing,
+            list.iter().find(|(info, _)| !info.kinematic),
+        ) {
             return Err(InputError::new(
                 key,
-                format!("is not given, and the effect {} needs it", info.id),
-                "give the masses and lengths of [robot], or leave the effect out",
+                format!("is missing, and the effect {} needs it", info.id),
+                "give all masses and lengths of [robot], or remove the effect",
             ));
         }
         let effects = Effects::new(list);
-        effects.apply(&mut parts);
-        Self::build(parts, effects)
+        effects.apply(&mut parameters);
+        Self::build(parameters, effects)
     }
 
-    /// The same robot, for simulations by the thousand of which most are of no consequence: events
-    /// are found less exactly, and few of them in one step.
+    /// The same robot at draft quality, for simulations by the thousand: events are located less
+    /// exactly, and at most two in a step.
     #[must_use]
     pub fn draft(self) -> Self {
         Self {
@@ -151,76 +106,62 @@ impl<S: Scalar> Robot<S> {
         }
     }
 
-    fn build(parts: RobotParameters<S>, effects: Effects<S>) -> Result<Self, InputError> {
-        let (b, d, e) = (parts.half_track, parts.com_to_axle, parts.com_to_caster);
-        let bodies = parts.body_mass + parts.wheel_mass * 2.0;
-        let mass = bodies + parts.payload_mass;
-        let wheels = parts.wheel_yaw_inertia * 2.0 + parts.wheel_mass * 2.0 * (b * b + d * d);
-        let grade = parts.gradient[0] * parts.gradient[0] + parts.gradient[1] * parts.gradient[1];
-        // sin and cos of the slope's angle from its tangent
-        let upright = (grade + 1.0).sqrt().recip();
-        let gravity = upright * GRAVITY_M_S2;
-        let total = mass * gravity;
-        let payload_about_axle = parts.payload_moment[0] + parts.payload_mass * d;
-        let caster = (bodies * d + payload_about_axle) * gravity / (d + e);
-        if caster.value() > total.value() || caster.value() < 0.0 {
-            return Err(InputError::new(
-                "effects.payload.x_m",
-                "lifts the driven wheels or the caster off the floor",
-                "give a place between axle and caster, or a smaller mass",
-            ));
-        }
-        let droop = parts.drive.droop;
-        let pull = gravity * parts.gradient[0];
-        let zero = S::constant(0.0);
+    fn build(parameters: RobotParameters<S>, effects: Effects<S>) -> Result<Self, InputError> {
+        let (b, d) = (parameters.half_track, parameters.com_to_axle);
+        let wheel_mass = parameters.wheel_mass;
+        let bodies = parameters.body_mass + wheel_mass * 2.0;
+        let mass = bodies + parameters.payload_mass;
+        let wheels = parameters.wheel_yaw_inertia * 2.0 + wheel_mass * 2.0 * (b * b + d * d);
+        let gradient = parameters.gradient;
+        let grade_square = gradient[0] * gradient[0] + gradient[1] * gradient[1];
+        // cosine of the slope's angle from its tangent
+        let cosine = (grade_square + 1.0).sqrt().recip();
+        let gravity = cosine * GRAVITY_M_S2;
+        let load = NormalLoad::new(&parameters, mass, bodies, gravity)?;
+        let (drag, droop) = (parameters.drag, parameters.actuator.droop);
+        let slope_gravity = [gravity * gradient[0], gravity * gradient[1]];
         Ok(Self {
             mass,
-            moment: [
-                parts.payload_moment[0] - parts.wheel_mass * d * 2.0,
-                parts.payload_moment[1],
+            first_moment: [
+                parameters.payload_moment[0] - wheel_mass * d * 2.0,
+                parameters.payload_moment[1],
             ],
-            inertia: parts.body_yaw_inertia + wheels + parts.payload_inertia,
-            wheel_inertia: parts.wheel_spin_inertia,
-            radius: parts.radius,
+            yaw_inertia: parameters.body_yaw_inertia + wheels + parameters.payload_inertia,
+            wheel_inertia: parameters.wheel_spin_inertia,
+            radius: parameters.radius,
             half_track: b,
             com_to_axle: d,
-            com_to_caster: e,
-            nominal: parts.nominal,
-            load: Load {
-                total,
-                driven: total - caster,
-                lateral: parts.com_height / b,
-                offset: -parts.payload_moment[1] * gravity / b,
-                transfer: parts.transfer_height.map(|h| mass * h / (d + e)),
-            },
-            grip: parts.grip,
-            dry: Dry::new(&parts, total),
-            damping: Vector::from([parts.drag, parts.drag, zero, droop, droop]),
-            damped: parts.drag.value() != 0.0 || droop.value() != 0.0,
-            pull: (grade.value() != 0.0).then(|| [pull, gravity * parts.gradient[1]]),
-            drive: parts.drive,
-            sensing: parts.sensing,
+            com_to_caster: parameters.com_to_caster,
+            nominal: parameters.nominal,
+            dry_friction: DryFriction::new(&parameters, load.total),
+            load,
+            wheel_friction: parameters.wheel_friction,
+            damping: Vector::from([drag, drag, S::constant(0.0), droop, droop]),
+            damped: drag.value() != 0.0 || droop.value() != 0.0,
+            slope_gravity: (grade_square.value() != 0.0).then_some(slope_gravity),
+            actuator: parameters.actuator,
+            sensing: parameters.sensing,
             effects,
             tolerances: Tolerances::ACCURATE,
-            missing: parts.missing,
+            missing: parameters.missing,
         })
     }
 
-    /// Whether this robot can be driven by commands of `kind`.
+    /// Checks that this robot can be driven by commands of `kind`.
     ///
     /// # Errors
-    /// The key that such a command needs and the model does not give.
+    /// Names the key that such a command needs and the model does not give.
     pub fn accepts(&self, kind: CommandKind) -> Result<(), InputError> {
         let needed = match kind {
             CommandKind::Speed => None,
-            CommandKind::Voltage if self.drive.torque_per_volt.is_none() => Some("motor"),
+            CommandKind::Voltage if self.actuator.torque_per_volt.is_none() => Some("motor"),
             CommandKind::Torque | CommandKind::Voltage => self.missing,
         };
         needed.map_or(Ok(()), |key| {
             Err(InputError::new(
                 key,
-                format!("is not given, and a {} command needs it", kind.name()),
-                "give the robot's masses, lengths and motor, or command speeds",
+                format!("is missing, and a {} command needs it", kind.name()),
+                "give the robot's masses, lengths and motor, or command wheel speeds",
             ))
         })
     }

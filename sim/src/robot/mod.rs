@@ -1,9 +1,13 @@
-//! The constants of one robot, its contact Jacobian, and its bodily state.
+//! One robot: the constants of its equations of motion, its contact Jacobian, the types of its
+//! continuous state and of its mode.
 
 pub(crate) mod body;
 mod constants;
+mod dry_friction;
+mod effect_list;
 mod jacobian;
-mod listed;
+pub(crate) mod mode;
+mod normal_load;
 
 pub use constants::{GRAVITY_M_S2, Robot};
-pub use listed::{Listed, lift, read_effects};
+pub use effect_list::{ListedEffect, lift, read_effects};

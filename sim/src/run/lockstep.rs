@@ -1,5 +1,6 @@
-//! The plant as the master of virtual time: it goes to the next instant at which anything is due,
-//! asks the agents, goes on. No wall clock.
+//! Lockstep co-simulation on virtual time: the plant advances to the next instant at which a
+//! control loop is due, exchanges measurements and torques with the agents, and goes on. No wall
+//! clock.
 
 use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};
@@ -10,9 +11,9 @@ use slipstream_bus::transport::{BusError, LockstepLink};
 use super::observer::Observer;
 use crate::{Command, World};
 
-/// Hears how far the run has come.
+/// Observer of the progress of a run. `()` ignores it.
 pub trait Progress {
-    /// After the round at `now_ns`.
+    /// Called after every round of the agents, at true time `now_ns` (ns).
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer);
 }
 
@@ -20,15 +21,17 @@ impl Progress for () {
     fn at(&mut self, _: i64, _: &World, _: &Observer) {}
 }
 
-/// Runs the world from its beginning to the experiment's end.
+/// Runs `world` from the start to the end of `experiment`, exchanging messages with the agents over
+/// `link` and writing applied torques and sensor samples to `recorder`.
 ///
 /// # Errors
-/// When an agent does not answer or the run is stopped; world and observer then hold what was.
+/// When an agent does not answer or the run is stopped. World and observer then hold the state
+/// reached.
 pub fn lockstep(
     experiment: &Experiment,
     world: &mut World,
     observer: &mut Observer,
-    rounds: &mut impl LockstepLink,
+    link: &mut impl LockstepLink,
     recorder: &mut impl Recorder,
     progress: &mut impl Progress,
 ) -> Result<(), BusError> {
@@ -38,17 +41,17 @@ pub fn lockstep(
     let step_ns = ns_from_s(settings.plant.step_s);
     let robots = experiment.robots.len();
     let mut encoders = vec![Encoders::default(); robots];
-    let mut answers = vec![TorqueCommand::default(); robots];
-    let mut commands: Vec<Command> = answers.iter().map(command).collect();
+    let mut torques = vec![TorqueCommand::default(); robots];
+    let mut commands: Vec<Command> = torques.iter().map(command).collect();
     let mut now_ns = 0;
     while now_ns < end_ns {
         if schedule.due(now_ns).any() {
             read_encoders(world, now_ns, &mut encoders);
-            rounds.round(now_ns, &encoders, &mut answers)?;
-            for (torque, answer) in commands.iter_mut().zip(&answers) {
-                *torque = command(answer);
-                if answer.tick_ns == now_ns {
-                    recorder.record(&applied(now_ns, now_ns, answer));
+            link.round(now_ns, &encoders, &mut torques)?;
+            for (acting, torque) in commands.iter_mut().zip(&torques) {
+                *acting = command(torque);
+                if torque.tick_ns == now_ns {
+                    recorder.record(&applied(now_ns, now_ns, torque));
                 }
             }
             progress.at(now_ns, world, observer);
@@ -61,9 +64,10 @@ pub fn lockstep(
         now_ns = next_ns;
     }
     read_encoders(world, now_ns, &mut encoders);
-    rounds.end(now_ns, &encoders)
+    link.end(now_ns, &encoders)
 }
 
+/// Reads the encoders of all robots at `now_ns`.
 pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders]) {
     for (i, reading) in encoders.iter_mut().enumerate() {
         *reading = Encoders {
@@ -73,21 +77,24 @@ pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders
     }
 }
 
-pub(super) fn command(answer: &TorqueCommand) -> Command {
-    let [right_nm, left_nm] = answer.torque_nm;
+/// The torque of a message as a command of the plant.
+pub(super) fn command(torque: &TorqueCommand) -> Command {
+    let [right_nm, left_nm] = torque.torque_nm;
     Command::Torque { right_nm, left_nm }
 }
 
-pub(super) fn applied(t_ns: i64, taken_ns: i64, answer: &TorqueCommand) -> Record {
+/// Record of a torque that acts from `t_ns` on and was received at `taken_ns`.
+pub(super) fn applied(t_ns: i64, taken_ns: i64, torque: &TorqueCommand) -> Record {
     Record::Applied {
         t_ns,
         taken_ns,
-        robot: answer.robot,
-        tick_ns: answer.tick_ns,
-        torque_nm: answer.torque_nm,
+        robot: torque.robot,
+        tick_ns: torque.tick_ns,
+        torque_nm: torque.torque_nm,
     }
 }
 
+/// Records what cameras and inertial sensors measure after a step.
 pub(super) fn record_sensors(world: &mut World, robots: usize, recorder: &mut impl Recorder) {
     for (i, robot) in (0..robots).zip(0..) {
         if let Some(sample) = world.camera(i) {

@@ -1,4 +1,5 @@
-//! The plant in a run: the world stepped through time, watched, and tied to the bus.
+//! The plant's part of a run: stepping the world through an experiment, reporting the ground truth,
+//! and the plant's process.
 
 mod lockstep;
 mod observer;
@@ -13,10 +14,10 @@ use slipstream_bus::{Experiment, InputError};
 
 use crate::{Setup, World};
 
-/// The world of an experiment at its beginning.
+/// The world of an experiment at its start.
 ///
 /// # Errors
-/// A robot model that cannot be simulated.
+/// An invalid robot model or sensor; the error's place begins with the robot's name.
 pub fn world(experiment: &Experiment) -> Result<World, InputError> {
     let setups: Vec<Setup> = experiment
         .robots

@@ -1,19 +1,19 @@
-//! What a run reports about the truth: the state hash, slip, spacing errors, final poses.
+//! Ground truth of a run: state hash, slip, spacing errors and final poses.
 
 use sha2::{Digest, Sha256};
-use slipstream_bus::Experiment;
 use slipstream_bus::record::{Record, Recorder, State};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
+use slipstream_bus::{Experiment, RobotSetup};
 
 use super::spacing::Spacing;
 use crate::{Truth, World};
 
-/// A contact that slides faster than this slips (m/s).
-const SLIPS_M_S: f64 = 0.003;
-/// Spacing errors count from here on (ns).
+/// Slip speed from which slip time counts (m/s).
+const SLIP_MIN_M_S: f64 = 0.003;
+/// Time from which spacing errors count (ns).
 const SPACING_FROM_NS: i64 = 3_000_000_000;
 
-/// Watches the world through a run.
+/// Accumulates the report of a run, step by step, and records states.
 #[derive(Debug)]
 pub struct Observer {
     hash: Option<Sha256>,
@@ -21,50 +21,51 @@ pub struct Observer {
     spacing_m: f64,
     outer_ns: i64,
     state_ns: i64,
-    robots: Vec<Watched>,
+    robots: Vec<ObservedRobot>,
 }
 
 #[derive(Debug)]
-struct Watched {
+struct ObservedRobot {
     report: RobotReport,
     slip_ns: [i64; 2],
-    /// Behind which robot: the one ahead.
+    /// Path of the robot ahead; `None` for the front robot and in open loop.
     spacing: Option<Spacing>,
 }
 
-/// The truth about a run.
+/// Ground truth of a run.
 #[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct PlantReport {
-    /// SHA-256 over every plant step, in hexadecimal; empty when it was not asked for.
+    /// SHA-256 over the states after every plant step, in hexadecimal; empty without hashing.
     pub state_hash: String,
-    /// When the run ended (s).
+    /// Time at which the run ended (s).
     pub duration_s: f64,
-    /// Plant steps.
+    /// Number of plant steps.
     pub steps: u64,
-    /// The robots, from the front.
+    /// The robots, from front to rear.
     pub robots: Vec<RobotReport>,
 }
 
-/// The truth about one robot of a run.
+/// Ground truth of one robot in a run. Pairs are [right, left].
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct RobotReport {
-    /// x (m), y (m), φ (rad) of c at the end.
+    /// x and y of c (m) and heading φ (rad) at the end.
     pub final_true: [f64; 3],
-    /// How long each wheel's contact slid faster than 3 mm/s (s).
+    /// Time during which each wheel's contact slid faster than 3 mm/s (s).
     pub slip_time_s: [f64; 2],
-    /// The fastest sliding of each contact (m/s).
+    /// Largest slip speed of each contact (m/s).
     pub max_slip_m_s: [f64; 2],
-    /// The largest true spacing error from 3 s on (m); none for the front robot.
+    /// Largest true spacing error from 3 s on (m); `None` for the front robot.
     pub max_spacing_error_m: Option<f64>,
 }
 
 impl Observer {
-    /// Before the first step. Hashing costs about as much as a plant step.
+    /// For a run of `experiment` that has not begun. `hashing` the states costs about as much as a
+    /// plant step.
     pub fn new(experiment: &Experiment, hashing: bool) -> Self {
         let settings = &experiment.settings;
         let in_formation = !settings.open_loop.enabled;
         let ahead = std::iter::once(None).chain(experiment.robots.iter().map(Some));
-        let watched = |ahead: Option<&slipstream_bus::RobotSetup>| Watched {
+        let observed = |ahead: Option<&RobotSetup>| ObservedRobot {
             report: RobotReport::default(),
             slip_ns: [0; 2],
             spacing: ahead
@@ -77,11 +78,11 @@ impl Observer {
             spacing_m: settings.formation.spacing_m,
             outer_ns: settings.schedule().outer_ns,
             state_ns: ns_from_s(settings.recording.state_period_s),
-            robots: ahead.take(experiment.robots.len()).map(watched).collect(),
+            robots: ahead.take(experiment.robots.len()).map(observed).collect(),
         }
     }
 
-    /// After a step of `dt_ns`.
+    /// Observes the world after a step of `dt_ns` (ns).
     pub fn step(&mut self, world: &World, dt_ns: i64, recorder: &mut impl Recorder) {
         self.steps += 1;
         let now_ns = world.time_ns();
@@ -89,14 +90,14 @@ impl Observer {
             hash.update(now_ns.to_le_bytes());
         }
         let recorded = now_ns % self.state_ns == 0;
-        for (i, watched) in self.robots.iter_mut().enumerate() {
+        for (i, observed) in self.robots.iter_mut().enumerate() {
             let truth = world.truth(i);
             if let Some(hash) = &mut self.hash {
                 hash.update(state_bytes(&truth));
             }
-            watched.slip(&truth, dt_ns);
+            observed.observe_slip(&truth, dt_ns);
             if recorded {
-                recorder.record(&Record::State(state(i, now_ns, &truth)));
+                recorder.record(&Record::State(state_record(i, now_ns, &truth)));
             }
         }
         if now_ns % self.outer_ns == 0 {
@@ -104,19 +105,19 @@ impl Observer {
         }
     }
 
-    /// The front robot's speed (m/s) and the spacing errors' largest so far (m).
-    pub fn glance(&self, world: &World) -> (f64, f64) {
-        let error = |watched: &Watched| watched.report.max_spacing_error_m;
+    /// Speed of the front robot (m/s) and largest spacing error so far (m), for a progress display.
+    pub fn progress(&self, world: &World) -> (f64, f64) {
+        let error = |observed: &ObservedRobot| observed.report.max_spacing_error_m;
         let largest = self.robots.iter().filter_map(error).fold(0.0, f64::max);
         (world.truth(0).velocity[0], largest)
     }
 
-    /// After the last step.
+    /// The report, after the last step.
     pub fn finish(self, world: &World) -> PlantReport {
-        let final_robot = |(i, watched): (usize, Watched)| RobotReport {
+        let final_robot = |(i, observed): (usize, ObservedRobot)| RobotReport {
             final_true: world.truth(i).pose,
-            slip_time_s: watched.slip_ns.map(s_from_ns),
-            ..watched.report
+            slip_time_s: observed.slip_ns.map(s_from_ns),
+            ..observed.report
         };
         PlantReport {
             state_hash: self
@@ -135,34 +136,34 @@ impl Observer {
     }
 
     fn measure_spacing(&mut self, world: &World, now_ns: i64) {
-        for (i, watched) in self.robots.iter_mut().enumerate() {
-            let Some(spacing) = &mut watched.spacing else {
+        for (i, observed) in self.robots.iter_mut().enumerate() {
+            let Some(spacing) = &mut observed.spacing else {
                 continue;
             };
             spacing.extend(world.truth(i - 1).pose);
             if now_ns >= SPACING_FROM_NS {
-                let error = (spacing.behind(world.truth(i).pose) - self.spacing_m).abs();
-                let largest = watched.report.max_spacing_error_m.unwrap_or(0.0);
-                watched.report.max_spacing_error_m = Some(largest.max(error));
+                let error = (spacing.distance(world.truth(i).pose) - self.spacing_m).abs();
+                let largest = observed.report.max_spacing_error_m.unwrap_or(0.0);
+                observed.report.max_spacing_error_m = Some(largest.max(error));
             }
         }
     }
 }
 
-impl Watched {
-    fn slip(&mut self, truth: &Truth, dt_ns: i64) {
+impl ObservedRobot {
+    fn observe_slip(&mut self, truth: &Truth, dt_ns: i64) {
         for wheel in 0..2 {
-            let slip_m_s = truth.slip_m_s[wheel];
+            let slip_m_s = truth.slip_speed_m_s[wheel];
             let largest = &mut self.report.max_slip_m_s[wheel];
             *largest = largest.max(slip_m_s);
-            if slip_m_s > SLIPS_M_S {
+            if slip_m_s > SLIP_MIN_M_S {
                 self.slip_ns[wheel] += dt_ns;
             }
         }
     }
 }
 
-/// The bits that the state hash covers: pose, velocity, wheel angles and speeds, torques.
+/// The bytes that the state hash covers: pose, velocity, wheel angles and speeds, torques.
 fn state_bytes(truth: &Truth) -> [u8; 96] {
     let values = truth
         .pose
@@ -178,7 +179,7 @@ fn state_bytes(truth: &Truth) -> [u8; 96] {
     bytes
 }
 
-fn state(robot: usize, t_ns: i64, truth: &Truth) -> State {
+fn state_record(robot: usize, t_ns: i64, truth: &Truth) -> State {
     State {
         t_ns,
         robot: u32::try_from(robot).unwrap_or(u32::MAX),
@@ -188,7 +189,7 @@ fn state(robot: usize, t_ns: i64, truth: &Truth) -> State {
         wheel_speed_rad_s: truth.wheel_speed_rad_s,
         torque_nm: truth.torque_nm,
         normal_n: truth.contact.normal_n,
-        slip_m_s: truth.slip_parts_m_s,
+        slip_m_s: truth.slip_m_s,
         slides: truth.slides,
     }
 }

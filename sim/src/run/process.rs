@@ -1,4 +1,4 @@
-//! The process of the plant: the world tied to the bus and the clock.
+//! Process of the plant: connects the world to shared memory, clock and recorder.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -20,34 +20,35 @@ use super::observer::{Observer, PlantReport};
 use super::world;
 use crate::{Command, World};
 
-/// Priority of the plant's loop among real-time threads.
+/// Real-time priority of the plant's loop.
 const PRIORITY: u8 = 30;
-/// From everybody being connected to time 0 on the wall clock (ns).
-const LEAD_NS: i64 = 20_000_000;
+/// Time between all processes being connected and time 0 of the run, on the wall clock (ns).
+const START_DELAY_NS: i64 = 20_000_000;
 
-/// What the plant's process has to say at its end.
+/// Result of the plant's process.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PlantOutcome {
-    /// The truth about the run.
+    /// Ground truth of the run.
     pub report: PlantReport,
-    /// How it ended.
+    /// How the process ended.
     pub ended: ProcessStatus,
-    /// Deadlines of the step; on the wall clock.
+    /// Met and missed deadlines of the step; `None` in lockstep.
     pub deadlines: Option<Deadlines>,
-    /// What the system permitted; on the wall clock.
+    /// Real-time scheduling that the system granted; the default in lockstep.
     pub real_time: RealTime,
-    /// Records that did not reach the recorder.
+    /// Number of records that did not reach the recorder.
     pub lost_records: u64,
-    /// From the process's begin until everybody was connected (s), and from there to the end (s).
+    /// Time from the start of the process until all processes were connected (s).
     pub start_up_s: f64,
-    /// The loop alone (s).
+    /// Time of the loop from then to the end (s).
     pub loop_s: f64,
 }
 
-/// Runs the plant of the run in `folder` to its end.
+/// Runs the plant of the run in `folder` to its end. `recording`: whether there is a recorder.
 ///
 /// # Errors
-/// When it cannot join the run.
+/// When the process cannot join the run or a robot model is invalid. Errors after that are in
+/// [`PlantOutcome::ended`].
 pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let begin = std::time::Instant::now();
     let joined = JoinedRun::new(folder)?;
@@ -71,19 +72,19 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let mut deadlines = Deadlines::default();
     let (ended, real_time) = if services.lockstep() {
         joined.wake_page.advance(Stage::Running);
-        let mut teller = Teller(&joined.wake_page);
+        let mut publisher = ProgressPublisher(&joined.wake_page);
         let ended = lockstep(
             experiment,
             &mut world,
             &mut observer,
             &mut end,
             &mut records,
-            &mut teller,
+            &mut publisher,
         );
         (ended, RealTime::default())
     } else {
         let real_time = RealTime::request(PRIORITY);
-        let mut run = Wall {
+        let mut run = WallClockLoop {
             end: &end,
             records: &mut records,
             wake_page: &joined.wake_page,
@@ -106,24 +107,24 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     })
 }
 
-/// Tells how far the run has come.
-struct Teller<'a>(&'a WakePage);
+/// Publishes the progress of the run on the wake-up page.
+struct ProgressPublisher<'a>(&'a WakePage);
 
-impl Progress for Teller<'_> {
+impl Progress for ProgressPublisher<'_> {
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer) {
-        let (speed_m_s, spacing_error_m) = observer.glance(world);
+        let (speed_m_s, spacing_error_m) = observer.progress(world);
         self.0.publish_progress(now_ns, speed_m_s, spacing_error_m);
     }
 }
 
-/// The plant on the wall clock: a step at each deadline, with the newest torques.
-struct Wall<'a> {
+/// The plant's loop on the wall clock: one step at each deadline, with the newest torques.
+struct WallClockLoop<'a> {
     end: &'a PlantEnd,
     records: &'a mut RecordSender,
     wake_page: &'a WakePage,
 }
 
-impl Wall<'_> {
+impl WallClockLoop<'_> {
     fn run(
         &mut self,
         experiment: &Experiment,
@@ -139,24 +140,24 @@ impl Wall<'_> {
         let mut encoders = vec![Encoders::default(); experiment.robots.len()];
         read_encoders(world, 0, &mut encoders);
         self.end.publish(0, &encoders)?;
-        let start = Monotonic::now().plus_ns(LEAD_NS);
+        let start = Monotonic::now().plus_ns(START_DELAY_NS);
         let clock = WallClock::new(start);
         self.wake_page.set_start_ns(start.to_shared());
         self.wake_page.advance(Stage::Running);
         while world.time_ns() < end_ns {
-            // The step from `now_ns` on is taken when its end is due.
+            // The step that starts at `now_ns` is computed when its end is due.
             let now_ns = world.time_ns();
             let next_ns = (now_ns + step_ns).min(end_ns);
             clock.sleep_until(next_ns);
             let began_ns = clock.now_ns();
             self.end.check()?;
-            actuators.listen(self.end, now_ns, clock, self.records)?;
+            actuators.receive(self.end, now_ns, clock, self.records)?;
             world.step(next_ns - now_ns, &actuators.commands);
             read_encoders(world, next_ns, &mut encoders);
             self.end.publish(next_ns, &encoders)?;
             observer.step(world, next_ns - now_ns, self.records);
             record_sensors(world, encoders.len(), self.records);
-            Teller(self.wake_page).at(next_ns, world, observer);
+            ProgressPublisher(self.wake_page).at(next_ns, world, observer);
             self.records.flush_if_due();
             deadlines.count(next_ns, began_ns, clock.now_ns(), step_ns);
         }
@@ -164,10 +165,11 @@ impl Wall<'_> {
     }
 }
 
-/// The drives of all robots: the newest torque each, none when it is too old.
+/// Actuators of all robots: the newest torque of each, zero once it is older than the timeout.
 struct Actuators {
     newest: Vec<TorqueCommand>,
-    heard_ns: Vec<i64>,
+    /// Time at which each robot's newest torque arrived (ns).
+    received_ns: Vec<i64>,
     commands: Vec<Command>,
     timeout_ns: i64,
 }
@@ -178,13 +180,15 @@ impl Actuators {
         let commands = newest.iter().map(command).collect();
         Self {
             newest,
-            heard_ns: vec![0; robots],
+            received_ns: vec![0; robots],
             commands,
             timeout_ns,
         }
     }
 
-    fn listen(
+    /// Takes over the torques that have arrived, records new ones, and drops those that are too
+    /// old.
+    fn receive(
         &mut self,
         end: &PlantEnd,
         now_ns: i64,
@@ -193,16 +197,16 @@ impl Actuators {
     ) -> Result<(), BusError> {
         end.take_commands(|torque| {
             let robot = torque.robot as usize;
-            self.heard_ns[robot] = now_ns;
+            self.received_ns[robot] = now_ns;
             if torque.tick_ns != self.newest[robot].tick_ns || now_ns == 0 {
                 recorder.record(&applied(now_ns, clock.now_ns(), torque));
             }
             self.newest[robot] = *torque;
             self.commands[robot] = command(torque);
         })?;
-        for (heard_ns, torque) in self.heard_ns.iter().zip(&mut self.commands) {
-            if now_ns - heard_ns > self.timeout_ns {
-                *torque = Command::rest();
+        for (received_ns, command) in self.received_ns.iter().zip(&mut self.commands) {
+            if now_ns - received_ns > self.timeout_ns {
+                *command = Command::zero_torque();
             }
         }
         Ok(())

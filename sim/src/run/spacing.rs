@@ -1,17 +1,18 @@
-//! The true distance between a follower and the robot ahead, along the path that that one drove.
+//! True spacing between a follower and the robot ahead: distance along the path that the latter has
+//! driven.
 
 use std::collections::VecDeque;
 
-/// Two kept points are at least this far apart (m).
-const GRAIN_M: f64 = 0.02;
-/// Points that are kept: the newest so many.
-const ROOM: usize = 4096;
+/// Smallest distance between two stored points of the path (m).
+const POINT_SPACING_M: f64 = 0.02;
+/// Largest number of stored points; older ones are dropped.
+const CAPACITY: usize = 4096;
 
-/// Between two looks a follower moves by less than this along the path (m). Where the path crosses
-/// itself, this says on which of its branches the follower is.
+/// Largest movement of a follower along the path between two measurements (m): where the path
+/// crosses itself, it selects the branch on which the follower is.
 const REACH_M: f64 = 0.5;
 
-/// A point of the path of c.
+/// A point of the path of c, with its arc length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     s_m: f64,
@@ -19,34 +20,35 @@ struct Point {
     y_m: f64,
 }
 
-/// The path that one robot drove, and where on it its follower is.
+/// The path that one robot has driven, and the position of its follower on it.
 #[derive(Debug, Clone)]
 pub(super) struct Spacing {
     points: VecDeque<Point>,
     newest: Point,
-    /// The direction of the straight line behind the first point.
+    /// Direction of the path before the first point, which is taken as straight.
     start_yaw_rad: f64,
-    forgotten: bool,
-    /// Where on the path the follower was when last looked at (m).
+    /// The first point has been dropped.
+    truncated: bool,
+    /// Arc length of the follower's nearest point at the last measurement (m).
     foot_m: Option<f64>,
 }
 
 impl Spacing {
-    /// The robot ahead at its start.
+    /// The path of a robot that starts at this pose.
     pub(super) fn new([x_m, y_m, yaw_rad]: [f64; 3]) -> Self {
         let newest = Point { s_m: 0.0, x_m, y_m };
-        let mut points = VecDeque::with_capacity(ROOM);
+        let mut points = VecDeque::with_capacity(CAPACITY);
         points.push_back(newest);
         Self {
             points,
             newest,
             start_yaw_rad: yaw_rad,
-            forgotten: false,
+            truncated: false,
             foot_m: None,
         }
     }
 
-    /// The robot ahead drove on to a pose.
+    /// Extends the path to the robot's present pose.
     pub(super) fn extend(&mut self, [x_m, y_m, yaw_rad]: [f64; 3]) {
         let (dx, dy) = (x_m - self.newest.x_m, y_m - self.newest.y_m);
         let (sin, cos) = yaw_rad.sin_cos();
@@ -59,31 +61,32 @@ impl Spacing {
         while self.points.len() > 1 && self.points[self.points.len() - 1].s_m >= self.newest.s_m {
             self.points.pop_back();
         }
-        if self.newest.s_m - self.points[self.points.len() - 1].s_m >= GRAIN_M {
-            if self.points.len() == ROOM {
+        if self.newest.s_m - self.points[self.points.len() - 1].s_m >= POINT_SPACING_M {
+            if self.points.len() == CAPACITY {
                 self.points.pop_front();
-                self.forgotten = true;
+                self.truncated = true;
             }
             self.points.push_back(self.newest);
         }
     }
 
-    /// Distance along the path from the point nearest to a follower's c up to the robot ahead (m).
-    pub(super) fn behind(&mut self, [x_m, y_m, _]: [f64; 3]) -> f64 {
+    /// Distance along the path from the point nearest to the follower's c to the robot ahead (m).
+    pub(super) fn distance(&mut self, [x_m, y_m, _]: [f64; 3]) -> f64 {
         let foot_m = self.foot_m;
         let near = |s_m: f64| foot_m.is_none_or(|foot_m| (s_m - foot_m).abs() <= REACH_M);
-        let mut best = (f64::INFINITY, foot_m.unwrap_or(0.0));
-        let mut offer = |distance: f64, s_m: f64| {
-            if distance < best.0 && near(s_m) {
-                best = (distance, s_m);
+        // distance and arc length of the nearest point so far
+        let mut nearest = (f64::INFINITY, foot_m.unwrap_or(0.0));
+        let mut consider = |distance: f64, s_m: f64| {
+            if distance < nearest.0 && near(s_m) {
+                nearest = (distance, s_m);
             }
         };
-        if !self.forgotten {
+        if !self.truncated {
             let first = self.points[0];
             let (sin, cos) = self.start_yaw_rad.sin_cos();
             let (dx, dy) = (x_m - first.x_m, y_m - first.y_m);
             let along = (dx * cos + dy * sin).min(0.0);
-            offer(
+            consider(
                 (dx - along * cos).hypot(dy - along * sin),
                 first.s_m + along,
             );
@@ -102,10 +105,10 @@ impl Spacing {
             let (dx, dy) = (x_m - a.x_m, y_m - a.y_m);
             let share = ((dx * ux + dy * uy) / length2).clamp(0.0, 1.0);
             let distance = (dx - share * ux).hypot(dy - share * uy);
-            offer(distance, a.s_m + share * (b.s_m - a.s_m));
+            consider(distance, a.s_m + share * (b.s_m - a.s_m));
         }
-        self.foot_m = Some(best.1);
-        self.newest.s_m - best.1
+        self.foot_m = Some(nearest.1);
+        self.newest.s_m - nearest.1
     }
 }
 
@@ -114,40 +117,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn on_a_straight_line_it_is_the_distance() {
+    fn equals_the_distance_on_a_straight_line() {
         let mut spacing = Spacing::new([0.6096, 0.0, 0.0]);
-        assert!((spacing.behind([0.0, 0.0, 0.0]) - 0.6096).abs() < 1e-15);
+        assert!((spacing.distance([0.0, 0.0, 0.0]) - 0.6096).abs() < 1e-15);
         for k in 1..400 {
             let x = 0.6096 + 0.003 * f64::from(k);
             spacing.extend([x, 0.0, 0.0]);
-            let behind = spacing.behind([x - 0.5, 0.1, 0.3]);
-            assert!((behind - 0.5).abs() < 1e-12, "{k} {behind}");
+            let distance = spacing.distance([x - 0.5, 0.1, 0.3]);
+            assert!((distance - 0.5).abs() < 1e-12, "{k} {distance}");
         }
     }
 
-    /// Two rounds of a circle: the follower is on the branch on which it was.
+    /// Two rounds of a circle: the follower stays on its branch.
     #[test]
-    fn where_the_path_crosses_itself_it_is_still_the_way() {
+    fn stays_on_its_branch_where_the_path_crosses_itself() {
         let on_circle = |angle: f64| [angle.sin(), 1.0 - angle.cos(), angle];
         let mut spacing = Spacing::new(on_circle(0.0));
         for k in 1..=1200 {
             let angle = f64::from(k) * 0.01;
             spacing.extend(on_circle(angle));
             if angle > 0.7 {
-                let behind = spacing.behind(on_circle(angle - 0.6));
-                assert!((behind - 0.6).abs() < 1e-3, "{k} {behind}");
+                let distance = spacing.distance(on_circle(angle - 0.6));
+                assert!((distance - 0.6).abs() < 1e-3, "{k} {distance}");
             }
         }
     }
 
     #[test]
-    fn around_a_corner_it_is_the_way() {
+    fn is_the_arc_length_in_a_bend() {
         let on_circle = |angle: f64| [angle.sin(), 1.0 - angle.cos(), angle];
         let mut spacing = Spacing::new(on_circle(0.0));
         for k in 1..=200 {
             spacing.extend(on_circle(f64::from(k) * 0.01));
         }
-        let behind = spacing.behind(on_circle(1.3));
-        assert!((behind - 0.7).abs() < 1e-3, "{behind}");
+        let distance = spacing.distance(on_circle(1.3));
+        assert!((distance - 0.7).abs() < 1e-3, "{distance}");
     }
 }

@@ -1,4 +1,4 @@
-//! What sensors make of a state: exact, without noise. Stamps and true times.
+//! Measurement functions: what the sensors report of a state, without noise, and their time stamps.
 
 use std::f64::consts::TAU;
 
@@ -29,38 +29,42 @@ impl<S: Scalar> Streams<S> {
 }
 
 impl<S: Scalar> Robot<S> {
-    /// Stamp (s) that `stream` gives to what it sees at `true_s`: late, by a clock that drifts.
+    /// Time stamp (s) by `stream` of what it measures at the true time `true_s` (s): latency, then
+    /// clock drift.
     pub fn stamp_s(&self, stream: Stream, true_s: S) -> S {
         let rate = self.sensing.clock_rate.of(stream);
         (true_s + self.sensing.latency_s.of(stream)) * (rate + 1.0)
     }
 
-    /// When `stream` saw what it stamped `stamp_s` (s): the inverse of [`Robot::stamp_s`].
+    /// True time (s) at which `stream` measured what it stamped `stamp_s` (s): the inverse of
+    /// [`Robot::stamp_s`].
     pub fn true_s(&self, stream: Stream, stamp_s: S) -> S {
         let rate = self.sensing.clock_rate.of(stream);
         stamp_s / (rate + 1.0) - self.sensing.latency_s.of(stream)
     }
 
-    /// How much older the content of a message to this robot is than its stamp says (s).
+    /// Age of the content of messages to this robot beyond what their stamps say (s).
     pub fn link_delay_s(&self) -> S {
         self.sensing.link_delay_s
     }
 
-    /// What a camera that tracks the declared point c reports: x, y (m) and yaw (rad, not wrapped).
+    /// Pose that a camera or motion capture reports for the true `pose` of c: x, y (m) and yaw
+    /// (rad, not wrapped).
     pub fn measured_pose(&self, pose: [S; 3]) -> [S; 3] {
-        let [forward, left, turn] = self.sensing.pose_offset;
+        let [forward, left, yaw] = self.sensing.pose_offset;
         let [cos, sin] = heading(pose[2]);
         [
             pose[0] + forward * cos - left * sin,
             pose[1] + forward * sin + left * cos,
-            pose[2] + turn,
+            pose[2] + yaw,
         ]
     }
 
-    /// Angles that the encoders report (rad): of the motors' side of the gears, scaled.
+    /// Angles that the encoders report, right and left (rad): with backlash those of the motors;
+    /// scaled by the encoder's error.
     pub fn measured_angle(&self, state: &State<S>) -> Pair<S> {
-        let motors = self.drive.gap_rad.is_some();
-        let [right, left] = if motors {
+        let at_motors = self.actuator.gap_rad.is_some();
+        let [right, left] = if at_motors {
             state.body.motor_angle
         } else {
             state.body.angle
@@ -69,10 +73,10 @@ impl<S: Scalar> Robot<S> {
         [right * scale[0], left * scale[1]]
     }
 
-    /// Speeds of what the encoders count (rad/s).
+    /// Speeds of the angles in [`Robot::measured_angle`] (rad/s).
     pub fn measured_speed(&self, state: &State<S>) -> Pair<S> {
-        let motors = self.drive.gap_rad.is_some();
-        let [right, left] = if motors {
+        let at_motors = self.actuator.gap_rad.is_some();
+        let [right, left] = if at_motors {
             state.body.motor_speed
         } else {
             state.wheel_speed()
@@ -81,8 +85,8 @@ impl<S: Scalar> Robot<S> {
         [right * scale[0], left * scale[1]]
     }
 
-    /// Forward speed (m/s) and yaw rate (rad/s) that the robot itself makes of the encoders' speeds
-    /// (rad/s), by its nominal radius and track.
+    /// Wheel odometry: forward speed (m/s) and yaw rate (rad/s) from the encoders' `speed` (rad/s)
+    /// by the nominal radius and track.
     pub fn odometry(&self, speed: Pair<S>) -> Pair<S> {
         let [r, b] = self.nominal;
         [
@@ -91,28 +95,30 @@ impl<S: Scalar> Robot<S> {
         ]
     }
 
-    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c. On a slope, weight
-    /// shows in it as it does in a real sensor.
+    /// Specific force along and across the body (m/s²) and yaw rate (rad/s) at c, at the end of the
+    /// last step. On a slope it contains gravity, as in a real sensor.
     pub fn measured_inertial(&self, state: &State<S>) -> [S; 3] {
         let [along, across, _] = state.acceleration();
-        let [pull_along, pull_across] = self.pull.map_or([S::constant(0.0); 2], |[x, y]| {
-            let [cos, sin] = heading(state.pose()[2]);
-            [x * cos + y * sin, y * cos - x * sin]
-        });
+        let [gravity_along, gravity_across] =
+            self.slope_gravity.map_or([S::constant(0.0); 2], |[x, y]| {
+                let [cos, sin] = heading(state.pose()[2]);
+                [x * cos + y * sin, y * cos - x * sin]
+            });
         [
-            along - pull_along,
-            across - pull_across,
+            along - gravity_along,
+            across - gravity_across,
             state.velocity()[2],
         ]
     }
 
-    /// Counts in one turn, where the model gives them.
+    /// Encoder counts per revolution of the wheel, if the model gives them.
     pub fn counts_per_rev(&self) -> Option<f64> {
         self.sensing.counts_per_rev
     }
 }
 
-/// Counter of an encoder at `angle_rad`: floor(angle · counts / 2π + phase).
+/// Counter of an encoder at `angle_rad` (rad) with `phase` in [0, 1): floor(angle · counts / 2π +
+/// phase).
 pub(crate) fn counts(angle_rad: f64, counts_per_rev: f64, phase: f64) -> i64 {
     #[expect(
         clippy::cast_possible_truncation,

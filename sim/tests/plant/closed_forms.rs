@@ -1,6 +1,6 @@
-//! Motions whose answer can be written down.
+//! Motions with a closed-form solution.
 
-use crate::support::{STEP_S, assert_near, drive, gripping, robot, torque};
+use crate::support::{STEP_S, assert_near, drive, robot, torque, with_friction};
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, GRAVITY_M_S2};
 
@@ -12,12 +12,12 @@ const M: f64 = 1.5 + 2.0 * 0.064;
 const I_WY: f64 = 0.001_168;
 
 /// N_r = N_l on a straight line (Eq. 4 to 6).
-fn load() -> f64 {
+fn normal_n() -> f64 {
     M * GRAVITY_M_S2 * E / (D + E) / 2.0
 }
 
-/// Eq. 8: a = 2 τ r / (m r² + 2 I_wy). A constant acceleration is integrated exactly: what is left
-/// is rounding over 1000 steps.
+/// Eq. 8: a = 2 τ r / (m r² + 2 I_wy). A constant acceleration is integrated exactly up to rounding
+/// over 1000 steps.
 #[test]
 fn straight_acceleration_while_rolling() {
     let robot = robot(&RobotModel::default());
@@ -30,12 +30,12 @@ fn straight_acceleration_while_rolling() {
     assert_near("y", state.pose()[1], 0.0, 1e-14);
 }
 
-/// 0.13 N m for 0.5 s breaks the wheels away at once. The body accelerates by μ N, the wheel by what
-/// is left, until their speeds meet again: an instant that falls inside a step.
+/// 0.13 N m for 0.5 s makes the wheels break away at once. The body is accelerated by μ N and the
+/// wheel by the rest of the torque, until their speeds are equal again: an event inside a step.
 #[test]
 fn straight_acceleration_with_slip() {
     let (tau, mu) = (0.13, 0.239);
-    let robot = robot(&gripping(mu));
+    let robot = robot(&with_friction(mu));
     let mut state = robot.start([0.0; 3]);
     let push = |t_s: f64| {
         if t_s < 0.5 {
@@ -45,8 +45,8 @@ fn straight_acceleration_with_slip() {
         }
     };
     drive(&robot, &mut state, 0.0, 0.5, STEP_S, push);
-    let body = 2.0 * mu * load() / M;
-    let wheel = (tau - R * mu * load()) / I_WY * R;
+    let body = 2.0 * mu * normal_n() / M;
+    let wheel = (tau - R * mu * normal_n()) / I_WY * R;
     assert_near("body", state.pose()[0], body / 8.0, 1e-12);
     assert_near("wheel", R * state.wheel_angle()[0], wheel / 8.0, 1e-12);
     assert_near("body, as published", state.pose()[0], 0.1856, 5e-5);
@@ -57,9 +57,9 @@ fn straight_acceleration_with_slip() {
         5e-5,
     );
 
-    let ahead = (wheel - body) * 0.5;
-    let closing = body + R * R * mu * load() / I_WY;
-    let longer = ahead / closing;
+    let slip = (wheel - body) * 0.5;
+    let closing = body + R * R * mu * normal_n() / I_WY;
+    let duration = slip / closing;
     let mut slid = 0.0;
     for k in 500..2000 {
         let t_s = f64::from(k) * STEP_S;
@@ -68,25 +68,25 @@ fn straight_acceleration_with_slip() {
         }
         robot.step(&mut state, t_s, STEP_S, &push(t_s));
     }
-    assert_near("slip goes on for", slid, longer, STEP_S);
-    assert_near("slip goes on for, as published", longer, 0.209, 5e-4);
+    assert_near("slip lasts", slid, duration, STEP_S);
+    assert_near("slip lasts, as published", duration, 0.209, 5e-4);
     let gap = R * state.wheel_angle()[0] - state.pose()[0];
-    // the event is found to 1 ms / 8192, in which the speeds differ by up to 0.4 µm/s
+    // the event is located to 1 ms / 8192, in which the speeds differ by up to 0.4 µm/s
     assert_near(
         "gap",
         gap,
-        ahead * 0.5 / 2.0 + ahead * longer / 2.0,
+        slip * 0.5 / 2.0 + slip * duration / 2.0,
         1e-9 + 4e-7,
     );
     assert_near("gap, as published", gap, 0.2126, 5e-5);
 }
 
-/// Wheels break away at exactly τ_max (Eq. 11), and not below.
+/// Wheels break away above τ_max (Eq. 11) and stick below it.
 #[test]
-fn break_away_at_tau_max() {
+fn wheels_break_away_at_tau_max() {
     let mu = 0.24;
-    let tau_max = mu * load() * (2.0 * I_WY + M * R * R) / (M * R);
-    let robot = robot(&gripping(mu));
+    let tau_max = mu * normal_n() * (2.0 * I_WY + M * R * R) / (M * R);
+    let robot = robot(&with_friction(mu));
     for (factor, slides) in [(1.0 - 1e-8, false), (1.0 + 1e-8, true)] {
         let mut state = robot.start([0.0; 3]);
         let tau = tau_max * factor;
@@ -111,7 +111,7 @@ fn steady_circle() {
     let axle = [v / w * sin - D, v / w * (1.0 - cos)];
     let [x, y, phi] = state.pose();
     assert_near("phi", phi, w * 7.0, 1e-11);
-    // chords of arcs of 1.3 mrad, to the sixth order of the turn: rounding is what is left
+    // arcs of 1.3 mrad per step are integrated exactly up to rounding
     assert_near("x", x, axle[0] + D * cos, 1e-11);
     assert_near("y", y, axle[1] + D * sin, 1e-11);
     let [right, left] = state.wheel_speed();
@@ -119,7 +119,8 @@ fn steady_circle() {
     assert_near("left wheel", left, (v - B * w) / R, 1e-12);
 }
 
-/// Against viscous drag alone a robot coasts v0 / k far, with k = c / (m + 2 I_wy / r²).
+/// Against viscous drag alone the speed of a coasting robot decays with rate k = c / (m + 2 I_wy /
+/// r²): it covers v0 / k.
 #[test]
 fn coast_down() {
     let robot = robot(&RobotModel::default().with("viscous_drag", &[("coefficient", 2.0)]));
@@ -147,12 +148,12 @@ fn coast_down() {
     assert_near("distance", state.pose()[0] - start, far, 1e-7);
 }
 
-/// With dry axles whose friction exceeds the slope's moment, and with speed command 0, a robot
-/// stands for ten minutes along, across and askew on a slope, to the last bit.
+/// With axle friction that exceeds the slope's moment, and with a speed command of zero, a robot
+/// stands still on a slope for ten minutes in any orientation, to the last bit.
 #[test]
 fn standing_on_a_slope() {
     for downhill in [0.0, 1.0, std::f64::consts::FRAC_PI_2, 3.0] {
-        let slope = gripping(0.24).with(
+        let slope = with_friction(0.24).with(
             "floor_slope",
             &[("grade", 0.05), ("downhill_rad", downhill)],
         );
@@ -181,25 +182,25 @@ fn standing_on_a_slope() {
     }
 }
 
-/// A robot whose wheels are held slides down a slope that is steeper than its friction. Only the
-/// driven wheels brake: m g sin α − μ (N_r + N_l) is left to accelerate it.
+/// A robot with locked wheels slides down a slope that is steeper than its friction angle. Only the
+/// driven wheels brake, so that m g sin α − μ (N_r + N_l) accelerates it.
 #[test]
 fn sliding_down_a_steep_slope() {
     let (mu, grade): (f64, f64) = (0.24, 0.3);
-    let model = gripping(mu).with("floor_slope", &[("grade", grade), ("downhill_rad", 0.0)]);
+    let model = with_friction(mu).with("floor_slope", &[("grade", grade), ("downhill_rad", 0.0)]);
     let robot = robot(&model);
     let mut state = robot.start([0.0; 3]);
-    let held = |_| Command::Speed {
+    let locked = |_| Command::Speed {
         right_rad_s: 0.0,
         left_rad_s: 0.0,
     };
-    drive(&robot, &mut state, 0.0, 1.0, STEP_S, held);
+    drive(&robot, &mut state, 0.0, 1.0, STEP_S, locked);
     let upright = 1.0 / (1.0 + grade * grade).sqrt();
     let a = GRAVITY_M_S2 * upright * (grade - mu * E / (D + E));
     assert_near("x", state.pose()[0], a / 2.0, 1e-12);
 }
 
-/// A voltage turns a lifted-off or rolling robot up to the motor's line: τ = k V − c ω.
+/// Under a voltage the robot approaches the motor's no-load speed: τ = k V − c ω.
 #[test]
 fn voltage_drives_to_the_no_load_speed() {
     let robot = robot(&RobotModel::default());

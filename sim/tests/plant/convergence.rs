@@ -1,6 +1,6 @@
-//! Steps of 1 ms against a reference of 1 µs, over 10 s of mixed driving.
+//! Convergence: steps of 1 ms against a reference with steps of 1 µs, over 10 s of mixed driving.
 
-use crate::support::{drive, gripping, mixed, robot, torque};
+use crate::support::{drive, mixed, robot, torque, with_friction};
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Robot, State};
 
@@ -15,7 +15,7 @@ fn mixed_drive(robot: &Robot, step_s: f64, size_nm: f64) -> State {
     state
 }
 
-/// Largest distance (m) between a run at `step_s` and the reference at the end of 10 s.
+/// Distance (m) after 10 s between a run at each of `steps_s` (s) and the reference.
 fn error(model: &RobotModel, size_nm: f64, steps_s: &[f64]) -> Vec<f64> {
     let robot = robot(model);
     let reference = mixed_drive(&robot, REFERENCE_S, size_nm).pose();
@@ -38,7 +38,7 @@ fn rolling_is_within_10_micrometres_and_second_order() {
 #[test]
 fn slipping_is_within_100_micrometres() {
     for (friction, size_nm) in [(0.24, 0.10), (0.2, 0.09), (0.3, 0.13)] {
-        let errors = error(&gripping(friction), size_nm, &[1e-3]);
+        let errors = error(&with_friction(friction), size_nm, &[1e-3]);
         println!("slipping at {friction}, {size_nm} N m: {errors:?}");
         assert!(errors[0] < 100e-6, "{friction}, {size_nm}: {errors:?}");
     }
@@ -48,6 +48,6 @@ fn slipping_is_within_100_micrometres() {
 fn static_friction_above_kinetic_is_within_100_micrometres() {
     let model = RobotModel::paper_with_slip();
     let errors = error(&model, 0.10, &[1e-3]);
-    println!("paper's floor: {errors:?}");
+    println!("static above kinetic friction: {errors:?}");
     assert!(errors[0] < 100e-6, "{errors:?}");
 }

@@ -1,4 +1,5 @@
-//! Derivatives by dual numbers against central differences, for every parameter of every effect.
+//! Derivatives by dual numbers against central differences, for every parameter of every effect,
+//! through events too.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +11,7 @@ use slipstream_sim::{Command, CommandKind, Robot, Scalar, Stream, lift, read_eff
 
 type Dual = DualSVec64<1>;
 
-/// All that a recording of 1.5 s could show.
+/// All quantities that a recording of 1.5 s may contain.
 fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> {
     let mut state = robot.start([0.0, 0.0, 0.3].map(S::constant));
     for k in 0..1500 {
@@ -33,13 +34,13 @@ fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> 
         robot.step(&mut state, t_s, STEP_S, &command);
     }
     let second = S::constant(1.5);
-    let mut seen = robot.measured_pose(state.pose()).to_vec();
-    seen.extend(state.velocity());
-    seen.extend(robot.measured_angle(&state));
-    seen.extend(state.wheel_angle());
-    seen.extend([Stream::Pose, Stream::Wheels, Stream::Imu].map(|s| robot.stamp_s(s, second)));
-    seen.push(robot.link_delay_s());
-    seen
+    let mut observed = robot.measured_pose(state.pose()).to_vec();
+    observed.extend(state.velocity());
+    observed.extend(robot.measured_angle(&state));
+    observed.extend(state.wheel_angle());
+    observed.extend([Stream::Pose, Stream::Wheels, Stream::Imu].map(|s| robot.stamp_s(s, second)));
+    observed.push(robot.link_delay_s());
+    observed
 }
 
 struct Case {
@@ -201,8 +202,8 @@ fn model(case: &Case) -> RobotModel {
     model
 }
 
-/// Central difference and derivative of everything observed; the largest difference between them,
-/// as a share of the largest derivative.
+/// Largest deviation of the derivatives of all observed quantities from central differences, and
+/// the largest derivative.
 fn compare(case: &Case, parameter: &str, value: f64) -> (f64, f64) {
     let model = model(case);
     let list = read_effects(&model).unwrap();
@@ -238,30 +239,30 @@ fn compare(case: &Case, parameter: &str, value: f64) -> (f64, f64) {
     let step = 5e-4 * value.abs().max(1e-2);
     let (above, below) = (shifted(step), shifted(-step));
     let mut largest: f64 = 0.0;
-    let mut apart: f64 = 0.0;
+    let mut deviation: f64 = 0.0;
     for ((dual, above), below) in dual.iter().zip(above).zip(below) {
         let derivative = dual.eps.0.map_or(0.0, |eps| eps[0]);
         largest = largest.max(derivative.abs());
-        apart = apart.max((derivative - (above - below) / (2.0 * step)).abs());
+        deviation = deviation.max((derivative - (above - below) / (2.0 * step)).abs());
     }
-    (apart, largest)
+    (deviation, largest)
 }
 
-/// What a difference over 5e-4 of the value can tell where events are found to 0.1 µs.
-const SHARE: f64 = 5e-3;
+/// Relative accuracy of a difference over 5e-4 of the value where events are located to 0.1 µs.
+const TOLERANCE: f64 = 5e-3;
 
 #[test]
-fn dual_numbers_agree_with_differences() {
+fn dual_numbers_agree_with_central_differences() {
     let mut wrong = Vec::new();
     for case in CASES {
         for &(parameter, value) in case.parameters {
-            let (apart, largest) = compare(case, parameter, value);
+            let (deviation, largest) = compare(case, parameter, value);
             let label = format!("{} {parameter} ({:?})", case.effect, case.kind);
-            println!("{label}: {apart:.2e} of {largest:.2e}");
-            // commands stay on their side of a dead band
-            let flat = case.effect == "command_dead_band" && apart == 0.0;
-            if !flat && (largest == 0.0 || apart > SHARE * largest) {
-                wrong.push(format!("{label}: {apart:e} of {largest:e}"));
+            println!("{label}: {deviation:.2e} of {largest:.2e}");
+            // no command crosses the dead band's edge: the derivative is zero
+            let flat = case.effect == "command_dead_band" && deviation == 0.0;
+            if !flat && (largest == 0.0 || deviation > TOLERANCE * largest) {
+                wrong.push(format!("{label}: {deviation:e} of {largest:e}"));
             }
         }
     }
@@ -278,7 +279,7 @@ fn every_parameter_is_covered() {
         for parameter in info.parameters {
             if matches!(parameter.domain, Domain::Number { .. }) {
                 let key = (info.id, parameter.name);
-                // a dead band on speeds is the one on torques with another unit
+                // the dead band on speeds shares its code with the one on torques
                 let twin = key == ("command_dead_band", "speed_rad_s");
                 assert!(covered.contains(&key) || twin, "{key:?} has no case");
             }

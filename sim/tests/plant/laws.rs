@@ -1,6 +1,8 @@
-//! Laws that hold for every robot and every command.
+//! Physical laws that hold for every robot and every command.
 
-use crate::support::{STEP_S, assert_near, drive, gripping, kinetic_energy, mixed, robot, torque};
+use crate::support::{
+    STEP_S, assert_near, drive, kinetic_energy, mixed, robot, torque, with_friction,
+};
 use proptest::prelude::*;
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot, State};
@@ -12,16 +14,16 @@ fn mixed_torque(size_nm: f64) -> impl Fn(f64) -> Command {
     }
 }
 
-/// Without input, and whatever rubs, energy does not grow. The explicit trapezoid may add to the
-/// inertial terms' energy in the third order of the step: 1e-9 of it in a step.
+/// Without input energy never grows, with any friction. Heun's method may add energy in the
+/// inertial terms, of third order in the step: 1e-9 of it per step.
 #[test]
 fn energy_never_grows_without_input() {
     let frictions = [
         RobotModel::default(),
-        gripping(0.05),
-        gripping(0.24),
-        gripping(0.24).with("axle_friction", &[("torque_nm", 0.004)]),
-        gripping(0.15).with("caster_drag", &[("friction", 0.1)]),
+        with_friction(0.05),
+        with_friction(0.24),
+        with_friction(0.24).with("axle_friction", &[("torque_nm", 0.004)]),
+        with_friction(0.15).with("caster_drag", &[("friction", 0.1)]),
         RobotModel::default()
             .with("rolling_resistance", &[("coefficient", 0.01)])
             .with("yaw_scrub", &[("moment_nm", 0.01)])
@@ -55,7 +57,7 @@ fn energy_never_grows_without_input() {
     }
 }
 
-/// Rolling without friction loses nothing: what was driven in comes out again.
+/// Rolling without friction is conservative: the kinetic energy is the work of the motors.
 #[test]
 fn energy_is_the_work_of_the_motors() {
     let model = RobotModel::default();
@@ -78,21 +80,20 @@ fn energy_is_the_work_of_the_motors() {
     assert_near("energy", energy, work, 1e-6 * work);
 }
 
-/// Each wheel's force stays inside its cone, and is at its edge, opposite to the slip, while it
-/// slides.
+/// The forces of each wheel stay inside its friction disc.
 #[test]
-fn forces_stay_inside_the_friction_limit() {
+fn forces_stay_inside_the_friction_disc() {
     let (friction, height) = (0.24, 0.0216);
-    let robot = robot(&gripping(friction));
+    let robot = robot(&with_friction(friction));
     let mut state = robot.start([0.0; 3]);
     let (mut slid, mut stuck) = (0, 0);
     for k in 0..20_000 {
         let t_s = f64::from(k) * STEP_S;
         robot.step(&mut state, t_s, STEP_S, &mixed_torque(0.1)(t_s));
-        let contact = state.contact();
+        let contact = state.contact_forces();
         let [right, left] = contact.normal_n;
         let limits = contact.normal_n.map(|n| friction * n);
-        let spare = [0, 1].map(|i| limits[i].powi(2) - contact.along_n[i].powi(2));
+        let spare = [0, 1].map(|i| limits[i].powi(2) - contact.longitudinal_n[i].powi(2));
         let tolerance = 1e-8 * (limits[0] + limits[1]);
         assert!(
             spare[0] > -tolerance && spare[1] > -tolerance,
@@ -100,13 +101,13 @@ fn forces_stay_inside_the_friction_limit() {
         );
         let across = spare[0].max(0.0).sqrt() + spare[1].max(0.0).sqrt();
         assert!(
-            contact.across_n.abs() <= across + 1e-3 * across.max(1e-3),
+            contact.lateral_n.abs() <= across + 1e-3 * across.max(1e-3),
             "{contact:?}"
         );
         assert_near(
             "Eq. 5",
             (right - left) * 0.105,
-            contact.across_n * height,
+            contact.lateral_n * height,
             1e-12,
         );
         if state.slides() == [true, true] {
@@ -117,11 +118,11 @@ fn forces_stay_inside_the_friction_limit() {
     }
     assert!(
         slid > 500 && stuck > 500,
-        "both modes were driven: {slid} and {stuck}"
+        "both modes occur: {slid} and {stuck}"
     );
 }
 
-fn run(model: &RobotModel, pose: [f64; 3], size_nm: f64, swap: bool) -> State {
+fn drive_mixed(model: &RobotModel, pose: [f64; 3], size_nm: f64, swap: bool) -> State {
     let robot = robot(model);
     let mut state = robot.start(pose);
     drive(&robot, &mut state, 0.0, 5.0, STEP_S, |t_s| {
@@ -135,29 +136,29 @@ fn run(model: &RobotModel, pose: [f64; 3], size_nm: f64, swap: bool) -> State {
     state
 }
 
-/// Left and right exchanged gives the mirror image. Sums in another order round otherwise; slip
-/// lets a difference of the last digit grow to 1e-7 in 5 s.
+/// Exchanging left and right gives the mirror image. Sums in another order round differently; with
+/// slip, differences in the last digit grow to 1e-7 in 5 s.
 #[test]
 fn mirror_symmetry() {
     for (model, size_nm, tolerance) in [
         (RobotModel::default(), 0.05, 1e-11),
-        (gripping(0.24), 0.1, 1e-6),
+        (with_friction(0.24), 0.1, 1e-6),
     ] {
-        let [x, y, phi] = run(&model, [0.0; 3], size_nm, false).pose();
-        let mirrored = run(&model, [0.0; 3], size_nm, true).pose();
+        let [x, y, phi] = drive_mixed(&model, [0.0; 3], size_nm, false).pose();
+        let mirrored = drive_mixed(&model, [0.0; 3], size_nm, true).pose();
         assert_near("x", mirrored[0], x, tolerance);
         assert_near("y", mirrored[1], -y, tolerance);
         assert_near("phi", mirrored[2], -phi, tolerance);
     }
 }
 
-/// A frame that is moved and turned sees the same motion.
+/// The motion does not depend on position and orientation of the world frame.
 #[test]
 fn frame_invariance() {
-    for (model, size_nm) in [(RobotModel::default(), 0.05), (gripping(0.24), 0.1)] {
-        let [x, y, phi] = run(&model, [0.0; 3], size_nm, false).pose();
+    for (model, size_nm) in [(RobotModel::default(), 0.05), (with_friction(0.24), 0.1)] {
+        let [x, y, phi] = drive_mixed(&model, [0.0; 3], size_nm, false).pose();
         let (x0, y0, turn) = (3.0, -7.0, 1.1_f64);
-        let moved = run(&model, [x0, y0, turn], size_nm, false).pose();
+        let moved = drive_mixed(&model, [x0, y0, turn], size_nm, false).pose();
         let (sin, cos) = turn.sin_cos();
         assert_near("x", moved[0], x0 + x * cos - y * sin, 1e-11);
         assert_near("y", moved[1], y0 + x * sin + y * cos, 1e-11);
@@ -165,10 +166,10 @@ fn frame_invariance() {
     }
 }
 
-/// On ice the wheels spin and the robot's momentum, linear and angular, stays what a push made it.
+/// On almost frictionless floor the wheels spin and the robot keeps the linear momentum of a push.
 #[test]
-fn momentum_on_a_frictionless_floor() {
-    let model = gripping(1e-3)
+fn momentum_is_kept_on_a_frictionless_floor() {
+    let model = with_friction(1e-3)
         .with(
             "friction_patch",
             &[
@@ -190,34 +191,34 @@ fn momentum_on_a_frictionless_floor() {
     let momentum = |state: &State| {
         let [u, w, rate] = state.velocity();
         let (sin, cos) = state.pose()[2].sin_cos();
-        // of body and wheels; the wheels' masses lie d behind c
+        // of body and wheels; the wheels' masses are d behind c
         let (m, back) = (1.5 + 2.0 * 0.064, 2.0 * 0.064 * 0.055);
         let (along, across) = (m * u, m * w - back * rate);
         [along * cos - across * sin, along * sin + across * cos]
     };
     let before = momentum(&state);
-    let grip = 1e-3 * 1.628 * 9.81;
-    // the push's 0.5 N s less what a friction of 0.001 takes in 0.2 s
-    assert_near("x", before[0], 0.5 * 0.7_f64.cos(), 0.2 * grip);
-    assert_near("y", before[1], 0.5 * 0.7_f64.sin(), 0.2 * grip);
+    let friction_n = 1e-3 * 1.628 * 9.81;
+    // the push's 0.5 N s less what friction of 0.001 takes in 0.2 s
+    assert_near("x", before[0], 0.5 * 0.7_f64.cos(), 0.2 * friction_n);
+    assert_near("y", before[1], 0.5 * 0.7_f64.sin(), 0.2 * friction_n);
     drive(&robot, &mut state, 0.2, 1.0, STEP_S, |_| {
         torque(0.05, -0.02)
     });
     let after = momentum(&state);
-    assert_near("x", after[0], before[0], grip);
-    assert_near("y", after[1], before[1], grip);
+    assert_near("x", after[0], before[0], friction_n);
+    assert_near("y", after[1], before[1], friction_n);
 }
 
-/// Where nothing dissipates, the motion runs backwards: opposite velocities under the torques in
-/// reverse order lead back to the start. Heun's rule is not reversible itself: 1e-6 in 4 s.
+/// Without dissipation the motion is reversible: from opposite velocities, the torques in reverse
+/// order lead back to the start. Heun's method itself is not reversible: 1e-6 in 4 s.
 #[test]
-fn reversible_without_friction() {
+fn motion_is_reversible_without_friction() {
     let robot = robot(&RobotModel::default());
-    let mut there = robot.start([0.0; 3]);
+    let mut forth = robot.start([0.0; 3]);
     let command = mixed_torque(0.05);
-    drive(&robot, &mut there, 0.0, 4.0, STEP_S, &command);
-    let mut back = robot.start(there.pose());
-    let (velocity, wheels) = (there.velocity(), there.wheel_speed());
+    drive(&robot, &mut forth, 0.0, 4.0, STEP_S, &command);
+    let mut back = robot.start(forth.pose());
+    let (velocity, wheels) = (forth.velocity(), forth.wheel_speed());
     robot.set_motion(&mut back, velocity.map(|v| -v), wheels.map(|w| -w));
     drive(&robot, &mut back, 0.0, 4.0, STEP_S, |t_s| {
         command(4.0 - t_s)
@@ -227,12 +228,12 @@ fn reversible_without_friction() {
     }
 }
 
-/// A wheel of almost no inertia rolls, spins and stops as any other.
+/// Wheels of almost no inertia roll, spin and stop like any others.
 #[test]
 fn any_positive_wheel_inertia_is_stable() {
     for inertia in [1e-12, 1e-9, 1e-6, 1e-3, 1.0] {
         for friction in [None, Some(0.24)] {
-            let mut model = friction.map_or_else(RobotModel::default, gripping);
+            let mut model = friction.map_or_else(RobotModel::default, with_friction);
             model.robot.wheel_spin_inertia_kg_m2 = Some(inertia);
             let robot = robot(&model);
             let mut state = robot.start([0.0; 3]);
@@ -242,7 +243,7 @@ fn any_positive_wheel_inertia_is_stable() {
                 u.hypot(w) < 10.0 && rate.abs() < 100.0,
                 "I_wy {inertia}: {u} {w} {rate}"
             );
-            // Eq. 1, wherever the wheels roll
+            // Eq. 1 while the wheels roll
             if state.slides() == [false, false] {
                 for slip in robot.slip_m_s(&state) {
                     assert_near("slip", slip, 0.0, 1e-12);
@@ -254,7 +255,7 @@ fn any_positive_wheel_inertia_is_stable() {
 
 /// Without wheel slip, Eq. 1 holds to 1e-12 after every step.
 #[test]
-fn rolling_is_exact() {
+fn rolling_satisfies_eq_1() {
     let robot = robot(&RobotModel::default());
     let mut state = robot.start([0.0; 3]);
     for k in 0..10_000 {
@@ -266,25 +267,31 @@ fn rolling_is_exact() {
     }
 }
 
-/// The short ways agree with the general step: a push of nothing, far off, makes a robot take that.
+/// The fast paths agree with the general step, which a push of zero in the far future forces a
+/// robot to take.
 #[test]
-fn short_ways_agree_with_the_general_step() {
-    let far = [("t_s", 1e5), ("impulse_n_s", 0.0), ("direction_rad", 0.0)];
+fn fast_paths_agree_with_the_general_step() {
+    let zero_push = [("t_s", 1e5), ("impulse_n_s", 0.0), ("direction_rad", 0.0)];
     for (model, size_nm) in [
         (RobotModel::default(), 0.05),
         (RobotModel::paper_with_slip(), 0.03),
         (RobotModel::paper_with_slip(), 0.11),
     ] {
-        let short = run(&model, [0.1, 0.2, 0.3], size_nm, false);
-        let general = run(&model.with("push", &far), [0.1, 0.2, 0.3], size_nm, false);
-        for (a, b) in short.pose().into_iter().zip(general.pose()) {
-            // sums in another order; sliding lets a difference of the last digit grow
+        let fast = drive_mixed(&model, [0.1, 0.2, 0.3], size_nm, false);
+        let general = drive_mixed(
+            &model.with("push", &zero_push),
+            [0.1, 0.2, 0.3],
+            size_nm,
+            false,
+        );
+        for (a, b) in fast.pose().into_iter().zip(general.pose()) {
+            // sums in another order; with slip, differences in the last digit grow
             assert_near("pose", a, b, 1e-7);
         }
     }
 }
 
-fn some_robot() -> impl Strategy<Value = RobotModel> {
+fn any_robot() -> impl Strategy<Value = RobotModel> {
     let masses = (0.05..50.0, 0.001..2.0, 1e-6..1e-2_f64, 0.02..0.3_f64);
     let lengths = (0.05..0.5_f64, 0.0..0.3_f64, 0.05..0.5_f64, 0.0..0.2_f64);
     let effects = proptest::collection::vec(0..12_usize, 0..5);
@@ -338,11 +345,11 @@ fn some_robot() -> impl Strategy<Value = RobotModel> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Random robots with random effects under random commands of every kind stay finite and no
-    /// faster than their input allows.
+    /// Random robots with random effects under random commands of every kind stay finite and slower
+    /// than their input allows.
     #[test]
-    fn nothing_blows_up(
-        model in some_robot(),
+    fn motion_stays_bounded(
+        model in any_robot(),
         kind in 0..4,
         sizes in proptest::collection::vec((-2.0..2.0_f64, -2.0..2.0_f64), 25),
     ) {
@@ -359,8 +366,8 @@ proptest! {
             robot.step(&mut state, k as f64 * STEP_S, STEP_S, &command);
         }
         let [u, w, rate] = state.velocity();
-        let everything = [state.pose(), state.velocity()];
-        prop_assert!(everything.iter().flatten().all(|value| value.is_finite()), "{everything:?}");
+        let all = [state.pose(), state.velocity()];
+        prop_assert!(all.iter().flatten().all(|value| value.is_finite()), "{all:?}");
         prop_assert!(u.hypot(w) < 60.0 && rate.abs() < 600.0, "{u} {w} {rate}");
     }
 }

@@ -1,14 +1,14 @@
-//! The plant against closed forms, laws and references.
+//! The plant against closed-form solutions, physical laws, its own derivatives and a fine
+//! reference.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on says so and stops"
-)]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+mod catalogue;
 mod closed_forms;
 mod convergence;
 mod derivatives;
 mod effects;
 mod laws;
 mod paper;
+mod sensors;
 mod support;

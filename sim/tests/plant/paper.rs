@@ -1,4 +1,4 @@
-//! The quantities that the paper prints, recomputed: which agree, and why others do not.
+//! Quantities printed in the paper, recomputed: which agree, and why others do not.
 
 use crate::support::{STEP_S, assert_near, drive, robot, torque};
 use slipstream_bus::RobotModel;
@@ -13,7 +13,7 @@ const M_T: f64 = 1.5 + 2.0 * M_W;
 const I_WY: f64 = 0.001_168;
 const MU: f64 = 0.24;
 
-/// One quantity: as printed, as its own formula gives it from the paper's own numbers.
+/// One quantity: as printed, and as the paper's formula gives it from the paper's parameters.
 struct Row {
     quantity: &'static str,
     printed: f64,
@@ -21,7 +21,7 @@ struct Row {
     reason: &'static str,
 }
 
-/// Wheel acceleration at the limit of friction when the driven wheels carry `load` (N).
+/// Wheel acceleration at the friction limit when the driven wheels carry `load` (N).
 fn wheel_acceleration(load: f64) -> f64 {
     MU * load / M_T / R
 }
@@ -33,7 +33,7 @@ fn tau_max(normal: f64) -> f64 {
 
 fn table() -> Vec<Row> {
     let driven = M_T * GRAVITY_M_S2 * E / (D + E);
-    // m_t a h moved to the driven wheels, a being the acceleration that the moved load allows
+    // m_t a h shifted to the driven wheels, a being the acceleration that the shifted load allows
     let transferred = driven / (1.0 - MU * H / (D + E));
     // and the reaction of both wheels' spin, 2 I_wy a / r
     let reacting = driven / (1.0 - MU * (H + 2.0 * I_WY / (R * M_T)) / (D + E));
@@ -48,7 +48,7 @@ fn table() -> Vec<Row> {
             quantity: "tau_max, with longitudinal load transfer through h",
             printed: 0.095,
             computed: tau_max(transferred / 2.0),
-            reason: "agrees to 0.4 %: the printed value may hold it",
+            reason: "agrees to 0.4 %: the printed value may include it",
         },
         Row {
             quantity: "wheel acceleration at tau_max, Eq. 11 (rad/s^2)",
@@ -72,11 +72,11 @@ fn table() -> Vec<Row> {
 }
 
 #[test]
-fn the_table_of_checked_quantities() {
+fn recomputed_quantities() {
     let rows = table();
     println!(
         "{:<70} {:>8} {:>9} {:>7}  why",
-        "quantity", "printed", "computed", "apart"
+        "quantity", "printed", "computed", "error"
     );
     for Row {
         quantity,
@@ -85,8 +85,8 @@ fn the_table_of_checked_quantities() {
         reason,
     } in &rows
     {
-        let apart = 100.0 * (computed / printed - 1.0);
-        println!("{quantity:<70} {printed:>8} {computed:>9.4} {apart:>6.1}%  {reason}");
+        let error = 100.0 * (computed / printed - 1.0);
+        println!("{quantity:<70} {printed:>8} {computed:>9.4} {error:>6.1}%  {reason}");
     }
     let expected = [0.0920, 0.0953, 40.9, 42.3, 45.3];
     for (row, expected) in rows.iter().zip(expected) {
@@ -94,10 +94,9 @@ fn the_table_of_checked_quantities() {
     }
 }
 
-/// The plant agrees with the table: at these torques its wheels begin to slip, and this fast they
-/// then accelerate at most.
+/// The plant agrees with the table: its wheels break away at these torques, with this acceleration.
 #[test]
-fn the_plant_breaks_away_where_the_table_says() {
+fn the_plant_breaks_away_at_the_computed_torque() {
     let slip = [("friction_static", MU), ("friction_kinetic", MU)];
     let plain = RobotModel::default().with("wheel_slip", &slip);
     let transfer = plain.clone().with("load_transfer", &[("com_height_m", H)]);
@@ -121,9 +120,9 @@ fn the_plant_breaks_away_where_the_table_says() {
     }
 }
 
-/// Eq. 3 as it has to be read. The printed rows of M hold a lost bracket in f11 and a torque order
-/// that differs from q's: here the equations for c are derived anew from the wheels' masses on the
-/// axle, and the plant satisfies them at every instant.
+/// Eq. 3 as it is meant. In print f11 lacks a sine, and the rows of M2 are in another order than q:
+/// here the equations for c are derived from the wheels' masses on the axle, and the plant
+/// satisfies them at every instant.
 #[test]
 fn the_plant_satisfies_eq_3() {
     let model = RobotModel::paper_with_slip();
@@ -143,9 +142,9 @@ fn the_plant_satisfies_eq_3() {
         let phi_d = state.velocity()[2];
         let (s, c) = phi.sin_cos();
         let [x_dd, y_dd] = [along * c - across * s, along * s + across * c];
-        let contact = state.contact();
-        let f_long = contact.along_n[0] + contact.along_n[1];
-        let f_lat = contact.across_n;
+        let contact = state.contact_forces();
+        let f_long = contact.longitudinal_n[0] + contact.longitudinal_n[1];
+        let f_lat = contact.lateral_n;
         let (m13, m23) = (2.0 * D * M_W * s, 2.0 * D * M_W * c);
         let rows = [
             M_T * x_dd + m13 * phi_dd + 2.0 * D * M_W * phi_d * phi_d * c
@@ -153,9 +152,9 @@ fn the_plant_satisfies_eq_3() {
             M_T * y_dd - m23 * phi_dd + 2.0 * D * M_W * phi_d * phi_d * s
                 - (f_long * s + f_lat * c),
             m13 * x_dd - m23 * y_dd + i_t * phi_dd
-                - ((contact.along_n[0] - contact.along_n[1]) * b - f_lat * D),
+                - ((contact.longitudinal_n[0] - contact.longitudinal_n[1]) * b - f_lat * D),
         ];
-        // forces are those at the predicted end of the step: the velocities differ from it by O(h^2)
+        // forces are those at the predicted end of the step, whose velocity is off by O(h^2)
         for row in rows {
             assert_near("Eq. 3", row, 0.0, 2e-4);
         }

@@ -1,4 +1,4 @@
-//! Short ways to drive a robot.
+//! Helpers for driving a robot in tests.
 
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot, Scalar, State};
@@ -17,8 +17,13 @@ pub(crate) fn robot(model: &RobotModel) -> Robot {
     Robot::new(model).unwrap()
 }
 
-/// The paper's robot with equal coefficients of friction.
-pub(crate) fn gripping(friction: f64) -> RobotModel {
+/// The paper's robot with one effect, without wheel slip.
+pub(crate) fn robot_with(effect: &str, parameters: &[(&str, f64)]) -> Robot {
+    robot(&RobotModel::default().with(effect, parameters))
+}
+
+/// The paper's robot with equal static and kinetic friction at the driven wheels.
+pub(crate) fn with_friction(friction: f64) -> RobotModel {
     RobotModel::default().with(
         "wheel_slip",
         &[
@@ -28,7 +33,8 @@ pub(crate) fn gripping(friction: f64) -> RobotModel {
     )
 }
 
-/// Drives for `over_s` in steps of `step_s` under a command that depends on time.
+/// Steps from `from_s` for `over_s` in steps of `step_s` (s) under a command that depends on the
+/// time at the middle of the step.
 pub(crate) fn drive<S: Scalar>(
     robot: &Robot<S>,
     state: &mut State<S>,
@@ -44,7 +50,18 @@ pub(crate) fn drive<S: Scalar>(
     }
 }
 
-/// A torque profile that starts, turns, brakes and reverses, holding each value for 20 ms.
+/// Drives from rest for `over_s` (s) at constant wheel speeds (rad/s).
+pub(crate) fn drive_at_speeds(robot: &Robot, over_s: f64, right: f64, left: f64) -> State {
+    let mut state = robot.start([0.0; 3]);
+    let command = |_| Command::Speed {
+        right_rad_s: right,
+        left_rad_s: left,
+    };
+    drive(robot, &mut state, 0.0, over_s, STEP_S, command);
+    state
+}
+
+/// A torque profile that accelerates, turns, brakes and reverses, constant for 20 ms at a time.
 pub(crate) fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
     let t = (t_s / 0.02).floor() * 0.02;
     let right = (1.7 * t).sin() + 0.5 * (4.1 * t).cos();
@@ -52,7 +69,7 @@ pub(crate) fn mixed(t_s: f64, size_nm: f64) -> [f64; 2] {
     [right * size_nm, left * size_nm]
 }
 
-/// Kinetic energy of the paper's robot (J), from its masses and not from the plant's matrix.
+/// Kinetic energy of `model` (J), from its masses instead of the plant's mass matrix.
 pub(crate) fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
     let body = &model.robot;
     let known = |value: Option<f64>| value.unwrap();
@@ -74,6 +91,6 @@ pub(crate) fn kinetic_energy(model: &RobotModel, state: &State) -> f64 {
 pub(crate) fn assert_near(what: &str, value: f64, expected: f64, tolerance: f64) {
     assert!(
         (value - expected).abs() <= tolerance,
-        "{what}: {value} is not {expected} within {tolerance}"
+        "{what}: {value} differs from {expected} by more than {tolerance}"
     );
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use slipstream_bus::RobotModel;
 use slipstream_sim::effects::{Info, When};
-use slipstream_sim::{CommandKind, Listed, read_effects};
+use slipstream_sim::{CommandKind, ListedEffect, read_effects};
 
 use crate::fit::{Fit, Free, Problem};
 use crate::hypothesis::{Hypothesis, changes_commands_over_time, slides};
@@ -67,7 +67,7 @@ pub(crate) struct Node {
 
 /// Effects as the plant takes them, and which of their numbers are fitted from which values.
 struct Setting {
-    list: Vec<Listed<f64>>,
+    list: Vec<ListedEffect<f64>>,
     only: Vec<Option<usize>>,
     free: Vec<Free>,
     values: Vec<f64>,
@@ -122,7 +122,7 @@ impl Bench {
         tracks.any(|track| track.kind() == CommandKind::Speed)
     }
 
-    fn step_s(&self, list: &[Listed<f64>]) -> f64 {
+    fn step_s(&self, list: &[ListedEffect<f64>]) -> f64 {
         let has = |such: fn(&Info) -> bool| list.iter().any(|(info, _)| such(info));
         let slips = has(|info| slides(info) || info.acts == When::Apart);
         let lags = has(changes_commands_over_time);

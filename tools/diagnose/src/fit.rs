@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_sim::effects::Domain;
-use slipstream_sim::{Listed, Robot, lift};
+use slipstream_sim::{ListedEffect, Robot, lift};
 
 use crate::hypothesis::{KINETIC, STATIC, come_round, is_bound_to_place, is_limit, least_probe};
 use crate::law::Law;
@@ -49,7 +49,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) tracks: &'a [Track],
     pub(crate) windows: &'a [Window],
     pub(crate) model: &'a RobotModel,
-    pub(crate) list: &'a [Listed<f64>],
+    pub(crate) list: &'a [ListedEffect<f64>],
     /// To which track an effect belongs alone.
     pub(crate) only: &'a [Option<usize>],
     pub(crate) free: &'a [Free],
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
             .map(|run| {
                 let own = list.iter().zip(self.only);
                 let own = own.filter(|(_, only)| only.is_none_or(|only| only == run));
-                let own: Vec<Listed<f64>> = own.map(|(listed, _)| listed.clone()).collect();
+                let own: Vec<ListedEffect<f64>> = own.map(|(listed, _)| listed.clone()).collect();
                 Robot::assemble(self.model, &own).map(Robot::draft)
             })
             .collect()

@@ -1,64 +1,70 @@
-//! The common step, short: both wheels roll, nothing else holds or rubs, the command is a torque.
+//! Fast path for rolling: Heun's method in the two velocities that rolling leaves, u and φ̇ (Eq. 1:
+//! η̇ = 0, ρ̇ = r θ̇).
 //!
-//! Rolling leaves two velocities, u and φ̇ (Eq. 1: η̇ = 0, ρ̇ = r θ̇). All accelerations and contact
-//! forces are then sums of τ_r, τ_l, u φ̇ and φ̇², whose coefficients are read off the operator once.
-//! The step is [`crate::Robot::step`]'s, in fewer terms; where friction might not hold it is refused.
+//! All accelerations and contact forces are linear in τ_r, τ_l, u φ̇ and φ̇²; the coefficients are
+//! taken from the constrained dynamics once. The step equals that of [`crate::Robot::step`]; it is
+//! declined where a wheel might break away.
 
 use crate::dynamics::constrained::ConstrainedDynamics;
-use crate::parts::friction_elements::{ACROSS, ALONG_LEFT, ALONG_RIGHT};
+use crate::parts::friction_constraints::{LATERAL, LONGITUDINAL_LEFT, LONGITUDINAL_RIGHT};
 use crate::parts::parameters::Friction;
 use crate::parts::pose::advance_pose;
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::parts::tolerances::SURELY_STICKS;
 use crate::robot::Robot;
-use crate::robot::body::{Body, Contact};
+use crate::robot::body::{Body, ContactForces};
 
-/// One quantity per newton metre at the right and the left wheel, per u φ̇ and per φ̇².
-type Row<S> = [S; 4];
+/// Coefficients of one quantity: per torque at the right and the left wheel, per u φ̇ and per φ̇².
+type Coefficients<S> = [S; 4];
 
-/// Coefficients of a robot that rolls on both wheels.
+/// Constants of a robot that rolls on both wheels.
 #[derive(Debug, Clone)]
 pub(crate) struct RollingStep<S> {
-    surge: Row<S>,
-    turn: Row<S>,
-    along: [Row<S>; 2],
-    across: Row<S>,
-    /// 1 / r.
+    /// Surge acceleration.
+    surge: Coefficients<S>,
+    /// Yaw acceleration.
+    yaw: Coefficients<S>,
+    /// Longitudinal contact forces.
+    longitudinal: [Coefficients<S>; 2],
+    /// Lateral contact force.
+    lateral: Coefficients<S>,
+    /// 1 / r (1/m).
     per_radius: Pair<S>,
-    /// Squares of the static friction, both wheels, with a margin; `None` where nothing slips.
+    /// Squared static friction of each wheel, reduced by a margin; `None` if wheels cannot slide.
     friction: Option<Pair<S>>,
 }
 
 /// Accelerations and contact forces at one instant.
 struct Instant<S> {
     surge: S,
-    turn: S,
-    contact: Contact<S>,
-    holds: bool,
+    yaw: S,
+    contact: ContactForces<S>,
+    /// Both wheels surely stick.
+    sticks: bool,
 }
 
 impl<S: Scalar> RollingStep<S> {
     pub(crate) fn new(
         robot: &Robot<S>,
-        grip: Pair<Option<Friction<S>>>,
-        operator: &ConstrainedDynamics<S>,
+        wheel_friction: Pair<Option<Friction<S>>>,
+        dynamics: &ConstrainedDynamics<S>,
     ) -> Self {
         let zero = S::constant(0.0);
-        let (m, [sx, sy], d) = (robot.mass, robot.moment, robot.com_to_axle);
-        // forces along, across and about for u φ̇ and for φ̇²: see Robot::applied with w = d φ̇
+        let (m, [sx, sy], d) = (robot.mass, robot.first_moment, robot.com_to_axle);
+        // generalised inertial forces per u φ̇ and per φ̇²: those of `applied_forces` with w = d φ̇
         let product = Vector::from([zero, -m, -sx, zero, zero]);
         let square = Vector::from([m * d + sx, sy, -sy * d, zero, zero]);
-        let row = |coefficients: &Vector<S>| -> Row<S> {
+        let row = |per_force: &Vector<S>| -> Coefficients<S> {
             [
-                coefficients[3],
-                coefficients[4],
-                coefficients.dot(&product),
-                coefficients.dot(&square),
+                per_force[3],
+                per_force[4],
+                per_force.dot(&product),
+                per_force.dot(&square),
             ]
         };
-        let acceleration = |i: usize| operator.acceleration.row(i).transpose();
-        // a plain robot has the same floor under both wheels
-        let friction = match grip {
+        let acceleration = |i: usize| dynamics.acceleration.row(i).transpose();
+        // without patches both wheels have friction, or none has
+        let friction = match wheel_friction {
             [Some(right), Some(left)] => {
                 Some([right, left].map(|g| g.friction_static * g.friction_static * SURELY_STICKS))
             }
@@ -66,9 +72,10 @@ impl<S: Scalar> RollingStep<S> {
         };
         Self {
             surge: row(&acceleration(0)),
-            turn: row(&acceleration(2)),
-            along: [ALONG_RIGHT, ALONG_LEFT].map(|r| row(&operator.multiplier_vector(r))),
-            across: row(&operator.multiplier_vector(ACROSS)),
+            yaw: row(&acceleration(2)),
+            longitudinal: [LONGITUDINAL_RIGHT, LONGITUDINAL_LEFT]
+                .map(|r| row(&dynamics.multiplier_vector(r))),
+            lateral: row(&dynamics.multiplier_vector(LATERAL)),
             per_radius: [robot.radius[0].recip(), robot.radius[1].recip()],
             friction,
         }
@@ -77,38 +84,38 @@ impl<S: Scalar> RollingStep<S> {
     #[inline(always)]
     fn at(&self, robot: &Robot<S>, u: S, rate: S, torque: Pair<S>) -> Instant<S> {
         let (product, square) = (u * rate, rate * rate);
-        let sum = |row: &Row<S>| {
-            (row[0] * torque[0] + row[1] * torque[1]) + (row[2] * product + row[3] * square)
+        let sum = |k: &Coefficients<S>| {
+            (k[0] * torque[0] + k[1] * torque[1]) + (k[2] * product + k[3] * square)
         };
-        let along_n = [sum(&self.along[0]), sum(&self.along[1])];
-        let across_n = sum(&self.across);
-        let mut contact = Contact {
+        let longitudinal_n = [sum(&self.longitudinal[0]), sum(&self.longitudinal[1])];
+        let lateral_n = sum(&self.lateral);
+        let mut contact = ContactForces {
             normal_n: [S::constant(0.0); 2],
-            along_n,
-            across_n,
+            longitudinal_n,
+            lateral_n,
         };
-        let mut holds = true;
+        let mut sticks = true;
         if let Some(friction) = self.friction {
             let driven = robot.load.driven;
-            let apart = robot.load.lateral * across_n + robot.load.offset;
-            contact.normal_n = [(driven + apart) * 0.5, (driven - apart) * 0.5];
-            let across = across_n * across_n;
+            let difference = robot.load.lateral * lateral_n + robot.load.offset;
+            contact.normal_n = [(driven + difference) * 0.5, (driven - difference) * 0.5];
+            let lateral_square = lateral_n * lateral_n;
             let safe = |i: usize| {
                 let normal = contact.normal_n[i];
-                let force = along_n[i] * along_n[i] + across;
-                force.value() <= (friction[i] * normal * normal).value() && normal.value() > 0.0
+                let square = longitudinal_n[i] * longitudinal_n[i] + lateral_square;
+                square.value() <= (friction[i] * normal * normal).value() && normal.value() > 0.0
             };
-            holds = safe(0) & safe(1);
+            sticks = safe(0) & safe(1);
         }
         Instant {
             surge: sum(&self.surge),
-            turn: sum(&self.turn),
+            yaw: sum(&self.yaw),
             contact,
-            holds,
+            sticks,
         }
     }
 
-    /// One step, or `false` where friction might not hold and the general step has to look.
+    /// Advances `body` by one step, or returns `false` where a wheel might break away.
     #[inline]
     pub(crate) fn step(
         &self,
@@ -119,13 +126,13 @@ impl<S: Scalar> RollingStep<S> {
     ) -> bool {
         let (u, rate) = (body.nu[0], body.nu[2]);
         let start = self.at(robot, u, rate, torque);
-        let (guess_u, guess_rate) = (u + start.surge * over_s, rate + start.turn * over_s);
+        let (guess_u, guess_rate) = (u + start.surge * over_s, rate + start.yaw * over_s);
         let end = self.at(robot, guess_u, guess_rate, torque);
-        if !(start.holds & end.holds) {
+        if !(start.sticks & end.sticks) {
             return false;
         }
         let next_u = u + (start.surge + end.surge) * (0.5 * over_s);
-        let next_rate = rate + (start.turn + end.turn) * (0.5 * over_s);
+        let next_rate = rate + (start.yaw + end.yaw) * (0.5 * over_s);
         let d = robot.com_to_axle;
         let turn = robot.half_track * next_rate;
         let wheels = [
@@ -140,11 +147,11 @@ impl<S: Scalar> RollingStep<S> {
             body.angle[1] + mean[4] * over_s,
         ];
         body.nu = nu;
-        let spin = robot.half_track * end.turn;
+        let spin = robot.half_track * end.yaw;
         body.acceleration = Vector::from([
             end.surge,
-            d * end.turn,
-            end.turn,
+            d * end.yaw,
+            end.yaw,
             (end.surge + spin) * self.per_radius[0],
             (end.surge - spin) * self.per_radius[1],
         ]);

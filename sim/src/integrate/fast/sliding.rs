@@ -1,8 +1,8 @@
-//! The sliding step, short: both wheels slide, nothing holds or rubs, the command is a torque.
+//! Fast path for sliding: Heun's method with kinetic friction at both wheels, written out in
+//! components where the general step multiplies matrices.
 //!
-//! What the wheels' friction does to the body is summed by hand where the general step multiplies
-//! matrices. The step is [`crate::Robot::step`]'s; where a wheel comes near to sticking, turns its
-//! slip fast or lifts, it is refused.
+//! The step equals that of [`crate::Robot::step`]; it is declined where a wheel is close to
+//! sticking, the direction of its slip turns fast, or it lifts off.
 
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::parts::parameters::Friction;
@@ -10,36 +10,39 @@ use crate::parts::pose::advance_pose;
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::parts::tolerances::{EXPLICIT_MAX, TURN_MAX};
 use crate::robot::Robot;
-use crate::robot::body::{Body, Contact};
+use crate::robot::body::{Body, ContactForces};
 
-/// Coefficients of a robot that slides on both wheels.
+/// Constants of a robot that slides on both wheels.
 #[derive(Debug, Clone)]
 pub(crate) struct SlidingStep<S> {
-    /// Inverse of the body's part of the mass matrix, by rows.
+    /// Inverse of the mass matrix over surge, sway and yaw, by rows.
     body: [[S; 3]; 3],
-    /// 1 / I_wy.
+    /// 1 / I_wy (1/(kg m²)).
     per_spin: S,
-    /// −μ_k of each wheel.
+    /// −μ_k of each wheel (1).
     friction: Pair<S>,
-    /// ActiveSetChange of each contact's slip in a second for a newton of normal force (m/s²).
+    /// Slip deceleration of each contact by friction, per newton of normal force (m/s² per N).
     braking: Pair<f64>,
 }
 
-/// Velocities, slips and accelerations at one instant.
+/// Slip, accelerations and contact forces at one instant.
 struct Instant<S> {
-    /// Slip of the right and the left contact along the wheel, and of both across it.
+    /// Longitudinal slip of the right and the left contact, and lateral slip of both (m/s).
     slip: [S; 3],
     acceleration: Vector<S>,
-    contact: Contact<S>,
-    /// No wheel lifts.
-    stands: bool,
+    contact: ContactForces<S>,
+    /// No wheel lifts off.
+    grounded: bool,
 }
 
 impl<S: Scalar> SlidingStep<S> {
-    pub(crate) fn new(grip: Pair<Friction<S>>, operator: &ConstrainedDynamics<S>) -> Self {
-        let a = &operator.acceleration;
-        let kinetic = grip.map(|grip| grip.friction_kinetic);
-        let mobility = operator.mobility;
+    pub(crate) fn new(
+        wheel_friction: Pair<Friction<S>>,
+        dynamics: &ConstrainedDynamics<S>,
+    ) -> Self {
+        let a = &dynamics.acceleration;
+        let kinetic = wheel_friction.map(|friction| friction.friction_kinetic);
+        let mobility = dynamics.mobility;
         Self {
             body: [0, 1, 2].map(|i| [a[(i, 0)], a[(i, 1)], a[(i, 2)]]),
             per_spin: a[(3, 3)],
@@ -50,49 +53,52 @@ impl<S: Scalar> SlidingStep<S> {
 
     #[inline(always)]
     fn at(&self, robot: &Robot<S>, nu: &Vector<S>, torque: Pair<S>) -> Instant<S> {
-        let slip = robot.slip(nu);
+        let slip = robot.wheel_slip(nu);
         let (u, w, rate) = (nu[0], nu[1], nu[2]);
-        let (m, [sx, sy]) = (robot.mass, robot.moment);
-        let across_square = slip[2] * slip[2];
-        let per = [
-            self.friction[0] / (slip[0] * slip[0] + across_square).sqrt(),
-            self.friction[1] / (slip[1] * slip[1] + across_square).sqrt(),
+        let (m, [sx, sy]) = (robot.mass, robot.first_moment);
+        let lateral_square = slip[2] * slip[2];
+        let per_slip = [
+            self.friction[0] / (slip[0] * slip[0] + lateral_square).sqrt(),
+            self.friction[1] / (slip[1] * slip[1] + lateral_square).sqrt(),
         ];
-        // forces at each contact for each newton of normal force
-        let along = [per[0] * slip[0], per[1] * slip[1]];
-        let across = [per[0] * slip[2], per[1] * slip[2]];
+        // contact forces per newton of normal force
+        let along = [per_slip[0] * slip[0], per_slip[1] * slip[1]];
+        let across = [per_slip[0] * slip[2], per_slip[1] * slip[2]];
         let load = &robot.load;
         let half = load.lateral * 0.5;
-        let own = (S::constant(1.0) - half * (across[0] - across[1])).recip();
-        let apart = (half * (across[0] + across[1]) * load.driven + load.offset) * own;
-        let normal_n = [(load.driven + apart) * 0.5, (load.driven - apart) * 0.5];
-        let along_n = [along[0] * normal_n[0], along[1] * normal_n[1]];
-        let across_n = across[0] * normal_n[0] + across[1] * normal_n[1];
+        let gain = (S::constant(1.0) - half * (across[0] - across[1])).recip();
+        let difference = (half * (across[0] + across[1]) * load.driven + load.offset) * gain;
+        let normal_n = [
+            (load.driven + difference) * 0.5,
+            (load.driven - difference) * 0.5,
+        ];
+        let longitudinal_n = [along[0] * normal_n[0], along[1] * normal_n[1]];
+        let lateral_n = across[0] * normal_n[0] + across[1] * normal_n[1];
         let force = [
-            (m * w + sx * rate) * rate + along_n[0] + along_n[1],
-            (sy * rate - m * u) * rate + across_n,
-            robot.half_track * (along_n[0] - along_n[1])
-                - robot.com_to_axle * across_n
+            (m * w + sx * rate) * rate + longitudinal_n[0] + longitudinal_n[1],
+            (sy * rate - m * u) * rate + lateral_n,
+            robot.half_track * (longitudinal_n[0] - longitudinal_n[1])
+                - robot.com_to_axle * lateral_n
                 - (sx * u + sy * w) * rate,
         ];
         let row = |i: usize| {
             let [a, b, c] = self.body[i];
             a * force[0] + b * force[1] + c * force[2]
         };
-        let spin = |i: usize| (torque[i] - robot.radius[i] * along_n[i]) * self.per_spin;
+        let spin = |i: usize| (torque[i] - robot.radius[i] * longitudinal_n[i]) * self.per_spin;
         Instant {
             slip,
             acceleration: Vector::from([row(0), row(1), row(2), spin(0), spin(1)]),
-            contact: Contact {
+            contact: ContactForces {
                 normal_n,
-                along_n,
-                across_n,
+                longitudinal_n,
+                lateral_n,
             },
-            stands: apart.value().abs() < load.driven.value(),
+            grounded: difference.value().abs() < load.driven.value(),
         }
     }
 
-    /// One step, or `false` where the general step has to look.
+    /// Advances `body` by one step, or returns `false` where an event may be near.
     #[inline]
     pub(crate) fn step(
         &self,
@@ -106,10 +112,10 @@ impl<S: Scalar> SlidingStep<S> {
         let end = self.at(robot, &guess, torque);
         let change = (start.acceleration + end.acceleration) * S::constant(0.5 * over_s);
         let nu = body.nu + change;
-        let then = robot.slip(&nu);
+        let end_slip = robot.wheel_slip(&nu);
         let steady = |i: usize| {
             let pair = |slip: &[S; 3]| [slip[i].value(), slip[2].value()];
-            let (a, b, c) = (pair(&start.slip), pair(&end.slip), pair(&then));
+            let (a, b, c) = (pair(&start.slip), pair(&end.slip), pair(&end_slip));
             let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
             let cross = a[0] * c[1] - a[1] * c[0];
             let braked = self.braking[i] * start.contact.normal_n[i].value() * over_s;
@@ -119,7 +125,7 @@ impl<S: Scalar> SlidingStep<S> {
                 & (dot(a, c) > 0.0)
                 & (cross * cross <= TURN_MAX * square * dot(c, c))
         };
-        if !(start.stands & end.stands & steady(0) & steady(1)) {
+        if !(start.grounded & end.grounded & steady(0) & steady(1)) {
             return false;
         }
         let mean = body.nu + change * S::constant(0.5);

@@ -251,13 +251,14 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
     } else {
         let curve = Line::new("finding", against.curve.iter().copied());
         let curve = curve.colour(NOMINAL.1);
-        chart = chart
-            .line(dots("missing force", &against.before, 4))
-            .line(if against.is_function {
-                curve
-            } else {
-                curve.dots()
-            });
+        chart =
+            chart
+                .line(dots("missing force", &against.before, 4))
+                .line(if against.is_function {
+                    curve
+                } else {
+                    curve.dots()
+                });
     }
     let (effect, variable) = (&against.effect, &against.variable);
     page.figure(
@@ -269,10 +270,7 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
 
 fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     for path in &figures.paths {
-        page.subsection(&format!(
-            "Path{}",
-            of_run(figures, path.run)
-        ));
+        page.subsection(&format!("Path{}", of_run(figures, path.run)));
         page.figure(
             &track(path).svg()?,
             "Windows of 5 s: the initial state is fitted to the first half second, the rest is simulated \

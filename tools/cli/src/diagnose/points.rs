@@ -38,7 +38,9 @@ pub(super) fn means(points: &[Point]) -> Vec<Point> {
         *across += x;
         *up += y;
     }
-    let enough = sums.into_iter().filter(|(count, _, _)| *count >= MIN_POINTS);
+    let enough = sums
+        .into_iter()
+        .filter(|(count, _, _)| *count >= MIN_POINTS);
     enough
         .map(|(count, x, y)| (x / count as f64, y / count as f64))
         .collect()

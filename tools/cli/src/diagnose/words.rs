@@ -6,8 +6,12 @@ use slipstream_diagnose::{Verdict, Warning};
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Match => "Match: the model predicts the recording to within sensor noise",
-        Verdict::Explained => "Explained: with the findings below, the model predicts the recording to within sensor noise",
-        Verdict::Unexplained => "Unexplained: a difference remains that no effect of the catalogue explains",
+        Verdict::Explained => {
+            "Explained: with the findings below, the model predicts the recording to within sensor noise"
+        }
+        Verdict::Unexplained => {
+            "Unexplained: a difference remains that no effect of the catalogue explains"
+        }
     }
 }
 
