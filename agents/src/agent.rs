@@ -422,6 +422,6 @@ fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, Input
 /// the watchdog's time on top (ns).
 fn timeout_ns(experiment: &Experiment) -> i64 {
     let settings = &experiment.settings;
-    settings.expected_ring_round_ns(experiment.longest_trace_ns())
+    settings.expected_token_round_ns(experiment.longest_trace_ns())
         + ns_from_s(settings.control.watchdog_s)
 }

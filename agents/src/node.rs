@@ -32,8 +32,8 @@ struct Incoming {
     line: DelayLine,
     /// Something fresh came since the last sending.
     fresh: bool,
-    /// The ring_round around the ring of what came last.
-    ring_round: u32,
+    /// The token_round around the ring of what came last.
+    token_round: u32,
 }
 
 /// The link to the next robot.
@@ -44,7 +44,7 @@ struct Outgoing {
     /// After this long without a return the front robot starts the ring anew (ns).
     timeout_ns: i64,
     seq: u32,
-    ring_round: u32,
+    token_round: u32,
     last_ns: Option<i64>,
 }
 
@@ -72,7 +72,7 @@ impl Node {
         let topology = Topology::new(experiment);
         let from = topology.predecessor(index);
         let to = topology.successor(index);
-        let round_ns = settings.expected_ring_round_ns(experiment.longest_trace_ns());
+        let round_ns = settings.expected_token_round_ns(experiment.longest_trace_ns());
         Ok(Self {
             robot: index,
             agent: Agent::new(experiment, index)?,
@@ -84,7 +84,7 @@ impl Node {
                     from,
                     line,
                     fresh: false,
-                    ring_round: 0,
+                    token_round: 0,
                 }
             }),
             outgoing: to.map(|to| Outgoing {
@@ -92,7 +92,7 @@ impl Node {
                 protocol: links.protocol,
                 timeout_ns: round_ns + ns_from_s(links.ring_timeout_s),
                 seq: 0,
-                ring_round: 0,
+                token_round: 0,
                 last_ns: None,
             }),
             watchdog: false,
@@ -174,7 +174,7 @@ impl Node {
         let sent = self
             .outgoing
             .as_ref()
-            .map_or((0, 0), |link| (link.seq, link.ring_round));
+            .map_or((0, 0), |link| (link.seq, link.token_round));
         [
             x,
             y,
@@ -190,9 +190,9 @@ impl Node {
         let pose = [x, y, yaw].map(f64::from_bits);
         self.agent.resume(pose, [right, left].map(u64::cast_signed));
         if let Some(link) = &mut self.outgoing {
-            let [seq, ring_round] = [sent >> 32, sent & u64::from(u32::MAX)];
+            let [seq, token_round] = [sent >> 32, sent & u64::from(u32::MAX)];
             link.seq = u32::try_from(seq).unwrap_or(u32::MAX);
-            link.ring_round = u32::try_from(ring_round).unwrap_or(u32::MAX);
+            link.token_round = u32::try_from(token_round).unwrap_or(u32::MAX);
         }
     }
 
@@ -234,10 +234,10 @@ impl Node {
         let Some(incoming) = &mut self.incoming else {
             return Ok(());
         };
-        while let Some(position) = link.receive()? {
+        while let Some(position) = link.poll()? {
             let (from, to) = (incoming.from, self.robot);
             let (seq, sent_ns) = (position.seq, position.sent_ns);
-            let available_ns = incoming.line.put(position);
+            let available_ns = incoming.line.push(position);
             tracing::debug!(name: "arrived", from, to, seq, available_ns);
             recorder.record(&Record::Arrived {
                 from,
@@ -258,7 +258,7 @@ impl Node {
         let mut newest: Option<Position> = None;
         let (from, to) = (incoming.from, self.robot);
         let mut tell = |seq, fate| tell_taken([from, to], seq, now_ns, fate, recorder);
-        while let Some(arrival) = incoming.line.take(now_ns) {
+        while let Some(arrival) = incoming.line.poll(now_ns) {
             let position = arrival.message.position;
             if arrival.stale {
                 tell(position.seq, Fate::Stale);
@@ -269,7 +269,7 @@ impl Node {
         if let Some(position) = newest {
             tell(position.seq, Fate::Used);
             incoming.fresh = true;
-            incoming.ring_round = position.ring_round;
+            incoming.token_round = position.token_round;
             self.agent.take(&position, now_ns);
         }
     }
@@ -279,7 +279,7 @@ impl Node {
         let Some(incoming) = &mut self.incoming else {
             return;
         };
-        while let Some(arrival) = incoming.line.take(now_ns) {
+        while let Some(arrival) = incoming.line.poll(now_ns) {
             let seq = arrival.message.position.seq;
             let link = [incoming.from, self.robot];
             tell_taken(link, seq, now_ns, Fate::Unused, recorder);
@@ -296,15 +296,15 @@ impl Node {
         let Some(outgoing) = &mut self.outgoing else {
             return Ok(());
         };
-        let Some(ring_round) = outgoing.round_to_send(self.robot, self.incoming.as_ref(), now_ns)
+        let Some(token_round) = outgoing.round_to_send(self.robot, self.incoming.as_ref(), now_ns)
         else {
             return Ok(());
         };
         if let Some(incoming) = &mut self.incoming {
-            let returned = incoming.fresh && incoming.ring_round == outgoing.ring_round;
+            let returned = incoming.fresh && incoming.token_round == outgoing.token_round;
             if self.robot == 0 && outgoing.last_ns.is_some() && !returned {
                 let kind = EventKind::RingRestarted;
-                tracing::warn!(name: "change", robot = 0_u32, what = kind.words());
+                tracing::warn!(name: "change", robot = 0_u32, what = kind.description());
                 recorder.record(&Record::Event {
                     t_ns: now_ns,
                     robot: Some(0),
@@ -315,10 +315,10 @@ impl Node {
         }
         let mut position = self.agent.position();
         position.seq = outgoing.seq;
-        position.ring_round = ring_round;
+        position.token_round = token_round;
         let queued_ns = link.send(&mut position)?;
         outgoing.seq += 1;
-        outgoing.ring_round = ring_round;
+        outgoing.token_round = token_round;
         outgoing.last_ns = Some(now_ns);
         let to = outgoing.to;
         tracing::debug!(
@@ -391,7 +391,7 @@ fn tell_change(
     if *before != now {
         let [began, ended] = kinds;
         let kind = if now { began } else { ended };
-        tracing::warn!(name: "change", t_ns, robot, what = kind.words());
+        tracing::warn!(name: "change", t_ns, robot, what = kind.description());
         recorder.record(&Record::Event {
             t_ns,
             robot: Some(robot),
@@ -402,9 +402,9 @@ fn tell_change(
 }
 
 impl Outgoing {
-    /// The ring_round to send for at an outer tick, if any.
+    /// The token_round to send for at an outer tick, if any.
     ///
-    /// `periodic`: at every tick. `ring`: the front robot when its last ring_round came back or is
+    /// `periodic`: at every tick. `ring`: the front robot when its last token_round came back or is
     /// overdue, every other robot when something fresh came.
     fn round_to_send(
         &self,
@@ -415,16 +415,16 @@ impl Outgoing {
         let Some(last_ns) = self.last_ns.filter(|_| self.protocol == Protocol::Ring) else {
             return match (self.protocol, robot, incoming) {
                 (Protocol::Periodic, ..) | (_, 0, _) => Some(0),
-                (_, _, Some(link)) if link.fresh => Some(link.ring_round),
+                (_, _, Some(link)) if link.fresh => Some(link.token_round),
                 _ => None,
             };
         };
         let fresh = incoming.filter(|link| link.fresh);
         if robot > 0 {
-            return fresh.map(|link| link.ring_round);
+            return fresh.map(|link| link.token_round);
         }
-        let returned = fresh.is_some_and(|link| link.ring_round == self.ring_round);
+        let returned = fresh.is_some_and(|link| link.token_round == self.token_round);
         let overdue = now_ns - last_ns >= self.timeout_ns;
-        (returned || overdue).then_some(self.ring_round + 1)
+        (returned || overdue).then_some(self.token_round + 1)
     }
 }

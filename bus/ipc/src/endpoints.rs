@@ -153,7 +153,7 @@ impl PlantEnd {
 
     fn unanswered(&self) -> BusError {
         let robot = self.wake_page.first_unanswered(self.epoch).unwrap_or(0);
-        BusError::Silent {
+        BusError::NoAnswer {
             robot: robot_name(u32::try_from(robot).unwrap_or(0)),
         }
     }
@@ -173,7 +173,7 @@ impl LockstepLink for PlantEnd {
         }
         self.epoch = self.epoch.wrapping_add(1).max(1);
         if self.publish(now_ns, encoders)? < self.robots {
-            return Err(BusError::Full {
+            return Err(BusError::QueueFull {
                 what: "world".to_owned(),
             });
         }
@@ -192,7 +192,7 @@ impl LockstepLink for PlantEnd {
         Ok(())
     }
 
-    fn end(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+    fn publish_final(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {
         self.publish(now_ns, encoders).map(|_| ())
     }
 }
@@ -325,7 +325,7 @@ impl AgentEnd {
             ..command
         })?;
         if received == 0 {
-            return Err(BusError::Full {
+            return Err(BusError::QueueFull {
                 what: "command".to_owned(),
             });
         }
@@ -374,7 +374,7 @@ impl AgentEnd {
 }
 
 impl PositionLink for LinkEndpoints {
-    fn receive(&mut self) -> Result<Option<Position>, BusError> {
+    fn poll(&mut self) -> Result<Option<Position>, BusError> {
         let Some((ahead, subscriber)) = &self.ahead else {
             return Ok(None);
         };
@@ -401,7 +401,7 @@ impl PositionLink for LinkEndpoints {
             .send_copy((*position).into())
             .map_err(|e| BusError::failed("position", e))?;
         if received < self.listeners {
-            return Err(BusError::Full {
+            return Err(BusError::QueueFull {
                 what: "position".to_owned(),
             });
         }

@@ -46,7 +46,7 @@ pub struct WirePosition {
     /// The sender.
     pub(crate) from: u32,
     seq: u32,
-    ring_round: u32,
+    token_round: u32,
     reserved: u32,
     sampled_ns: i64,
     tick_ns: i64,
@@ -90,7 +90,7 @@ same_fields!(
     WirePosition {
         from,
         seq,
-        ring_round,
+        token_round,
         sampled_ns,
         tick_ns,
         sent_ns,
@@ -112,7 +112,7 @@ mod tests {
         let position = Position {
             from: 1,
             seq: 2,
-            ring_round: 3,
+            token_round: 3,
             sampled_ns: 4,
             tick_ns: 5,
             sent_ns: 6,

@@ -61,7 +61,7 @@ pub fn lockstep(
         now_ns = next_ns;
     }
     read_encoders(world, now_ns, &mut encoders);
-    rounds.end(now_ns, &encoders)
+    rounds.publish_final(now_ns, &encoders)
 }
 
 pub(super) fn read_encoders(world: &World, now_ns: i64, encoders: &mut [Encoders]) {

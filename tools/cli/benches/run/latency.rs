@@ -223,7 +223,7 @@ impl Way for Ours {
 
     fn receive(&mut self) -> u32 {
         loop {
-            if let Some(position) = self.end.links().receive().unwrap() {
+            if let Some(position) = self.end.links().poll().unwrap() {
                 return position.seq;
             }
             std::hint::spin_loop();
