@@ -8,7 +8,7 @@ use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, Schedule};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::{AgentEnd, await_stage};
+use slipstream_ipc::endpoints::{AgentEndpoint, await_stage};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
@@ -41,7 +41,7 @@ pub struct AgentOutcome {
 struct Process {
     joined: JoinedRun,
     node: Node,
-    end: AgentEnd,
+    end: AgentEndpoint,
     records: RecordSender,
     robot: RobotIndex,
 }
@@ -63,13 +63,13 @@ pub fn run(
     })?;
     let services = joined.services(&robot_name(robot))?;
     if rejoins {
-        services.clear_dead();
+        services.cleanup_dead_nodes();
         if let Some(checkpoint) = joined.wake_page.checkpoint(robot as usize) {
             node.resume(checkpoint);
         }
     }
     let wake_page = Rc::clone(&joined.wake_page);
-    let end = AgentEnd::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
+    let end = AgentEndpoint::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
     let records = RecordSender::new(&services, wake_page, robot + 1, AGENT_CHUNK, recording)?;
     joined.wake_page.signal_ready();
     let lockstep = services.lockstep();
@@ -151,7 +151,7 @@ impl Process {
             if ticks.is_multiple_of(TICKS_PER_PARENT_CHECK) && self.joined.parent.is_gone() {
                 return Err(BusError::Stopped);
             }
-            if let Some((_, newest)) = self.end.newest_world()? {
+            if let Some(newest) = self.end.newest_encoders()? {
                 encoders = newest;
             }
             let due = schedule.due(tick_ns);
@@ -159,7 +159,7 @@ impl Process {
             let command = self
                 .node
                 .step(tick_ns, due, &encoders, links, &mut self.records)?;
-            self.end.command(command)?;
+            self.end.send_command(command)?;
             self.joined
                 .wake_page
                 .store_checkpoint(self.robot as usize, self.node.checkpoint());
@@ -203,7 +203,7 @@ impl Process {
         deadlines: Option<[Deadlines; 2]>,
         real_time: RealTime,
     ) -> Result<AgentOutcome, BusError> {
-        let last = self.end.newest_world()?.map(|(_, encoders)| encoders);
+        let last = self.end.newest_encoders()?;
         let links = self.end.links();
         let report = self.node.finish(last.as_ref(), links, &mut self.records)?;
         self.records.flush();

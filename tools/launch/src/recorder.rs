@@ -45,7 +45,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
         what: "recording".to_owned(),
         reason: e.to_string(),
     };
-    let keys = read_keys(&joined.place);
+    let keys = read_keys(&joined.directory);
     let sink = Sink::create(out, &joined.experiment, &keys).map_err(failed)?;
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
@@ -57,7 +57,7 @@ pub fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
     let failure = pump(&joined, &receiver, &mut order)
         .err()
         .map(|error| error.to_string());
-    for tape in read_tapes(&joined.place) {
+    for tape in read_tapes(&joined.directory) {
         trace::chunks(&tape, |t_ns, bytes| order.keep_trace(t_ns, bytes));
     }
     Ok(match order.finish() {
@@ -108,7 +108,7 @@ fn pump(joined: &JoinedRun, receiver: &RecordReceiver, order: &mut Order) -> Res
         let last = joined.wake_page.stage() >= Stage::Drained || orphaned;
         let mut idle = true;
         trace::set_virtual_time(joined.wake_page.progress().0);
-        while receiver.take(|source, entry| order.take(source as usize, entry))? {
+        while receiver.poll(|source, entry| order.take(source as usize, entry))? {
             idle = false;
             heard = Instant::now();
         }
