@@ -25,8 +25,8 @@ pub enum Record {
     Applied {
         /// Begin of the plant step (ns).
         t_ns: i64,
-        /// When the plant received the torque (ns): in virtual time at the begin of the step, on the
-        /// wall clock when the end of the step is due.
+        /// When the plant received the torque (ns): in virtual time at the begin of the step, on
+        /// the wall clock when the end of the step is due.
         taken_ns: i64,
         /// The robot.
         robot: RobotIndex,

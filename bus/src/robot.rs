@@ -1,7 +1,7 @@
 //! Robot model as plain data: the content of `robot.toml`, in the paper's symbols and SI units.
 //!
-//! A missing key means unknown, not zero. [`RobotModel::validate`] checks the values that are given;
-//! the simulator checks whether they suffice for a simulation.
+//! A missing key means unknown, not zero. [`RobotModel::validate`] checks the values that are
+//! given; the simulator checks whether they suffice for a simulation.
 
 use serde::{Deserialize, Serialize};
 
@@ -137,7 +137,8 @@ impl RobotModel {
         self
     }
 
-    /// The paper's robot with wheel slip on the paper's floor: μ_s = 0.241, μ_k = 0.239 (section 3).
+    /// The paper's robot with wheel slip on the paper's floor: μ_s = 0.241, μ_k = 0.239 (section
+    /// 3).
     pub fn paper_with_slip() -> Self {
         Self::default().with(
             "wheel_slip",
@@ -148,8 +149,8 @@ impl RobotModel {
     /// Checks the given values, each by itself and in combination.
     ///
     /// # Errors
-    /// The first value that is not finite or outside its range. The simulator checks effects, because
-    /// it knows their bounds.
+    /// The first value that is not finite or outside its range. The simulator checks effects,
+    /// because it knows their bounds.
     pub fn validate(&self) -> Result<(), InputError> {
         let Body {
             body_mass_kg,

@@ -24,7 +24,8 @@ pub fn s_from_ns(ns: i64) -> f64 {
     ns as f64 / 1e9
 }
 
-/// Periods of a robot's control loops. A loop is due at whole multiples of its period from time 0 on.
+/// Periods of a robot's control loops. A loop is due at whole multiples of its period from time 0
+/// on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schedule {
     /// Period of the outer loop (ns), above 0.

@@ -76,7 +76,8 @@ impl JoinedRun {
         })
     }
 
-    /// Waits until the plant has created the services, then opens them under the process name `name`.
+    /// Waits until the plant has created the services, then opens them under the process name
+    /// `name`.
     ///
     /// # Errors
     /// The run is stopped first, or the services cannot be opened.

@@ -1,8 +1,8 @@
 //! Record pipe: log entries from every process to the recorder, batched into chunks of bytes.
 //!
-//! A chunk is the number of its source followed by entries encoded with postcard: records, and chunks
-//! of the thread's trace. A source sends its chunk when it is full, and after [`FLUSH_PERIOD`] at the
-//! latest.
+//! A chunk is the number of its source followed by entries encoded with postcard: records, and
+//! chunks of the thread's trace. A source sends its chunk when it is full, and after
+//! [`FLUSH_PERIOD`] at the latest.
 
 use std::rc::Rc;
 use std::time::{Duration, Instant};
@@ -116,7 +116,8 @@ impl RecordSender {
         self.lost + trace::lost()
     }
 
-    /// Appends an entry of at most `max_bytes` to the chunk; sends the chunk first if it is too full.
+    /// Appends an entry of at most `max_bytes` to the chunk; sends the chunk first if it is too
+    /// full.
     fn append(&mut self, entry: &Entry<'_>, max_bytes: usize) {
         if self.chunk.len() - self.used < max_bytes {
             self.send();

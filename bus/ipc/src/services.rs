@@ -1,9 +1,9 @@
 //! Publish-subscribe services of a run (iceoryx2): topics, payloads and queue sizes.
 //!
-//! `world` carries the encoders of all robots from the plant to the agents, `command` the torques from
-//! the agents to the plant, `records` the log to the recorder. Groups of neighbouring robots share a
-//! service for their positions: one service per robot would cost start-up time, a single one would
-//! deliver every position to every robot.
+//! `world` carries the encoders of all robots from the plant to the agents, `command` the torques
+//! from the agents to the plant, `records` the log to the recorder. Groups of neighbouring robots
+//! share a service for their positions: one service per robot would cost start-up time, a single
+//! one would deliver every position to every robot.
 
 use std::time::Duration;
 
@@ -74,8 +74,8 @@ impl Services {
         })
     }
 
-    /// Plant: creates all services. They exist as long as the returned values or a port lives, so keep
-    /// the values until all processes are connected.
+    /// Plant: creates all services. They exist as long as the returned values or a port lives, so
+    /// keep the values until all processes are connected.
     ///
     /// # Errors
     /// A service cannot be created.
@@ -112,8 +112,8 @@ impl Services {
         self.robots
     }
 
-    /// Number of processes that receive a position of `robot`: every robot whose predecessor is in the
-    /// same group.
+    /// Number of processes that receive a position of `robot`: every robot whose predecessor is in
+    /// the same group.
     pub fn position_receivers(&self, robot: RobotIndex) -> usize {
         let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
         let first = robot / GROUP_SIZE * GROUP_SIZE;

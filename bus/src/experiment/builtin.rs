@@ -123,14 +123,15 @@ impl Settings {
         Self::turning("figure_eight", &[full, -full])
     }
 
-    /// The platoon shifts to the left by about half of its spacing and drives straight on (not in the
-    /// paper).
+    /// The platoon shifts to the left by about half of its spacing and drives straight on (not in
+    /// the paper).
     pub fn lane_change() -> Self {
         Self::turning("lane_change", &[MIN_TURN_RAD, -MIN_TURN_RAD])
     }
 
     /// A platoon that turns by each of these angles (rad) and stops gently. It enters each turn
-    /// slowly, accelerates inside it beyond the friction limit, and slows down before the next turn.
+    /// slowly, accelerates inside it beyond the friction limit, and slows down before the next
+    /// turn.
     fn turning(name: &str, turns_rad: &[f64]) -> Self {
         // Time (s), speed (m/s), yaw rate (rad/s).
         let mut points = vec![[0.0, 0.0, 0.0], [1.0, SLOW_M_S, 0.0]];

@@ -1,8 +1,8 @@
 //! Settings of an experiment: every key with its unit and meaning.
 //!
-//! The field names are the keys of an experiment file: `links.delay_s` is [`LinkSettings::delay_s`].
-//! The defaults are in `builtin.rs`. Only the launcher reads files; it hands the settings to all
-//! processes.
+//! The field names are the keys of an experiment file: `links.delay_s` is
+//! [`LinkSettings::delay_s`]. The defaults are in `builtin.rs`. Only the launcher reads files; it
+//! hands the settings to all processes.
 
 use serde::{Deserialize, Serialize};
 
@@ -213,8 +213,8 @@ pub enum Distribution {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Protocol {
-    /// Token ring (section 4 of the paper): a robot sends after it received from its predecessor, the
-    /// front robot after the position of the last one returned.
+    /// Token ring (section 4 of the paper): a robot sends after it received from its predecessor,
+    /// the front robot after the position of the last one returned.
     Ring,
     /// Every robot sends at each outer tick.
     Periodic,
@@ -259,8 +259,8 @@ impl Settings {
         }
     }
 
-    /// Initial pose of c of robot `index`: x = 0.6096 m (1 − index), as in section 4 of the paper; an
-    /// open-loop robot starts at the origin.
+    /// Initial pose of c of robot `index`: x = 0.6096 m (1 − index), as in section 4 of the paper;
+    /// an open-loop robot starts at the origin.
     pub fn start_pose(&self, index: u32) -> [f64; 3] {
         if self.open_loop.enabled {
             return [0.0; 3];

@@ -1,7 +1,7 @@
 //! Link impairment as in netem: delay with jitter, Gilbert–Elliott loss, replayed round-trip times.
 //!
-//! What happens to message k depends only on the seed of the run, the link and k, and so not on when
-//! the receiver polls.
+//! What happens to message k depends only on the seed of the run, the link and k, and so not on
+//! when the receiver polls.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -71,8 +71,8 @@ impl LinkImpairment {
         }
     }
 
-    /// Draws the delay of the next message (ns); `None` if it is lost. Advances the random generator
-    /// equally in both cases.
+    /// Draws the delay of the next message (ns); `None` if it is lost. Advances the random
+    /// generator equally in both cases.
     pub fn draw(&mut self) -> Option<i64> {
         let lost = self.draw_loss();
         let delay_ns = self.jitter.draw(&mut self.rng).unwrap_or(self.delay_ns);

@@ -1,4 +1,5 @@
-//! Links from robot to robot: random impairment (delay, jitter, loss) and the receiver's delay line.
+//! Links from robot to robot: random impairment (delay, jitter, loss) and the receiver's delay
+//! line.
 
 mod delay_line;
 mod impairment;

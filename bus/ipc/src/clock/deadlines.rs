@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Deadline counts of one loop. A tick is due at a whole multiple of the period, and its deadline is
-/// the next one.
+/// Deadline counts of one loop. A tick is due at a whole multiple of the period, and its deadline
+/// is the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Deadlines {
     /// Name of the loop in the trace.

@@ -25,7 +25,8 @@ impl RealTime {
         }
     }
 
-    /// Requests all measures for this thread, with the given priority, and returns what was granted.
+    /// Requests all measures for this thread, with the given priority, and returns what was
+    /// granted.
     pub fn request(priority: u8) -> Self {
         let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));
         let fifo = ThreadPriority::Crossplatform(match priority.try_into() {

@@ -1,7 +1,7 @@
 //! Monotonic clock and the time of the run on it.
 //!
-//! The time of the system and the time of the run have different types, so that they cannot be mixed
-//! up.
+//! The time of the system and the time of the run have different types, so that they cannot be
+//! mixed up.
 
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};

@@ -135,7 +135,8 @@ impl AgentEndpoint {
         }))
     }
 
-    /// Receives all waiting encoders and returns the newest ones of this robot, if any. Never blocks.
+    /// Receives all waiting encoders and returns the newest ones of this robot, if any. Never
+    /// blocks.
     ///
     /// # Errors
     /// The transport failed.

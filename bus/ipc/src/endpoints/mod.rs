@@ -1,5 +1,5 @@
-//! Endpoints of plant and agents over shared memory: data by publish-subscribe, synchronisation by the
-//! wake-up page.
+//! Endpoints of plant and agents over shared memory: data by publish-subscribe, synchronisation by
+//! the wake-up page.
 
 mod agent;
 mod links;

@@ -1,10 +1,10 @@
 //! Trace recorder: spans and events of the `tracing` crate become compact postcard records.
 //!
 //! After [`begin`], the spans and events of the thread that pass the filter of `RUST_LOG` go into a
-//! buffer of the thread. The buffer is drained in chunks, because delivering records one by one costs
-//! more than recording them. A span becomes one record when it closes. Times are those of the run:
-//! virtual time as set by [`set_virtual_time`], or the wall clock ([`use_clock`]). A field `t_ns`
-//! overrides the time of an event.
+//! buffer of the thread. The buffer is drained in chunks, because delivering records one by one
+//! costs more than recording them. A span becomes one record when it closes. Times are those of the
+//! run: virtual time as set by [`set_virtual_time`], or the wall clock ([`use_clock`]). A field
+//! `t_ns` overrides the time of an event.
 
 mod buffer;
 mod fields;
@@ -62,8 +62,8 @@ pub fn use_clock(clock: WallClock) {
     with_thread_trace(|trace| trace.clock = Some(clock));
 }
 
-/// Traces a record of an applied torque. The plant's core does not depend on the trace, so it is done
-/// where its records are logged.
+/// Traces a record of an applied torque. The plant's core does not depend on the trace, so it is
+/// done where its records are logged.
 pub(crate) fn trace_applied(record: &Record) {
     if let Record::Applied {
         taken_ns,

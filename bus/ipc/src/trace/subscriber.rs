@@ -40,8 +40,8 @@ thread_local! {
     static THREAD_TRACE: RefCell<ThreadTrace> = RefCell::default();
 }
 
-/// Calls `work` with the trace of this thread. Returns `None` if the trace is in use already, or if the
-/// thread is ending.
+/// Calls `work` with the trace of this thread. Returns `None` if the trace is in use already, or if
+/// the thread is ending.
 pub(super) fn with_thread_trace<T>(work: impl FnOnce(&mut ThreadTrace) -> T) -> Option<T> {
     let result = THREAD_TRACE.try_with(|trace| Some(work(&mut *trace.try_borrow_mut().ok()?)));
     result.ok().flatten()

@@ -1,4 +1,5 @@
-//! Barrier of the lockstep: the plant begins a round, all agents answer it, the last one wakes the plant.
+//! Barrier of the lockstep: the plant begins a round, all agents answer it, the last one wakes the
+//! plant.
 //!
 //! One system call wakes all agents and one wakes the plant, whatever the number of robots.
 
@@ -31,8 +32,8 @@ impl WakePage {
             .find(|&robot| self.mapping.slot(robot).answered.load(Ordering::Acquire) != epoch)
     }
 
-    /// Agent: waits for a round other than `last`, at most for `timeout`. Returns `None` if there is
-    /// none in time, or if the run is over.
+    /// Agent: waits for a round other than `last`, at most for `timeout`. Returns `None` if there
+    /// is none in time, or if the run is over.
     pub fn wait_round(&self, last: u32, timeout: Duration) -> Option<u32> {
         let word = &self.header().epoch.0;
         if word.load(Ordering::Acquire) == last && self.stage() < Stage::Over {

@@ -106,10 +106,10 @@ impl Mapping {
     }
 
     pub(super) fn header(&self) -> &Header {
-        // SAFETY: the mapping is page-aligned, at least `size_of::<Header>()` long (`map`) and lives
-        // as long as `self`. `Header` consists of atomics: every bit pattern is valid, and other
-        // processes may change them at any time. The mapping would become invalid only if a process
-        // of the same user truncated the file, which none of this workspace does.
+        // SAFETY: the mapping is page-aligned, at least `size_of::<Header>()` long (`map`) and
+        // lives as long as `self`. `Header` consists of atomics: every bit pattern is valid, and
+        // other processes may change them at any time. The mapping would become invalid only if a
+        // process of the same user truncated the file, which none of this workspace does.
         #[expect(unsafe_code, reason = "a view of shared memory; argued above")]
         unsafe {
             &*self.map.as_ptr().cast::<Header>()
@@ -118,8 +118,9 @@ impl Mapping {
 
     pub(super) fn slot(&self, robot: usize) -> &Slot {
         assert!(robot < self.robots, "robot {robot} of {}", self.robots);
-        // SAFETY: as for `header`. `map` mapped `robots` slots behind the header, `robot` is checked,
-        // and the size of the header is a multiple of the alignment of a slot (64 bytes both).
+        // SAFETY: as for `header`. `map` mapped `robots` slots behind the header, `robot` is
+        // checked, and the size of the header is a multiple of the alignment of a slot (64 bytes
+        // both).
         #[expect(unsafe_code, reason = "a view of shared memory; argued above")]
         unsafe {
             &*self

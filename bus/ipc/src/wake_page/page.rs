@@ -46,8 +46,8 @@ impl WakePage {
         Stage::from_number(self.header().stage.0.load(Ordering::Acquire))
     }
 
-    /// Advances the run to `stage` and wakes all processes that wait for it. Has no effect if the run
-    /// has already reached it.
+    /// Advances the run to `stage` and wakes all processes that wait for it. Has no effect if the
+    /// run has already reached it.
     pub fn advance(&self, stage: Stage) {
         let header = self.header();
         header.stage.0.fetch_max(stage as u32, Ordering::AcqRel);
@@ -113,8 +113,8 @@ impl WakePage {
         }
     }
 
-    /// Plant: publishes the progress: time (ns), speed of the front robot (m/s), largest spacing error
-    /// so far (m).
+    /// Plant: publishes the progress: time (ns), speed of the front robot (m/s), largest spacing
+    /// error so far (m).
     pub fn publish_progress(&self, now_ns: i64, speed_m_s: f64, spacing_error_m: f64) {
         let header = self.header();
         let store = |word: &AtomicU64, value: f64| word.store(value.to_bits(), Ordering::Relaxed);
@@ -123,8 +123,8 @@ impl WakePage {
         store(&header.spacing_bits, spacing_error_m);
     }
 
-    /// The last published progress: time (ns), speed of the front robot (m/s), largest spacing error so
-    /// far (m).
+    /// The last published progress: time (ns), speed of the front robot (m/s), largest spacing
+    /// error so far (m).
     pub fn progress(&self) -> (i64, f64, f64) {
         let header = self.header();
         let load = |word: &AtomicU64| f64::from_bits(word.load(Ordering::Relaxed));
