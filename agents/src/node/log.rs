@@ -116,7 +116,6 @@ pub(super) fn inner(tick: &InnerTick, recorder: &mut impl Recorder) {
     let [friction, friction_sd] = tick.friction;
     tracing::trace!(
         name: "torque", robot = tick.robot, right_rad_s, left_rad_s, wanted_right_nm,
-        wanted_left_nm,
-        limit_right_nm, limit_left_nm, right_nm, left_nm, friction, friction_sd
+        wanted_left_nm, limit_right_nm, limit_left_nm, right_nm, left_nm, friction, friction_sd
     );
 }
