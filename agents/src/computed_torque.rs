@@ -1,177 +1,198 @@
-//! Computed torque with friction-limited allocation, beside the paper's wheel loops (its future
-//! work: a controller that includes the dynamics and the traction forces).
+//! Computed torque (inverse dynamics) with friction-limited traction forces.
 //!
-//! The outer loop's desired speeds stay. Where the paper gives each wheel a PI controller, this law
-//! asks the robot's dynamics (Eq. 3 while it rolls) which traction forces give the accelerations that
-//! are wanted, cuts them to what the floor carries, and which torques give those forces.
+//! Replaces the paper's PI speed loops; the paper names a controller with dynamics and traction
+//! forces as future work (section 5). The law inverts the robot's dynamics without slip (Eq. 3):
+//! from the commanded accelerations to traction forces, limits these to the friction circles of the
+//! wheels, and computes the torques that produce them. The outer loop stays that of the paper (Eq.
+//! 12).
 
 use crate::geometry::{Dynamics, Geometry};
 use crate::traction::normal_forces_n;
-use crate::wheels::WheelTorque;
+use crate::wheel_torques::WheelTorques;
 
-/// What the law is told at a tick.
+/// Fraction of the friction that the lateral force of a desired turn may use.
+const TURN_FRICTION_SHARE: f64 = 0.9;
+
+/// Input of the law at one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wish {
-    /// Forward acceleration of the axle's middle (m/s²) and yaw acceleration (rad/s²).
+pub struct AccelerationCommand {
+    /// Commanded v̇ of the midpoint of the axle (m/s²) and ẇ (rad/s²).
     pub acceleration: [f64; 2],
-    /// Forward speed of the axle's middle (m/s) and yaw rate (rad/s), measured.
+    /// Measured v of the midpoint of the axle (m/s) and w (rad/s).
     pub twist: [f64; 2],
-    /// The friction that the floor is believed to have (1); none: no limit but the motors'.
+    /// Assumed friction coefficient (1); `None`: no limit besides that of the motors.
     pub friction: Option<f64>,
-    /// The most that a motor gives (N m).
+    /// Largest torque of a motor (N m).
     pub torque_max_nm: f64,
 }
 
-/// The forces that the wheels put on the floor, right and left (N): their sum and difference.
-///
-/// Forces on the robot that rolls, v at the axle's middle: F_r + F_l = m_t v̇ − m_r d w²,
-/// (F_r − F_l) b = I_axle ẇ + m_r d v w, across the axle m_t v w + m_r d ẇ.
+/// Longitudinal traction forces of both wheels (N): F_r + F_l and F_r − F_l.
 #[derive(Debug, Clone, Copy)]
-struct Forces {
+struct TractionForces {
     sum: f64,
     difference: f64,
 }
 
-/// Torques for what is wanted, and those that the floor and the motors carry.
+/// Torques for an acceleration command, before and after limiting.
 ///
-/// What the floor does not carry is cut from the forward acceleration first, then from the turn: a
-/// robot that falls back is still on its path. Braking alone is kept before the turn: the slower a
-/// robot is, the less its turn needs.
-pub fn computed_torque(wish: &Wish, dynamics: &Dynamics, geometry: &Geometry) -> WheelTorque {
-    let plan = Plan::new(wish, dynamics, geometry);
-    let [along, turn] = wish.acceleration;
-    let wanted = plan.forces(along, turn);
-    let allowed = match wish.friction {
+/// Where friction does not suffice, the forward acceleration is reduced before the turn: a robot
+/// that falls behind is still on its path. Only braking has priority over the turn, because a
+/// slower robot needs less lateral force.
+pub fn computed_torque(
+    command: &AccelerationCommand,
+    dynamics: &Dynamics,
+    geometry: &Geometry,
+) -> WheelTorques {
+    let inverse = InverseDynamics::new(command.twist, dynamics, geometry);
+    let [forward, yaw] = command.acceleration;
+    let wanted = inverse.traction(forward, yaw);
+    let allowed = match command.friction {
         None => wanted,
-        Some(friction) => {
-            let normal_n = normal_forces_n(dynamics, geometry, wish.twist);
-            let all_n: f64 = normal_n.iter().sum();
-            let left = |turn: f64| {
-                let used = plan.across_n(turn) / all_n;
-                (friction * friction - used * used).max(0.0).sqrt()
-            };
-            if along * wish.twist[0] < 0.0 {
-                // Half of the floor at least, though the turn may need it all.
-                let left = left(0.0).max(friction / 2.0);
-                let most = normal_n.map(|n| n * left);
-                braking(plan.forces(along, turn), most)
-            } else {
-                let turn = plan.nearest_turn(turn, friction * all_n);
-                let most = normal_n.map(|n| n * left(turn));
-                within(plan.forces(along, turn), most)
-            }
-        }
+        Some(friction) => inverse.within_friction(command, friction),
     };
-    let most = wish.torque_max_nm;
-    WheelTorque {
-        wanted_nm: plan.torques(wanted),
-        torque_nm: plan
+    let max_nm = command.torque_max_nm;
+    WheelTorques {
+        wanted_nm: inverse.torques(wanted),
+        torque_nm: inverse
             .torques(allowed)
-            .map(|torque| torque.clamp(-most, most)),
+            .map(|torque| torque.clamp(-max_nm, max_nm)),
     }
 }
 
-/// Desired speeds (m/s, rad/s) on the same curve, slower where the floor would not carry the turn:
-/// m_t v w within nine tenths of what it carries.
-pub(crate) fn on_this_floor(
+/// Scales desired velocities v (m/s) and w (rad/s) down, on the same curve, until the lateral force
+/// m_t v w is within [`TURN_FRICTION_SHARE`] of the friction.
+pub(crate) fn limit_turn(
     [v, w]: [f64; 2],
     friction: f64,
     dynamics: &Dynamics,
     geometry: &Geometry,
 ) -> [f64; 2] {
-    let carried_n: f64 = normal_forces_n(dynamics, geometry, [v, w])
+    let friction_n: f64 = normal_forces_n(dynamics, geometry, [v, w])
         .iter()
         .sum::<f64>()
         * friction;
-    let share = (0.9 * carried_n / (dynamics.m_t * (v * w).abs()))
+    let scale = (TURN_FRICTION_SHARE * friction_n / (dynamics.m_t * (v * w).abs()))
         .sqrt()
         .min(1.0);
-    [v * share, w * share]
+    [v * scale, w * scale]
 }
 
-/// The dynamics at the measured speeds.
-struct Plan<'a> {
+/// Dynamics of the rolling robot at its measured velocities, with v at the midpoint of the axle:
+///
+/// F_r + F_l = m_t v̇ − m_r d w², (F_r − F_l) b = I_axle ẇ + m_r d v w, F_lat = m_t v w + m_r d ẇ.
+struct InverseDynamics<'a> {
     dynamics: &'a Dynamics,
     geometry: &'a Geometry,
-    /// m_r d w² (N), m_r d v w (N m) and m_t v w (N).
+    twist: [f64; 2],
+    /// m_r d w² (N).
     centrifugal: f64,
+    /// m_r d v w (N m).
     coriolis: f64,
-    sideways: f64,
+    /// m_t v w (N).
+    centripetal: f64,
 }
 
-impl<'a> Plan<'a> {
-    fn new(wish: &Wish, dynamics: &'a Dynamics, geometry: &'a Geometry) -> Self {
-        let [v, w] = wish.twist;
+impl<'a> InverseDynamics<'a> {
+    fn new(twist: [f64; 2], dynamics: &'a Dynamics, geometry: &'a Geometry) -> Self {
+        let [v, w] = twist;
         let moment = dynamics.m_r * geometry.d;
         Self {
             dynamics,
             geometry,
+            twist,
             centrifugal: moment * w * w,
             coriolis: moment * v * w,
-            sideways: dynamics.m_t * v * w,
+            centripetal: dynamics.m_t * v * w,
         }
     }
 
-    fn forces(&self, along: f64, turn: f64) -> Forces {
-        Forces {
-            sum: self.dynamics.m_t * along - self.centrifugal,
-            difference: (self.dynamics.i_axle * turn + self.coriolis) / self.geometry.b,
+    /// Traction forces for v̇ = `forward` (m/s²) and ẇ = `yaw` (rad/s²).
+    fn traction(&self, forward: f64, yaw: f64) -> TractionForces {
+        TractionForces {
+            sum: self.dynamics.m_t * forward - self.centrifugal,
+            difference: (self.dynamics.i_axle * yaw + self.coriolis) / self.geometry.b,
         }
     }
 
-    /// The force across the axle that a turn needs (N).
-    fn across_n(&self, turn: f64) -> f64 {
-        self.sideways + self.dynamics.m_r * self.geometry.d * turn
+    /// Lateral force on the wheels for ẇ = `yaw` (N).
+    fn lateral_n(&self, yaw: f64) -> f64 {
+        self.centripetal + self.dynamics.m_r * self.geometry.d * yaw
     }
 
-    /// The yaw acceleration nearest to `turn` that the floor carries by itself, if it carries
-    /// `most_n` in all: difference² + across² ≤ most_n². Where it carries none, the one that needs
+    /// Traction forces nearest to the command inside the friction circles of the wheels.
+    fn within_friction(&self, command: &AccelerationCommand, friction: f64) -> TractionForces {
+        let [forward, yaw] = command.acceleration;
+        let normal_n = normal_forces_n(self.dynamics, self.geometry, self.twist);
+        let total_n: f64 = normal_n.iter().sum();
+        // Longitudinal friction coefficient that the lateral force leaves.
+        let longitudinal = |yaw: f64| {
+            let lateral = self.lateral_n(yaw) / total_n;
+            (friction * friction - lateral * lateral).max(0.0).sqrt()
+        };
+        if forward * self.twist[0] < 0.0 {
+            // Braking may use at least half of the friction, even if the turn needs all of it.
+            let available = longitudinal(0.0).max(friction / 2.0);
+            let max_n = normal_n.map(|n| n * available);
+            limit_keeping_sum(self.traction(forward, yaw), max_n)
+        } else {
+            let yaw = self.nearest_feasible_yaw(yaw, friction * total_n);
+            let max_n = normal_n.map(|n| n * longitudinal(yaw));
+            limit_keeping_difference(self.traction(forward, yaw), max_n)
+        }
+    }
+
+    /// The yaw acceleration nearest to `yaw` that a total friction of `max_n` allows without
+    /// forward acceleration: difference² + lateral² ≤ max_n². If it allows none, the one that needs
     /// least.
-    fn nearest_turn(&self, turn: f64, most_n: f64) -> f64 {
+    fn nearest_feasible_yaw(&self, yaw: f64, max_n: f64) -> f64 {
         let b = self.geometry.b;
-        let (slope_d, slope_a) = (
+        // Difference and lateral force are linear in the yaw acceleration.
+        let (slope_d, slope_l) = (
             self.dynamics.i_axle / b,
             self.dynamics.m_r * self.geometry.d,
         );
-        let (at_d, at_a) = (self.coriolis / b, self.sideways);
-        let square = slope_d * slope_d + slope_a * slope_a;
-        let middle = -(slope_d * at_d + slope_a * at_a) / square;
-        let least = (at_d + slope_d * middle).powi(2) + (at_a + slope_a * middle).powi(2);
-        let reach = ((most_n * most_n - least).max(0.0) / square).sqrt();
-        turn.clamp(middle - reach, middle + reach)
+        let (at_zero_d, at_zero_l) = (self.coriolis / b, self.centripetal);
+        let square = slope_d * slope_d + slope_l * slope_l;
+        let middle = -(slope_d * at_zero_d + slope_l * at_zero_l) / square;
+        let min_square =
+            (at_zero_d + slope_d * middle).powi(2) + (at_zero_l + slope_l * middle).powi(2);
+        let half_width = ((max_n * max_n - min_square).max(0.0) / square).sqrt();
+        yaw.clamp(middle - half_width, middle + half_width)
     }
 
-    fn torques(&self, Forces { sum, difference }: Forces) -> [f64; 2] {
+    /// Torques that produce the traction forces, including the spin of the wheels:
+    /// τ = r F + I_wy α.
+    fn torques(&self, TractionForces { sum, difference }: TractionForces) -> [f64; 2] {
         let Geometry { r, b, .. } = *self.geometry;
-        let along = (sum + self.centrifugal) / self.dynamics.m_t;
-        let turn = (difference * b - self.coriolis) / self.dynamics.i_axle;
+        let forward = (sum + self.centrifugal) / self.dynamics.m_t;
+        let yaw = (difference * b - self.coriolis) / self.dynamics.i_axle;
         let spin = self.dynamics.i_wy / r;
         [
-            r * (sum + difference) / 2.0 + spin * (along + b * turn),
-            r * (sum - difference) / 2.0 + spin * (along - b * turn),
+            r * (sum + difference) / 2.0 + spin * (forward + b * yaw),
+            r * (sum - difference) / 2.0 + spin * (forward - b * yaw),
         ]
     }
 }
 
-/// The forces nearest to what is wanted that both wheels carry: the turn first.
-fn within(wanted: Forces, [right_n, left_n]: [f64; 2]) -> Forces {
+/// The nearest forces within the limits of both wheels (N), where the difference has priority.
+fn limit_keeping_difference(wanted: TractionForces, [right_n, left_n]: [f64; 2]) -> TractionForces {
     let both = right_n + left_n;
     let difference = wanted.difference.clamp(-both, both);
-    let most = (2.0 * right_n - difference).min(2.0 * left_n + difference);
-    let least = (-2.0 * right_n - difference).max(-2.0 * left_n + difference);
-    // Rounding may cross the two where nothing is left.
-    let sum = wanted.sum.max(least).min(most);
-    Forces { sum, difference }
+    let max = (2.0 * right_n - difference).min(2.0 * left_n + difference);
+    let min = (-2.0 * right_n - difference).max(-2.0 * left_n + difference);
+    // Not `clamp`: by rounding `min` may exceed `max` where no sum is left.
+    let sum = wanted.sum.max(min).min(max);
+    TractionForces { sum, difference }
 }
 
-/// The forces nearest to what is wanted that both wheels carry: the sum first.
-fn braking(wanted: Forces, [right_n, left_n]: [f64; 2]) -> Forces {
+/// The nearest forces within the limits of both wheels (N), where the sum has priority.
+fn limit_keeping_sum(wanted: TractionForces, [right_n, left_n]: [f64; 2]) -> TractionForces {
     let both = right_n + left_n;
     let sum = wanted.sum.clamp(-both, both);
-    let most = (2.0 * right_n - sum).min(2.0 * left_n + sum);
-    let least = (-2.0 * right_n - sum).max(-2.0 * left_n + sum);
-    let difference = wanted.difference.max(least).min(most);
-    Forces { sum, difference }
+    let max = (2.0 * right_n - sum).min(2.0 * left_n + sum);
+    let min = (-2.0 * right_n - sum).max(-2.0 * left_n + sum);
+    let difference = wanted.difference.max(min).min(max);
+    TractionForces { sum, difference }
 }
 
 #[cfg(test)]
@@ -186,8 +207,12 @@ mod tests {
         (geometry, geometry.dynamics.unwrap())
     }
 
-    fn wish(acceleration: [f64; 2], twist: [f64; 2], friction: Option<f64>) -> Wish {
-        Wish {
+    fn command(
+        acceleration: [f64; 2],
+        twist: [f64; 2],
+        friction: Option<f64>,
+    ) -> AccelerationCommand {
+        AccelerationCommand {
             acceleration,
             twist,
             friction,
@@ -195,25 +220,25 @@ mod tests {
         }
     }
 
-    /// From rest the torques give the wheels the accelerations that were wanted.
+    /// From rest the torques produce the commanded accelerations.
     #[test]
-    fn from_rest_the_inverse_is_that_of_the_rolling_robot() {
+    fn from_rest_the_torques_invert_the_rolling_robot() {
         let (geometry, dynamics) = robot();
-        let wish = wish([1.0, 3.0], [0.0; 2], None);
-        let torque = computed_torque(&wish, &dynamics, &geometry);
+        let command = command([1.0, 3.0], [0.0; 2], None);
+        let torque = computed_torque(&command, &dynamics, &geometry);
         let alpha = rolling_acceleration(torque.torque_nm, &dynamics, &geometry);
         let expected = geometry.wheel_speeds(1.0, 3.0);
-        for (found, expected) in alpha.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-9, "{alpha:?} {expected:?}");
+        for (actual, expected) in alpha.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-9, "{alpha:?} {expected:?}");
         }
     }
 
-    /// On a straight line the allocation is Eq. 11.
+    /// On a straight line the friction limit is Eq. 11.
     #[test]
-    fn straight_on_the_limit_is_that_of_eq11() {
+    fn on_a_straight_line_the_limit_is_that_of_eq11() {
         let (geometry, dynamics) = robot();
-        let wish = wish([50.0, 0.0], [0.3, 0.0], Some(0.24));
-        let torque = computed_torque(&wish, &dynamics, &geometry).torque_nm;
+        let command = command([50.0, 0.0], [0.3, 0.0], Some(0.24));
+        let torque = computed_torque(&command, &dynamics, &geometry).torque_nm;
         let n = normal_forces_n(&dynamics, &geometry, [0.3, 0.0])[0];
         let limit = torque_limit_nm(&dynamics, &geometry, 0.24, n);
         for torque in torque {
@@ -221,84 +246,87 @@ mod tests {
         }
     }
 
-    /// Whatever is wanted, the forces on the floor stay inside the friction circles.
+    /// For any command the forces on the floor stay inside the friction circles.
     #[test]
-    fn the_floor_carries_what_is_allowed() {
+    fn the_forces_stay_inside_the_friction_circles() {
         let (geometry, dynamics) = robot();
         let friction = 0.24;
-        for along in [-5.0, 0.0, 1.2, 9.0] {
-            for turn in [-200.0, -2.0, 0.0, 2.0, 20.0] {
+        for forward in [-5.0, 0.0, 1.2, 9.0] {
+            for yaw in [-200.0, -2.0, 0.0, 2.0, 20.0] {
                 for twist in [[0.0, 0.0], [0.7, 1.4], [0.5, -2.0]] {
-                    let wish = wish([along, turn], twist, Some(friction));
-                    let torque = computed_torque(&wish, &dynamics, &geometry).torque_nm;
-                    let plan = Plan::new(&wish, &dynamics, &geometry);
+                    let command = command([forward, yaw], twist, Some(friction));
+                    let torque = computed_torque(&command, &dynamics, &geometry).torque_nm;
+                    let inverse = InverseDynamics::new(command.twist, &dynamics, &geometry);
                     let normal_n = normal_forces_n(&dynamics, &geometry, twist);
-                    let all_n: f64 = normal_n.iter().sum();
-                    let turn = plan.nearest_turn(turn, friction * all_n);
-                    // Who brakes may use half of the floor along, whatever the turn uses across.
-                    let brakes = along * twist[0] < 0.0;
-                    let share = if brakes {
+                    let total_n: f64 = normal_n.iter().sum();
+                    let yaw = inverse.nearest_feasible_yaw(yaw, friction * total_n);
+                    // Braking may use half of the friction, whatever the turn needs.
+                    let lateral = if forward * twist[0] < 0.0 {
                         0.0
                     } else {
-                        plan.across_n(turn) / all_n
+                        inverse.lateral_n(yaw) / total_n
                     };
-                    // Back from the torques: τ = r F + I_wy (the wheel's acceleration).
-                    let alpha = rolling(&plan, torque);
+                    // Traction from the torques: τ = r F + I_wy α.
+                    let alpha = rolling(&inverse, torque);
                     for i in 0..2 {
-                        let push = (torque[i] - dynamics.i_wy * alpha[i]) / geometry.r;
-                        let force = push.hypot(share * normal_n[i]);
-                        assert!(force <= friction * normal_n[i] + 1e-9, "{wish:?} {force}");
+                        let traction = (torque[i] - dynamics.i_wy * alpha[i]) / geometry.r;
+                        let force = traction.hypot(lateral * normal_n[i]);
+                        assert!(
+                            force <= friction * normal_n[i] + 1e-9,
+                            "{command:?} {force}"
+                        );
                     }
                 }
             }
         }
     }
 
-    /// Wheel accelerations (rad/s²) of the rolling robot under torques, by its two equations.
-    fn rolling(plan: &Plan<'_>, [right, left]: [f64; 2]) -> [f64; 2] {
-        let Geometry { r, b, .. } = *plan.geometry;
+    /// Wheel accelerations (rad/s²) of the rolling robot under torques, from its equations of
+    /// motion.
+    fn rolling(inverse: &InverseDynamics<'_>, [right, left]: [f64; 2]) -> [f64; 2] {
+        let Geometry { r, b, .. } = *inverse.geometry;
         let Dynamics {
             m_t, i_wy, i_axle, ..
-        } = *plan.dynamics;
-        let along = ((right + left) / r + plan.centrifugal) / (m_t + 2.0 * i_wy / (r * r));
-        let turn =
-            ((right - left) * b / r - plan.coriolis) / (i_axle + 2.0 * i_wy * b * b / (r * r));
-        [(along + b * turn) / r, (along - b * turn) / r]
+        } = *inverse.dynamics;
+        let forward = ((right + left) / r + inverse.centrifugal) / (m_t + 2.0 * i_wy / (r * r));
+        let yaw =
+            ((right - left) * b / r - inverse.coriolis) / (i_axle + 2.0 * i_wy * b * b / (r * r));
+        [(forward + b * yaw) / r, (forward - b * yaw) / r]
     }
 
-    /// On a floor that does not carry the turn the robot slows down on the same curve.
+    /// Where friction does not suffice for the turn, the robot slows down on the same curve.
     #[test]
-    fn a_slippery_floor_is_driven_slowly() {
+    fn a_turn_on_a_slippery_floor_is_slowed_down() {
         let (geometry, dynamics) = robot();
         assert_eq!(
-            on_this_floor([0.3, 0.6], 0.24, &dynamics, &geometry),
+            limit_turn([0.3, 0.6], 0.24, &dynamics, &geometry),
             [0.3, 0.6]
         );
         assert_eq!(
-            on_this_floor([0.5, 0.0], 0.01, &dynamics, &geometry),
+            limit_turn([0.5, 0.0], 0.01, &dynamics, &geometry),
             [0.5, 0.0]
         );
-        let [v, w] = on_this_floor([0.7, 1.4], 0.1, &dynamics, &geometry);
+        let [v, w] = limit_turn([0.7, 1.4], 0.1, &dynamics, &geometry);
         assert!((w / v - 2.0).abs() < 1e-12 && v < 0.55, "{v} {w}");
         let normal_n: f64 = normal_forces_n(&dynamics, &geometry, [v, w]).iter().sum();
         assert!((dynamics.m_t * v * w - 0.09 * normal_n).abs() < 1e-9);
-        // Who is too fast brakes, though the turn needs it all.
-        let wish = wish([-1.0, 0.0], [0.7, 1.4], Some(0.1));
-        let torque = computed_torque(&wish, &dynamics, &geometry).torque_nm;
+        // A robot that is too fast brakes, although the turn needs all of the friction.
+        let command = command([-1.0, 0.0], [0.7, 1.4], Some(0.1));
+        let torque = computed_torque(&command, &dynamics, &geometry).torque_nm;
         assert!(torque[0] + torque[1] < -0.01, "{torque:?}");
     }
 
-    /// A turn that the floor carries is not touched, whatever forward acceleration is wanted.
+    /// A feasible turn is not reduced, whatever the commanded forward acceleration.
     #[test]
-    fn the_turn_comes_first() {
+    fn the_turn_has_priority_over_acceleration() {
         let (geometry, dynamics) = robot();
-        for along in [0.0, 1.0, 9.0] {
-            let wish = wish([along, 3.0], [0.3, 0.6], Some(0.24));
-            let torque = computed_torque(&wish, &dynamics, &geometry).torque_nm;
-            let plan = Plan::new(&wish, &dynamics, &geometry);
-            let [right, left] = rolling(&plan, torque);
-            let turn = geometry.r * (right - left) / (2.0 * geometry.b);
-            assert!((turn - 3.0).abs() < 1e-9, "{turn}");
+        for forward in [0.0, 1.0, 9.0] {
+            let command = command([forward, 3.0], [0.3, 0.6], Some(0.24));
+            let torque = computed_torque(&command, &dynamics, &geometry).torque_nm;
+            let inverse = InverseDynamics::new(command.twist, &dynamics, &geometry);
+            let [right, left] = rolling(&inverse, torque);
+            let yaw = geometry.r * (right - left) / (2.0 * geometry.b);
+            assert!((yaw - 3.0).abs() < 1e-9, "{yaw}");
         }
     }
 }

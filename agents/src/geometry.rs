@@ -1,53 +1,53 @@
-//! What a controller knows of its robot: the nominal model in the paper's symbols.
+//! Nominal model of the controller: kinematics (Eq. 1) and inertias, in the paper's symbols.
 
 use std::f64::consts::TAU;
 
 use slipstream_bus::{InputError, RobotModel};
 
-/// Lengths and inertias of the nominal model.
+/// Lengths of the nominal model, and its inertias if known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
     /// r: wheel radius (m).
     pub r: f64,
-    /// b: half of the track (m).
+    /// b: half of the distance between the wheels (m).
     pub b: f64,
-    /// d: distance from c back to the axle (m); 0 where the model does not know it.
+    /// d: distance from c backwards to the axle (m); 0 if unknown.
     pub d: f64,
     /// Angle of one encoder count (rad).
     pub count_rad: f64,
-    /// Masses, where the model knows them.
+    /// Masses and inertias, if all are known.
     pub dynamics: Option<Dynamics>,
 }
 
-/// What torque limits need to know besides.
+/// Masses, inertias and heights of the nominal model: what torque limits and computed torque need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dynamics {
     /// m_t = m_r + 2 m_w: total mass (kg).
     pub m_t: f64,
     /// m_r: mass of the body without the wheels (kg).
     pub m_r: f64,
-    /// I_wy: spin inertia of a wheel (kg m²).
+    /// I_wy: inertia of a wheel about the axle (kg m²).
     pub i_wy: f64,
-    /// Inertia of the whole robot about the vertical through the axle's middle (kg m²).
+    /// Yaw inertia of the whole robot about the midpoint of the axle (kg m²).
     pub i_axle: f64,
-    /// e: distance from c forward to the caster (m).
+    /// e: distance from c forwards to the caster (m).
     pub e: f64,
-    /// h: height of c (m).
+    /// h: height of c above the floor (m).
     pub h: f64,
 }
 
 impl Geometry {
-    /// The nominal model of a robot; its effects are what the controller does not know.
+    /// The nominal model of a robot. The effects of the model are unknown to the controller.
     ///
     /// # Errors
-    /// A robot without encoders: nothing could be controlled.
+    /// The robot has no encoders, without which it cannot be controlled.
     pub fn new(model: &RobotModel) -> Result<Self, InputError> {
         let body = &model.robot;
         let Some(encoder) = &model.encoder else {
             return Err(InputError::new(
                 "encoder.counts_per_rev",
-                "is missing: the controller drives by its encoders",
-                "give the counts in one turn of the wheel",
+                "is missing: the controller needs encoders",
+                "give the counts per revolution of the wheel",
             ));
         };
         Ok(Self {
@@ -59,12 +59,12 @@ impl Geometry {
         })
     }
 
-    /// Wheel speeds (rad/s) at a forward speed (m/s) and yaw rate (rad/s), by Eq. 1.
+    /// Wheel speeds (rad/s) for a forward velocity v (m/s) and a yaw rate w (rad/s): Eq. 1.
     pub fn wheel_speeds(&self, v: f64, w: f64) -> [f64; 2] {
         [(v + self.b * w) / self.r, (v - self.b * w) / self.r]
     }
 
-    /// Forward speed (m/s) and yaw rate (rad/s) at wheel speeds (rad/s), by Eq. 1.
+    /// Forward velocity v (m/s) and yaw rate w (rad/s) for wheel speeds (rad/s): Eq. 1 inverted.
     pub fn twist(&self, [right, left]: [f64; 2]) -> [f64; 2] {
         [
             self.r * (right + left) / 2.0,

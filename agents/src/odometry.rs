@@ -1,9 +1,11 @@
-//! Where the wheels say the robot is: dead reckoning from encoder counts, as in the paper.
+//! Odometry: dead reckoning from encoder counts (Eq. 1, section 3), with the midpoint rule.
+//!
+//! It assumes pure rolling, so that wheel slip makes it wrong; that is what the paper investigates.
 
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 
-/// Dead reckoning of the axle's middle.
+/// Estimated pose of the midpoint of the axle.
 #[derive(Debug, Clone)]
 pub struct Odometry {
     axle: Pose,
@@ -11,7 +13,7 @@ pub struct Odometry {
 }
 
 impl Odometry {
-    /// Begins with c at `start`, at whatever the counters first show.
+    /// Starts with c at `start`. The first reading of the counters is the origin of the counts.
     pub fn new(start: Pose, geometry: &Geometry) -> Self {
         Self {
             axle: start.ahead(-geometry.d),
@@ -19,7 +21,7 @@ impl Odometry {
         }
     }
 
-    /// Goes on with c at `pose` when the counters showed `counts`.
+    /// Continues with c at `pose` when the counters read `counts`.
     pub fn resumed(pose: Pose, counts: [i64; 2], geometry: &Geometry) -> Self {
         Self {
             axle: pose.ahead(-geometry.d),
@@ -27,20 +29,20 @@ impl Odometry {
         }
     }
 
-    /// The counters behind the pose; 0 before the first reading.
+    /// The last reading of the counters; 0 before the first.
     pub fn counts(&self) -> [i64; 2] {
         self.counts.unwrap_or_default()
     }
 
-    /// Takes in the counters.
+    /// Integrates the wheel rotation since the last reading of the counters.
     pub fn update(&mut self, counts: [i64; 2], geometry: &Geometry) {
         let before = self.counts.replace(counts).unwrap_or(counts);
-        let [right, left] = turned(before, counts, geometry);
+        let [right, left] = wheel_rotation(before, counts, geometry);
         let [path_m, turn_rad] = geometry.twist([right, left]);
-        self.axle = self.axle.driven(path_m, turn_rad);
+        self.axle = self.axle.along_arc(path_m, turn_rad);
     }
 
-    /// The pose of the axle's middle.
+    /// The pose of the midpoint of the axle.
     pub fn axle(&self) -> Pose {
         self.axle
     }
@@ -51,12 +53,12 @@ impl Odometry {
     }
 }
 
-/// How far the wheels turned between two readings (rad).
+/// Rotation of the wheels between two readings of the counters (rad).
 #[expect(
     clippy::cast_precision_loss,
     reason = "a difference of counts in one tick is far below 2^53"
 )]
-pub(crate) fn turned(before: [i64; 2], now: [i64; 2], geometry: &Geometry) -> [f64; 2] {
+pub(crate) fn wheel_rotation(before: [i64; 2], now: [i64; 2], geometry: &Geometry) -> [f64; 2] {
     [0, 1].map(|i| now[i].wrapping_sub(before[i]) as f64 * geometry.count_rad)
 }
 
@@ -66,14 +68,14 @@ mod tests {
 
     use super::*;
 
-    /// A full circle in small steps comes back to its start: the error of the chord is third order.
+    /// A full circle in small steps returns to its start: the error of a chord is of third order.
     #[test]
     fn a_full_circle_closes() {
         let geometry = Geometry::new(&RobotModel::default()).unwrap();
         let start = Pose::new([1.0, 2.0, 0.3]);
         let mut odometry = Odometry::new(start, &geometry);
         odometry.update([0, 0], &geometry);
-        // right wheel 4 counts, left wheel 2 counts a step: each step turns by 2 counts r / 2b
+        // Right wheel 4 counts, left wheel 2 counts per step: a step turns by 2 counts · r / 2b.
         let step_rad = 2.0 * geometry.count_rad * geometry.r / (2.0 * geometry.b);
         let steps = (std::f64::consts::TAU / step_rad).round() as i64;
         for k in 1..=steps {
@@ -85,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_on_the_spot_swings_c_about_the_axle() {
+    fn a_turn_on_the_spot_moves_c_around_the_axle() {
         let geometry = Geometry::new(&RobotModel::default()).unwrap();
         let mut odometry = Odometry::new(Pose::default(), &geometry);
         odometry.update([100, 100], &geometry);

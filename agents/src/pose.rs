@@ -1,6 +1,6 @@
-//! Poses in the plane, of the centre of mass c and of the axle's middle a distance d behind it.
+//! Poses in the plane (SE(2)): of the centre of mass c, or of the midpoint of the axle, d behind c.
 
-/// A pose in the world: x forward, y left, φ counter-clockwise and not wrapped.
+/// A pose in the world frame. φ is counter-clockwise and not wrapped.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pose {
     /// x (m).
@@ -22,7 +22,7 @@ impl Pose {
         [self.x_m, self.y_m, self.yaw_rad]
     }
 
-    /// The pose of the point `distance_m` ahead on the body's own axis.
+    /// The pose of the body's point `distance_m` ahead on its longitudinal axis.
     #[must_use]
     pub fn ahead(self, distance_m: f64) -> Self {
         let (sin, cos) = self.yaw_rad.sin_cos();
@@ -33,10 +33,11 @@ impl Pose {
         }
     }
 
-    /// The pose after an arc of a wheeled axle: `path_m` forward while turning by `turn_rad`, with
-    /// the chord in the direction of the middle heading (exact in direction, third order in length).
+    /// The pose after an arc of length `path_m` that turns by `turn_rad`, by the midpoint rule. The
+    /// direction of the chord, the mean heading, is exact; its length is taken to be that of the
+    /// arc, with a relative error of `turn_rad`² / 24.
     #[must_use]
-    pub fn driven(self, path_m: f64, turn_rad: f64) -> Self {
+    pub fn along_arc(self, path_m: f64, turn_rad: f64) -> Self {
         let (sin, cos) = (self.yaw_rad + 0.5 * turn_rad).sin_cos();
         Self {
             x_m: self.x_m + path_m * cos,
@@ -46,13 +47,13 @@ impl Pose {
     }
 }
 
-/// The same angle in (−π, π].
+/// Wraps an angle to (−π, π].
 pub(crate) fn wrapped(angle_rad: f64) -> f64 {
-    let turn = std::f64::consts::TAU;
-    let rest = angle_rad.rem_euclid(turn);
-    if rest > std::f64::consts::PI {
-        rest - turn
+    let full_turn = std::f64::consts::TAU;
+    let positive = angle_rad.rem_euclid(full_turn);
+    if positive > std::f64::consts::PI {
+        positive - full_turn
     } else {
-        rest
+        positive
     }
 }

@@ -1,4 +1,4 @@
-//! The process of one agent: its node tied to the bus and the clock.
+//! Process of one agent: runs its node over shared memory, in lockstep or on the wall clock.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -8,7 +8,7 @@ use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, Schedule};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::{AgentEnd, await_stage};
+use slipstream_ipc::endpoints::{AgentEndpoint, await_stage};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
@@ -17,39 +17,40 @@ use slipstream_ipc::wake_page::Stage;
 
 use crate::node::{Node, NodeReport};
 
-/// Priority of an agent's loops among real-time threads; the plant's is higher.
+/// Real-time priority of an agent. That of the plant is higher.
 const PRIORITY: u8 = 20;
-/// Ticks between two looks at the launcher.
+/// Number of ticks between two checks whether the launcher is alive.
 const TICKS_PER_PARENT_CHECK: u64 = 16;
 
-/// What an agent's process has to say at its end.
+/// What the process of an agent reports at its end.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct AgentOutcome {
-    /// The controller's and its links'.
+    /// Report of the controller and its links.
     pub report: NodeReport,
-    /// How it ended.
+    /// How the process ended.
     pub ended: ProcessStatus,
-    /// Deadlines of outer and inner loop; on the wall clock.
+    /// Deadline counts of outer and inner loop, on the wall clock.
     pub deadlines: Option<[Deadlines; 2]>,
-    /// What the system permitted; on the wall clock.
+    /// Real-time measures granted by the system, on the wall clock.
     pub real_time: RealTime,
     /// Records that did not reach the recorder.
     pub lost_records: u64,
 }
 
-/// An agent's process inside its run.
+/// The process of an agent that has joined its run.
 struct Process {
     joined: JoinedRun,
     node: Node,
-    end: AgentEnd,
+    endpoint: AgentEndpoint,
     records: RecordSender,
     robot: RobotIndex,
 }
 
-/// Runs the agent of `robot` in the run in `folder` to its end. `rejoins`: a predecessor died.
+/// Runs the agent of `robot` in the run in `folder` to the end. With `rejoins` it continues from
+/// the checkpoint of an agent that died.
 ///
 /// # Errors
-/// When it cannot join the run.
+/// The process cannot join the run.
 pub fn run(
     folder: &Path,
     robot: RobotIndex,
@@ -63,58 +64,59 @@ pub fn run(
     })?;
     let services = joined.services(&robot_name(robot))?;
     if rejoins {
-        services.clear_dead();
+        services.cleanup_dead_nodes();
         if let Some(checkpoint) = joined.wake_page.checkpoint(robot as usize) {
             node.resume(checkpoint);
         }
     }
     let wake_page = Rc::clone(&joined.wake_page);
-    let end = AgentEnd::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
+    let endpoint = AgentEndpoint::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
     let records = RecordSender::new(&services, wake_page, robot + 1, AGENT_CHUNK, recording)?;
     joined.wake_page.signal_ready();
     let lockstep = services.lockstep();
     let mut process = Process {
         joined,
         node,
-        end,
+        endpoint,
         records,
         robot,
     };
     if lockstep {
-        process.lockstep()
+        process.run_lockstep()
     } else {
-        process.wall(rejoins)
+        process.run_wall_clock(rejoins)
     }
 }
 
 impl Process {
-    /// Answers rounds until the plant says that it is over.
-    fn lockstep(&mut self) -> Result<AgentOutcome, BusError> {
+    /// Runs in virtual time.
+    fn run_lockstep(&mut self) -> Result<AgentOutcome, BusError> {
         let schedule = self.joined.experiment.settings.schedule();
         let ended = self.answer_rounds(schedule);
         self.finish(ended, None, RealTime::default())
     }
 
+    /// Answers every round until the run is over.
     fn answer_rounds(&mut self, schedule: Schedule) -> Result<(), BusError> {
-        while let Some(round) = self.end.next_round()? {
+        while let Some(round) = self.endpoint.next_round()? {
             trace::set_virtual_time(round.now_ns);
             let due = schedule.due(round.now_ns);
-            let (links, records) = (self.end.links(), &mut self.records);
+            let (links, records) = (self.endpoint.links(), &mut self.records);
             let command = self
                 .node
                 .step(round.now_ns, due, &round.encoders, links, records)?;
             self.records.flush_if_due();
-            self.end.answer(command)?;
+            self.endpoint.answer(command)?;
         }
         Ok(())
     }
 
-    /// Keeps its own deadlines until the plant says that it is over.
-    fn wall(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
+    /// Runs on the wall clock.
+    fn run_wall_clock(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
         let real_time = RealTime::request(PRIORITY);
         await_stage(&self.joined.wake_page, Stage::Running, self.joined.parent)?;
         let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page.start_ns()));
-        self.end.use_clock(clock);
+        self.endpoint.use_clock(clock);
         trace::use_clock(clock);
         if rejoins {
             let (t_ns, robot) = (clock.now_ns(), Some(self.robot));
@@ -125,19 +127,20 @@ impl Process {
             });
         }
         let mut deadlines = ["outer", "inner"].map(Deadlines::of);
-        let ended = self.keep_deadlines(clock, &mut deadlines);
+        let ended = self.run_ticks(clock, &mut deadlines);
         self.finish(ended, Some(deadlines), real_time)
     }
 
-    fn keep_deadlines(
+    /// Runs every tick at its deadline until the run is over.
+    fn run_ticks(
         &mut self,
         clock: WallClock,
         deadlines: &mut [Deadlines; 2],
     ) -> Result<(), BusError> {
         let schedule = self.joined.experiment.settings.schedule();
         let mut encoders = Encoders::default();
-        let late_begin = clock.now_ns() > schedule.inner_ns;
-        let mut tick_ns = if late_begin {
+        let starts_late = clock.now_ns() > schedule.inner_ns;
+        let mut tick_ns = if starts_late {
             schedule.next_after(clock.now_ns())
         } else {
             0
@@ -151,15 +154,15 @@ impl Process {
             if ticks.is_multiple_of(TICKS_PER_PARENT_CHECK) && self.joined.parent.is_gone() {
                 return Err(BusError::Stopped);
             }
-            if let Some((_, newest)) = self.end.newest_world()? {
+            if let Some(newest) = self.endpoint.newest_encoders()? {
                 encoders = newest;
             }
             let due = schedule.due(tick_ns);
-            let links = self.end.links();
+            let links = self.endpoint.links();
             let command = self
                 .node
                 .step(tick_ns, due, &encoders, links, &mut self.records)?;
-            self.end.command(command)?;
+            self.endpoint.send_command(command)?;
             self.joined
                 .wake_page
                 .store_checkpoint(self.robot as usize, self.node.checkpoint());
@@ -171,7 +174,7 @@ impl Process {
         Ok(())
     }
 
-    /// The next tick; who is late leaves ticks out rather than hurry after them.
+    /// The next tick (ns). Skips ticks that are overdue by a whole period instead of catching up.
     fn next_tick(
         &mut self,
         schedule: Schedule,
@@ -203,8 +206,8 @@ impl Process {
         deadlines: Option<[Deadlines; 2]>,
         real_time: RealTime,
     ) -> Result<AgentOutcome, BusError> {
-        let last = self.end.newest_world()?.map(|(_, encoders)| encoders);
-        let links = self.end.links();
+        let last = self.endpoint.newest_encoders()?;
+        let links = self.endpoint.links();
         let report = self.node.finish(last.as_ref(), links, &mut self.records)?;
         self.records.flush();
         Ok(AgentOutcome {
@@ -217,7 +220,7 @@ impl Process {
     }
 }
 
-/// Counts a tick that was due, began and was done at these times (ns).
+/// Counts a tick that was due, began and was done at these times (ns), for the loops that were due.
 fn count(
     deadlines: &mut [Deadlines; 2],
     due: Due,

@@ -1,23 +1,23 @@
-//! Unusable input as one line: where it is, what is wrong, what to do.
+//! Input error: place, problem and remedy, printed as one line.
 
 use std::fmt;
 use std::path::Path;
 
-/// Input that cannot be used. It prints as `place:line: problem; remedy`.
+/// Why an input cannot be used. It prints as `place:line: problem; remedy`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct InputError {
-    /// A file, an argument, or a key as its file spells it, such as `robot.wheel_mass_kg`.
+    /// A file, an argument, or a key as written in its file, such as `robot.wheel_mass_kg`.
     pub place: String,
     /// The line of a text file, counted from 1.
     pub line: Option<u64>,
-    /// What is wrong, as the end of a sentence that begins with the place: "is 0".
+    /// What is wrong. It continues a sentence that begins with the place: "is 0".
     pub problem: String,
-    /// What to do about it, as an instruction: "give a number above 0".
+    /// How to fix it, as an instruction: "give a number above 0".
     pub remedy: String,
 }
 
 impl InputError {
-    /// An error at a file, argument or key.
+    /// An error at a file, argument or key, without a line.
     pub fn new(
         place: impl Into<String>,
         problem: impl Into<String>,
@@ -36,7 +36,7 @@ impl InputError {
         Self::new(path.display().to_string(), problem, remedy)
     }
 
-    /// A file that the operating system does not let be read.
+    /// An error about a file that the operating system cannot read.
     pub fn unreadable(path: &Path, source: &std::io::Error) -> Self {
         Self::file(
             path,
@@ -57,7 +57,7 @@ impl std::error::Error for InputError {}
 
 impl fmt::Display for InputError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // Input may contain line breaks and escape sequences; an error is one line all the same.
+        // The input may contain line breaks and escape sequences; the error stays one line.
         let one_line = |text: &str| text.replace(|c: char| c.is_control(), " ");
         f.write_str(&one_line(&self.place))?;
         if let Some(line) = self.line {

@@ -1,11 +1,25 @@
-//! Plain data and pure logic that every part of a run shares: robot model, experiment, messages,
-//! records, links with their delay line, and the traits of a transport. No operating system: shared
-//! memory, clocks and processes are in `slipstream-ipc`.
+//! Plain data and pure logic of a run: robot model, experiment, messages, records, links with their
+//! delay line, and the traits of a transport.
+//!
+//! Nothing here touches the operating system. Shared memory, clocks and processes are in
+//! `slipstream-ipc`; file formats are in `slipstream-recording` and `slipstream-launch`.
+//!
+//! ```
+//! use slipstream_bus::{Experiment, RobotModel, Settings};
+//!
+//! let mut settings = Settings::default(); // the paper's platoon of three robots
+//! settings.links.delay_s = 0.05;
+//! settings.validate()?;
+//! let experiment = Experiment::new(settings, &RobotModel::paper_with_slip());
+//! assert_eq!(experiment.robots[2].name, "r3");
+//! # Ok::<(), slipstream_bus::InputError>(())
+//! ```
 
 mod error;
 pub mod experiment;
 pub mod link;
 pub mod message;
+mod range;
 pub mod record;
 pub mod robot;
 pub mod sensors;
@@ -13,7 +27,6 @@ pub mod time;
 pub mod topology;
 pub mod trace;
 pub mod transport;
-mod validate;
 
 pub use error::InputError;
 pub use experiment::{Experiment, RobotSetup, Settings};

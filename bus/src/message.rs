@@ -1,10 +1,10 @@
-//! Messages between plant and agents: plain values, times in nanoseconds since the run began.
+//! Messages between plant and agents, as plain values. Times are in ns since the start of the run.
 //!
-//! Pairs are always [right, left]. How a transport lays them out in memory is its own affair.
+//! Pairs are always [right, left]. The memory layout is up to the transport.
 
 use serde::{Deserialize, Serialize};
 
-/// A robot in a run: 0 is the front one, `r1`.
+/// Index of a robot in a run; 0 is the front robot, `r1`.
 pub type RobotIndex = u32;
 
 /// The name of robot `index`: `r1` for 0.
@@ -12,7 +12,7 @@ pub fn robot_name(index: RobotIndex) -> String {
     format!("r{}", index + 1)
 }
 
-/// The state of one robot's encoders, plant → agent.
+/// Encoder reading of one robot, plant → agent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Encoders {
     /// When the counters were read (ns).
@@ -21,33 +21,33 @@ pub struct Encoders {
     pub counts: [i64; 2],
 }
 
-/// What an agent tells its robot's drives, agent → plant.
+/// Wheel torques commanded by one controller, agent → plant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TorqueCommand {
     /// The robot.
     pub robot: RobotIndex,
-    /// The round that this answers; 0 on the wall clock.
+    /// The lockstep round that this answers; 0 on the wall clock.
     pub epoch: u32,
-    /// The inner tick that computed it (ns).
+    /// The inner tick that computed the torques (ns).
     pub tick_ns: i64,
     /// Torque at each wheel (N m).
     pub torque_nm: [f64; 2],
 }
 
-/// Where a robot believes to be, robot → the next one.
+/// Estimated position and reference velocity of a robot, robot → its successor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Position {
     /// The sender.
     pub from: RobotIndex,
-    /// Counts the sender's messages from 0.
+    /// Sequence number of the sender's messages, from 0.
     pub seq: u32,
-    /// Counts the front robot's turns around the ring from 0.
-    pub ring_round: u32,
-    /// When the encoders behind it were read (ns).
+    /// Number of the token round of the ring protocol, from 0; always 0 for `periodic`.
+    pub token_round: u32,
+    /// When the encoders behind the estimate were read (ns).
     pub sampled_ns: i64,
     /// The sender's outer tick (ns).
     pub tick_ns: i64,
-    /// When it was handed to the bus (ns).
+    /// When the transport sent it (ns).
     pub sent_ns: i64,
     /// x of c (m), by odometry.
     pub x_m: f64,

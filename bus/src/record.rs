@@ -1,20 +1,20 @@
-//! What the processes of a run tell the recorder: plain values, times in ns since the run began.
+//! Records: what the processes of a run log for the recording, as plain values.
 //!
-//! Each record names its robot by index. How long everything took is told by the trace beside them
-//! (`trace.rs`).
+//! Times are in ns since the start of the run; robots are named by index. The trace (`trace.rs`) is
+//! recorded beside the records and holds the durations.
 
 use serde::{Deserialize, Serialize};
 
 use crate::message::{Position, RobotIndex};
 
-/// One thing that happened.
+/// One entry of the log of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Record {
-    /// The truth about a robot.
+    /// True state of a robot.
     State(State),
-    /// The encoders as a tick read them.
+    /// The encoders as read by a control tick.
     Encoders {
-        /// When they were read.
+        /// When they were read (ns).
         t_ns: i64,
         /// The robot.
         robot: RobotIndex,
@@ -23,30 +23,30 @@ pub enum Record {
     },
     /// The torque that the plant applies from `t_ns` on.
     Applied {
-        /// The plant step's begin.
+        /// Begin of the plant step (ns).
         t_ns: i64,
-        /// When the plant took the torque up. On the wall clock that is when the step's end is due,
-        /// in virtual time its begin.
+        /// When the plant received the torque (ns): in virtual time at the begin of the step, on
+        /// the wall clock when the end of the step is due.
         taken_ns: i64,
         /// The robot.
         robot: RobotIndex,
-        /// The inner tick that asked for it.
+        /// The inner tick that commanded it (ns).
         tick_ns: i64,
         /// The torque as commanded (N m).
         torque_nm: [f64; 2],
     },
-    /// The camera above saw a robot.
+    /// A pose measured by the external camera.
     Camera {
-        /// The stamp that the camera gives.
+        /// Time stamp of the camera (ns).
         t_ns: i64,
         /// The robot.
         robot: RobotIndex,
         /// x (m), y (m), yaw (rad) of c.
         pose: [f64; 3],
     },
-    /// Accelerometer and gyro at c.
+    /// A sample of accelerometer and gyro at c.
     Imu {
-        /// The stamp that the sensor gives.
+        /// Time stamp of the sensor (ns).
         t_ns: i64,
         /// The robot.
         robot: RobotIndex,
@@ -59,24 +59,24 @@ pub enum Record {
     Outer(OuterTick),
     /// An inner tick of a controller.
     Inner(InnerTick),
-    /// A position went out.
+    /// A position was sent.
     Sent {
         /// The receiver.
         to: RobotIndex,
         /// The message.
         position: Position,
     },
-    /// A position came to the receiver's delay line.
+    /// A position entered the receiver's delay line.
     Arrived {
         /// The sender.
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// When it was sent.
+        /// When it was sent (ns).
         sent_ns: i64,
-        /// When the line gives it out; `None`: it is lost.
+        /// When it leaves the delay line (ns); `None` if it is lost.
         available_ns: Option<i64>,
     },
     /// A position left the delay line at an outer tick.
@@ -85,39 +85,39 @@ pub enum Record {
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// The receiver's outer tick.
+        /// The receiver's outer tick (ns).
         tick_ns: i64,
-        /// What became of it.
+        /// What the receiver did with it.
         fate: Fate,
     },
-    /// Something else worth knowing.
+    /// Any other event.
     Event {
-        /// When.
+        /// When it happened (ns).
         t_ns: i64,
-        /// Whom it concerns, if one robot.
+        /// The robot, if the event concerns one.
         robot: Option<RobotIndex>,
-        /// What.
+        /// What happened.
         kind: EventKind,
     },
 }
 
-/// What became of a position that left the delay line.
+/// What the receiver did with a position that left the delay line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fate {
-    /// It is the reference from this tick on.
+    /// It became the reference at this tick.
     Used,
-    /// A newer one left the line at the same tick.
+    /// A newer one left the delay line at the same tick.
     Superseded,
-    /// A newer one had come before.
+    /// A newer one had been delivered before.
     Stale,
-    /// It came after the last outer tick.
+    /// It was delivered after the last outer tick.
     Unused,
 }
 
 impl Fate {
-    /// All with their names in the trace.
+    /// All variants with their names in the trace.
     const NAMES: [(Self, &'static str); 4] = [
         (Self::Used, "used"),
         (Self::Superseded, "superseded"),
@@ -131,37 +131,37 @@ impl Fate {
         found.map_or("", |(_, name)| name)
     }
 
-    /// The fate of a name.
-    pub fn named(name: &str) -> Option<Self> {
+    /// The variant with this name in the trace.
+    pub fn from_name(name: &str) -> Option<Self> {
         let found = Self::NAMES.iter().find(|(_, other)| *other == name);
         found.map(|(fate, _)| *fate)
     }
 }
 
-/// Something worth knowing.
+/// Kind of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum EventKind {
-    /// A follower had no fresh position and slows down.
+    /// A follower's watchdog fired: no fresh position arrived in time, it brakes.
     WatchdogFired,
-    /// It has one again.
+    /// A fresh position arrived again.
     WatchdogCleared,
-    /// The front robot started the ring anew.
+    /// The front robot started a new token round, because the last one did not return in time.
     RingRestarted,
-    /// The encoders went silent: no torque.
+    /// The encoder readings of a controller are too old: it commands no torque.
     PlantLost,
-    /// They are back.
+    /// Fresh encoder readings arrive again.
     PlantBack,
-    /// A loop was too late on the wall clock.
+    /// A tick was skipped on the wall clock, because the one before it took too long.
     DeadlineMissed,
-    /// Its process died.
+    /// The process died.
     Died,
-    /// A dead agent came back.
+    /// A restarted agent joined the run.
     Rejoined,
 }
 
 impl EventKind {
-    /// What happened, in words.
-    pub fn words(self) -> &'static str {
+    /// Description for people, as it stands in recordings.
+    pub fn description(self) -> &'static str {
         match self {
             Self::WatchdogFired => "no fresh position: slows down",
             Self::WatchdogCleared => "has a fresh position again",
@@ -175,16 +175,16 @@ impl EventKind {
     }
 }
 
-/// The truth about one robot after a plant step.
+/// True state of one robot after a plant step.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct State {
-    /// When.
+    /// Time of the state (ns).
     pub t_ns: i64,
     /// The robot.
     pub robot: RobotIndex,
     /// x (m), y (m), φ (rad) of c.
     pub pose: [f64; 3],
-    /// Velocity of c in the body's axes (m/s, m/s) and the yaw rate (rad/s).
+    /// Velocity of c in the body frame (m/s, m/s) and yaw rate (rad/s).
     pub velocity: [f64; 3],
     /// Wheel angles (rad).
     pub wheel_angle_rad: [f64; 2],
@@ -194,26 +194,26 @@ pub struct State {
     pub torque_nm: [f64; 2],
     /// Normal forces (N).
     pub normal_n: [f64; 2],
-    /// Sliding speeds at the contacts: along the right and the left wheel, across both (m/s).
+    /// Slip velocities: along the right wheel, along the left wheel, lateral (m/s).
     pub slip_m_s: [f64; 3],
-    /// Whether each contact slides.
+    /// Whether the contact of each wheel slides.
     pub slides: [bool; 2],
 }
 
 /// An outer tick of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct OuterTick {
-    /// When it was due.
+    /// When it was due (ns).
     pub t_ns: i64,
-    /// When the encoders behind it were read.
+    /// When the encoders were read (ns).
     pub sampled_ns: i64,
     /// The robot.
     pub robot: RobotIndex,
     /// x (m), y (m), φ (rad) of c by odometry.
     pub pose: [f64; 3],
-    /// v (m/s) and w (rad/s) by the wheels.
+    /// v (m/s) and w (rad/s) from the wheel speeds.
     pub velocity: [f64; 2],
-    /// The reference's x (m), y (m), φ (rad) of c.
+    /// Reference x (m), y (m), φ (rad) of c.
     pub reference: [f64; 3],
     /// v_r (m/s) and w_r (rad/s).
     pub reference_velocity: [f64; 2],
@@ -221,46 +221,46 @@ pub struct OuterTick {
     pub error: [f64; 3],
     /// v_d (m/s) and w_d (rad/s) before limiting.
     pub desired: [f64; 2],
-    /// Wheel speeds asked of the inner loop (rad/s).
+    /// Wheel speed set-points for the inner loop (rad/s).
     pub set_point_rad_s: [f64; 2],
-    /// The number of the message that the reference comes from.
+    /// Sequence number of the message behind the reference.
     pub message: Option<u32>,
 }
 
 /// An inner tick of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct InnerTick {
-    /// When it was due.
+    /// When it was due (ns).
     pub t_ns: i64,
-    /// When the encoders behind it were read.
+    /// When the encoders were read (ns).
     pub sampled_ns: i64,
     /// The robot.
     pub robot: RobotIndex,
-    /// The outer tick whose set-points it obeys.
+    /// The outer tick that computed the set-points (ns).
     pub outer_ns: i64,
-    /// Wheel speeds since the last inner tick (rad/s).
+    /// Mean wheel speeds since the last inner tick (rad/s).
     pub wheel_speed_rad_s: [f64; 2],
-    /// What the loops asked for before limiting (N m).
+    /// Torques before limiting (N m).
     pub wanted_nm: [f64; 2],
-    /// The limits in force (N m).
+    /// Torque limits (N m).
     pub limit_nm: [f64; 2],
-    /// The torque commanded (N m).
+    /// Commanded torques (N m).
     pub torque_nm: [f64; 2],
-    /// The friction that the limit supposes (1), and its standard deviation where estimated.
+    /// Friction coefficient behind the limits (1) and its standard deviation, if estimated.
     pub friction: [f64; 2],
 }
 
-/// Takes records.
+/// Receives the log of a run.
 pub trait Recorder {
-    /// Takes one record. What cannot be kept is for the recorder to report at its end: a loop does
-    /// not stop for it.
+    /// Logs one record. A recorder counts what it cannot keep and reports the count at the end, so
+    /// that a control loop never stops for it.
     fn record(&mut self, record: &Record);
 
-    /// Takes a piece of the trace (`trace.rs`), whose first record is of the instant `t_ns`.
+    /// Logs a chunk of the trace (`trace.rs`) whose first record happened at `t_ns`.
     fn trace(&mut self, _t_ns: i64, _bytes: &[u8]) {}
 }
 
-/// Keeps nothing.
+/// A recorder that discards everything.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoRecorder;
 
@@ -275,7 +275,7 @@ impl Recorder for Vec<Record> {
 }
 
 impl Record {
-    /// When it happened (ns).
+    /// When it happened (ns); for `Sent` and `Arrived` the time of sending.
     pub fn t_ns(&self) -> i64 {
         match *self {
             Self::State(State { t_ns, .. })

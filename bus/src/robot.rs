@@ -1,27 +1,30 @@
-//! A robot model as plain data: what `robot.toml` says, in the paper's symbols and SI units.
+//! Robot model as plain data: the content of `robot.toml`, in the paper's symbols and SI units.
 //!
-//! A key that is absent is unknown, not zero. [`RobotModel::validate`] judges what is present;
-//! whether enough is known for a simulation is for the simulator to say.
+//! A missing key means unknown, not zero. [`RobotModel::validate`] checks the values that are
+//! given; the simulator checks whether they suffice for a simulation.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
+use crate::range::{finite, invalid, not_negative, positive};
 
-/// The model of one robot. The default is the robot of Konduri, Torres and Pagilla (section 3).
+/// The model of one robot. The default is the paper's robot (Konduri, Torres, Pagilla, section 3),
+/// without wheel slip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RobotModel {
-    /// Masses and lengths.
+    /// Masses, inertias and lengths.
     pub robot: Body,
     /// The motor of each wheel, where known. Needed for voltage commands.
     pub motor: Option<Motor>,
     /// The encoder of each wheel, where known. Needed where wheels are recorded as ticks.
     pub encoder: Option<Encoder>,
-    /// Physics beyond rolling without slip, in the order in which the file lists it.
+    /// Physics beyond pure rolling, in the order of the file.
     pub effects: Vec<EffectSpec>,
 }
 
-/// Masses and lengths of a robot with two driven wheels on one axle and a caster ahead of them.
+/// Masses, inertias and lengths of a robot with two driven wheels on one axle and a caster ahead of
+/// them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
@@ -39,9 +42,9 @@ pub struct Body {
     pub wheel_radius_m: f64,
     /// b: half of the distance between the wheels (m).
     pub half_track_m: f64,
-    /// d: distance from c back to the axle (m).
+    /// d: distance from c backwards to the axle (m).
     pub com_to_axle_m: Option<f64>,
-    /// e: distance from c forward to the caster's contact (m).
+    /// e: distance from c forwards to the caster's contact (m).
     pub com_to_caster_m: Option<f64>,
     /// h: height of c above the floor (m).
     pub com_height_m: Option<f64>,
@@ -53,40 +56,40 @@ pub struct Body {
 pub struct Motor {
     /// V_nominal (V).
     pub nominal_voltage_v: f64,
-    /// ω_0: speed without load at the nominal voltage (rad/s).
+    /// ω_0: no-load speed at the nominal voltage (rad/s).
     pub no_load_speed_rad_s: f64,
-    /// τ_stall: torque at standstill at the nominal voltage (N m).
+    /// τ_stall: stall torque at the nominal voltage (N m).
     pub stall_torque_nm: f64,
 }
 
-/// The incremental encoder of each wheel.
+/// The incremental encoder on each wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Encoder {
-    /// Counts in one turn of the wheel.
+    /// Counts per revolution of the wheel.
     pub counts_per_rev: u32,
 }
 
-/// One effect that a model lists: its name in the vocabulary and its parameters.
+/// An effect of a model: its name in the catalogue of effects and its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectSpec {
-    /// The identity in the vocabulary of effects, such as `wheel_slip`.
+    /// Name in the catalogue of effects, such as `wheel_slip`.
     pub effect: String,
-    /// Name and value of each parameter that the model gives.
+    /// Name and value of each given parameter.
     pub parameters: Vec<(String, Parameter)>,
 }
 
-/// The value of a parameter.
+/// The value of an effect's parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Parameter {
-    /// A number in the unit that the parameter's name carries.
+    /// A number in the unit named by the parameter's suffix.
     Number(f64),
     /// A text, such as the name of a stream.
     Text(String),
 }
 
 impl EffectSpec {
-    /// An effect with numbers for parameters.
+    /// An effect whose parameters are all numbers.
     pub fn new(effect: &str, parameters: &[(&str, f64)]) -> Self {
         Self {
             effect: effect.to_owned(),
@@ -127,14 +130,15 @@ impl Default for RobotModel {
 }
 
 impl RobotModel {
-    /// The same robot with one effect more.
+    /// Adds an effect.
     #[must_use]
     pub fn with(mut self, effect: &str, parameters: &[(&str, f64)]) -> Self {
         self.effects.push(EffectSpec::new(effect, parameters));
         self
     }
 
-    /// The paper's robot on the paper's floor: μ_s = 0.241, μ_k = 0.239 (section 3).
+    /// The paper's robot with wheel slip on the paper's floor: μ_s = 0.241, μ_k = 0.239 (section
+    /// 3).
     pub fn paper_with_slip() -> Self {
         Self::default().with(
             "wheel_slip",
@@ -142,11 +146,11 @@ impl RobotModel {
         )
     }
 
-    /// Judges the values that are present, one by one and together.
+    /// Checks the given values, each by itself and in combination.
     ///
     /// # Errors
-    /// The first value that is not finite or that no robot can have. Effects are judged by the
-    /// simulator, which knows their bounds.
+    /// The first value that is not finite or outside its range. The simulator checks effects,
+    /// because it knows their bounds.
     pub fn validate(&self) -> Result<(), InputError> {
         let Body {
             body_mass_kg,
@@ -160,88 +164,62 @@ impl RobotModel {
             com_to_caster_m,
             com_height_m,
         } = self.robot;
-        positive("robot.wheel_radius_m", Some(wheel_radius_m))?;
-        positive("robot.half_track_m", Some(half_track_m))?;
-        positive("robot.body_mass_kg", body_mass_kg)?;
-        positive("robot.body_yaw_inertia_kg_m2", body_yaw_inertia_kg_m2)?;
-        not_negative("robot.wheel_mass_kg", wheel_mass_kg)?;
-        positive("robot.wheel_spin_inertia_kg_m2", wheel_spin_inertia_kg_m2)?;
-        not_negative("robot.wheel_yaw_inertia_kg_m2", wheel_yaw_inertia_kg_m2)?;
-        not_negative("robot.com_height_m", com_height_m)?;
-        finite("robot.com_to_axle_m", com_to_axle_m)?;
-        finite("robot.com_to_caster_m", com_to_caster_m)?;
+        positive("robot.wheel_radius_m", wheel_radius_m)?;
+        positive("robot.half_track_m", half_track_m)?;
+        if_known(positive, "robot.body_mass_kg", body_mass_kg)?;
+        let body_yaw = body_yaw_inertia_kg_m2;
+        if_known(positive, "robot.body_yaw_inertia_kg_m2", body_yaw)?;
+        if_known(not_negative, "robot.wheel_mass_kg", wheel_mass_kg)?;
+        let wheel_spin = wheel_spin_inertia_kg_m2;
+        if_known(positive, "robot.wheel_spin_inertia_kg_m2", wheel_spin)?;
+        let wheel_yaw = wheel_yaw_inertia_kg_m2;
+        if_known(not_negative, "robot.wheel_yaw_inertia_kg_m2", wheel_yaw)?;
+        if_known(not_negative, "robot.com_height_m", com_height_m)?;
+        if_known(finite, "robot.com_to_axle_m", com_to_axle_m)?;
+        if_known(finite, "robot.com_to_caster_m", com_to_caster_m)?;
         if let (Some(d), Some(e)) = (com_to_axle_m, com_to_caster_m) {
-            caster_ahead(d, e)?;
+            check_caster(d, e)?;
         }
         if let Some(motor) = &self.motor {
-            positive("motor.nominal_voltage_v", Some(motor.nominal_voltage_v))?;
-            positive("motor.no_load_speed_rad_s", Some(motor.no_load_speed_rad_s))?;
-            positive("motor.stall_torque_nm", Some(motor.stall_torque_nm))?;
+            positive("motor.nominal_voltage_v", motor.nominal_voltage_v)?;
+            positive("motor.no_load_speed_rad_s", motor.no_load_speed_rad_s)?;
+            positive("motor.stall_torque_nm", motor.stall_torque_nm)?;
         }
-        if self
-            .encoder
-            .as_ref()
-            .is_some_and(|encoder| encoder.counts_per_rev == 0)
-        {
-            return Err(InputError::new(
-                "encoder.counts_per_rev",
-                "is 0",
-                "give the counts in one turn of the wheel",
-            ));
+        let encoder = self.encoder.as_ref();
+        if encoder.is_some_and(|encoder| encoder.counts_per_rev == 0) {
+            let remedy = "give the counts per revolution of the wheel";
+            return invalid("encoder.counts_per_rev", "is 0", remedy);
         }
         Ok(())
     }
 }
 
-/// Eq. 6 needs the caster ahead of the axle and c between the two, else a wheel or the caster
-/// would pull at the floor.
-fn caster_ahead(d: f64, e: f64) -> Result<(), InputError> {
+/// The normal forces of Eq. 4 and 6 are positive only if c lies between the axle and the caster.
+fn check_caster(d: f64, e: f64) -> Result<(), InputError> {
     if d < 0.0 {
-        return Err(InputError::new(
+        return invalid(
             "robot.com_to_axle_m",
             format!("is {d}: the axle lies ahead of the centre of mass"),
             "give a distance of 0 or more, measured backwards from the centre of mass",
-        ));
+        );
     }
     if e < 0.0 || d + e <= 0.0 {
-        return Err(InputError::new(
+        return invalid(
             "robot.com_to_caster_m",
             format!("is {e}: the caster lies behind the centre of mass or on the axle"),
             "give the distance measured forwards from the centre of mass",
-        ));
+        );
     }
     Ok(())
 }
 
-fn finite(key: &str, value: Option<f64>) -> Result<(), InputError> {
-    match value {
-        Some(value) if !value.is_finite() => Err(InputError::new(
-            key,
-            format!("is {value}"),
-            "give a finite number",
-        )),
-        _ => Ok(()),
-    }
-}
-
-fn not_negative(key: &str, value: Option<f64>) -> Result<(), InputError> {
-    finite(key, value)?;
-    match value {
-        Some(value) if value < 0.0 => Err(InputError::new(
-            key,
-            format!("is {value}"),
-            "give 0 or more",
-        )),
-        _ => Ok(()),
-    }
-}
-
-fn positive(key: &str, value: Option<f64>) -> Result<(), InputError> {
-    not_negative(key, value)?;
-    match value {
-        Some(0.0) => Err(InputError::new(key, "is 0", "give a number above 0")),
-        _ => Ok(()),
-    }
+/// Applies a check to a value that is known.
+fn if_known(
+    check: impl Fn(&str, f64) -> Result<(), InputError>,
+    key: &str,
+    value: Option<f64>,
+) -> Result<(), InputError> {
+    value.map_or(Ok(()), |value| check(key, value))
 }
 
 #[cfg(test)]
@@ -249,14 +227,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_papers_robot_is_one() {
+    fn the_papers_robot_is_valid() {
         assert_eq!(RobotModel::paper_with_slip().validate(), Ok(()));
     }
 
     #[test]
-    fn what_no_robot_can_be_names_its_key() {
-        type Spoil = fn(&mut RobotModel);
-        let cases: [(&str, Spoil); 6] = [
+    fn an_invalid_value_names_its_key() {
+        type Change = fn(&mut RobotModel);
+        let cases: [(&str, Change); 6] = [
             ("robot.body_mass_kg", |m| m.robot.body_mass_kg = Some(0.0)),
             ("robot.wheel_mass_kg", |m| {
                 m.robot.wheel_mass_kg = Some(-1.0)
@@ -274,9 +252,9 @@ mod tests {
                 m.encoder = Some(Encoder { counts_per_rev: 0 })
             }),
         ];
-        for (key, spoil) in cases {
+        for (key, change) in cases {
             let mut model = RobotModel::default();
-            spoil(&mut model);
+            change(&mut model);
             assert_eq!(model.validate().unwrap_err().place, key);
         }
     }

@@ -1,20 +1,26 @@
-//! The sensors of a robot as plain data.
+//! Sensor models as plain data: external camera and IMU, with rates, noise and latency.
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
+use crate::range::within;
 
-/// What sees a robot, beside its encoders, which the controller reads at every tick.
+/// Sampling rates that a sensor can have (1/s).
+const RATES_HZ: [f64; 2] = [1e-3, 1e5];
+/// Standard deviations that a sensor can have (m, rad, m/s² or rad/s).
+const NOISE: [f64; 2] = [0.0, 1e3];
+
+/// The sensors of a robot besides its encoders, which the controller reads at every tick.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Sensors {
-    /// A camera above, or motion capture.
+    /// An external camera or motion capture.
     pub camera: Option<Camera>,
     /// An inertial sensor at c.
     pub imu: Option<Imu>,
 }
 
-/// A camera above, or motion capture: pose of c.
+/// An external camera or motion capture, which measures the pose of c.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
@@ -24,9 +30,9 @@ pub struct Camera {
     pub noise_m: f64,
     /// Standard deviation of the yaw (rad).
     pub noise_rad: f64,
-    /// From exposure until the pose is known (s). The stamp is that of the exposure.
+    /// From exposure until the pose is available (s). The pose is stamped with the exposure.
     pub latency_s: f64,
-    /// Share of frames without a pose.
+    /// Fraction of frames without a pose, 0 to 1.
     pub dropout: f64,
 }
 
@@ -42,7 +48,7 @@ impl Default for Camera {
     }
 }
 
-/// An inertial sensor at c: specific force along and across the body, yaw rate.
+/// An inertial sensor at c: specific force along and across the body, and yaw rate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Imu {
@@ -65,10 +71,10 @@ impl Default for Imu {
 }
 
 impl Sensors {
-    /// Judges the values.
+    /// Checks all values.
     ///
     /// # Errors
-    /// The first one that no sensor can have.
+    /// The first value outside the range of its key.
     pub fn validate(&self) -> Result<(), InputError> {
         let mut values = Vec::new();
         if let Some(Camera {
@@ -95,15 +101,8 @@ impl Sensors {
             values.push(("sensors.imu.noise_m_s2", noise_m_s2, NOISE));
             values.push(("sensors.imu.noise_rad_s", noise_rad_s, NOISE));
         }
-        for (key, value, [low, high]) in values {
-            if !(low..=high).contains(&value) {
-                let remedy = format!("give a number from {low} to {high}");
-                return Err(InputError::new(key, format!("is {value}"), remedy));
-            }
-        }
-        Ok(())
+        values
+            .into_iter()
+            .try_for_each(|(key, value, range)| within(key, value, range))
     }
 }
-
-const RATES_HZ: [f64; 2] = [1e-3, 1e5];
-const NOISE: [f64; 2] = [0.0, 1e3];

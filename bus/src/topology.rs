@@ -1,10 +1,10 @@
-//! Communication topology: which robot sends its position to which.
+//! Communication topology (directed chain or ring): which robot sends its position to which.
 
 use crate::experiment::{Experiment, Protocol};
 use crate::message::RobotIndex;
 
-/// The links of an experiment: a chain from the front robot to the last one, closed to a ring by
-/// the `ring` protocol. One robot alone, and robots in open loop, have no links.
+/// The links of an experiment: a chain from the front robot to the last one, which the `ring`
+/// protocol closes to a ring. A single robot and robots in open loop have no links.
 #[derive(Debug, Clone, Copy)]
 pub struct Topology {
     robots: u32,
@@ -13,7 +13,7 @@ pub struct Topology {
 }
 
 impl Topology {
-    /// The links of an experiment.
+    /// The topology of an experiment.
     pub fn new(experiment: &Experiment) -> Self {
         let settings = &experiment.settings;
         Self {
@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_closes_the_chain() {
+    fn the_ring_protocol_closes_the_chain() {
         let chain = topology(3, false, true);
         assert_eq!((chain.predecessor(0), chain.successor(2)), (None, None));
         assert_eq!(

@@ -1,13 +1,13 @@
-//! Format of the recorded trace: postcard, in chunks that are decoded independently of each other.
+//! Trace format: spans and events in postcard, in chunks that are decoded independently.
 //!
-//! A chunk is a sequence of [`Entry`]. What all records of one call site share (process, level and
-//! names) stands once, before its first record. Times are differences to the record before.
+//! A chunk is a sequence of [`Entry`]. What the records of one call site share (process, level and
+//! names) is written once, before its first record. Times are differences to the previous record.
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-/// First byte of every chunk in a file. Other versions begin with a smaller one.
+/// First byte of every chunk in a file. Earlier formats begin with a smaller byte.
 pub const FORMAT: u8 = 33;
 
 /// A span or an event of the trace.
@@ -15,7 +15,7 @@ pub const FORMAT: u8 = 33;
 pub struct TraceRecord<'a> {
     /// When it began (ns).
     pub begin_ns: i64,
-    /// The process: `plant`, a robot, `recorder`, `launcher`, or `run` if all run in one process.
+    /// The process: `plant`, a robot, `recorder` or `launcher`; `run` for a run in one process.
     pub process: Cow<'a, str>,
     /// From 1 (error) to 5 (trace).
     pub level: u8,
@@ -48,7 +48,7 @@ pub const INT_TAG: u8 = 0;
 pub enum Entry<'a> {
     /// The next call site; the first has number 0.
     CallSite(#[serde(borrow)] CallSite<'a>),
-    /// A record of a call site that stands before it in the chunk.
+    /// A record of an earlier call site of the chunk.
     Record(#[serde(borrow)] RecordData<'a>),
 }
 
@@ -57,7 +57,7 @@ pub const CALL_SITE_TAG: u32 = 0;
 /// Variant number of [`Entry::Record`].
 pub const RECORD_TAG: u8 = 1;
 
-/// What all records of one place in the program share.
+/// What all records of one call site share.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CallSite<'a> {
     /// The process.
@@ -73,16 +73,16 @@ pub struct CallSite<'a> {
     pub fields: Vec<Cow<'a, str>>,
 }
 
-/// What is particular to one record.
+/// The part of a record that is not shared with its call site.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RecordData<'a> {
     /// Number of the call site in its chunk.
     pub call_site: u32,
-    /// Begin, counted from the begin of the record before; from zero for the first (ns).
+    /// Begin since the begin of the previous record; of the first record, since time 0 (ns).
     pub since_previous_ns: i64,
     /// Duration of a span; `None` for an event (ns).
     pub duration_ns: Option<i64>,
-    /// Number of the field at its call site, and its value.
+    /// Field number at the call site, and value.
     #[serde(borrow)]
     pub fields: Vec<(u32, Value<'a>)>,
 }
@@ -90,18 +90,18 @@ pub struct RecordData<'a> {
 /// Why a chunk cannot be decoded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {
-    /// Another version of the program wrote it.
-    #[error("its trace has another format than {FORMAT}, the one that this version reads")]
+    /// It was written by another version of the program.
+    #[error("its trace does not have format {FORMAT}, the one that this version reads")]
     OtherFormat,
-    /// It is damaged.
+    /// Its bytes do not decode.
     #[error("a record of its trace is damaged")]
     Damaged,
 }
 
-/// Decodes a chunk as it stands in a file and calls `each` with every record.
+/// Decodes a chunk of a file, including its format byte, and calls `each` with every record.
 ///
 /// # Errors
-/// A chunk of another format, or a damaged one.
+/// The chunk has another format, or is damaged.
 pub fn read<'a>(chunk: &'a [u8], mut each: impl FnMut(TraceRecord<'a>)) -> Result<(), TraceError> {
     let mut rest = match chunk.split_first() {
         Some((&FORMAT, rest)) => rest,
@@ -124,7 +124,7 @@ pub fn read<'a>(chunk: &'a [u8], mut each: impl FnMut(TraceRecord<'a>)) -> Resul
     Ok(())
 }
 
-/// A record together with what its call site says.
+/// Joins a record with its call site; `None` if it names a call site or field that does not exist.
 fn complete<'a>(
     call_sites: &[CallSite<'a>],
     begin_ns: i64,

@@ -1,34 +1,37 @@
-//! How the cores meet the bus. Two homes: shared memory between processes, and one process.
+//! Transport interface: the traits through which plant and agents exchange messages.
 //!
-//! An agent's end is [`PositionLink`]; the plant's end is [`LockstepLink`]. A core sees nothing else of a run.
+//! Implemented over shared memory (`slipstream-ipc`) and in one process (`slipstream-launch`). An
+//! agent communicates through [`PositionLink`], the plant through [`LockstepLink`].
 
 use crate::message::{Encoders, Position, TorqueCommand};
 
-/// A robot's end of the links.
+/// A robot's side of its two links: from its predecessor and to its successor.
 pub trait PositionLink {
-    /// The next position from the robot ahead, in the order of sending.
+    /// Returns the next position from the predecessor, in the order of sending, or `None` if none
+    /// is waiting. Never blocks.
     ///
     /// # Errors
-    /// When the transport failed.
-    fn receive(&mut self) -> Result<Option<Position>, BusError>;
+    /// The transport failed.
+    fn poll(&mut self) -> Result<Option<Position>, BusError>;
 
-    /// Hands a position to the bus. The transport stamps `sent_ns`, and returns when the bus had
-    /// it ready for the receiver (ns).
+    /// Sends a position to the successor and sets its `sent_ns`. Returns when the transport had it
+    /// ready for the receiver (ns).
     ///
     /// # Errors
-    /// When the transport failed, or the receiver's queue is full.
+    /// The transport failed, or the receiver's queue is full.
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError>;
 
-    /// The run's time (ns), as sendings are stamped with it.
+    /// The time of the run that [`Self::send`] would stamp now (ns).
     fn now_ns(&self) -> i64;
 }
 
-/// The plant's end of the lockstep: one round of all agents.
+/// The plant's side of the lockstep: a barrier with all agents at every instant a loop is due.
 pub trait LockstepLink {
-    /// Wakes every agent at `now_ns` with its encoders and waits for all torques, in robot order.
+    /// Runs one round: wakes every agent at `now_ns` with its encoders, waits for all answers and
+    /// stores them in `commands` in robot order.
     ///
     /// # Errors
-    /// When an agent does not answer: it died, or the run is to stop.
+    /// An agent does not answer, or the run is stopped.
     fn round(
         &mut self,
         now_ns: i64,
@@ -36,43 +39,44 @@ pub trait LockstepLink {
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError>;
 
-    /// Shows the agents the encoders at the end, so that their odometry ends where the run does.
+    /// Publishes the encoders at the end of the run without a round, so that the agents' odometry
+    /// covers the last steps.
     ///
     /// # Errors
-    /// When the transport fails.
-    fn end(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError>;
+    /// The transport failed.
+    fn publish_final(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError>;
 }
 
-/// Why the bus failed.
+/// Why an operation of the transport failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum BusError {
-    /// Somebody asked the run to stop.
+    /// The run was asked to stop.
     #[error("the run was stopped")]
     Stopped,
     /// An agent did not answer.
     #[error("{robot} does not answer")]
-    Silent {
+    NoAnswer {
         /// The robot.
         robot: String,
     },
-    /// A receiver's queue is full although lockstep never leaves so much in it.
+    /// A receiver's queue is full, which cannot happen while all processes keep to the lockstep.
     #[error("{what}: the receiver's queue is full")]
-    Full {
+    QueueFull {
         /// The service.
         what: String,
     },
-    /// The shared memory or what lies beneath it failed.
+    /// The shared memory or a library below it failed.
     #[error("{what}: {reason}")]
     Failed {
-        /// The service or the step.
+        /// The service or the operation.
         what: String,
-        /// What the library said.
+        /// The error of the library.
         reason: String,
     },
 }
 
 impl BusError {
-    /// A failure of what lies beneath.
+    /// A failure of the operation or service `what`, with the library's error.
     pub fn failed(what: impl Into<String>, reason: impl std::fmt::Debug) -> Self {
         Self::Failed {
             what: what.into(),

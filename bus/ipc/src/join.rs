@@ -1,39 +1,39 @@
-//! What every process of a run does first, and how its end is told.
+//! Joining a run: the first steps of every process, and the status with which it ends.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use serde::{Deserialize, Serialize};
+use slipstream_bus::experiment::Experiment;
+use slipstream_bus::transport::BusError;
 
 use crate::endpoints::{Parent, await_stage};
 use crate::run_directory::{RunDirectory, RunLock};
 use crate::services::Services;
 use crate::wake_page::{Stage, WakePage};
-use slipstream_bus::experiment::Experiment;
-use slipstream_bus::transport::BusError;
 
-/// A process inside its run.
+/// A run that this process has joined.
 #[derive(Debug)]
 pub struct JoinedRun {
     /// The experiment.
     pub experiment: Experiment,
-    /// The wake_page page.
+    /// The wake-up page.
     pub wake_page: Rc<WakePage>,
     /// The launcher.
     pub parent: Parent,
-    /// Where the run's files are.
-    pub place: RunDirectory,
-    _alive: RunLock,
+    /// The directory of the run.
+    pub directory: RunDirectory,
+    _lock: RunLock,
 }
 
-/// How a process came to its end.
+/// How a process ended.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ProcessStatus {
-    /// The experiment was over.
+    /// The experiment is complete.
     Done,
     /// The run was stopped before.
     Stopped,
-    /// Something failed.
+    /// An operation failed, with the error text.
     Failed(String),
 }
 
@@ -48,10 +48,10 @@ impl From<Result<(), BusError>> for ProcessStatus {
 }
 
 impl JoinedRun {
-    /// Joins the run in `folder`.
+    /// Joins the run in `folder`: takes its lock, reads the experiment, opens the wake-up page.
     ///
     /// # Errors
-    /// When there is no such run.
+    /// There is no live run in the folder, or one of its files cannot be read.
     pub fn new(folder: &Path) -> Result<Self, BusError> {
         let parent = Parent::now();
         let failed = |what: PathBuf| {
@@ -60,27 +60,29 @@ impl JoinedRun {
                 reason: error.to_string(),
             }
         };
-        let (place, alive) = RunDirectory::join(folder).map_err(failed(folder.to_owned()))?;
-        let bytes = std::fs::read(place.experiment()).map_err(failed(place.experiment()))?;
+        let (directory, lock) = RunDirectory::join(folder).map_err(failed(folder.to_owned()))?;
+        let path = directory.experiment();
+        let bytes = std::fs::read(&path).map_err(failed(path))?;
         let experiment =
             postcard::from_bytes(&bytes).map_err(|e| BusError::failed("experiment", e))?;
-        let wake_page =
-            Rc::new(WakePage::open(&place.wake_page()).map_err(failed(place.wake_page()))?);
+        let path = directory.wake_page();
+        let wake_page = WakePage::open(&path).map_err(failed(path))?;
         Ok(Self {
             experiment,
-            wake_page,
+            wake_page: Rc::new(wake_page),
             parent,
-            place,
-            _alive: alive,
+            directory,
+            _lock: lock,
         })
     }
 
-    /// Waits until the plant has created the services and joins them as `name`.
+    /// Waits until the plant has created the services, then opens them under the process name
+    /// `name`.
     ///
     /// # Errors
-    /// When the run ends before.
+    /// The run is stopped first, or the services cannot be opened.
     pub fn services(&self, name: &str) -> Result<Services, BusError> {
         await_stage(&self.wake_page, Stage::Services, self.parent)?;
-        Services::join(&self.place, &self.experiment, name)
+        Services::join(&self.directory, &self.experiment, name)
     }
 }

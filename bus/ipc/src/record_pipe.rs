@@ -1,129 +1,138 @@
-//! Records on their way to the recorder: chunks of bytes over shared memory.
+//! Record pipe: log entries from every process to the recorder, batched into chunks of bytes.
 //!
-//! A chunk is the source's number and its entries, postcard-encoded one after the other: records, and
-//! what the thread's trace has told meanwhile. A source sends its chunk when it is full, and at the
-//! latest after [`PERIOD`] of wall time.
+//! A chunk is the number of its source followed by entries encoded with postcard: records, and
+//! chunks of the thread's trace. A source sends its chunk when it is full, and after
+//! [`FLUSH_PERIOD`] at the latest.
 
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use crate::wake_page::WakePage;
 use serde::{Deserialize, Serialize};
-
-use crate::services::{RecordPublisher, RecordSubscriber, Services};
-use crate::trace;
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::transport::BusError;
 
-/// Wall time after which a chunk goes out even when it is not full.
-pub const PERIOD: Duration = Duration::from_millis(100);
-/// How long a source in lockstep waits for a recorder that does not keep up.
-const TIMEOUT: Duration = Duration::from_secs(2);
-/// Bytes of the source's number.
-const HEADER: usize = 4;
-/// No record takes more bytes: sixteen varint-encoded times and numbers of ten bytes at most.
-const LARGEST: usize = 256;
+use crate::services::{RecordPublisher, RecordSubscriber, Services};
+use crate::trace;
+use crate::wake_page::WakePage;
 
-/// What a chunk holds.
+/// Wall time after which a chunk is sent even if it is not full.
+pub const FLUSH_PERIOD: Duration = Duration::from_millis(100);
+/// How long a source in lockstep waits for the recorder while its queue is full.
+const QUEUE_TIMEOUT: Duration = Duration::from_secs(2);
+/// Pause between two attempts to send while the recorder's queue is full.
+const RETRY_PERIOD: Duration = Duration::from_micros(200);
+/// Size of the source number at the begin of a chunk (bytes).
+const SOURCE_BYTES: usize = 4;
+/// Upper bound of the size of an encoded record (bytes). The largest one, an outer tick, has 17
+/// floating-point numbers and 4 integers: 168 bytes at most.
+const MAX_RECORD_BYTES: usize = 256;
+
+/// An entry of a chunk.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Entry<'a> {
     /// A record.
     Record(Record),
-    /// A piece of the trace.
+    /// A chunk of the trace.
     Trace {
-        /// When its first record was.
+        /// Time of its first record (ns).
         t_ns: i64,
-        /// Its records (`trace.rs`).
+        /// The encoded trace records (`slipstream_bus::trace`).
         bytes: &'a [u8],
     },
 }
 
-/// A source's end.
+/// The sending side, in plant and agents.
 #[derive(Debug)]
 pub struct RecordSender {
     publisher: Option<RecordPublisher>,
     wake_page: Rc<WakePage>,
     chunk: Vec<u8>,
+    /// Number of bytes of the chunk in use.
     used: usize,
-    in_chunk: u64,
-    sent: Instant,
-    waits: bool,
+    /// Number of entries in the chunk.
+    entries: u64,
+    last_sent: Instant,
+    lockstep: bool,
     lost: u64,
 }
 
 impl RecordSender {
-    /// The end of `source` (0: the plant, i + 1: robot i), with chunks of so many bytes. Without
-    /// `recording` nothing is kept.
+    /// The sender of `source` (0: the plant, i + 1: robot i), with chunks of `chunk_bytes`. Without
+    /// `recording` it discards everything.
     ///
     /// # Errors
-    /// When the port cannot be made.
+    /// The port cannot be created.
     pub fn new(
         services: &Services,
         wake_page: Rc<WakePage>,
         source: u32,
-        chunk: usize,
+        chunk_bytes: usize,
         recording: bool,
     ) -> Result<Self, BusError> {
         let publisher = recording
-            .then(|| services.record_publisher(chunk))
+            .then(|| services.record_publisher(chunk_bytes))
             .transpose()?;
-        let mut bytes = vec![0; chunk];
-        bytes[..HEADER].copy_from_slice(&source.to_le_bytes());
+        let mut chunk = vec![0; chunk_bytes];
+        chunk[..SOURCE_BYTES].copy_from_slice(&source.to_le_bytes());
         Ok(Self {
             publisher,
             wake_page,
-            chunk: bytes,
-            used: HEADER,
-            in_chunk: 0,
-            sent: Instant::now(),
-            waits: services.lockstep(),
+            chunk,
+            used: SOURCE_BYTES,
+            entries: 0,
+            last_sent: Instant::now(),
+            lockstep: services.lockstep(),
             lost: 0,
         })
     }
 
-    /// Sends what has waited long enough. To be called once a round.
+    /// Sends the chunk if [`FLUSH_PERIOD`] has passed. To be called once per tick.
     pub fn flush_if_due(&mut self) {
         trace::drain_if_long(|t_ns, bytes| self.trace(t_ns, bytes));
-        if (self.in_chunk > 0 || trace::buffered_bytes() > 0) && self.sent.elapsed() >= PERIOD {
+        if (self.entries > 0 || trace::buffered_bytes() > 0)
+            && self.last_sent.elapsed() >= FLUSH_PERIOD
+        {
             self.flush();
         }
     }
 
-    /// Sends what there is.
+    /// Sends everything, including the buffered trace.
     pub fn flush(&mut self) {
         trace::drain(|t_ns, bytes| self.trace(t_ns, bytes));
         self.send();
     }
 
     fn send(&mut self) {
-        self.sent = Instant::now();
-        if self.in_chunk > 0 && !self.deliver() {
-            self.lost += self.in_chunk;
+        self.last_sent = Instant::now();
+        if self.entries > 0 && !self.deliver() {
+            self.lost += self.entries;
         }
-        self.used = HEADER;
-        self.in_chunk = 0;
+        self.used = SOURCE_BYTES;
+        self.entries = 0;
     }
 
-    /// Records that did not reach the recorder, because it was gone or did not keep up.
+    /// Number of entries that did not reach the recorder, because it was gone or too slow.
     pub fn lost(&self) -> u64 {
         self.lost + trace::lost()
     }
 
-    /// Puts an entry of at most so many bytes into the chunk.
-    fn put(&mut self, entry: &Entry<'_>, largest: usize) {
-        if self.chunk.len() - self.used < largest {
+    /// Appends an entry of at most `max_bytes` to the chunk; sends the chunk first if it is too
+    /// full.
+    fn append(&mut self, entry: &Entry<'_>, max_bytes: usize) {
+        if self.chunk.len() - self.used < max_bytes {
             self.send();
         }
         match postcard::to_slice(entry, &mut self.chunk[self.used..]) {
             Ok(written) => {
                 self.used += written.len();
-                self.in_chunk += 1;
+                self.entries += 1;
             }
             Err(_) => self.lost += 1,
         }
     }
 
-    /// Hands the chunk to the recorder. In lockstep waits while its queue is full.
+    /// Publishes the chunk and returns whether the recorder received it. In lockstep it waits while
+    /// the recorder's queue is full.
     fn deliver(&self) -> bool {
         let Some(publisher) = &self.publisher else {
             return true;
@@ -136,11 +145,11 @@ impl RecordSender {
                 .map(|sample| sample.send());
             match sent {
                 Ok(Ok(1..)) => return true,
-                Ok(Ok(0)) | Err(_) if self.waits && !self.wake_page.recorder_gone() => {
-                    if begin.elapsed() > TIMEOUT {
+                Ok(Ok(0)) | Err(_) if self.lockstep && !self.wake_page.recorder_gone() => {
+                    if begin.elapsed() > QUEUE_TIMEOUT {
                         return false;
                     }
-                    std::thread::sleep(Duration::from_micros(200));
+                    std::thread::sleep(RETRY_PERIOD);
                 }
                 _ => return false,
             }
@@ -154,43 +163,44 @@ impl Recorder for RecordSender {
             return;
         }
         trace::trace_applied(record);
-        // Of an inner tick the recording keeps the trace alone.
+        // The recording contains inner ticks in the trace only.
         if !matches!(record, Record::Inner(_)) {
-            self.put(&Entry::Record(*record), LARGEST);
+            self.append(&Entry::Record(*record), MAX_RECORD_BYTES);
         }
         trace::drain_if_long(|t_ns, bytes| self.trace(t_ns, bytes));
     }
 
     fn trace(&mut self, t_ns: i64, bytes: &[u8]) {
         if self.publisher.is_some() {
-            self.put(&Entry::Trace { t_ns, bytes }, bytes.len() + LARGEST);
+            let max_bytes = bytes.len() + MAX_RECORD_BYTES;
+            self.append(&Entry::Trace { t_ns, bytes }, max_bytes);
         }
     }
 }
 
-/// The recorder's end.
+/// The receiving side, in the recorder.
 #[derive(Debug)]
 pub struct RecordReceiver {
     subscriber: RecordSubscriber,
 }
 
 impl RecordReceiver {
-    /// The end of the run's recorder.
+    /// Opens the recorder's port.
     ///
     /// # Errors
-    /// When the port cannot be made.
+    /// The port cannot be created.
     pub fn new(services: &Services) -> Result<Self, BusError> {
         Ok(Self {
             subscriber: services.record_subscriber()?,
         })
     }
 
-    /// Takes in one chunk, if there is one: `each` hears the source and each entry.
+    /// Receives one chunk if available, calls `each` with the source and every entry, and returns
+    /// whether there was one. Never blocks.
     ///
     /// # Errors
-    /// When the transport failed or a chunk is not what a source sends.
-    pub fn take(&self, mut each: impl FnMut(u32, Entry<'_>)) -> Result<bool, BusError> {
-        let failed = |e| BusError::failed("records", e);
+    /// The transport failed, or the chunk does not decode.
+    pub fn poll(&self, mut each: impl FnMut(u32, Entry<'_>)) -> Result<bool, BusError> {
         let Some(sample) = self
             .subscriber
             .receive()
@@ -199,12 +209,13 @@ impl RecordReceiver {
             return Ok(false);
         };
         let bytes: &[u8] = sample.payload();
-        let Some((header, mut rest)) = bytes.split_first_chunk::<HEADER>() else {
+        let Some((source, mut rest)) = bytes.split_first_chunk::<SOURCE_BYTES>() else {
             return Err(BusError::failed("records", "a chunk without a source"));
         };
-        let source = u32::from_le_bytes(*header);
+        let source = u32::from_le_bytes(*source);
         while !rest.is_empty() {
-            let (entry, after) = postcard::take_from_bytes::<Entry<'_>>(rest).map_err(failed)?;
+            let (entry, after) = postcard::take_from_bytes::<Entry<'_>>(rest)
+                .map_err(|e| BusError::failed("records", e))?;
             each(source, entry);
             rest = after;
         }

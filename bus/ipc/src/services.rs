@@ -1,8 +1,9 @@
-//! The services of a run on iceoryx2: who publishes what to whom, with which limits.
+//! Publish-subscribe services of a run (iceoryx2): topics, payloads and queue sizes.
 //!
-//! `world` goes from the plant to all agents, `command` from all agents to the plant, `records` from
-//! all to the recorder. Positions go through services that some neighbours share: one for each robot
-//! costs start-up time, one for all costs deliveries to robots that do not want them.
+//! `world` carries the encoders of all robots from the plant to the agents, `command` the torques
+//! from the agents to the plant, `records` the log to the recorder. Groups of neighbouring robots
+//! share a service for their positions: one service per robot would cost start-up time, a single
+//! one would deliver every position to every robot.
 
 use std::time::Duration;
 
@@ -10,25 +11,24 @@ use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
-
-use crate::run_directory::RunDirectory;
-use crate::wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
 use slipstream_bus::experiment::{Clock, Experiment};
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
 
-/// Robots that share a service for their positions.
-const GROUP: u32 = 8;
-/// Chunks of records under way from one process.
+use crate::run_directory::RunDirectory;
+use crate::wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
+
+/// Number of robots that share a service for their positions.
+const GROUP_SIZE: u32 = 8;
+/// Number of chunks of records from one process that can wait for the recorder.
 const RECORD_CHUNKS: usize = 16;
-/// Bytes of a chunk of records from an agent.
+/// Size of a chunk of records from an agent (bytes).
 pub const AGENT_CHUNK: usize = 4 << 10;
-/// Bytes of a chunk of records from the plant.
+/// Size of a chunk of records from the plant (bytes).
 pub const PLANT_CHUNK: usize = 64 << 10;
 
 type Ipc = ipc::Service;
-/// The services' ports, by what they carry.
 pub(crate) type WorldPublisher = Publisher<Ipc, [WireEncoders], WorldHeader>;
 pub(crate) type WorldSubscriber = Subscriber<Ipc, [WireEncoders], WorldHeader>;
 pub(crate) type CommandPublisher = Publisher<Ipc, WireTorque, ()>;
@@ -38,7 +38,7 @@ pub(crate) type PositionSubscriber = Subscriber<Ipc, WirePosition, ()>;
 pub(crate) type RecordPublisher = Publisher<Ipc, [u8], ()>;
 pub(crate) type RecordSubscriber = Subscriber<Ipc, [u8], ()>;
 
-/// A process's way to the services of its run.
+/// The services of a run, as opened by one process.
 #[derive(Debug)]
 pub struct Services {
     node: Node<Ipc>,
@@ -48,17 +48,17 @@ pub struct Services {
 }
 
 impl Services {
-    /// Joins the run as `name`.
+    /// Opens the services of the run under the process name `name`.
     ///
     /// # Errors
-    /// When the system does not let the node be made.
+    /// The iceoryx2 node cannot be created.
     pub fn join(
-        place: &RunDirectory,
+        directory: &RunDirectory,
         experiment: &Experiment,
         name: &str,
     ) -> Result<Self, BusError> {
         set_log_level_from_env_or(LogLevel::Fatal);
-        let config = config(place, experiment.robots.len())?;
+        let config = config(directory, experiment.robots.len())?;
         let name = NodeName::new(name).map_err(|e| BusError::failed("node name", e))?;
         let node = NodeBuilder::new()
             .name(&name)
@@ -74,29 +74,30 @@ impl Services {
         })
     }
 
-    /// Creates all services, so that everybody else finds them.
+    /// Plant: creates all services. They exist as long as the returned values or a port lives, so
+    /// keep the values until all processes are connected.
     ///
     /// # Errors
-    /// When one cannot be created.
+    /// A service cannot be created.
     pub fn create_all(&self) -> Result<Vec<Box<dyn std::any::Any>>, BusError> {
-        let mut kept: Vec<Box<dyn std::any::Any>> = vec![
+        let mut factories: Vec<Box<dyn std::any::Any>> = vec![
             Box::new(self.world()?),
             Box::new(self.commands()?),
             Box::new(self.records()?),
         ];
         let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
-        for first in (0..robots).step_by(GROUP as usize) {
-            kept.push(Box::new(self.positions(first)?));
+        for first in (0..robots).step_by(GROUP_SIZE as usize) {
+            factories.push(Box::new(self.positions(first)?));
         }
-        Ok(kept)
+        Ok(factories)
     }
 
-    /// Frees what processes of this run that died have held.
-    pub fn clear_dead(&self) {
+    /// Frees the ports and samples that dead processes of this run held.
+    pub fn cleanup_dead_nodes(&self) {
         let _ = self.node.try_cleanup_dead_nodes();
     }
 
-    /// Who listens to whom.
+    /// The communication topology.
     pub fn topology(&self) -> Topology {
         self.topology
     }
@@ -111,16 +112,12 @@ impl Services {
         self.robots
     }
 
-    /// How many listeners a position of `robot` reaches.
-    pub fn listeners(&self, robot: RobotIndex) -> usize {
-        self.group_listeners(robot)
-    }
-
-    /// Number of robots that receive what the group of `robot` publishes.
-    fn group_listeners(&self, robot: RobotIndex) -> usize {
+    /// Number of processes that receive a position of `robot`: every robot whose predecessor is in
+    /// the same group.
+    pub fn position_receivers(&self, robot: RobotIndex) -> usize {
         let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
-        let first = robot / GROUP * GROUP;
-        let group = first..(first + GROUP).min(robots);
+        let first = robot / GROUP_SIZE * GROUP_SIZE;
+        let group = first..(first + GROUP_SIZE).min(robots);
         group
             .filter(|&member| self.topology.successor(member).is_some())
             .count()
@@ -168,11 +165,11 @@ impl Services {
 
     fn positions(&self, robot: RobotIndex) -> Result<PortFactory<Ipc, WirePosition, ()>, BusError> {
         self.node
-            .service_builder(&service_name(&format!("position/{}", robot / GROUP))?)
+            .service_builder(&service_name(&format!("position/{}", robot / GROUP_SIZE))?)
             .publish_subscribe::<WirePosition>()
-            .max_publishers(GROUP as usize + 2)
-            .max_subscribers(GROUP as usize + 2)
-            .max_nodes(2 * GROUP as usize + 8)
+            .max_publishers(GROUP_SIZE as usize + 2)
+            .max_subscribers(GROUP_SIZE as usize + 2)
+            .max_nodes(2 * GROUP_SIZE as usize + 8)
             .subscriber_max_buffer_size(if self.lockstep { 4 } else { 64 })
             .enable_safe_overflow(!self.lockstep)
             .open_or_create()
@@ -253,24 +250,24 @@ impl Services {
     }
 }
 
-/// What `iox2` needs in `config/iceoryx2.toml` of the current folder to see the run.
-pub fn iox2_config(place: &RunDirectory) -> String {
-    let (root, prefix) = (place.folder().display(), place.prefix());
+/// Content of `config/iceoryx2.toml` with which the `iox2` tool sees the run.
+pub fn iox2_config(directory: &RunDirectory) -> String {
+    let (root, prefix) = (directory.folder().display(), directory.prefix());
     format!("[global]\nroot-path = \"{root}\"\nprefix = \"{prefix}\"\n")
 }
 
-/// A domain of the run's own.
-fn config(place: &RunDirectory, robots: usize) -> Result<Config, BusError> {
+/// The iceoryx2 configuration of the run, with a domain of its own.
+fn config(directory: &RunDirectory, robots: usize) -> Result<Config, BusError> {
     let mut config = Config::default();
-    let prefix = place.prefix();
+    let prefix = directory.prefix();
     config.global.prefix =
         FileName::new(prefix.as_bytes()).map_err(|e| BusError::failed("prefix", e))?;
-    let root = Path::new(place.folder().as_os_str().as_encoded_bytes())
+    let root = Path::new(directory.folder().as_os_str().as_encoded_bytes())
         .map_err(|e| BusError::failed("root path", e))?;
     config.global.set_root_path(&root);
     config.global.creation_timeout = Duration::from_secs(10);
-    // Nobody cleans up behind a dying neighbour in the middle of a run: the launcher does, at the
-    // end and before it starts an agent again.
+    // No process cleans up after a dead one while the run goes on. A restarted agent does when it
+    // rejoins, and the launcher removes everything at the end.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;

@@ -1,6 +1,6 @@
-//! Memory layout of messages in shared memory.
+//! Memory layout of the messages in shared memory (`repr(C)`).
 //!
-//! The type name carries the version of the layout: two builds that disagree do not connect.
+//! The type name contains the version of the layout: builds with different layouts do not connect.
 
 use iceoryx2::prelude::ZeroCopySend;
 use slipstream_bus::message::{Encoders, Position, TorqueCommand};
@@ -14,7 +14,7 @@ pub struct WireEncoders {
     counts: [i64; 2],
 }
 
-/// Header of a sample of all robots' encoders.
+/// Header of a sample with the encoders of all robots.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
 #[type_name("slipstream.WorldHeader.1")]
 #[repr(C)]
@@ -38,7 +38,7 @@ pub struct WireTorque {
     torque_nm: [f64; 2],
 }
 
-/// [`Position`], robot to the next one.
+/// [`Position`], robot to its successor.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
 #[type_name("slipstream.Position.1")]
 #[repr(C)]
@@ -46,7 +46,7 @@ pub struct WirePosition {
     /// The sender.
     pub(crate) from: u32,
     seq: u32,
-    ring_round: u32,
+    token_round: u32,
     reserved: u32,
     sampled_ns: i64,
     tick_ns: i64,
@@ -58,7 +58,7 @@ pub struct WirePosition {
     w_rad_s: f64,
 }
 
-/// Two conversions that name every field once.
+/// Implements the conversions in both directions from one list of the fields.
 macro_rules! same_fields {
     ($message:ident, $wire:ident { $($field:ident),* } $(, $padding:ident)?) => {
         impl From<$message> for $wire {
@@ -90,7 +90,7 @@ same_fields!(
     WirePosition {
         from,
         seq,
-        ring_round,
+        token_round,
         sampled_ns,
         tick_ns,
         sent_ns,
@@ -108,11 +108,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_position_survives_the_way_through_shared_memory() {
+    fn a_position_survives_both_conversions() {
         let position = Position {
             from: 1,
             seq: 2,
-            ring_round: 3,
+            token_round: 3,
             sampled_ns: 4,
             tick_ns: 5,
             sent_ns: 6,

@@ -1,21 +1,26 @@
-//! Built-in experiments: the paper's platoon (the default) and single robot, and three with turns.
+//! Built-in experiments: the paper's platoon (the default) and single robot, and three platoons on
+//! curved paths.
 
+use super::profile::Profile;
 use super::settings::{
     Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
-    Plant, Profile, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
+    Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
 };
 
-/// A turn of the built-in experiments takes 0.3 s to begin and to end. Inside it the robots go from
-/// the slower speed to the faster one in 0.2 s: more than the floor carries beside the turn.
+/// Duration of the ramp of the yaw rate at the begin and at the end of a turn (s).
 const TURN_RAMP_S: f64 = 0.3;
-const TURN_STEP_S: f64 = 0.2;
-const SLOWER_M_S: f64 = 0.4;
-const FASTER_M_S: f64 = 0.7;
+/// Duration of the acceleration inside a turn (s): so short that the friction that the turn leaves
+/// does not suffice.
+const TURN_ACCELERATION_S: f64 = 0.2;
+/// Speed at the begin of a turn (m/s).
+const SLOW_M_S: f64 = 0.4;
+/// Speed after the acceleration inside a turn (m/s).
+const FAST_M_S: f64 = 0.7;
 /// Curvature of the turns (1/m).
 const CURVATURE_PER_M: f64 = 2.0;
-/// A turn that ends as soon as it can turns by this (rad).
-const LEAST_TURN_RAD: f64 = CURVATURE_PER_M
-    * (TURN_RAMP_S * (SLOWER_M_S + FASTER_M_S) + TURN_STEP_S * (SLOWER_M_S + FASTER_M_S))
+/// Angle of a turn without a part of constant speed (rad).
+const MIN_TURN_RAD: f64 = CURVATURE_PER_M
+    * (TURN_RAMP_S * (SLOW_M_S + FAST_M_S) + TURN_ACCELERATION_S * (SLOW_M_S + FAST_M_S))
     / 2.0;
 
 impl Default for Settings {
@@ -94,7 +99,7 @@ impl Default for Control {
 }
 
 impl Settings {
-    /// Section 3 of the paper: one robot, a torque step on both wheels.
+    /// Section 3 of the paper: one robot in open loop, a torque step on both wheels.
     pub fn single() -> Self {
         let mut settings = Self {
             name: "single".to_owned(),
@@ -106,40 +111,43 @@ impl Settings {
         settings
     }
 
-    /// Beyond the paper: the platoon along a full circle of radius 0.5 m.
+    /// The platoon along a full circle of radius 0.5 m (not in the paper).
     pub fn circle() -> Self {
         Self::turning("circle", &[std::f64::consts::TAU])
     }
 
-    /// Beyond the paper: a circle to the left, then one to the right, of radius 0.5 m.
+    /// The platoon along a circle to the left, then one to the right, of radius 0.5 m (not in the
+    /// paper).
     pub fn figure_eight() -> Self {
         let full = std::f64::consts::TAU;
         Self::turning("figure_eight", &[full, -full])
     }
 
-    /// Beyond the paper: about half a robot spacing to the left and straight on.
+    /// The platoon shifts to the left by about half of its spacing and drives straight on (not in
+    /// the paper).
     pub fn lane_change() -> Self {
-        Self::turning("lane_change", &[LEAST_TURN_RAD, -LEAST_TURN_RAD])
+        Self::turning("lane_change", &[MIN_TURN_RAD, -MIN_TURN_RAD])
     }
 
-    /// A platoon that turns by these angles (rad) one after the other and stops softly. It enters each
-    /// turn slowly, accelerates inside it harder than the floor carries, and is slow again before
-    /// the next.
-    fn turning(name: &str, turns: &[f64]) -> Self {
-        let mut points = vec![[0.0, 0.0, 0.0], [1.0, SLOWER_M_S, 0.0]];
+    /// A platoon that turns by each of these angles (rad) and stops gently. It enters each turn
+    /// slowly, accelerates inside it beyond the friction limit, and slows down before the next
+    /// turn.
+    fn turning(name: &str, turns_rad: &[f64]) -> Self {
+        // Time (s), speed (m/s), yaw rate (rad/s).
+        let mut points = vec![[0.0, 0.0, 0.0], [1.0, SLOW_M_S, 0.0]];
         let mut t_s = 6.0;
-        for &angle in turns {
+        for &angle in turns_rad {
             let curvature = CURVATURE_PER_M.copysign(angle);
-            let held_s = (angle.abs() - LEAST_TURN_RAD) / (CURVATURE_PER_M * FASTER_M_S);
-            for (length_s, v, turning) in [
-                (0.0, SLOWER_M_S, false),
-                (TURN_RAMP_S, SLOWER_M_S, true),
-                (TURN_STEP_S, FASTER_M_S, true),
-                (held_s, FASTER_M_S, true),
-                (TURN_RAMP_S, FASTER_M_S, false),
-                (0.6, SLOWER_M_S, false),
+            let constant_s = (angle.abs() - MIN_TURN_RAD) / (CURVATURE_PER_M * FAST_M_S);
+            for (duration_s, v, turning) in [
+                (0.0, SLOW_M_S, false),
+                (TURN_RAMP_S, SLOW_M_S, true),
+                (TURN_ACCELERATION_S, FAST_M_S, true),
+                (constant_s, FAST_M_S, true),
+                (TURN_RAMP_S, FAST_M_S, false),
+                (0.6, SLOW_M_S, false),
             ] {
-                t_s += length_s;
+                t_s += duration_s;
                 let w = if turning { curvature * v } else { 0.0 };
                 let before = points.last().map_or(0.0, |point| point[0]);
                 if t_s > before {
@@ -148,7 +156,7 @@ impl Settings {
             }
             t_s += 0.2;
         }
-        points.push([t_s + 1.0, SLOWER_M_S, 0.0]);
+        points.push([t_s + 1.0, SLOW_M_S, 0.0]);
         points.push([t_s + 3.0, 0.0, 0.0]);
         let column = |i: usize| points.iter().map(|point| point[i]).collect();
         Self {
@@ -166,9 +174,7 @@ impl Settings {
 
 #[cfg(test)]
 mod tests {
-    use super::super::settings::{Experiment, RobotSetup};
     use super::*;
-    use crate::robot::RobotModel;
 
     #[test]
     fn the_profile_covers_the_papers_distance() {
@@ -183,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_end_where_they_should() {
+    fn the_yaw_rates_integrate_to_the_turns() {
         let heading = |settings: &Settings| {
             let dt = 1e-3;
             let steps = (settings.duration_s / dt) as i32;
@@ -201,23 +207,5 @@ mod tests {
             assert_eq!(settings.validate(), Ok(()), "{}", settings.name);
             assert_eq!(settings.profile.at(settings.duration_s), (0.0, 0.0));
         }
-    }
-
-    #[test]
-    fn the_description_survives_the_way_to_the_processes() {
-        let experiment = Experiment {
-            settings: Settings::single(),
-            robots: vec![RobotSetup {
-                name: "r1".into(),
-                model: RobotModel::paper_with_slip(),
-                pose: [0.0; 3],
-            }],
-            half_round_trips_ns: vec![Some(1), None],
-        };
-        let bytes = postcard::to_allocvec(&experiment).unwrap();
-        assert_eq!(
-            postcard::from_bytes::<Experiment>(&bytes).unwrap(),
-            experiment
-        );
     }
 }

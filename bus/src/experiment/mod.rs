@@ -1,10 +1,14 @@
-//! Experiments as plain data: every key that a run obeys, with its unit and default.
+//! Experiments as plain data: settings, built-in experiments, validation.
 
 mod builtin;
+mod profile;
 mod settings;
+mod setup;
+mod validate;
 
+pub use profile::Profile;
 pub use settings::{
-    Clock, Control, Distribution, Experiment, Feedforward, Formation, Law, LinkSettings, OnDeath,
-    OpenLoop, Plant, Profile, Protocol, RecordingRates, RobotSetup, Robots, SensorSettings,
-    Settings, TorqueLimit,
+    Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
+    Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
 };
+pub use setup::{Experiment, RobotSetup};

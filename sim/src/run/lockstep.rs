@@ -64,7 +64,7 @@ pub fn lockstep(
         now_ns = next_ns;
     }
     read_encoders(world, now_ns, &mut encoders);
-    link.end(now_ns, &encoders)
+    link.publish_final(now_ns, &encoders)
 }
 
 /// Reads the encoders of all robots at `now_ns`.

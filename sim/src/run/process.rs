@@ -9,7 +9,7 @@ use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::PlantEnd;
+use slipstream_ipc::endpoints::PlantEndpoint;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
@@ -57,11 +57,11 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
         what: "robot".to_owned(),
         reason: error.to_string(),
     })?;
-    let services = Services::join(&joined.place, experiment, "plant")?;
+    let services = Services::join(&joined.directory, experiment, "plant")?;
     let kept = services.create_all()?;
     joined.wake_page.advance(Stage::Services);
     let wake_page = Rc::clone(&joined.wake_page);
-    let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), joined.parent)?;
+    let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), joined.parent)?;
     let mut records = RecordSender::new(&services, wake_page, 0, PLANT_CHUNK, recording)?;
     end.await_ready(experiment.settings.robots.count + u32::from(recording))?;
     drop(kept);
@@ -119,7 +119,7 @@ impl Progress for ProgressPublisher<'_> {
 
 /// The plant's loop on the wall clock: one step at each deadline, with the newest torques.
 struct WallClockLoop<'a> {
-    end: &'a PlantEnd,
+    end: &'a PlantEndpoint,
     records: &'a mut RecordSender,
     wake_page: &'a WakePage,
 }
@@ -150,7 +150,7 @@ impl WallClockLoop<'_> {
             let next_ns = (now_ns + step_ns).min(end_ns);
             clock.sleep_until(next_ns);
             let began_ns = clock.now_ns();
-            self.end.check()?;
+            self.end.check_running()?;
             actuators.receive(self.end, now_ns, clock, self.records)?;
             world.step(next_ns - now_ns, &actuators.commands);
             read_encoders(world, next_ns, &mut encoders);
@@ -190,12 +190,12 @@ impl Actuators {
     /// old.
     fn receive(
         &mut self,
-        end: &PlantEnd,
+        end: &PlantEndpoint,
         now_ns: i64,
         clock: WallClock,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
-        end.take_commands(|torque| {
+        end.drain_commands(|torque| {
             let robot = torque.robot as usize;
             self.received_ns[robot] = now_ns;
             if torque.tick_ns != self.newest[robot].tick_ns || now_ns == 0 {

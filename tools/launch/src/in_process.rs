@@ -157,14 +157,14 @@ impl<R: Recorder> LockstepLink for Agents<R> {
         Ok(())
     }
 
-    fn end(&mut self, _: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+    fn publish_final(&mut self, _: i64, encoders: &[Encoders]) -> Result<(), BusError> {
         self.last = encoders.to_vec();
         Ok(())
     }
 }
 
 impl PositionLink for LocalLink<'_> {
-    fn receive(&mut self) -> Result<Option<Position>, BusError> {
+    fn poll(&mut self) -> Result<Option<Position>, BusError> {
         Ok(self.queues[self.robot].pop_front())
     }
 

@@ -14,7 +14,7 @@ use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::transport::LockstepLink;
 use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
-use slipstream_ipc::endpoints::{AgentEnd, Parent, PlantEnd};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint};
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
 use slipstream_ipc::trace::{self, EnvFilter};
@@ -95,7 +95,8 @@ fn the_bus_allocates_one_block_a_sample() {
                 let wake_page = open();
                 let services = Services::join(place, experiment, "agent").unwrap();
                 let mut end =
-                    AgentEnd::new(&services, Rc::clone(&wake_page), Parent::now(), robot).unwrap();
+                    AgentEndpoint::new(&services, Rc::clone(&wake_page), Parent::now(), robot)
+                        .unwrap();
                 let mut node = Node::new(experiment, robot).unwrap();
                 wake_page.signal_ready();
                 let mut answer = |rounds: i64| {
@@ -112,7 +113,7 @@ fn the_bus_allocates_one_block_a_sample() {
                 counted.fetch_add(allocations(|| answer(ROUNDS)), Ordering::Relaxed);
             });
         }
-        let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
+        let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
         end.await_ready(robots).unwrap();
         let encoders = vec![Encoders::default(); robots as usize];
         let mut commands = vec![TorqueCommand::default(); robots as usize];

@@ -176,7 +176,7 @@ impl Step {
                 from: number("from")?,
                 seq: number("seq")?,
                 tick_ns: int("tick_ns")?,
-                fate: Fate::named(record.text("fate")?)?,
+                fate: Fate::from_name(record.text("fate")?)?,
             },
             "applied" => Self::Applied {
                 robot: number("robot")?,

@@ -1,4 +1,4 @@
-//! Buffer of one thread: encoded trace records in chunks, waiting to be drained.
+//! Trace buffer of one thread: encoded records in chunks, waiting to be drained.
 
 use tracing::{Level, Metadata};
 
@@ -7,11 +7,11 @@ use slipstream_bus::trace::{CALL_SITE_TAG, RECORD_TAG};
 use super::fields::Fields;
 use super::varint;
 
-/// Size from which on records are dropped (bytes).
+/// Size above which new records are dropped (bytes).
 pub(super) const MAX_BUFFERED: usize = 1 << 20;
-/// Largest chunk, and so the largest record (bytes).
+/// Size of the largest chunk, and so of the largest record (bytes).
 pub(super) const MAX_CHUNK: usize = 3 << 10;
-/// Capacity for call sites that a new chunk reserves.
+/// Number of call sites for which a new chunk reserves memory.
 const CALL_SITES: usize = 32;
 /// Prefix of a chunk: time of its first record (8 bytes), length (4 bytes).
 const PREFIX: usize = 12;
@@ -69,7 +69,7 @@ impl TraceBuffer {
     fn begin_chunk(&mut self, begin_ns: i64) {
         self.chunk = self.bytes.len();
         self.call_sites.clear();
-        // Allocates once: no loop has more call sites.
+        // Allocates only once, because no loop has more call sites.
         self.call_sites.reserve(CALL_SITES);
         self.last_ns = 0;
         self.bytes.extend_from_slice(&begin_ns.to_le_bytes());

@@ -9,7 +9,7 @@ use slipstream_bus::trace::{INT_TAG, Value};
 
 use super::varint;
 
-/// Longer texts are cut (bytes).
+/// Longer texts are truncated (bytes).
 pub(super) const MAX_TEXT: usize = 512;
 
 /// Fields, encoded one after the other.

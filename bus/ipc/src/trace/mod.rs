@@ -1,9 +1,10 @@
-//! Recorder of the trace: spans and events of the `tracing` crate become compact postcard records.
+//! Trace recorder: spans and events of the `tracing` crate become compact postcard records.
 //!
-//! [`begin`] records the spans and events of a thread that pass the filter of `RUST_LOG` in a buffer of that thread.
-//! The buffer is drained in chunks, because delivering records one by one costs more than recording them. A span becomes
-//! one record when it closes. Times are those of the run: virtual time as set by [`set_virtual_time`], or the wall
-//! clock ([`use_clock`]). A field `t_ns` overrides the time of an event.
+//! After [`begin`], the spans and events of the thread that pass the filter of `RUST_LOG` go into a
+//! buffer of the thread. The buffer is drained in chunks, because delivering records one by one
+//! costs more than recording them. A span becomes one record when it closes. Times are those of the
+//! run: virtual time as set by [`set_virtual_time`], or the wall clock ([`use_clock`]). A field
+//! `t_ns` overrides the time of an event.
 
 mod buffer;
 mod fields;
@@ -20,12 +21,12 @@ pub use self::buffer::chunks;
 use self::subscriber::{ThreadTrace, TraceSubscriber, with_thread_trace};
 use crate::clock::WallClock;
 
-/// Environment variable with the filter.
+/// Environment variable that holds the filter.
 pub const VARIABLE: &str = "RUST_LOG";
-/// Filter if the variable is not set: all levels but the finest.
-const DEFAULT: &str = "slipstream=debug";
+/// Filter if the variable is not set: all levels except `trace`.
+const DEFAULT_FILTER: &str = "slipstream=debug";
 
-/// Spans and events of the thread are recorded until this guard is dropped.
+/// Guard: spans and events of the thread are recorded until it is dropped.
 #[must_use]
 #[derive(Debug)]
 pub struct Tracing {
@@ -35,35 +36,34 @@ pub struct Tracing {
 /// Reads the filter from the environment.
 ///
 /// # Errors
-/// A variable that is not a valid filter, with the reason.
+/// The variable is not a valid filter; the text says why.
 pub fn filter() -> Result<EnvFilter, String> {
     let text = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
-    let text = text.as_deref().unwrap_or(DEFAULT);
+    let text = text.as_deref().unwrap_or(DEFAULT_FILTER);
     let built = EnvFilter::builder().parse(text);
     built.map_err(|error| format!("`{text}` is not a valid filter: {error}"))
 }
 
 /// Starts the trace of this thread; its records name `process`.
 pub fn begin(process: &str, filter: EnvFilter) -> Tracing {
-    with_thread_trace(|thread| {
-        *thread = ThreadTrace::of(process);
-    });
+    with_thread_trace(|trace| *trace = ThreadTrace::new(process));
     Tracing {
         _guard: tracing::subscriber::set_default(TraceSubscriber.with(filter)),
     }
 }
 
-/// Sets the virtual time (ns).
+/// Sets the virtual time of the thread's trace (ns).
 pub fn set_virtual_time(now_ns: i64) {
-    with_thread_trace(|thread| thread.now_ns = now_ns);
+    with_thread_trace(|trace| trace.now_ns = now_ns);
 }
 
-/// Takes the time from a clock from now on.
+/// Takes the time of the thread's trace from a clock from now on.
 pub fn use_clock(clock: WallClock) {
-    with_thread_trace(|thread| thread.clock = Some(clock));
+    with_thread_trace(|trace| trace.clock = Some(clock));
 }
 
-/// Traces the plant's record of an applied torque. The plant itself does not depend on the trace.
+/// Traces a record of an applied torque. The plant's core does not depend on the trace, so it is
+/// done where its records are logged.
 pub(crate) fn trace_applied(record: &Record) {
     if let Record::Applied {
         taken_ns,
@@ -85,7 +85,7 @@ pub fn record(recorder: &mut impl Recorder, record: &Record) {
 
 /// Number of bytes in the buffer.
 pub fn buffered_bytes() -> usize {
-    with_thread_trace(|thread| thread.buffer.len()).unwrap_or(0)
+    with_thread_trace(|trace| trace.buffer.len()).unwrap_or(0)
 }
 
 /// [`drain`]s the buffer if it holds almost a full chunk.
@@ -95,27 +95,28 @@ pub fn drain_if_long(each: impl FnMut(i64, &[u8])) {
     }
 }
 
-/// Empties the buffer: calls `each` with the time of the first record (ns) and the bytes of every chunk.
+/// Empties the buffer: calls `each` with the time of the first record (ns) and the bytes of every
+/// chunk.
 pub fn drain(each: impl FnMut(i64, &[u8])) {
     // Records that `each` itself causes stay in the buffer until the next call.
     let mut bytes = take_buffer();
     chunks(&bytes, each);
     bytes.clear();
-    with_thread_trace(|thread| {
-        if thread.buffer.len() == 0 {
-            thread.buffer.exchange(bytes);
+    with_thread_trace(|trace| {
+        if trace.buffer.len() == 0 {
+            trace.buffer.exchange(bytes);
         }
     });
 }
 
 /// Takes the content of the buffer, for [`chunks`].
 pub fn take_buffer() -> Vec<u8> {
-    with_thread_trace(|thread| thread.buffer.exchange(Vec::new())).unwrap_or_default()
+    with_thread_trace(|trace| trace.buffer.exchange(Vec::new())).unwrap_or_default()
 }
 
 /// Number of records dropped because the buffer was full.
 pub fn lost() -> u64 {
-    with_thread_trace(|thread| thread.buffer.lost).unwrap_or(0)
+    with_thread_trace(|trace| trace.buffer.lost).unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -126,7 +127,8 @@ mod tests {
     use super::fields::MAX_TEXT;
     use super::*;
 
-    fn in_a_file(chunk: &[u8]) -> Vec<u8> {
+    /// A chunk as it stands in a file.
+    fn with_format(chunk: &[u8]) -> Vec<u8> {
         [&[FORMAT], chunk].concat()
     }
 
@@ -134,14 +136,14 @@ mod tests {
         let mut all = Vec::new();
         drain(|t_ns, chunk| {
             let before = all.len();
-            read(Vec::leak(in_a_file(chunk)), |record| all.push(record)).unwrap();
+            read(Vec::leak(with_format(chunk)), |record| all.push(record)).unwrap();
             assert_eq!(all[before].begin_ns, t_ns);
         });
         all
     }
 
     #[test]
-    fn spans_and_events_come_with_times_and_fields() {
+    fn spans_and_events_are_recorded_with_times_and_fields() {
         let _tracing = begin("r1", EnvFilter::new("debug"));
         set_virtual_time(100);
         let span = tracing::debug_span!("outer", robot = 0_u32, message = tracing::field::Empty);
@@ -173,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_of_another_format_is_told_from_damage() {
+    fn another_format_is_distinguished_from_damage() {
         let record = |bytes: &[u8]| read(bytes, |_| {});
         assert_eq!(record(&[5, 1, 2]), Err(TraceError::OtherFormat));
         assert_eq!(record(&[FORMAT, 200]), Err(TraceError::Damaged));
@@ -181,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_tape_comes_in_pieces_of_whole_records() {
+    fn a_full_chunk_is_followed_by_another_and_a_record_larger_than_a_chunk_is_lost() {
         let _tracing = begin("r1", EnvFilter::new("debug"));
         for seq in 0..1000_u32 {
             tracing::debug!(name: "sent", seq);
@@ -195,7 +197,7 @@ mod tests {
         let mut count = 0;
         chunks(&buffer, |_, chunk| {
             sizes.push(chunk.len());
-            read(&in_a_file(chunk), |_| count += 1).unwrap();
+            read(&with_format(chunk), |_| count += 1).unwrap();
         });
         assert_eq!((count, lost()), (1001, 1));
         assert!(
@@ -205,18 +207,18 @@ mod tests {
     }
 
     #[test]
-    fn without_a_tape_nothing_is_kept_and_a_full_one_counts() {
-        tracing::error!("nobody listens");
+    fn a_thread_without_a_trace_records_nothing_and_a_full_buffer_counts_its_losses() {
+        tracing::error!("not recorded");
         assert!(take_buffer().is_empty());
         let _tracing = begin("r1", EnvFilter::new("debug"));
         for _ in 0..100_000 {
-            tracing::info!(name: "much", text = "more than a buffer has room for");
+            tracing::info!(name: "much", text = "together more than the buffer holds");
         }
         assert!(take_buffer().len() < MAX_BUFFERED + MAX_CHUNK && lost() > 0);
     }
 
     #[test]
-    fn a_cut_tape_is_read_as_far_as_it_is_whole() {
+    fn a_truncated_buffer_is_read_up_to_its_last_complete_chunk() {
         let _tracing = begin("r1", EnvFilter::new("debug"));
         tracing::info!(name: "one", robot = 1_u32);
         tracing::info!(name: "two", robot = 2_u32);
@@ -224,7 +226,7 @@ mod tests {
         for cut in 0..bytes.len() {
             let mut count = 0;
             chunks(&bytes[..cut], |_, chunk| {
-                read(&in_a_file(chunk), |_| count += 1).unwrap();
+                read(&with_format(chunk), |_| count += 1).unwrap();
             });
             assert!(count < 2);
         }

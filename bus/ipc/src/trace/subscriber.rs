@@ -1,4 +1,4 @@
-//! Hears the spans and events that the filter lets through, and writes them onto the thread's buffer.
+//! Subscriber of the `tracing` crate that writes the spans and events of a thread to its buffer.
 
 use std::cell::RefCell;
 
@@ -9,24 +9,27 @@ use super::buffer::{NewRecord, TraceBuffer};
 use super::fields::Fields;
 use crate::clock::WallClock;
 
-/// What a thread is telling.
+/// The trace of one thread.
 #[derive(Debug, Default)]
 pub(super) struct ThreadTrace {
     process: String,
     pub(super) now_ns: i64,
     pub(super) clock: Option<WallClock>,
     pub(super) buffer: TraceBuffer,
-    /// Spans that have not closed, the newest last, and room for more.
-    open: Vec<Open>,
+    /// Open spans, the newest last.
+    open: Vec<OpenSpan>,
+    /// Field buffers of closed spans, for reuse.
     spare: Vec<Fields>,
+    /// Number of spans so far, and so the identity of the newest.
     spans: u64,
-    /// Of the event under way.
+    /// Fields of the event being recorded.
     fields: Fields,
 }
 
 #[derive(Debug)]
-struct Open {
+struct OpenSpan {
     id: u64,
+    /// Number of handles to the span; it closes with the last one.
     handles: u32,
     metadata: &'static Metadata<'static>,
     begin_ns: i64,
@@ -37,15 +40,15 @@ thread_local! {
     static THREAD_TRACE: RefCell<ThreadTrace> = RefCell::default();
 }
 
-/// Whoever tells something while the thread is in use is not heard.
+/// Calls `work` with the trace of this thread. Returns `None` if the trace is in use already, or if
+/// the thread is ending.
 pub(super) fn with_thread_trace<T>(work: impl FnOnce(&mut ThreadTrace) -> T) -> Option<T> {
-    // A thread that is ending has no thread any more.
-    let record = THREAD_TRACE.try_with(|thread| Some(work(&mut *thread.try_borrow_mut().ok()?)));
-    record.ok().flatten()
+    let result = THREAD_TRACE.try_with(|trace| Some(work(&mut *trace.try_borrow_mut().ok()?)));
+    result.ok().flatten()
 }
 
 impl ThreadTrace {
-    pub(super) fn of(process: &str) -> Self {
+    pub(super) fn new(process: &str) -> Self {
         Self {
             process: process.to_owned(),
             ..Self::default()
@@ -61,7 +64,7 @@ impl ThreadTrace {
         fields.clear();
         attributes.record(&mut fields);
         self.spans += 1;
-        self.open.push(Open {
+        self.open.push(OpenSpan {
             id: self.spans,
             handles: 1,
             metadata: attributes.metadata(),
@@ -71,12 +74,12 @@ impl ThreadTrace {
         self.spans
     }
 
-    fn find(&mut self, id: &Id) -> Option<&mut Open> {
+    fn find(&mut self, id: &Id) -> Option<&mut OpenSpan> {
         let mut open = self.open.iter_mut().rev();
         open.find(|span| span.id == id.into_u64())
     }
 
-    fn tell(&mut self, event: &Event<'_>) {
+    fn record_event(&mut self, event: &Event<'_>) {
         self.fields.clear();
         event.record(&mut self.fields);
         let begin_ns = self.fields.t_ns.unwrap_or_else(|| self.now_ns());
@@ -89,17 +92,17 @@ impl ThreadTrace {
         });
     }
 
-    /// Lets go of a span, and says whether nobody holds it any more.
+    /// Releases a handle of a span. Writes the span and returns true if it was the last one.
     fn close(&mut self, id: &Id) -> bool {
-        let place = self.open.iter().rposition(|span| span.id == id.into_u64());
-        let Some(place) = place else {
+        let found = self.open.iter().rposition(|span| span.id == id.into_u64());
+        let Some(index) = found else {
             return false;
         };
-        self.open[place].handles -= 1;
-        if self.open[place].handles > 0 {
+        self.open[index].handles -= 1;
+        if self.open[index].handles > 0 {
             return false;
         }
-        let span = self.open.remove(place);
+        let span = self.open.remove(index);
         let duration_ns = self.now_ns() - span.begin_ns;
         self.buffer.write(NewRecord {
             process: &self.process,
@@ -113,7 +116,7 @@ impl ThreadTrace {
     }
 }
 
-/// Below the filter. Knows no parents and no contexts: a record says all that is to be read of it.
+/// The subscriber below the filter. It ignores parents and contexts: every record is complete.
 pub(super) struct TraceSubscriber;
 
 impl Subscriber for TraceSubscriber {
@@ -122,17 +125,17 @@ impl Subscriber for TraceSubscriber {
     }
 
     fn new_span(&self, attributes: &Attributes<'_>) -> Id {
-        Id::from_u64(with_thread_trace(|thread| thread.open(attributes)).unwrap_or(u64::MAX))
+        Id::from_u64(with_thread_trace(|trace| trace.open(attributes)).unwrap_or(u64::MAX))
     }
 
     fn record(&self, id: &Id, values: &Record<'_>) {
-        with_thread_trace(|thread| thread.find(id).map(|span| values.record(&mut span.fields)));
+        with_thread_trace(|trace| trace.find(id).map(|span| values.record(&mut span.fields)));
     }
 
     fn record_follows_from(&self, _: &Id, _: &Id) {}
 
     fn event(&self, event: &Event<'_>) {
-        with_thread_trace(|thread| thread.tell(event));
+        with_thread_trace(|trace| trace.record_event(event));
     }
 
     fn enter(&self, _: &Id) {}
@@ -140,11 +143,11 @@ impl Subscriber for TraceSubscriber {
     fn exit(&self, _: &Id) {}
 
     fn clone_span(&self, id: &Id) -> Id {
-        with_thread_trace(|thread| thread.find(id).map(|span| span.handles += 1));
+        with_thread_trace(|trace| trace.find(id).map(|span| span.handles += 1));
         id.clone()
     }
 
     fn try_close(&self, id: Id) -> bool {
-        with_thread_trace(|thread| thread.close(&id)).unwrap_or(false)
+        with_thread_trace(|trace| trace.close(&id)).unwrap_or(false)
     }
 }

@@ -1,6 +1,6 @@
-//! Whole numbers as postcard encodes them, for the loops: a third of what its serializer takes.
+//! Varint and zigzag encoding of integers, byte for byte as postcard, in a third of its time.
 
-/// Seven bits a byte, the lowest first; the highest bit says that more follow.
+/// Varint: seven bits per byte, the lowest first; the highest bit of a byte means that more follow.
 #[inline]
 pub(super) fn unsigned(mut value: u64, bytes: &mut Vec<u8>) {
     while value >= 0x80 {
@@ -10,7 +10,7 @@ pub(super) fn unsigned(mut value: u64, bytes: &mut Vec<u8>) {
     bytes.push(value as u8);
 }
 
-/// Zigzag: 0, −1, 1, −2, … become 0, 1, 2, 3, …
+/// Zigzag, then varint: 0, −1, 1, −2, … become 0, 1, 2, 3, …
 #[inline]
 pub(super) fn signed(value: i64, bytes: &mut Vec<u8>) {
     unsigned(((value << 1) ^ (value >> 63)).cast_unsigned(), bytes);
@@ -21,7 +21,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn they_are_postcards() {
+    fn encodes_like_postcard() {
         for value in [
             0,
             1,
@@ -39,8 +39,8 @@ mod tests {
             let mut bytes = Vec::new();
             signed(value, &mut bytes);
             unsigned(value.cast_unsigned(), &mut bytes);
-            let wanted = postcard::to_allocvec(&(value, value.cast_unsigned()));
-            assert_eq!(Ok(bytes), wanted);
+            let expected = postcard::to_allocvec(&(value, value.cast_unsigned()));
+            assert_eq!(Ok(bytes), expected);
         }
     }
 }

@@ -8,7 +8,7 @@ use iceoryx2::prelude::*;
 use slipstream_bus::message::Position;
 use slipstream_bus::transport::PositionLink;
 use slipstream_ipc::WirePosition;
-use slipstream_ipc::endpoints::{AgentEnd, Parent};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent};
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
@@ -193,7 +193,7 @@ fn iceoryx() {
 
 /// The links of a run of two robots.
 struct Ours {
-    end: AgentEnd,
+    end: AgentEndpoint,
     _joined: JoinedRun,
 }
 
@@ -202,7 +202,7 @@ impl Ours {
         let joined = JoinedRun::new(folder).unwrap();
         let services = joined.services("agent").unwrap();
         let wake_page = std::rc::Rc::clone(&joined.wake_page);
-        let end = AgentEnd::new(&services, wake_page, Parent::now(), robot).unwrap();
+        let end = AgentEndpoint::new(&services, wake_page, Parent::now(), robot).unwrap();
         joined.wake_page.signal_ready();
         Self {
             end,
@@ -223,7 +223,7 @@ impl Way for Ours {
 
     fn receive(&mut self) -> u32 {
         loop {
-            if let Some(position) = self.end.links().receive().unwrap() {
+            if let Some(position) = self.end.links().poll().unwrap() {
                 return position.seq;
             }
             std::hint::spin_loop();

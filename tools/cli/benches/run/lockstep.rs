@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::transport::LockstepLink;
-use slipstream_ipc::endpoints::{AgentEnd, Parent, PlantEnd};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint};
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
@@ -109,7 +109,7 @@ fn ours(robots: u32) -> f64 {
     let services = Services::join(&place, &experiment, "plant").unwrap();
     let kept = services.create_all().unwrap();
     wake_page.advance(Stage::Services);
-    let mut end = PlantEnd::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
+    let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
     end.await_ready(robots).unwrap();
     drop(kept);
     let encoders = vec![Encoders::default(); robots as usize];
@@ -128,7 +128,7 @@ pub(crate) fn bus_agent(folder: &Path, robot: &str) {
     let robot: u32 = robot.parse().unwrap();
     let joined = JoinedRun::new(folder).unwrap();
     let services = joined.services("agent").unwrap();
-    let mut end = AgentEnd::new(
+    let mut end = AgentEndpoint::new(
         &services,
         Rc::clone(&joined.wake_page),
         joined.parent,

@@ -129,7 +129,8 @@ impl McapSink {
             }
             Record::Event { t_ns, robot, kind } => {
                 let process = robot.map_or_else(|| "plant".to_owned(), robot_name);
-                self.writer.write_event(t_ns, &process, kind.words())?;
+                self.writer
+                    .write_event(t_ns, &process, kind.description())?;
             }
             Record::Inner(_) => {}
             Record::Sent { to, position, .. } => {

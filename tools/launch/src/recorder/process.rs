@@ -40,7 +40,7 @@ pub(crate) fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError
         what: "recording".to_owned(),
         reason: e.to_string(),
     };
-    let keys = read_keys(&joined.place);
+    let keys = read_keys(&joined.directory);
     let sink = McapSink::create(out, &joined.experiment, &keys).map_err(failed)?;
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
@@ -52,7 +52,7 @@ pub(crate) fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError
     let failure = receive_all(&joined, &receiver, &mut merge)
         .err()
         .map(|error| error.to_string());
-    for trace in read_traces(&joined.place) {
+    for trace in read_traces(&joined.directory) {
         trace::chunks(&trace, |t_ns, bytes| merge.sink.trace(t_ns, bytes));
     }
     Ok(match merge.finish() {
@@ -107,7 +107,7 @@ fn receive_all(
         let last = joined.wake_page.stage() >= Stage::Drained || orphaned;
         let mut idle = true;
         trace::set_virtual_time(joined.wake_page.progress().0);
-        while receiver.take(|source, entry| merge.push(source as usize, entry))? {
+        while receiver.poll(|source, entry| merge.push(source as usize, entry))? {
             idle = false;
             received = Instant::now();
         }

@@ -1,45 +1,65 @@
-//! Judges the keys of an experiment: the first value that no run can have, with its remedy.
+//! Validation of settings: the first value that no run can have, with a remedy.
 
+use super::settings::{Clock, Distribution, Law, OnDeath, Settings, TorqueLimit};
 use crate::error::InputError;
-use crate::experiment::{Clock, Distribution, Law, OnDeath, Settings, TorqueLimit};
+use crate::range::{finite, invalid, not_negative, positive};
 use crate::time::ns_from_s;
 
-/// Robots that one run can have: the done counter of the barrier has 16 bits.
-const MOST_ROBOTS: u32 = 10_000;
+/// Largest number of robots of a run.
+const MAX_ROBOTS: u32 = 10_000;
+/// Longest duration of a run (s).
+const MAX_DURATION_S: f64 = 1e6;
 
 impl Settings {
-    /// Judges every value, one by one and together.
+    /// Checks all values, each by itself and in combination.
     ///
     /// # Errors
     /// The first key whose value no run can have.
     pub fn validate(&self) -> Result<(), InputError> {
+        self.validate_run()?;
+        positive("formation.spacing_m", self.formation.spacing_m)?;
+        not_negative("formation.start_s", self.formation.start_s)?;
+        self.validate_profile()?;
+        finite("open_loop.torque_nm", self.open_loop.torque_nm)?;
+        not_negative("open_loop.torque_for_s", self.open_loop.torque_for_s)?;
+        self.validate_numbers()?;
+        if self.control.law == Law::ComputedTorque
+            && self.control.torque_limit == TorqueLimit::Outer
+        {
+            let problem = "is outer, which limits the set-points of the PI speed loops";
+            let remedy = "give none, inner or adaptive, or leave control.law = \"paper\"";
+            return invalid("control.torque_limit", problem, remedy);
+        }
+        self.sensors.present().validate()?;
+        self.validate_links()
+    }
+
+    /// Duration, number of robots, clock.
+    fn validate_run(&self) -> Result<(), InputError> {
+        positive("duration_s", self.duration_s)?;
+        if self.duration_s > MAX_DURATION_S {
+            return invalid("duration_s", "is longer than 11 days", "give at most 1e6");
+        }
+        if self.robots.count == 0 || self.robots.count > MAX_ROBOTS {
+            let problem = format!("is {}", self.robots.count);
+            return invalid("robots.count", problem, format!("give 1 to {MAX_ROBOTS}"));
+        }
+        if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {
+            let problem = "needs the wall clock: in lockstep every process waits for all others";
+            let remedy = "add --clock wall, or leave on_death = \"stop\"";
+            return invalid("on_death", problem, remedy);
+        }
+        Ok(())
+    }
+
+    /// Periods, then numbers of 0 or more, then numbers above 0.
+    fn validate_numbers(&self) -> Result<(), InputError> {
         let Self {
             control,
             links,
             plant,
             ..
         } = self;
-        positive("duration_s", self.duration_s)?;
-        if self.duration_s > 1e6 {
-            return wrong("duration_s", "is longer than 11 days", "give at most 1e6");
-        }
-        if self.robots.count == 0 || self.robots.count > MOST_ROBOTS {
-            let problem = format!("is {}", self.robots.count);
-            return wrong("robots.count", problem, format!("give 1 to {MOST_ROBOTS}"));
-        }
-        if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {
-            let problem = "needs the wall clock: in lockstep everybody waits for everybody";
-            return wrong(
-                "on_death",
-                problem,
-                "add --clock wall, or leave on_death = \"stop\"",
-            );
-        }
-        positive("formation.spacing_m", self.formation.spacing_m)?;
-        not_negative("formation.start_s", self.formation.start_s)?;
-        self.validate_profile()?;
-        finite("open_loop.torque_nm", self.open_loop.torque_nm)?;
-        not_negative("open_loop.torque_for_s", self.open_loop.torque_for_s)?;
         for (key, value) in [
             ("control.outer_period_s", control.outer_period_s),
             ("control.inner_period_s", control.inner_period_s),
@@ -75,27 +95,25 @@ impl Settings {
         ] {
             positive(key, value)?;
         }
-        if control.law == Law::ComputedTorque && control.torque_limit == TorqueLimit::Outer {
-            let problem = "is outer, which limits the set-points of the paper's wheel loops";
-            let remedy = "give none, inner or adaptive, or leave control.law = \"paper\"";
-            return wrong("control.torque_limit", problem, remedy);
-        }
-        self.sensors.present().validate()?;
-        self.validate_links()
+        Ok(())
     }
 
     fn validate_profile(&self) -> Result<(), InputError> {
         let profile = &self.profile;
         let points = profile.times_s.len();
         if profile.speeds_m_s.len() != points || profile.yaw_rates_rad_s.len() != points {
-            return wrong(
+            return invalid(
                 "profile",
                 "has columns of different lengths",
                 "give as many speeds_m_s and yaw_rates_rad_s as times_s",
             );
         }
         if profile.times_s.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return wrong("profile.times_s", "does not rise", "give rising times");
+            return invalid(
+                "profile.times_s",
+                "do not increase",
+                "give increasing times",
+            );
         }
         for (key, column) in [
             ("profile.times_s", &profile.times_s),
@@ -111,67 +129,37 @@ impl Settings {
         let links = &self.links;
         if !(0.0..1.0).contains(&links.loss) {
             let problem = format!("is {}", links.loss);
-            return wrong("links.loss", problem, "give a share from 0 to below 1");
+            return invalid("links.loss", problem, "give a fraction from 0 to below 1");
         }
         if links.burst != 0.0 && !(1.0..=1e6).contains(&links.burst) {
             let problem = format!("is {}", links.burst);
-            let remedy = "give the mean length of a run of losses, 1 or more, or 0 for none";
-            return wrong("links.burst", problem, remedy);
+            let remedy = "give the mean length of a loss burst, 1 or more, or 0 for none";
+            return invalid("links.burst", problem, remedy);
         }
-        // A share of losses and a mean run length leave a mean run of good messages; it cannot be
-        // shorter than one.
+        // Loss fraction and mean burst length determine the mean number of messages between two
+        // bursts, which is at least 1.
         if links.burst != 0.0 && links.loss / (1.0 - links.loss) > links.burst {
-            let problem = format!("is too short for a loss of {}", links.loss);
-            return wrong("links.burst", problem, "give more, or a smaller links.loss");
+            let problem = format!("is too small for a loss of {}", links.loss);
+            return invalid("links.burst", problem, "give more, or a smaller links.loss");
         }
         if links.distribution == Distribution::Lognormal
             && links.jitter_s > 0.0
             && links.delay_s == 0.0
         {
             let problem = "is 0: a lognormal delay needs a mean";
-            return wrong("links.delay_s", problem, "give a delay above 0");
+            return invalid("links.delay_s", problem, "give a delay above 0");
         }
         Ok(())
     }
 }
 
-fn wrong<T>(
-    key: &str,
-    problem: impl Into<String>,
-    remedy: impl Into<String>,
-) -> Result<T, InputError> {
-    Err(InputError::new(key, problem, remedy))
-}
-
-fn finite(key: &str, value: f64) -> Result<(), InputError> {
-    if value.is_finite() {
-        return Ok(());
-    }
-    wrong(key, format!("is {value}"), "give a finite number")
-}
-
-fn not_negative(key: &str, value: f64) -> Result<(), InputError> {
-    finite(key, value)?;
-    if value >= 0.0 {
-        return Ok(());
-    }
-    wrong(key, format!("is {value}"), "give 0 or more")
-}
-
-fn positive(key: &str, value: f64) -> Result<(), InputError> {
-    not_negative(key, value)?;
-    if value > 0.0 {
-        return Ok(());
-    }
-    wrong(key, "is 0", "give a number above 0")
-}
-
+/// Accepts periods from 10 µs to 10 s.
 fn period(key: &str, value: f64) -> Result<(), InputError> {
     positive(key, value)?;
     if (10_000..=10_000_000_000).contains(&ns_from_s(value)) {
         return Ok(());
     }
-    wrong(key, format!("is {value}"), "give 0.00001 to 10")
+    invalid(key, format!("is {value}"), "give 0.00001 to 10")
 }
 
 #[cfg(test)]
@@ -179,9 +167,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_no_run_can_have_names_its_key() {
-        type Spoil = fn(&mut Settings);
-        let cases: [(&str, Spoil); 11] = [
+    fn an_invalid_value_names_its_key() {
+        type Change = fn(&mut Settings);
+        let cases: [(&str, Change); 11] = [
             ("robots.count", |s| s.robots.count = 0),
             ("duration_s", |s| s.duration_s = f64::NAN),
             ("links.delay_s", |s| s.links.delay_s = -0.1),
@@ -202,9 +190,9 @@ mod tests {
         ];
         assert_eq!(Settings::default().validate(), Ok(()));
         assert_eq!(Settings::single().validate(), Ok(()));
-        for (key, spoil) in cases {
+        for (key, change) in cases {
             let mut settings = Settings::default();
-            spoil(&mut settings);
+            change(&mut settings);
             assert_eq!(settings.validate().unwrap_err().place, key);
         }
     }

@@ -1,0 +1,105 @@
+//! Reference generation: the velocity profile for a robot by itself, the predecessor's path for a
+//! follower (q_ref = q_{i−1} − δ_i, section 4 of the paper).
+
+use slipstream_bus::experiment::{Feedforward, Settings};
+use slipstream_bus::message::Position;
+use slipstream_bus::time::{ns_from_s, s_from_ns};
+
+use crate::pose::Pose;
+use crate::predecessor_path::PredecessorPath;
+
+/// Largest step of the integration of the profile (ns).
+const PROFILE_STEP_NS: i64 = 5_000_000;
+
+/// The reference at an outer tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reference {
+    /// Pose of c.
+    pub(super) pose: Pose,
+    /// v_r (m/s) and w_r (rad/s).
+    pub(super) velocity: [f64; 2],
+    /// Sequence number of the message that it is based on.
+    pub(super) message: Option<u32>,
+}
+
+/// Generates the references of one robot.
+#[derive(Debug, Clone)]
+pub(super) struct ReferenceGenerator {
+    /// The path of the predecessor; none for the front robot.
+    path: Option<PredecessorPath>,
+    newest: Option<Position>,
+    /// Pose of the midpoint of the axle if the robot had followed the profile exactly.
+    profile_axle: Pose,
+    profile_ns: i64,
+    /// d: distance from c backwards to the axle (m).
+    d: f64,
+}
+
+impl ReferenceGenerator {
+    /// The generator of a robot with c at `start`, whose predecessor, if any, starts at
+    /// `predecessor`.
+    pub(super) fn new(start: Pose, predecessor: Option<Pose>, d: f64) -> Self {
+        Self {
+            path: predecessor.map(PredecessorPath::new),
+            newest: None,
+            profile_axle: start.ahead(-d),
+            profile_ns: 0,
+            d,
+        }
+    }
+
+    /// Whether the robot has a predecessor.
+    pub(super) fn follows(&self) -> bool {
+        self.path.is_some()
+    }
+
+    /// Appends a position of the predecessor, newer than all before.
+    pub(super) fn receive(&mut self, position: &Position) {
+        if let Some(path) = &mut self.path {
+            let pose = Pose::new([position.x_m, position.y_m, position.yaw_rad]);
+            path.extend(pose, [position.v_m_s, position.w_rad_s]);
+            self.newest = Some(*position);
+        }
+    }
+
+    /// The reference at `now_ns`, not before the last call.
+    pub(super) fn at(&mut self, now_ns: i64, settings: &Settings) -> Reference {
+        self.integrate_profile(now_ns, settings);
+        let (v_profile, w_profile) = settings.profile.at(s_from_ns(now_ns));
+        let alone = Reference {
+            pose: self.profile_axle.ahead(self.d),
+            velocity: [v_profile, w_profile],
+            message: None,
+        };
+        let formation = &settings.formation;
+        let Some(path) = &mut self.path else {
+            return alone;
+        };
+        if now_ns < ns_from_s(formation.start_s) {
+            return alone;
+        }
+        let point = path.behind(formation.spacing_m);
+        let v_r = match formation.feedforward {
+            Feedforward::Profile => v_profile,
+            Feedforward::Message => self.newest.map_or(0.0, |position| position.v_m_s),
+        };
+        Reference {
+            pose: point.pose,
+            velocity: [v_r, v_r * point.curvature],
+            message: self.newest.map(|position| position.seq),
+        }
+    }
+
+    fn integrate_profile(&mut self, now_ns: i64, settings: &Settings) {
+        let mut t_ns = self.profile_ns;
+        while t_ns < now_ns {
+            let step_ns = PROFILE_STEP_NS.min(now_ns - t_ns);
+            let middle_s = s_from_ns(t_ns) + 0.5 * s_from_ns(step_ns);
+            let (v, w) = settings.profile.at(middle_s);
+            let step_s = s_from_ns(step_ns);
+            self.profile_axle = self.profile_axle.along_arc(v * step_s, w * step_s);
+            t_ns += step_ns;
+        }
+        self.profile_ns = now_ns;
+    }
+}

@@ -1,0 +1,109 @@
+//! Link endpoints of an agent: receives positions from its predecessor, sends to its successor.
+
+use slipstream_bus::message::{Position, RobotIndex};
+use slipstream_bus::transport::{BusError, PositionLink};
+
+use crate::clock::WallClock;
+use crate::services::{PositionPublisher, PositionSubscriber, Services};
+
+/// An agent's ports for positions.
+#[derive(Debug)]
+pub struct LinkEndpoints {
+    predecessor: Option<(RobotIndex, PositionSubscriber)>,
+    successor: Option<PositionPublisher>,
+    /// Number of processes that must receive what is sent: in lockstep all, on the wall clock none.
+    required_receivers: usize,
+    time: SendTime,
+}
+
+/// Source of the time stamps of sent positions.
+#[derive(Debug, Clone, Copy)]
+enum SendTime {
+    /// The instant of the current round (ns).
+    Virtual(i64),
+    /// The wall clock.
+    Wall(WallClock),
+}
+
+impl LinkEndpoints {
+    /// Opens the ports of `robot`.
+    pub(super) fn new(services: &Services, robot: RobotIndex) -> Result<Self, BusError> {
+        let topology = services.topology();
+        let predecessor = topology.predecessor(robot);
+        let successor = topology.successor(robot);
+        Ok(Self {
+            predecessor: predecessor
+                .map(|from| Ok((from, services.position_subscriber(from)?)))
+                .transpose()?,
+            successor: successor
+                .map(|_| services.position_publisher(robot))
+                .transpose()?,
+            required_receivers: if services.lockstep() {
+                services.position_receivers(robot)
+            } else {
+                0
+            },
+            time: SendTime::Virtual(0),
+        })
+    }
+
+    /// Stamps positions with the instant of a lockstep round (ns).
+    pub(super) fn set_virtual_time(&mut self, now_ns: i64) {
+        self.time = SendTime::Virtual(now_ns);
+    }
+
+    /// Stamps positions with the wall clock.
+    pub(super) fn use_clock(&mut self, clock: WallClock) {
+        self.time = SendTime::Wall(clock);
+    }
+}
+
+impl PositionLink for LinkEndpoints {
+    fn poll(&mut self) -> Result<Option<Position>, BusError> {
+        let Some((from, subscriber)) = &self.predecessor else {
+            return Ok(None);
+        };
+        loop {
+            match subscriber
+                .receive()
+                .map_err(|e| BusError::failed("position", e))?
+            {
+                Some(sample) if sample.from == *from => {
+                    return Ok(Some((*sample.payload()).into()));
+                }
+                // Neighbours share a service: this position is for another robot.
+                Some(_) => {}
+                None => return Ok(None),
+            }
+        }
+    }
+
+    fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
+        let Some(publisher) = &self.successor else {
+            return Ok(position.tick_ns);
+        };
+        position.sent_ns = self.time.now_ns();
+        let received = publisher
+            .send_copy((*position).into())
+            .map_err(|e| BusError::failed("position", e))?;
+        if received < self.required_receivers {
+            return Err(BusError::QueueFull {
+                what: "position".to_owned(),
+            });
+        }
+        Ok(self.time.now_ns())
+    }
+
+    fn now_ns(&self) -> i64 {
+        self.time.now_ns()
+    }
+}
+
+impl SendTime {
+    fn now_ns(self) -> i64 {
+        match self {
+            Self::Virtual(now_ns) => now_ns,
+            Self::Wall(clock) => clock.now_ns(),
+        }
+    }
+}

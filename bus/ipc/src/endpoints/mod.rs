@@ -1,0 +1,12 @@
+//! Endpoints of plant and agents over shared memory: data by publish-subscribe, synchronisation by
+//! the wake-up page.
+
+mod agent;
+mod links;
+mod plant;
+mod waiting;
+
+pub use agent::{AgentEndpoint, LockstepRound};
+pub use links::LinkEndpoints;
+pub use plant::PlantEndpoint;
+pub use waiting::{Parent, await_stage};

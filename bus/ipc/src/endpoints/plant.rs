@@ -1,0 +1,167 @@
+//! Endpoint of the plant: publishes encoders, receives torque commands, leads the lockstep.
+
+use std::rc::Rc;
+use std::time::{Duration, Instant};
+
+use slipstream_bus::message::{Encoders, TorqueCommand, robot_name};
+use slipstream_bus::transport::{BusError, LockstepLink};
+
+use super::waiting::{POLL_INTERVAL, Parent, check_running};
+use crate::services::{CommandSubscriber, Services, WorldPublisher};
+use crate::wake_page::WakePage;
+use crate::wire::{WireEncoders, WorldHeader};
+
+/// Default timeout for the answers of a round.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
+/// Number of rounds between two checks whether the launcher is alive.
+const ROUNDS_PER_PARENT_CHECK: u32 = 64;
+
+/// The plant's ports.
+#[derive(Debug)]
+pub struct PlantEndpoint {
+    wake_page: Rc<WakePage>,
+    parent: Parent,
+    world: WorldPublisher,
+    commands: CommandSubscriber,
+    robots: usize,
+    epoch: u32,
+    answer_timeout: Duration,
+}
+
+impl PlantEndpoint {
+    /// Opens the plant's ports.
+    ///
+    /// # Errors
+    /// A port cannot be created.
+    pub fn new(
+        services: &Services,
+        wake_page: Rc<WakePage>,
+        parent: Parent,
+    ) -> Result<Self, BusError> {
+        Ok(Self {
+            wake_page,
+            parent,
+            world: services.world_publisher()?,
+            commands: services.command_subscriber()?,
+            robots: services.robots(),
+            epoch: 0,
+            answer_timeout: ANSWER_TIMEOUT,
+        })
+    }
+
+    /// Sets how long a round waits for the answers of the agents; 10 s by default.
+    pub fn set_answer_timeout(&mut self, timeout: Duration) {
+        self.answer_timeout = timeout;
+    }
+
+    /// Waits until `processes` others are connected.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run is stopped first or the launcher is gone.
+    pub fn await_ready(&self, processes: u32) -> Result<(), BusError> {
+        while !self.wake_page.wait_ready(processes, POLL_INTERVAL) {
+            self.check_running()?;
+        }
+        Ok(())
+    }
+
+    /// Publishes the encoders of all robots. Returns the number of processes that received them.
+    ///
+    /// # Errors
+    /// The transport failed.
+    pub fn publish(&self, now_ns: i64, encoders: &[Encoders]) -> Result<usize, BusError> {
+        let mut sample = self
+            .world
+            .loan_slice_uninit(encoders.len())
+            .map_err(|e| BusError::failed("world", e))?;
+        *sample.user_header_mut() = WorldHeader {
+            now_ns,
+            epoch: self.epoch,
+            reserved: 0,
+        };
+        sample
+            .write_from_fn(|robot| WireEncoders::from(encoders[robot]))
+            .send()
+            .map_err(|e| BusError::failed("world", e))
+    }
+
+    /// Receives all waiting torque commands and calls `each` with every one. Never blocks.
+    ///
+    /// # Errors
+    /// The transport failed.
+    pub fn drain_commands(&self, mut each: impl FnMut(&TorqueCommand)) -> Result<(), BusError> {
+        while let Some(sample) = self
+            .commands
+            .receive()
+            .map_err(|e| BusError::failed("command", e))?
+        {
+            each(&TorqueCommand::from(*sample.payload()));
+        }
+        Ok(())
+    }
+
+    /// Checks that the run goes on.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone.
+    pub fn check_running(&self) -> Result<(), BusError> {
+        check_running(&self.wake_page, self.parent)
+    }
+
+    fn await_answers(&self) -> Result<(), BusError> {
+        let begin = Instant::now();
+        while !self.wake_page.wait_answers(POLL_INTERVAL) {
+            self.check_running()?;
+            if begin.elapsed() > self.answer_timeout {
+                return Err(self.no_answer());
+            }
+        }
+        Ok(())
+    }
+
+    /// The error that names the first robot without an answer.
+    fn no_answer(&self) -> BusError {
+        let robot = self.wake_page.first_unanswered(self.epoch).unwrap_or(0);
+        BusError::NoAnswer {
+            robot: robot_name(u32::try_from(robot).unwrap_or(0)),
+        }
+    }
+}
+
+impl LockstepLink for PlantEndpoint {
+    fn round(
+        &mut self,
+        now_ns: i64,
+        encoders: &[Encoders],
+        commands: &mut [TorqueCommand],
+    ) -> Result<(), BusError> {
+        if self.wake_page.stopping()
+            || (self.epoch.is_multiple_of(ROUNDS_PER_PARENT_CHECK) && self.parent.is_gone())
+        {
+            return Err(BusError::Stopped);
+        }
+        self.epoch = self.epoch.wrapping_add(1).max(1);
+        if self.publish(now_ns, encoders)? < self.robots {
+            return Err(BusError::QueueFull {
+                what: "world".to_owned(),
+            });
+        }
+        self.wake_page.begin_round(self.epoch);
+        self.await_answers()?;
+        let mut answers = 0;
+        self.drain_commands(|command| {
+            if command.epoch == self.epoch {
+                commands[command.robot as usize] = *command;
+                answers += 1;
+            }
+        })?;
+        if answers < self.robots {
+            return Err(self.no_answer());
+        }
+        Ok(())
+    }
+
+    fn publish_final(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+        self.publish(now_ns, encoders).map(|_| ())
+    }
+}

@@ -1,0 +1,111 @@
+//! Delay line at the receiver of a link: delivers each message at its available time.
+
+use serde::{Deserialize, Serialize};
+
+use super::impairment::LinkImpairment;
+use crate::message::Position;
+
+/// Number of messages for which memory is reserved. The queue grows beyond it if necessary.
+const INITIAL_CAPACITY: usize = 1024;
+
+/// Message counts of a link.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LinkCounts {
+    /// Entered the delay line.
+    pub received: u64,
+    /// Left the delay line.
+    pub delivered: u64,
+    /// Lost by the impairment.
+    pub lost: u64,
+    /// Delivered after a position that was sampled later.
+    pub stale: u64,
+}
+
+/// A message in the delay line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InFlight {
+    /// The message.
+    pub position: Position,
+    /// When it leaves the delay line (ns).
+    pub available_ns: i64,
+}
+
+/// Queue of the messages of a link, ordered by the time at which they become available.
+#[derive(Debug, Clone)]
+pub struct DelayLine {
+    impairment: LinkImpairment,
+    reorder: bool,
+    /// By available time; messages of equal time in the order of sending.
+    in_flight: Vec<InFlight>,
+    last_available_ns: i64,
+    newest_sampled_ns: i64,
+    counts: LinkCounts,
+}
+
+/// A message that left the line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrival {
+    /// The message and its time.
+    pub message: InFlight,
+    /// A position that was sampled later has already been delivered.
+    pub stale: bool,
+}
+
+impl DelayLine {
+    /// An empty delay line. Without `reorder` no message overtakes an earlier one.
+    pub fn new(impairment: LinkImpairment, reorder: bool) -> Self {
+        Self {
+            impairment,
+            reorder,
+            in_flight: Vec::with_capacity(INITIAL_CAPACITY),
+            last_available_ns: 0,
+            newest_sampled_ns: i64::MIN,
+            counts: LinkCounts::default(),
+        }
+    }
+
+    /// Adds a message; to be called in the order of sending. Returns when the message becomes
+    /// available (ns); `None` if it is lost.
+    pub fn push(&mut self, position: Position) -> Option<i64> {
+        self.counts.received += 1;
+        let Some(delay_ns) = self.impairment.draw() else {
+            self.counts.lost += 1;
+            return None;
+        };
+        let mut available_ns = position.sent_ns.saturating_add(delay_ns);
+        if !self.reorder {
+            available_ns = available_ns.max(self.last_available_ns);
+            self.last_available_ns = available_ns;
+        }
+        let index = self
+            .in_flight
+            .partition_point(|other| other.available_ns <= available_ns);
+        self.in_flight.insert(
+            index,
+            InFlight {
+                position,
+                available_ns,
+            },
+        );
+        Some(available_ns)
+    }
+
+    /// Removes and returns the next message that is available at `now_ns` and was sent before
+    /// `now_ns`. A message sent at an instant is therefore never used at the same instant, so that
+    /// all agents due at an instant can run in parallel.
+    pub fn poll(&mut self, now_ns: i64) -> Option<Arrival> {
+        let ready = |m: &InFlight| m.available_ns <= now_ns && m.position.sent_ns < now_ns;
+        let index = self.in_flight.iter().position(ready)?;
+        let message = self.in_flight.remove(index);
+        let stale = message.position.sampled_ns < self.newest_sampled_ns;
+        self.newest_sampled_ns = self.newest_sampled_ns.max(message.position.sampled_ns);
+        self.counts.delivered += 1;
+        self.counts.stale += u64::from(stale);
+        Some(Arrival { message, stale })
+    }
+
+    /// The message counts so far.
+    pub fn counts(&self) -> LinkCounts {
+        self.counts
+    }
+}
