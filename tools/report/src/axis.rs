@@ -1,9 +1,9 @@
-//! What an axis has to span.
+//! Axis limits and tick labels.
 
 use std::ops::Range;
 
-/// All finite values with a margin of 3 %; 0 to 1 without any.
-pub(crate) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
+/// The range of all finite values with a margin of 3 % on each side; 0 to 1 if there are none.
+pub(crate) fn limits(values: impl Iterator<Item = f64>) -> Range<f64> {
     let empty = (f64::INFINITY, f64::NEG_INFINITY);
     let finite = values.filter(|value| value.is_finite());
     let (low, high) = finite.fold(empty, |(low, high), value| {
@@ -12,18 +12,18 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     if low > high {
         return 0.0..1.0;
     }
-    // One value alone is shown with its own size around it, or with 1 around zero.
-    let alone = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
+    // A single value gets a margin of a tenth of its size; zero gets a margin of 1.
+    let margin_of_one = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
     let margin = if low < high {
         0.03 * (high - low)
     } else {
-        alone
+        margin_of_one
     };
     low - margin..high + margin
 }
 
-/// Writes the numbers of an axis: as many digits as steps of a twentieth of it need.
-pub(crate) fn label(axis: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
+/// Formats tick labels with the digits needed to tell apart steps of a twentieth of the axis.
+pub(crate) fn tick_label(axis: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
     let step = (axis.end - axis.start) / 20.0;
     let digits = (-step.log10().floor()).max(0.0) as usize;
     move |value| {
@@ -31,7 +31,7 @@ pub(crate) fn label(axis: &Range<f64>) -> impl Fn(&f64) -> String + use<> {
             return format!("{value:.1e}");
         }
         let text = format!("{value:.digits$}");
-        // Nobody reads a sign before nothing.
+        // Write "0.0", not "-0.0".
         let zero = text.chars().all(|letter| "-0.".contains(letter));
         text.trim_start_matches(if zero { "-" } else { "" })
             .to_owned()
@@ -43,8 +43,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn labels_have_the_digits_of_their_axis() {
-        let text = |axis: Range<f64>, value: f64| label(&axis)(&value);
+    fn tick_labels_have_the_digits_their_axis_needs() {
+        let text = |axis: Range<f64>, value: f64| tick_label(&axis)(&value);
         assert_eq!(text(-1.2..1.0, -1e-17), "0.0");
         assert_eq!(text(-1.2..1.0, -0.4), "-0.4");
         assert_eq!(text(0.0..0.3, 0.05), "0.05");
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn every_range_can_be_drawn() {
+    fn limits_are_never_empty() {
         for values in [
             vec![],
             vec![f64::NAN],
@@ -62,8 +62,8 @@ mod tests {
             vec![-1e9],
             vec![1e-12, 2e-12],
         ] {
-            let range = range(values.iter().copied());
-            assert!(range.start < range.end, "{values:?}: {range:?}");
+            let limits = limits(values.iter().copied());
+            assert!(limits.start < limits.end, "{values:?}: {limits:?}");
         }
     }
 }
