@@ -1,10 +1,10 @@
-//! What a record of the trace says about a position's way or a loop.
+//! Steps: the trace records about messages and loops, as typed values.
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
 use slipstream_bus::trace::{Traced, Value};
 
-/// One step of a position's way, or a loop's deadline. Times in ns of the run's clock.
+/// One event in a message's chain, or the deadline of a loop. Times are in ns of the run's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
     /// An outer tick.
@@ -13,11 +13,11 @@ pub enum Step {
         robot: RobotIndex,
         /// When it was due.
         due_ns: i64,
-        /// When it ran: encoders and arrived messages were in hand.
+        /// When it began, with encoders and arrived messages read.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// The number of the message from the robot ahead that it goes by.
+        /// Sequence number of the message from the robot ahead that it uses.
         message: Option<u32>,
     },
     /// An inner tick.
@@ -26,71 +26,71 @@ pub enum Step {
         robot: RobotIndex,
         /// When it was due.
         due_ns: i64,
-        /// When it ran.
+        /// When it began.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// The outer tick whose set-points it obeys.
+        /// The outer tick whose set-points it follows: when that was due.
         outer_ns: i64,
     },
-    /// A position went out.
+    /// A position message was sent.
     Sent {
         /// The sender.
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// Counts the sender's messages.
+        /// Sequence number, counted by the sender.
         seq: u32,
         /// When the encoders behind it were read.
         sampled_ns: i64,
-        /// The sender's outer tick.
+        /// When the sender's outer tick was due.
         tick_ns: i64,
         /// When it was handed to the bus.
         sent_ns: i64,
         /// When the bus had it ready for the receiver.
         queued_ns: i64,
     },
-    /// A position came to the receiver's delay line.
+    /// A position message reached the receiver's delay line.
     Arrived {
         /// The sender.
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// When the line gives it out; `None`: it is lost.
+        /// When the delay line releases it; `None` if it is lost.
         available_ns: Option<i64>,
     },
-    /// A position left the delay line at an outer tick.
+    /// A position message left the delay line at an outer tick.
     Taken {
         /// The sender.
         from: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// The receiver's outer tick.
+        /// When the receiver's outer tick was due.
         tick_ns: i64,
         /// What became of it.
         fate: Fate,
     },
-    /// The plant took a torque up.
+    /// The plant applied a torque.
     Applied {
         /// The robot.
         robot: RobotIndex,
-        /// The inner tick that asked for it.
+        /// When the inner tick that requested it was due.
         tick_ns: i64,
-        /// When.
+        /// When it was applied.
         taken_ns: i64,
     },
     /// A robot's agent died.
     Died {
         /// The robot.
         robot: RobotIndex,
-        /// When.
+        /// When it died.
         t_ns: i64,
     },
-    /// A loop on the wall clock met its deadline, or missed it.
+    /// A loop on the wall clock met or missed its deadline.
     Deadline {
-        /// Whose loop: a robot's or the plant's.
+        /// The robot whose loop it is; `None` for the plant.
         robot: Option<RobotIndex>,
         /// Which loop.
         of: Loop,
@@ -98,9 +98,9 @@ pub enum Step {
         due_ns: i64,
         /// When it began.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// Whether that was after the next one was due.
+        /// Whether it ended after the next tick was due.
         missed: bool,
     },
 }
@@ -108,7 +108,7 @@ pub enum Step {
 /// A loop of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loop {
-    /// The plant's.
+    /// The plant's time step.
     Step,
     /// A robot's inner loop.
     Inner,
@@ -117,7 +117,7 @@ pub enum Loop {
 }
 
 impl Loop {
-    /// Its name.
+    /// Its name: `step`, `inner` or `outer`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -133,7 +133,7 @@ impl Loop {
 }
 
 impl Step {
-    /// What a record says; `None` where it is about something else. `robot_of` finds a robot by the
+    /// The step that a record describes; `None` if it describes none. `robot_of` finds a robot by the
     /// name of its process.
     pub fn of(record: &Traced<'_>, robot_of: impl Fn(&str) -> Option<RobotIndex>) -> Option<Self> {
         let int = |name: &str| record.int(name);

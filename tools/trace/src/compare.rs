@@ -1,93 +1,96 @@
-//! Which stage differs between two runs.
+//! Welch's comparison of two runs: which stage's mean latency differs.
 //!
-//! Means are compared: they add up along the way, which percentiles do not. The interval takes the
-//! messages of a run as independent of each other.
+//! Means are compared because they add up along the chain, which percentiles do not. The interval
+//! assumes that the messages of a run are independent of each other.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::answer::Names;
+use crate::chain::{Chain, Fate, Link, STAGES, by_link, follow};
 use crate::log::Log;
-use crate::way::{Fate, Link, STAGES, Way, by_link, follow};
+use crate::names::Names;
 
-/// Half the width of a 95 % interval, in standard deviations.
-const SPREAD: f64 = 1.96;
+/// The 0.975 quantile of the standard normal distribution, rounded to two decimals as in published
+/// tables: half the width of a 95 % interval in standard deviations.
+const NORMAL_QUANTILE_975: f64 = 1.96;
 
 /// One link in both runs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HopChange {
     /// The sender.
     pub from: String,
     /// The receiver.
     pub to: String,
-    /// The stages in the order of the way, and `end_to_end`.
+    /// The stages in the order of the chain, then `end_to_end`.
     pub stages: Vec<Change>,
 }
 
 /// One stage of a link in both runs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Change {
     /// Its name.
-    pub stage: &'static str,
+    pub stage: Cow<'static, str>,
     /// Its mean in this run (s).
     pub mean_s: f64,
     /// Its mean in the other run (s).
     pub other_mean_s: f64,
-    /// This run's mean less the other's (s).
+    /// This run's mean minus the other's (s).
     pub difference_s: f64,
-    /// Where the true difference lies with 95 % (s).
+    /// 95 % confidence interval of the difference (s).
     pub ci95_s: [f64; 2],
-    /// The interval does not hold 0.
+    /// Whether the interval excludes 0.
     pub changed: bool,
 }
 
-/// Compares the links that both runs have, with at least two used messages each.
+/// Compares every link that has at least two used messages in both runs; `names` by the robots' index.
 pub fn against(log: &Log, other: &Log, names: &[String]) -> Vec<HopChange> {
     let names = Names(names);
     let (here, mut there) = (used(log), used(other));
-    let hop = |(link, ways): (Link, Vec<Way>)| {
+    let hop = |(link, chains): (Link, Vec<Chain>)| {
         let other = there.remove(&link)?;
-        (ways.len() > 1 && other.len() > 1).then(|| HopChange {
+        (chains.len() > 1 && other.len() > 1).then(|| HopChange {
             from: names.of(link.0),
             to: names.of(link.1),
-            stages: changes(&ways, &other),
+            stages: changes(&chains, &other),
         })
     };
     here.into_iter().filter_map(hop).collect()
 }
 
-/// The complete ways of each link.
-fn used(log: &Log) -> BTreeMap<Link, Vec<Way>> {
+/// The complete chains of each link.
+fn used(log: &Log) -> BTreeMap<Link, Vec<Chain>> {
     by_link(
         follow(log)
             .into_iter()
             .filter_map(|message| match message.fate {
-                Fate::Used(way) => Some((message.link(), way)),
+                Fate::Used(chain) => Some((message.link(), chain)),
                 _ => None,
             }),
     )
 }
 
-fn changes(ways: &[Way], other: &[Way]) -> Vec<Change> {
-    let both = |stage: &'static str, ns: &dyn Fn(&Way) -> i64| {
-        let of = |ways: &[Way]| Mean::new(&ways.iter().map(ns).collect::<Vec<i64>>());
-        change(stage, of(ways), of(other))
+fn changes(chains: &[Chain], other: &[Chain]) -> Vec<Change> {
+    let both = |stage: &'static str, duration_ns: &dyn Fn(&Chain) -> i64| {
+        let mean =
+            |chains: &[Chain]| Mean::new(&chains.iter().map(duration_ns).collect::<Vec<i64>>());
+        change(stage, mean(chains), mean(other))
     };
     let stages = STAGES.iter().enumerate();
     let mut changes: Vec<Change> = stages
-        .map(|(i, &stage)| both(stage, &|way| way.stages_ns()[i]))
+        .map(|(i, &stage)| both(stage, &|chain| chain.stages_ns()[i]))
         .collect();
-    changes.push(both("end_to_end", &Way::end_to_end_ns));
+    changes.push(both("end_to_end", &Chain::end_to_end_ns));
     changes
 }
 
 fn change(stage: &'static str, this: Mean, other: Mean) -> Change {
     let difference_s = this.mean_s - other.mean_s;
-    let half_s = SPREAD * (this.error_s2 + other.error_s2).sqrt();
+    let half_s = NORMAL_QUANTILE_975 * (this.error_variance_s2 + other.error_variance_s2).sqrt();
     let ci95_s = [difference_s - half_s, difference_s + half_s];
     Change {
-        stage,
+        stage: stage.into(),
         mean_s: this.mean_s,
         other_mean_s: other.mean_s,
         difference_s,
@@ -100,11 +103,11 @@ fn change(stage: &'static str, this: Mean, other: Mean) -> Change {
 #[derive(Debug, Clone, Copy)]
 struct Mean {
     mean_s: f64,
-    error_s2: f64,
+    error_variance_s2: f64,
 }
 
 impl Mean {
-    /// Of at least two durations (ns).
+    /// The mean of at least two durations (ns).
     fn new(durations_ns: &[i64]) -> Self {
         let n = durations_ns.len() as f64;
         let sum: i128 = durations_ns.iter().copied().map(i128::from).sum();
@@ -113,7 +116,7 @@ impl Mean {
         let variance_s2 = durations_ns.iter().map(square).sum::<f64>() / (n - 1.0);
         Self {
             mean_s,
-            error_s2: variance_s2 / n,
+            error_variance_s2: variance_s2 / n,
         }
     }
 }
