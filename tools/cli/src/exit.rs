@@ -84,7 +84,7 @@ impl From<StudyError> for Error {
         match error {
             StudyError::Unusable(unusable) => Self::Unusable(unusable),
             StudyError::Run(run) => run.into(),
-            StudyError::Picture(_) => Self::Failed(error.to_string()),
+            StudyError::Picture(_) | StudyError::Threads(_) => Self::Failed(error.to_string()),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! One run of a built-in experiment with everything that was heard of it.
+//! One run of an experiment with its reports, true states and outer ticks.
 
 use slipstream_bus::Experiment;
 use slipstream_bus::record::{OuterTick, Record, State};
@@ -7,50 +7,42 @@ use slipstream_launch::{Reports, Request, in_process, resolve};
 
 use crate::StudyError;
 
-/// A run.
+/// A run with its reports, true states and outer ticks.
 #[derive(Debug, Clone)]
-pub struct Trial {
-    /// What was run.
+pub struct RecordedRun {
+    /// The experiment.
     pub experiment: Experiment,
-    /// What came of it.
+    /// The reports of plant and agents.
     pub reports: Reports,
     states: Vec<State>,
     ticks: Vec<OuterTick>,
 }
 
-impl Trial {
-    /// Runs a built-in experiment with a torque limit.
+impl RecordedRun {
+    /// Runs a built-in experiment with a torque limit and other keys.
     ///
     /// # Errors
     /// When the run fails.
-    pub fn new(name: &str, torque_limit: &str) -> Result<Self, StudyError> {
-        Self::with(name, torque_limit, &[])
-    }
-
-    /// Likewise, with other keys set as well.
-    ///
-    /// # Errors
-    /// When the run fails.
-    pub fn with(
+    pub fn of_experiment(
         name: &str,
         torque_limit: &str,
-        other: &[(&str, &str)],
+        keys: &[(&str, &str)],
     ) -> Result<Self, StudyError> {
-        let set = [&[("control.torque_limit", torque_limit)], other].concat();
+        let set = [&[("control.torque_limit", torque_limit)], keys].concat();
         let own = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
         let request = Request {
             experiment: Some(name.to_owned()),
             set: set.into_iter().map(own).collect(),
             ..Request::default()
         };
-        Self::run(resolve(&request)?.experiment)
+        Self::new(resolve(&request)?.experiment)
     }
 
     /// Runs an experiment.
     ///
     /// # Errors
     /// When the run fails.
-    pub fn run(experiment: Experiment) -> Result<Self, StudyError> {
+    pub fn new(experiment: Experiment) -> Result<Self, StudyError> {
         let (reports, records) =
             in_process::run_recorded(&experiment, false, Vec::<Record>::new())?;
         let states = records.iter().filter_map(|record| match record {
@@ -79,19 +71,19 @@ impl Trial {
         self.ticks.iter().filter(move |tick| tick.robot == robot)
     }
 
-    /// How many robots.
+    /// Number of robots.
     pub fn robots(&self) -> u32 {
         self.experiment.settings.robots.count
     }
 
-    /// A coordinate of the true pose over time: (s, m).
+    /// A coordinate of the true position over time: (s, m).
     pub fn true_line(&self, robot: u32, axis: usize) -> Vec<(f64, f64)> {
         self.states(robot)
             .map(|state| (s_from_ns(state.t_ns), state.pose[axis]))
             .collect()
     }
 
-    /// A coordinate of the pose by odometry over time: (s, m).
+    /// A coordinate of the position by odometry over time: (s, m).
     pub fn odometry_line(&self, robot: u32, axis: usize) -> Vec<(f64, f64)> {
         self.ticks(robot)
             .map(|tick| (s_from_ns(tick.t_ns), tick.pose[axis]))
@@ -116,7 +108,7 @@ impl Trial {
         self.reports.agents[i].final_odometry[axis] - self.reports.plant.robots[i].final_true[axis]
     }
 
-    /// How long contacts slid: all robots, both wheels together (s).
+    /// Slip time: how long contacts slid, summed over all robots and both wheels (s).
     pub fn slip_time_s(&self) -> f64 {
         let robots = self.reports.plant.robots.iter();
         robots.flat_map(|robot| robot.slip_time_s).sum()
@@ -176,8 +168,8 @@ impl Trial {
         sum / robots.len() as f64
     }
 
-    /// How rough x(t) by odometry is from the beginning of coordination on: root mean square of its
-    /// third difference over the outer ticks, as a jerk (m/s³), of all robots.
+    /// Roughness of x(t) by odometry from the start of coordination on: root mean square jerk (m/s³) of
+    /// all robots, from the third difference over the outer ticks.
     pub fn roughness_m_s3(&self) -> f64 {
         let settings = &self.experiment.settings;
         let period_s = settings.control.outer_period_s;

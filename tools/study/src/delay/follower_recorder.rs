@@ -1,30 +1,30 @@
-//! What of a run the study keeps: each follower's outer ticks with a reference from a message, what
-//! the robot ahead knew at the same instant, and how old the message was.
+//! Recorder of a study's run: every follower's outer ticks that use a message, beside what the robot
+//! ahead asked for at the same instant and the age of the message.
 
 use slipstream_bus::Experiment;
 use slipstream_bus::record::{EventKind, OuterTick, Record, Recorder};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 
-/// One outer tick of a follower in formation. Positions are x of c by odometry.
+/// One outer tick of a follower in formation. Positions are x of the centre of mass by odometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tick {
-    /// When (s).
+pub struct FollowerTick {
+    /// Time (s).
     pub t_s: f64,
     /// The follower's x (m).
     pub x_m: f64,
     /// v_d before limiting (m/s).
     pub desired_m_s: f64,
-    /// Where the robot ahead wants it now, if messages took no time: x_r (m).
+    /// x_r without delay: where the robot ahead wants the follower at this instant (m).
     pub x_r_m: f64,
-    /// v_r that would come without delay (m/s).
+    /// v_r without delay (m/s).
     pub v_r_m_s: f64,
-    /// How old the position in use is (s): from its sampling to this tick.
+    /// Age of the position in use (s): from its sampling to this tick.
     pub age_s: f64,
 }
 
-/// Hears one run.
+/// Records one run.
 #[derive(Debug)]
-pub struct Watch {
+pub struct FollowerRecorder {
     start_ns: i64,
     spacing_m: f64,
     robots: Vec<Robot>,
@@ -32,18 +32,18 @@ pub struct Watch {
 
 #[derive(Debug, Default)]
 struct Robot {
-    /// Time (s), x_r that it asks of its follower (m) and v_r (m/s), at its own outer ticks.
-    asks: Vec<[f64; 3]>,
-    /// When each of its messages was sampled (ns), by number.
+    /// Reference for its follower at its own outer ticks: time (s), x_r (m), v_r (m/s).
+    references: Vec<[f64; 3]>,
+    /// When the position in each of its messages was sampled (ns), by sequence number.
     sampled_ns: Vec<i64>,
-    ticks: Vec<Tick>,
+    ticks: Vec<FollowerTick>,
     max_desired_m_s: f64,
-    /// It slows down for want of messages: Eq. 12 is not in force.
+    /// Its watchdog slows it down because no messages arrive: Eq. 12 is not in force.
     watchdog: bool,
 }
 
-impl Watch {
-    /// Before a run.
+impl FollowerRecorder {
+    /// An empty recorder for a run of this experiment.
     pub fn new(experiment: &Experiment) -> Self {
         let formation = &experiment.settings.formation;
         Self {
@@ -53,7 +53,7 @@ impl Watch {
         }
     }
 
-    /// The largest desired speed of any follower since coordination began (m/s).
+    /// The largest desired speed of any follower from the start of coordination on (m/s).
     pub fn max_desired_m_s(&self) -> f64 {
         let speeds = self
             .robots
@@ -63,15 +63,15 @@ impl Watch {
         speeds.fold(0.0, f64::max)
     }
 
-    /// Every follower's ticks, and for each the x_r (m) and v_r (m/s) of `age_s` before it.
-    pub fn ticks(&self, age_s: f64) -> impl Iterator<Item = (&Tick, [f64; 2])> {
+    /// Every follower's ticks, each with the x_r (m) and v_r (m/s) of `age_s` (s) earlier.
+    pub fn ticks(&self, age_s: f64) -> impl Iterator<Item = (&FollowerTick, [f64; 2])> {
         self.robots.windows(2).flat_map(move |pair| {
             let ticks = pair[1].ticks.iter();
-            ticks.map(move |tick| (tick, pair[0].asked(tick.t_s - age_s)))
+            ticks.map(move |tick| (tick, pair[0].reference_at(tick.t_s - age_s)))
         })
     }
 
-    /// How old the positions in use were on average (s); 0 when there were none.
+    /// Mean age of the positions in use (s); 0 if there were none.
     pub fn mean_age_s(&self) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for tick in self.robots.iter().flat_map(|robot| &robot.ticks) {
@@ -86,7 +86,7 @@ impl Watch {
         let t_s = s_from_ns(tick.t_ns);
         let x_r = tick.pose[0] - self.spacing_m;
         let v_r = tick.reference_velocity[0];
-        self.robots[index].asks.push([t_s, x_r, v_r]);
+        self.robots[index].references.push([t_s, x_r, v_r]);
         if index == 0 || tick.t_ns < self.start_ns {
             return;
         }
@@ -94,13 +94,14 @@ impl Watch {
         let sampled_ns = tick
             .message
             .and_then(|seq| ahead.sampled_ns.get(seq as usize).copied());
-        let asked = ahead.asks.last().copied();
+        let reference = ahead.references.last().copied();
         let watchdog = self.robots[index].watchdog;
         let robot = &mut self.robots[index];
         robot.max_desired_m_s = robot.max_desired_m_s.max(tick.desired[0].abs());
-        if let (Some(sampled_ns), Some([_, x_r_m, v_r_m_s]), false) = (sampled_ns, asked, watchdog)
+        if let (Some(sampled_ns), Some([_, x_r_m, v_r_m_s]), false) =
+            (sampled_ns, reference, watchdog)
         {
-            robot.ticks.push(Tick {
+            robot.ticks.push(FollowerTick {
                 t_s,
                 x_m: tick.pose[0],
                 desired_m_s: tick.desired[0],
@@ -113,10 +114,10 @@ impl Watch {
 }
 
 impl Robot {
-    /// What it asked of its follower at a time, straight lines between its outer ticks.
-    fn asked(&self, t_s: f64) -> [f64; 2] {
-        let after = self.asks.partition_point(|&[t, ..]| t <= t_s);
-        let at = |index: usize| self.asks.get(index).copied();
+    /// x_r (m) and v_r (m/s) for its follower at a time, interpolated linearly between its outer ticks.
+    fn reference_at(&self, t_s: f64) -> [f64; 2] {
+        let after = self.references.partition_point(|&[t, ..]| t <= t_s);
+        let at = |index: usize| self.references.get(index).copied();
         match (after.checked_sub(1).and_then(at), at(after)) {
             (Some([t0, x0, v0]), Some([t1, x1, v1])) => {
                 let share = (t_s - t0) / (t1 - t0);
@@ -128,7 +129,7 @@ impl Robot {
     }
 }
 
-impl Recorder for Watch {
+impl Recorder for FollowerRecorder {
     fn record(&mut self, record: &Record) {
         match record {
             Record::Outer(tick) => self.outer(tick),
@@ -141,7 +142,7 @@ impl Recorder for Watch {
                 kind,
                 ..
             } => match kind {
-                // told after the tick's own record: that tick is the first without Eq. 12
+                // This event follows the record of its tick, which is the first without Eq. 12.
                 EventKind::WatchdogFired => {
                     let robot = &mut self.robots[*robot as usize];
                     robot.watchdog = true;
