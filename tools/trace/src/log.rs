@@ -97,6 +97,30 @@ impl Log {
     /// Adds a step.
     pub fn take(&mut self, step: Step) {
         match step {
+            Step::Sent { .. } | Step::Arrived { .. } | Step::Taken { .. } => {
+                self.take_message(step)
+            }
+            Step::Outer { .. } | Step::Inner { .. } | Step::Applied { .. } => self.take_tick(step),
+            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
+            Step::Deadline {
+                robot,
+                of,
+                due_ns,
+                began_ns,
+                done_ns,
+                missed,
+            } => {
+                let key = (robot, of);
+                let times_ns = [due_ns, began_ns, done_ns];
+                self.deadlines.entry(key).or_default().push(times_ns);
+                *self.missed.entry(key).or_default() += u64::from(missed);
+            }
+        }
+    }
+
+    /// Adds a step of a message on its link.
+    fn take_message(&mut self, step: Step) {
+        match step {
             Step::Sent {
                 from,
                 to,
@@ -131,6 +155,13 @@ impl Log {
             } => {
                 self.taken.insert((from, seq), (tick_ns, fate));
             }
+            _ => {}
+        }
+    }
+
+    /// Adds a tick, or the application of its torque.
+    fn take_tick(&mut self, step: Step) {
+        match step {
             Step::Outer {
                 robot,
                 due_ns,
@@ -165,21 +196,8 @@ impl Log {
                 let first = self.applied.entry((robot, tick_ns)).or_insert(taken_ns);
                 *first = taken_ns.min(*first);
             }
-            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
-            Step::Deadline {
-                robot,
-                of,
-                due_ns,
-                began_ns,
-                done_ns,
-                missed,
-            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
+            _ => {}
         }
-    }
-
-    fn take_deadline(&mut self, of: LoopKey, times_ns: [i64; 3], missed: bool) {
-        self.deadlines.entry(of).or_default().push(times_ns);
-        *self.missed.entry(of).or_default() += u64::from(missed);
     }
 
     /// The robot that each robot receives messages from.

@@ -136,63 +136,85 @@ impl Step {
     /// The step that a record describes; `None` if it describes none. `robot_of` finds a robot by the
     /// name of its process.
     pub fn of(record: &Traced<'_>, robot_of: impl Fn(&str) -> Option<RobotIndex>) -> Option<Self> {
+        match &*record.name {
+            "sent" | "arrived" | "taken" => Self::of_message(record),
+            "outer" | "inner" | "applied" | "died" => Self::of_robot(record),
+            "deadline" => Some(Self::Deadline {
+                robot: robot_of(&record.process),
+                of: Loop::named(record.text("of")?)?,
+                due_ns: record.begin_ns,
+                began_ns: record.int("began_ns")?,
+                done_ns: record.int("done_ns")?,
+                missed: record.field("missed") == Some(&Value::Bool(true)),
+            }),
+            _ => None,
+        }
+    }
+
+    /// A step of a message on its link.
+    fn of_message(record: &Traced<'_>) -> Option<Self> {
         let int = |name: &str| record.int(name);
-        let number = |name: &str| u32::try_from(int(name)?).ok();
-        let begin_ns = record.begin_ns;
         Some(match &*record.name {
-            "outer" => Self::Outer {
-                robot: number("robot")?,
-                due_ns: int("due_ns")?,
-                began_ns: begin_ns,
-                done_ns: record.end_ns?,
-                message: number("message"),
-            },
-            "inner" => Self::Inner {
-                robot: number("robot")?,
-                due_ns: int("due_ns")?,
-                began_ns: begin_ns,
-                done_ns: record.end_ns?,
-                outer_ns: int("outer_ns")?,
-            },
             "sent" => Self::Sent {
-                from: number("from")?,
-                to: number("to")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                to: number(record, "to")?,
+                seq: number(record, "seq")?,
                 sampled_ns: int("sampled_ns")?,
                 tick_ns: int("tick_ns")?,
                 sent_ns: int("sent_ns")?,
                 queued_ns: int("queued_ns")?,
             },
             "arrived" => Self::Arrived {
-                from: number("from")?,
-                to: number("to")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                to: number(record, "to")?,
+                seq: number(record, "seq")?,
                 available_ns: int("available_ns"),
             },
             "taken" => Self::Taken {
-                from: number("from")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                seq: number(record, "seq")?,
                 tick_ns: int("tick_ns")?,
                 fate: Fate::named(record.text("fate")?)?,
-            },
-            "applied" => Self::Applied {
-                robot: number("robot")?,
-                tick_ns: int("tick_ns")?,
-                taken_ns: begin_ns,
-            },
-            "died" => Self::Died {
-                robot: number("robot")?,
-                t_ns: begin_ns,
-            },
-            "deadline" => Self::Deadline {
-                robot: robot_of(&record.process),
-                of: Loop::named(record.text("of")?)?,
-                due_ns: begin_ns,
-                began_ns: int("began_ns")?,
-                done_ns: int("done_ns")?,
-                missed: record.field("missed") == Some(&Value::Bool(true)),
             },
             _ => return None,
         })
     }
+
+    /// A tick of a robot, the application of its torque, or its end.
+    fn of_robot(record: &Traced<'_>) -> Option<Self> {
+        let int = |name: &str| record.int(name);
+        let robot = number(record, "robot")?;
+        let begin_ns = record.begin_ns;
+        Some(match &*record.name {
+            "outer" => Self::Outer {
+                robot,
+                due_ns: int("due_ns")?,
+                began_ns: begin_ns,
+                done_ns: record.end_ns?,
+                message: number(record, "message"),
+            },
+            "inner" => Self::Inner {
+                robot,
+                due_ns: int("due_ns")?,
+                began_ns: begin_ns,
+                done_ns: record.end_ns?,
+                outer_ns: int("outer_ns")?,
+            },
+            "applied" => Self::Applied {
+                robot,
+                tick_ns: int("tick_ns")?,
+                taken_ns: begin_ns,
+            },
+            "died" => Self::Died {
+                robot,
+                t_ns: begin_ns,
+            },
+            _ => return None,
+        })
+    }
+}
+
+/// A field that is an index or a sequence number.
+fn number(record: &Traced<'_>, name: &str) -> Option<u32> {
+    u32::try_from(record.int(name)?).ok()
 }

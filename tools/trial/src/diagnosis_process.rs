@@ -54,7 +54,7 @@ impl DiagnosisProgram<'_> {
         let folder = tempfile::tempdir().map_err(TrialError::system("a temporary folder"))?;
         copy_folder(case.recording, &folder.path().join("recording"))?;
         copy_file(case.model, &folder.path().join("robot.toml"))?;
-        let messages = folder.path().join("messages.txt");
+        let messages = folder.path().join("words.txt");
         let file = File::create(&messages).map_err(TrialError::system(messages.display()))?;
         let mut command = Command::new(self.program);
         command

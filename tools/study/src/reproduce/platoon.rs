@@ -110,64 +110,77 @@ fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
     ]
 }
 
-/// The claims about the torque limit: each compares a number without and with the limit, and holds if it
-/// is smaller with the limit.
+/// A claim of the paper that a number is smaller with the torque limit.
+struct Claim {
+    quantity: &'static str,
+    source: &'static str,
+    /// What the number is, with its unit.
+    meaning: String,
+    number: fn(&RecordedRun) -> f64,
+}
+
+/// The claims about the torque limit: each holds if its number is smaller with the limit.
 fn claims(runs: &[RecordedRun; 2]) -> Vec<Row> {
-    let mean_gap = |run: &RecordedRun| {
-        let gaps = (0..run.robots()).map(|robot| run.final_gap_m(robot, 0).abs());
-        gaps.sum::<f64>() / f64::from(run.robots())
+    let row = |claim: Claim| {
+        let [without, with] = runs.each_ref().map(claim.number);
+        Row::claim(claim.quantity, claim.source, with / without, with < without)
+            .note(format!(
+                "{}: {without:.4} without, {with:.4} with the limit",
+                claim.meaning
+            ))
+            .depending_on(&ASSUMPTIONS)
     };
-    let pairs = [
-        (
-            "encoder_gap_with_over_without_limit",
-            "\"errors in both x and y are much smaller\", section 4",
-            "encoder against truth, mean (m)".to_owned(),
-            runs.each_ref().map(mean_gap),
-        ),
-        (
-            "final_spacing_error_with_over_without_limit",
-            SPACINGS,
-            "largest true spacing error at the end (m)".to_owned(),
-            runs.each_ref().map(RecordedRun::final_spacing_error_m),
-        ),
-        (
-            "rms_spacing_error_with_over_without_limit",
-            SPACINGS,
-            "root mean square of the true spacing errors from 3 s on (m)".to_owned(),
-            runs.each_ref().map(RecordedRun::rms_spacing_error_m),
-        ),
-        (
-            "max_spacing_error_with_over_without_limit",
-            SPACINGS,
-            format!(
+    claims_of_paper(runs).into_iter().map(row).collect()
+}
+
+fn mean_gap_m(run: &RecordedRun) -> f64 {
+    let gaps = (0..run.robots()).map(|robot| run.final_gap_m(robot, 0).abs());
+    gaps.sum::<f64>() / f64::from(run.robots())
+}
+
+fn claims_of_paper(runs: &[RecordedRun; 2]) -> [Claim; 6] {
+    [
+        Claim {
+            quantity: "encoder_gap_with_over_without_limit",
+            source: "\"errors in both x and y are much smaller\", section 4",
+            meaning: "encoder against truth, mean (m)".to_owned(),
+            number: mean_gap_m,
+        },
+        Claim {
+            quantity: "final_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: "largest true spacing error at the end (m)".to_owned(),
+            number: RecordedRun::final_spacing_error_m,
+        },
+        Claim {
+            quantity: "rms_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: "root mean square of the true spacing errors from 3 s on (m)".to_owned(),
+            number: RecordedRun::rms_spacing_error_m,
+        },
+        Claim {
+            quantity: "max_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: format!(
                 "largest true spacing error from 3 s on (m), at {:.2} s without and {:.2} s with the \
                  limit: a transient, in which whoever may not accelerate as hard falls back further",
                 runs[0].worst_spacing_at_s(),
                 runs[1].worst_spacing_at_s()
             ),
-            runs.each_ref().map(RecordedRun::max_spacing_error_m),
-        ),
-        (
-            "roughness_of_x_with_over_without_limit",
-            "\"the positions change more smoothly\", Fig. 9 and 10",
-            "root mean square jerk of x by odometry over the outer ticks (m/s³)".to_owned(),
-            runs.each_ref().map(RecordedRun::roughness_m_s3),
-        ),
-        (
-            "slip_time_with_over_without_limit",
-            "\"wheel slip is avoided\", section 4",
-            "all robots, both wheels together (s)".to_owned(),
-            runs.each_ref().map(RecordedRun::slip_time_s),
-        ),
-    ];
-    pairs
-        .into_iter()
-        .map(|(quantity, source, what, [without, with])| {
-            Row::claim(quantity, source, with / without, with < without)
-                .note(format!(
-                    "{what}: {without:.4} without, {with:.4} with the limit"
-                ))
-                .depending_on(&ASSUMPTIONS)
-        })
-        .collect()
+            number: RecordedRun::max_spacing_error_m,
+        },
+        Claim {
+            quantity: "roughness_of_x_with_over_without_limit",
+            source: "\"the positions change more smoothly\", Fig. 9 and 10",
+            meaning: "root mean square jerk of x by odometry over the outer ticks (m/s³)"
+                .to_owned(),
+            number: RecordedRun::roughness_m_s3,
+        },
+        Claim {
+            quantity: "slip_time_with_over_without_limit",
+            source: "\"wheel slip is avoided\", section 4",
+            meaning: "all robots, both wheels together (s)".to_owned(),
+            number: RecordedRun::slip_time_s,
+        },
+    ]
 }

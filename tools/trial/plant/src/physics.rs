@@ -160,20 +160,23 @@ impl Physics {
         Ok(physics)
     }
 
+    /// Adds an effect.
     fn add(&mut self, effect: &EffectSpec) -> Result<(), String> {
-        let optional = |name: &str| {
-            effect
-                .parameters
-                .iter()
-                .find_map(|(known, value)| match value {
-                    Parameter::Number(number) if known == name => Some(*number),
-                    _ => None,
-                })
-        };
-        let number = |name: &str| {
-            optional(name).ok_or_else(|| format!("{}.{name} is missing", effect.effect))
-        };
+        let values = Values(effect);
+        if self.add_resistance(&values)? || self.add_drive(&values)? || self.add_body(&values)? {
+            return Ok(());
+        }
         match effect.effect.as_str() {
+            "pose_offset" | "pose_latency" | "wheels_latency" | "imu_latency" | "encoder_scale"
+            | "clock_drift" | "link_delay" => Ok(()),
+            other => Err(format!("{other} is not an effect")),
+        }
+    }
+
+    /// Adds an effect of friction or drag; false if it is another one.
+    fn add_resistance(&mut self, values: &Values<'_>) -> Result<bool, String> {
+        let number = |name: &str| values.number(name);
+        match values.id() {
             "wheel_slip" => {
                 self.friction = Some([number("friction_static")?, number("friction_kinetic")?])
             }
@@ -188,20 +191,35 @@ impl Physics {
             "caster_drag" => self.caster = number("friction")?,
             "yaw_scrub" => self.scrub = number("moment_nm")?,
             "axle_friction" => self.axle = number("torque_nm")?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Adds an effect of the drive; false if it is another one.
+    fn add_drive(&mut self, values: &Values<'_>) -> Result<bool, String> {
+        let number = |name: &str| values.number(name);
+        let torque_and_speed = |absent: f64| {
+            ["torque_nm", "speed_rad_s"].map(|name| values.optional(name).unwrap_or(absent))
+        };
+        match values.id() {
             "torque_speed_droop" => self.droop = number("coefficient")?,
             "actuator_lag" => self.lag_s = number("time_constant_s")?,
             "actuator_delay" => self.delay_s = number("delay_s")?,
             "motor_gain" => self.gain = [number("right")?, number("left")?],
             "supply_sag" => self.sag_per_s = number("rate_per_s")?,
-            "command_dead_band" => {
-                self.dead_band =
-                    ["torque_nm", "speed_rad_s"].map(|name| optional(name).unwrap_or(0.0));
-            }
-            "command_saturation" => {
-                self.saturation = ["torque_nm", "speed_rad_s"]
-                    .map(|name| optional(name).unwrap_or(f64::INFINITY));
-            }
+            "command_dead_band" => self.dead_band = torque_and_speed(0.0),
+            "command_saturation" => self.saturation = torque_and_speed(f64::INFINITY),
             "backlash" => self.gap = number("gap_rad")?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Adds an effect of geometry, masses or external forces; false if it is another one.
+    fn add_body(&mut self, values: &Values<'_>) -> Result<bool, String> {
+        let number = |name: &str| values.number(name);
+        match values.id() {
             "load_transfer" => self.transfer_height = number("com_height_m")?,
             "wheel_radius" => {
                 self.radius[0] *= number("right_scale")?;
@@ -225,10 +243,30 @@ impl Physics {
                     impulse,
                 });
             }
-            "pose_offset" | "pose_latency" | "wheels_latency" | "imu_latency" | "encoder_scale"
-            | "clock_drift" | "link_delay" => {}
-            other => return Err(format!("{other} is not an effect")),
+            _ => return Ok(false),
         }
-        Ok(())
+        Ok(true)
+    }
+}
+
+/// The numeric parameters of an effect.
+struct Values<'a>(&'a EffectSpec);
+
+impl Values<'_> {
+    fn id(&self) -> &str {
+        &self.0.effect
+    }
+
+    fn optional(&self, name: &str) -> Option<f64> {
+        let mut parameters = self.0.parameters.iter();
+        parameters.find_map(|(known, value)| match value {
+            Parameter::Number(number) if known == name => Some(*number),
+            _ => None,
+        })
+    }
+
+    fn number(&self, name: &str) -> Result<f64, String> {
+        self.optional(name)
+            .ok_or_else(|| format!("{}.{name} is missing", self.id()))
     }
 }

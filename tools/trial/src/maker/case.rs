@@ -11,7 +11,7 @@ use super::scene::{Camera, Scene};
 use super::simulate::{SimulatedScene, simulate};
 use super::truth::Truth;
 use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
-use slipstream_trial_plant::Push;
+use slipstream_trial_plant::{OutsideEffect, Push};
 
 /// A case: the input of the diagnosis, and the label.
 #[derive(Debug)]
@@ -37,6 +37,7 @@ pub fn make(scene: &Scene, name: &str) -> Result<MadeCase, String> {
     })
 }
 
+/// The label of a simulated scene.
 fn label(scene: &Scene, simulated: &SimulatedScene, name: &str) -> Result<Label, String> {
     let mut effects = Vec::new();
     let mut unknown = None;
@@ -45,43 +46,21 @@ fn label(scene: &Scene, simulated: &SimulatedScene, name: &str) -> Result<Label,
             continue;
         }
         let detectability = detectability(scene, i, robot_run)?;
-        for ((effect, gain), deviations) in robot
-            .concealed
-            .iter()
-            .zip(detectability.gains)
-            .zip(detectability.deviations)
-        {
-            let link = effect.effect == "link_delay";
-            let concealed = ConcealedEffect {
-                effect: effect.effect.clone(),
-                robot: Scene::name(i),
-                parameters: effect.parameters.iter().map(value).collect(),
-                channels: words(channels(&effect.effect)),
-                confusions: Vec::new(),
-                intervals_s: intervals(effect, &robot_run.truth),
-                expected_gain: (!link).then_some(gain),
-                deviations: finite(deviations),
-            };
+        let bounds = detectability
+            .gains
+            .into_iter()
+            .zip(detectability.deviations);
+        for (effect, (gain, deviations)) in robot.concealed.iter().zip(bounds) {
+            let concealed = concealed(effect, i, &robot_run.truth, gain, deviations);
             if scene.without.contains(&effect.effect) {
                 unknown = Some(withheld(concealed));
             } else {
                 effects.push(concealed);
             }
         }
-        if let Some(outside) = robot.outside {
-            let (kind, driver, channels) = outside.describe();
-            let parameters = outside.parameters().into_iter();
-            unknown = Some(UnknownPhysics {
-                robot: Scene::name(i),
-                kind: kind.to_owned(),
-                parameters: parameters
-                    .map(|(name, number)| (name.to_owned(), ParameterValue::Number(number)))
-                    .collect(),
-                channels: words(channels),
-                driver: words(driver),
-                intervals_s: rounded(&robot_run.truth.outside),
-                expected_gain: Some(detectability.outside),
-            });
+        if let Some(effect) = &robot.outside {
+            let gain = detectability.outside;
+            unknown = Some(outside(effect, i, &robot_run.truth, gain));
         }
     }
     Ok(Label {
@@ -99,6 +78,45 @@ fn label(scene: &Scene, simulated: &SimulatedScene, name: &str) -> Result<Label,
     })
 }
 
+/// The label of an effect of robot `i`.
+fn concealed(
+    effect: &EffectSpec,
+    i: usize,
+    truth: &Truth,
+    gain: f64,
+    deviations: Vec<(String, f64)>,
+) -> ConcealedEffect {
+    let link = effect.effect == "link_delay";
+    ConcealedEffect {
+        effect: effect.effect.clone(),
+        robot: Scene::name(i),
+        parameters: effect.parameters.iter().map(value).collect(),
+        channels: words(channels(&effect.effect)),
+        confusions: Vec::new(),
+        intervals_s: intervals(effect, truth),
+        expected_gain: (!link).then_some(gain),
+        deviations: finite(deviations),
+    }
+}
+
+/// The label of an effect outside the vocabulary, of robot `i`.
+fn outside(effect: &OutsideEffect, i: usize, truth: &Truth, gain: f64) -> UnknownPhysics {
+    let (kind, driver, channels) = effect.describe();
+    let parameters = effect.parameters().into_iter();
+    UnknownPhysics {
+        robot: Scene::name(i),
+        kind: kind.to_owned(),
+        parameters: parameters
+            .map(|(name, number)| (name.to_owned(), ParameterValue::Number(number)))
+            .collect(),
+        channels: words(channels),
+        driver: words(driver),
+        intervals_s: rounded(&truth.outside),
+        expected_gain: Some(gain),
+    }
+}
+
+/// How the case was made, for human readers.
 fn notes(scene: &Scene) -> BTreeMap<String, String> {
     let blind = scene
         .robots

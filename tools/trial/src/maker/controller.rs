@@ -1,6 +1,7 @@
 //! A robot's controller: Kanayama's tracking law at 20 Hz on encoder odometry, PI wheel loops at 50 Hz.
 
 use super::manoeuvre::COMMAND_PERIOD_S;
+use super::reference::Reference;
 
 /// Gains of Kanayama's law: k_x (1/s), k_y (1/m²), k_θ (1/m).
 const TRACKING_GAINS: [f64; 3] = [1.0, 12.0, 4.0];
@@ -24,15 +25,6 @@ pub(crate) struct Controller {
     geometry: [f64; 4],
     /// Largest torque (N m).
     limit: f64,
-}
-
-/// A pose and the speeds along it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Reference {
-    /// x, y of c (m) and heading (rad).
-    pub(crate) pose: [f64; 3],
-    /// v (m/s) and w (rad/s).
-    pub(crate) speed: [f64; 2],
 }
 
 impl Controller {
@@ -68,9 +60,9 @@ impl Controller {
         counts: [i64; 2],
         reference: &Reference,
     ) -> [f64; 2] {
-        let [r, b, d, turn] = self.geometry;
-        let angle =
-            [0, 1].map(|i| (counts[i] - self.counts[i]) as f64 * std::f64::consts::TAU / turn);
+        let [r, b, d, counts_per_rev] = self.geometry;
+        let angle = [0, 1]
+            .map(|i| (counts[i] - self.counts[i]) as f64 * std::f64::consts::TAU / counts_per_rev);
         self.counts = counts;
         let (along, turned) = (
             (angle[0] + angle[1]) * r / 2.0,
@@ -87,11 +79,11 @@ impl Controller {
         }
         [0, 1].map(|i| {
             let error = self.speeds[i] - angle[i] / COMMAND_PERIOD_S;
-            let wanted = PI_GAINS[0] * error + PI_GAINS[1] * self.integral[i];
-            if wanted.abs() < self.limit || wanted * error < 0.0 {
+            let torque = PI_GAINS[0] * error + PI_GAINS[1] * self.integral[i];
+            if torque.abs() < self.limit || torque * error < 0.0 {
                 self.integral[i] += error * COMMAND_PERIOD_S;
             }
-            wanted.clamp(-self.limit, self.limit)
+            torque.clamp(-self.limit, self.limit)
         })
     }
 
@@ -100,13 +92,16 @@ impl Controller {
         let [x, y, heading] = self.pose;
         let (sin, cos) = heading.sin_cos();
         let own = [x + d * cos, y + d * sin];
-        let away = [reference.pose[0] - own[0], reference.pose[1] - own[1]];
-        let (ahead, left) = (cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]);
-        let turn = reference.pose[2] - heading;
+        let error = [reference.pose[0] - own[0], reference.pose[1] - own[1]];
+        let (ahead, left) = (
+            cos * error[0] + sin * error[1],
+            cos * error[1] - sin * error[0],
+        );
+        let heading_error = reference.pose[2] - heading;
         let [v, w] = reference.speed;
         [
-            v * turn.cos() + TRACKING_GAINS[0] * ahead,
-            w + v * (TRACKING_GAINS[1] * left + TRACKING_GAINS[2] * turn.sin()),
+            v * heading_error.cos() + TRACKING_GAINS[0] * ahead,
+            w + v * (TRACKING_GAINS[1] * left + TRACKING_GAINS[2] * heading_error.sin()),
         ]
     }
 }

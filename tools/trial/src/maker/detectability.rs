@@ -44,45 +44,29 @@ pub(crate) fn detectability(
     let windows = Windows::new(scene, i, robot_run);
     let predictions = windows.predict(&truth, None);
     let perturbed = perturbed(&windows, &truth);
-    let [for_gains, for_bounds] =
-        [1.0, 12f64.sqrt()].map(|weight| windows.nuisances(&predictions, &perturbed, weight));
-    // What another model predicts differently, without what the nuisance parameters can explain.
-    let difference = |model: &PredictionModel, nuisances: &[Nuisance]| -> Vec<DVector<f64>> {
-        let other = windows.predict(model, None);
-        let pairs = predictions.iter().zip(&other).zip(nuisances);
-        pairs
-            .map(|((one, other), nuisance)| nuisance.project_out(one - other))
-            .collect()
-    };
-    let half_square = |parts: &[DVector<f64>]| parts.iter().map(|p| p.norm_squared() / 2.0).sum();
+    let [for_gains, for_bounds] = [1.0, 12f64.sqrt()].map(|weight| TruePrediction {
+        windows: &windows,
+        predictions: &predictions,
+        nuisances: windows.nuisances(&predictions, &perturbed, weight),
+    });
     let mut gains = Vec::new();
     let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
     for effect in concealed {
         let without = replaced(&model, effect, listed(&scene.nominal, effect));
-        gains.push(half_square(&difference(
-            &PredictionModel::new(scene, &without, outside)?,
-            &for_gains,
-        )));
+        gains.push(for_gains.gain_over(&PredictionModel::new(scene, &without, outside)?));
         for (at, (_, value)) in effect.parameters.iter().enumerate() {
             if let Parameter::Number(number) = value {
                 let step = RELATIVE_STEP * number.abs().max(MIN_SCALE);
-                let other = replaced(
-                    &model,
-                    effect,
-                    Some(&with_parameter(effect, at, number + step)),
-                );
-                let column =
-                    difference(&PredictionModel::new(scene, &other, outside)?, &for_bounds);
+                let changed = with_parameter(effect, at, number + step);
+                let other = replaced(&model, effect, Some(&changed));
+                let column = for_bounds.difference(&PredictionModel::new(scene, &other, outside)?);
                 columns.push(column.into_iter().map(|part| part / step).collect());
             }
         }
     }
     let outside = match outside {
         None => 0.0,
-        Some(_) => half_square(&difference(
-            &PredictionModel::new(scene, &model, None)?,
-            &for_gains,
-        )),
+        Some(_) => for_gains.gain_over(&PredictionModel::new(scene, &model, None)?),
     };
     let deviations = named(concealed, &cramer_rao(&columns));
     Ok(Detectability {
@@ -90,6 +74,32 @@ pub(crate) fn detectability(
         deviations,
         outside,
     })
+}
+
+/// The predictions of the true model, which those of other models are compared with.
+struct TruePrediction<'a> {
+    windows: &'a Windows<'a>,
+    /// By window.
+    predictions: &'a [DVector<f64>],
+    /// By window.
+    nuisances: Vec<Nuisance>,
+}
+
+impl TruePrediction<'_> {
+    /// What another model predicts differently, without what the nuisance parameters can explain.
+    fn difference(&self, model: &PredictionModel) -> Vec<DVector<f64>> {
+        let other = self.windows.predict(model, None);
+        let pairs = self.predictions.iter().zip(&other).zip(&self.nuisances);
+        pairs
+            .map(|((one, other), nuisance)| nuisance.project_out(one - other))
+            .collect()
+    }
+
+    /// Expected log-likelihood gain over another model (nats).
+    fn gain_over(&self, model: &PredictionModel) -> f64 {
+        let parts = self.difference(model);
+        parts.iter().map(|part| part.norm_squared() / 2.0).sum()
+    }
 }
 
 /// The effect of the same id that a model lists.

@@ -82,14 +82,7 @@ pub(crate) fn effect(
     let within = |from: f64, to: f64| rounded(from * (to / from).powf(size));
     let one = |name: &str, from: f64, to: f64| vec![number(name, within(from, to))];
     let parameters = match id {
-        "wheel_slip" => {
-            let slide = within(0.33, 0.05);
-            let hold = rounded(slide * random.uniform(1.0, 1.08));
-            vec![
-                number("friction_static", hold),
-                number("friction_kinetic", slide),
-            ]
-        }
+        "wheel_slip" => slip(within(0.33, 0.05), random),
         "friction_patch" => patch(within(0.07, 0.25), setting, random),
         "rolling_resistance" => one("coefficient", 8e-4, 0.02),
         "viscous_drag" => one("coefficient", 0.02, 0.8),
@@ -113,35 +106,10 @@ pub(crate) fn effect(
             "scale",
             rounded(1.0 + random.sign() * within(3e-3, 0.06)),
         )],
-        "payload" => vec![
-            number("mass_kg", within(0.03, 0.5)),
-            number("x_m", rounded(random.uniform(-0.05, 0.08))),
-            number("y_m", rounded(random.uniform(-0.06, 0.06))),
-        ],
-        "floor_slope" => {
-            let direction = rounded(random.uniform(-3.1, 3.1));
-            vec![
-                number("grade", within(6e-4, 0.015)),
-                number("downhill_rad", direction),
-            ]
-        }
-        "push" => vec![
-            number(
-                "t_s",
-                rounded(random.uniform(3.0, setting.duration_s - 3.0)),
-            ),
-            number("impulse_n_s", within(0.02, 0.4)),
-            number("direction_rad", rounded(random.uniform(-3.1, 3.1))),
-        ],
-        "pose_offset" => {
-            let (angle, size) = (random.uniform(-3.1, 3.1), within(2e-3, 0.06));
-            let yaw = random.sign() * within(0.004, 0.1);
-            vec![
-                number("x_m", rounded(size * angle.cos())),
-                number("y_m", rounded(size * angle.sin())),
-                number("yaw_rad", rounded(yaw)),
-            ]
-        }
+        "payload" => payload(within(0.03, 0.5), random),
+        "floor_slope" => slope(within(6e-4, 0.015), random),
+        "push" => push(within(0.02, 0.4), setting, random),
+        "pose_offset" => pose_offset(within(2e-3, 0.06), within(0.004, 0.1), random),
         "pose_latency" => one("latency_s", 0.003, 0.08),
         "wheels_latency" => one("latency_s", 0.002, 0.06),
         "imu_latency" => one("latency_s", 0.004, 0.08),
@@ -163,6 +131,63 @@ fn number(name: &str, value: f64) -> (String, Parameter) {
 /// Rounded to six decimals, so that labels are readable.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
+}
+
+/// Wheel slip with static friction up to 8 % above the kinetic one.
+fn slip(kinetic: f64, random: &mut RandomStream) -> Vec<(String, Parameter)> {
+    let above = rounded(kinetic * random.uniform(1.0, 1.08));
+    vec![
+        number("friction_static", above),
+        number("friction_kinetic", kinetic),
+    ]
+}
+
+/// A payload anywhere on the robot.
+fn payload(mass_kg: f64, random: &mut RandomStream) -> Vec<(String, Parameter)> {
+    vec![
+        number("mass_kg", mass_kg),
+        number("x_m", rounded(random.uniform(-0.05, 0.08))),
+        number("y_m", rounded(random.uniform(-0.06, 0.06))),
+    ]
+}
+
+/// A slope in any direction.
+fn slope(grade: f64, random: &mut RandomStream) -> Vec<(String, Parameter)> {
+    vec![
+        number("grade", grade),
+        number("downhill_rad", rounded(random.uniform(-3.1, 3.1))),
+    ]
+}
+
+/// A push at any time, in any direction.
+fn push(
+    impulse_n_s: f64,
+    setting: &Setting<'_>,
+    random: &mut RandomStream,
+) -> Vec<(String, Parameter)> {
+    vec![
+        number(
+            "t_s",
+            rounded(random.uniform(3.0, setting.duration_s - 3.0)),
+        ),
+        number("impulse_n_s", impulse_n_s),
+        number("direction_rad", rounded(random.uniform(-3.1, 3.1))),
+    ]
+}
+
+/// A pose offset in any direction.
+fn pose_offset(
+    distance_m: f64,
+    yaw_rad: f64,
+    random: &mut RandomStream,
+) -> Vec<(String, Parameter)> {
+    let angle = random.uniform(-3.1, 3.1);
+    let yaw = random.sign() * yaw_rad;
+    vec![
+        number("x_m", rounded(distance_m * angle.cos())),
+        number("y_m", rounded(distance_m * angle.sin())),
+        number("yaw_rad", rounded(yaw)),
+    ]
 }
 
 /// A friction patch on the path, where the robot moves.
@@ -253,15 +278,15 @@ pub(crate) fn scaled(effect: &EffectSpec, factor: f64) -> EffectSpec {
     }
 }
 
-/// To nine digits behind the point.
+/// Rounded to nine decimals.
 fn fine(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// How many kinds of physics outside the vocabulary there are.
+/// Number of kinds of effects outside the vocabulary.
 pub(crate) const OUTSIDE_KINDS: usize = 8;
 
-/// The `kind`-th of them, of some size.
+/// Draws an effect outside the vocabulary, of this kind and size.
 pub(crate) fn outside_effect(
     kind: usize,
     size: f64,
