@@ -29,7 +29,7 @@ pub struct ReportedFinding {
     pub parameters: Vec<ReportedParameter>,
     /// Where and when it shows.
     #[serde(rename = "where")]
-    pub place: ReportedLocation,
+    pub location: ReportedLocation,
     /// Effects that the answer declares indistinguishable from it.
     #[serde(default)]
     pub confused_with: Vec<String>,

@@ -48,8 +48,8 @@ pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
         grader.match_unknown(unknown);
     }
     if answer.verdict != label.verdict {
-        let said = format!("verdict {:?}, not {:?}", answer.verdict, label.verdict);
-        grader.remarks.push(said.to_lowercase());
+        let reported = format!("verdict {:?}, not {:?}", answer.verdict, label.verdict);
+        grader.remarks.push(reported.to_lowercase());
     }
     let grade = grader.grade(label, answer);
     let held_out = answer
@@ -78,13 +78,16 @@ fn truths(label: &Label) -> Vec<String> {
     truths
 }
 
+/// The comparison of an answer with a label, effect by effect.
 struct Grader<'a> {
     /// Findings not yet matched.
     unmatched: Vec<&'a ReportedFinding>,
     pairs: Vec<[String; 2]>,
     remarks: Vec<String>,
     parameters: Vec<ParameterScore>,
+    /// Number of effects for which a look-alike was reported.
     look_alikes: usize,
+    /// Number of effects without a finding.
     missed: usize,
 }
 
@@ -175,12 +178,12 @@ impl<'a> Grader<'a> {
         intervals_s: &[[f64; 2]],
         finding: &ReportedFinding,
     ) {
-        let channel = &finding.place.channel;
+        let channel = &finding.location.channel;
         if !channels.contains(channel) {
             self.remarks
                 .push(format!("channel {channel}, not {}", channels.join(" or ")));
         }
-        let overlap = overlap(intervals_s, &finding.place.intervals_s);
+        let overlap = overlap(intervals_s, &finding.location.intervals_s);
         if !intervals_s.is_empty() && overlap < MIN_OVERLAP {
             self.remarks.push(format!(
                 "{}: intervals overlap by {overlap:.2}",
@@ -192,18 +195,22 @@ impl<'a> Grader<'a> {
     /// Compares the parameters.
     fn check_parameters(&mut self, concealed: &ConcealedEffect, finding: &ReportedFinding) {
         for (name, truth) in &concealed.parameters {
-            let Some(said) = finding.parameters.iter().find(|said| said.name == *name) else {
+            let Some(reported) = finding
+                .parameters
+                .iter()
+                .find(|reported| reported.name == *name)
+            else {
                 self.remarks
                     .push(format!("{}.{name} is not given", concealed.effect));
                 continue;
             };
             match truth {
-                ParameterValue::Text(text) if said.text.as_ref() == Some(text) => {}
+                ParameterValue::Text(text) if reported.text.as_ref() == Some(text) => {}
                 ParameterValue::Text(text) => {
                     self.remarks
                         .push(format!("{}.{name} is not {text}", concealed.effect));
                 }
-                ParameterValue::Number(truth) => self.score_parameter(concealed, *truth, said),
+                ParameterValue::Number(truth) => self.score_parameter(concealed, *truth, reported),
             }
         }
     }
@@ -213,33 +220,33 @@ impl<'a> Grader<'a> {
         &mut self,
         concealed: &ConcealedEffect,
         truth: f64,
-        said: &ReportedParameter,
+        reported: &ReportedParameter,
     ) {
-        let Some(estimate) = said.estimate else {
+        let Some(estimate) = reported.estimate else {
             self.remarks.push(format!(
                 "{}.{} has no estimate",
-                concealed.effect, said.name
+                concealed.effect, reported.name
             ));
             return;
         };
         // For directions, whole turns that bring the estimate nearest to the truth.
-        let turn = nearest_turn(&said.name, truth, estimate);
+        let turn = nearest_turn(&reported.name, truth, estimate);
         let error = estimate + turn - truth;
-        let interval = said.interval();
+        let interval = reported.interval();
         let covered = interval.map(|[low, high]| low <= truth - turn && truth - turn <= high);
         if covered != Some(true) && error.abs() > RELATIVE_TOLERANCE * truth.abs() {
             let words = format!(
                 "{}.{} {estimate:.6}, not {truth:.6}",
-                concealed.effect, said.name
+                concealed.effect, reported.name
             );
             self.remarks.push(words);
         }
         let stated = interval.map(|[low, high]| (high - low) / (2.0 * NORMAL_QUANTILE_975));
-        let least = concealed.deviations.get(&said.name).copied();
+        let least = concealed.deviations.get(&reported.name).copied();
         let ratio = |deviation: f64| (deviation > 0.0).then(|| error / deviation);
         self.parameters.push(ParameterScore {
             effect: concealed.effect.clone(),
-            name: said.name.clone(),
+            name: reported.name.clone(),
             truth,
             estimate,
             covered,
@@ -282,18 +289,23 @@ impl<'a> Grader<'a> {
 
 /// Distance of a finding's parameters from the truth, to match effects that occur more than once.
 fn distance(concealed: &ConcealedEffect, finding: &ReportedFinding) -> f64 {
-    let said: BTreeMap<&str, &ReportedParameter> = finding
+    let reported: BTreeMap<&str, &ReportedParameter> = finding
         .parameters
         .iter()
-        .map(|said| (said.name.as_str(), said))
+        .map(|reported| (reported.name.as_str(), reported))
         .collect();
-    let part = |(name, truth): (&String, &ParameterValue)| match (truth, said.get(name.as_str())) {
-        (ParameterValue::Number(truth), Some(said)) => said
-            .estimate
-            .map_or(1.0, |estimate| (estimate - truth).abs()),
-        (ParameterValue::Text(text), Some(said)) if said.text.as_ref() == Some(text) => 0.0,
-        _ => 1e3,
-    };
+    let part =
+        |(name, truth): (&String, &ParameterValue)| match (truth, reported.get(name.as_str())) {
+            (ParameterValue::Number(truth), Some(reported)) => reported
+                .estimate
+                .map_or(1.0, |estimate| (estimate - truth).abs()),
+            (ParameterValue::Text(text), Some(reported))
+                if reported.text.as_ref() == Some(text) =>
+            {
+                0.0
+            }
+            _ => 1e3,
+        };
     concealed.parameters.iter().map(part).sum()
 }
 

@@ -83,13 +83,13 @@ impl<'a> Windows<'a> {
 
     /// The initial state and the end (s) of each window.
     fn initial_states(&self) -> impl Iterator<Item = (&State, f64)> {
-        let kept = &self.robot_run.truth.window_starts;
-        let ends = kept
+        let states = &self.robot_run.truth.window_starts;
+        let ends = states
             .iter()
             .skip(1)
             .map(|state| state.t_s)
             .chain([f64::INFINITY]);
-        kept.iter().zip(ends)
+        states.iter().zip(ends)
     }
 
     /// The nuisance parameters of each window: its initial state and the phases of the encoders.
