@@ -15,7 +15,11 @@ use slipstream_tests::structure::{self, Order};
 /// Packages from the lowest floor up. Those of one floor do not know each other.
 const FLOORS: [&[&str]; 6] = [
     &["slipstream-bus"],
-    &["slipstream-agents", "slipstream-sim"],
+    &[
+        "slipstream-agents",
+        "slipstream-sim",
+        "slipstream-trial-plant",
+    ],
     &["slipstream-recording", "slipstream-report"],
     &[
         "slipstream-diagnose",

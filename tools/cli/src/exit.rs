@@ -76,7 +76,7 @@ impl From<StudyError> for Error {
         match error {
             StudyError::Unusable(error) => Self::Input(error),
             StudyError::Run(run) => run.into(),
-            StudyError::Picture(_) => Self::Failed(error.to_string()),
+            StudyError::Picture(_) | StudyError::Threads(_) => Self::Failed(error.to_string()),
         }
     }
 }

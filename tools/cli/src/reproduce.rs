@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let reproduction = reproduce::reproduce()?;
     if let Some(path) = &arguments.json {
-        write_json(path, &reproduction)?;
+        write_json(path, &reproduction.comparison)?;
     }
     if let Some(path) = &arguments.report {
         write(path, &reproduce::page(&reproduction, &command_line())?)?;
@@ -36,10 +36,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         "paper",
         "computed"
     );
-    for row in &reproduction.rows {
+    for row in &reproduction.comparison.rows {
         say!("{}", line(row));
     }
-    let printed = reproduction.rows.iter().filter_map(|row| row.agrees);
+    let printed = reproduction
+        .comparison
+        .rows
+        .iter()
+        .filter_map(|row| row.agrees);
     let (yes, all) = printed.fold((0, 0), |(yes, all), agrees| {
         (yes + u32::from(agrees), all + 1)
     });
@@ -47,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     say!(
         "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry off (m)"
     );
-    for beyond in &reproduction.beyond {
+    for beyond in &reproduction.comparison.extensions {
         say!(
             "{:<21} {:<15} {:<10} {:>8.3} {:>18.3} {:>17.3}",
             beyond.experiment,

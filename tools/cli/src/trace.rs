@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_trace::{Age, Answer, Figures, Hop, HopChange, Incomplete, Reading};
+use slipstream_trace::{Age, Answer, Hop, HopChange, Incomplete, Percentiles, Reading};
 
 use crate::exit::{Error, Exit};
 use crate::output_file;
@@ -108,7 +108,7 @@ fn table(answer: &Answer) -> String {
         "Ticks run late by                       p50        p99        max (ms)"
     );
     for figures in &answer.loops {
-        let (process, name, ticks) = (&figures.process, figures.name, figures.ticks);
+        let (process, name, ticks) = (&figures.process, &figures.name, figures.ticks);
         let counts = [(figures.missed, "missed"), (figures.left_out, "left out")];
         let told = counts.into_iter().filter(|(count, _)| *count > 0);
         let told: String = told
@@ -140,7 +140,7 @@ fn change_table(text: &mut String, hop: &HopChange) {
             [change.mean_s, change.other_mean_s, change.difference_s].map(|s| s * 1e3);
         let [low, high] = change.ci95_s.map(|s| s * 1e3);
         let mark = if change.changed { "changed" } else { "" };
-        let stage = change.stage;
+        let stage = &change.stage;
         let line = format!(
             "  {stage:18} {here:10.4} {other:10.4} {difference:+11.4} ({low:+.4} … {high:+.4}) {mark}"
         );
@@ -181,7 +181,7 @@ fn others(incomplete: &Incomplete) -> String {
         .collect()
 }
 
-fn row(text: &mut String, what: &str, figures: &Figures) {
+fn row(text: &mut String, what: &str, figures: &Percentiles) {
     let [p50, p99, max] = [figures.p50_s, figures.p99_s, figures.max_s].map(|s| s * 1e3);
     let _ = writeln!(text, "{what:34} {p50:10.4} {p99:10.4} {max:10.4}");
 }

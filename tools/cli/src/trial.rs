@@ -13,12 +13,12 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use slipstream_bus::InputError;
 use slipstream_trial::TrialError;
-use slipstream_trial::examine::Examiner;
-use slipstream_trial::folder::Trial;
-use slipstream_trial::hold::{Question, ask, questions, score};
+use slipstream_trial::diagnosis_process::DiagnosisProgram;
 use slipstream_trial::label::{self, Labels};
 use slipstream_trial::maker::Plan;
-use slipstream_trial::tally::{Report, tally};
+use slipstream_trial::protocol::{Question, diagnose_all, questions, score};
+use slipstream_trial::sealed_trial::SealedTrial;
+use slipstream_trial::tally::{TrialReport, tally};
 
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
@@ -116,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 }
 
 /// A trial of recordings made elsewhere.
-fn labelled(arguments: &Arguments, file: &Path, stop: &AtomicBool) -> Result<Report, Error> {
+fn labelled(arguments: &Arguments, file: &Path, stop: &AtomicBool) -> Result<TrialReport, Error> {
     let labels = chosen(label::read(file)?, &arguments.only, file)?;
     let folder = file.parent().unwrap_or(Path::new("."));
     let questions = questions(&labels, &arguments.without);
@@ -125,7 +125,7 @@ fn labelled(arguments: &Arguments, file: &Path, stop: &AtomicBool) -> Result<Rep
 }
 
 /// A trial of cases drawn here; nothing where they are only made.
-fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<Report>, Error> {
+fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>, Error> {
     let plan = match arguments.plan {
         Which::Sealed => Plan::sealed(arguments.cases, arguments.seed),
         Which::Battery => Plan::battery(arguments.seed),
@@ -137,7 +137,7 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<Report>, Err
         .clone()
         .unwrap_or_else(|| passing.path().join("trial"));
     let bar = bar(plan.cases().count(), "made");
-    let trial = Trial::make(&plan, &folder, || {
+    let trial = SealedTrial::make(&plan, &folder, || {
         bar.inc(1);
         if stop.load(Ordering::Relaxed) {
             Err(TrialError::Interrupted)
@@ -170,7 +170,7 @@ fn answers(
     folder: &Path,
     questions: &[Question],
     stop: &AtomicBool,
-) -> Result<Vec<slipstream_trial::examine::Examined>, Error> {
+) -> Result<Vec<slipstream_trial::diagnosis_process::DiagnosisRun>, Error> {
     let program = match &arguments.with {
         // the diagnosis works in another folder
         Some(program) => std::path::absolute(program),
@@ -178,14 +178,14 @@ fn answers(
     };
     let program =
         program.map_err(|error| Error::Failed(format!("the program that diagnoses: {error}")))?;
-    let examiner = Examiner {
+    let program = DiagnosisProgram {
         program: &program,
         limit: Duration::from_secs(arguments.limit_s),
         stop,
     };
     let bar = bar(questions.len(), "diagnosed");
-    let answers = ask(&examiner, folder, questions, |question, examined| {
-        bar.suspend(|| words::say_answer(question, examined));
+    let answers = diagnose_all(&program, folder, questions, |question, run| {
+        bar.suspend(|| words::say_answer(question, run));
         bar.inc(1);
     });
     bar.finish_and_clear();

@@ -88,7 +88,7 @@ fn the_same_seed_makes_the_same_bytes_and_keeps_its_word() {
     refuse(
         folder.path(),
         &["--cases", "1", "--make-only", "--out", "one"],
-        "one: the folder is not empty; name a new one",
+        "one: the folder is not empty; give a new folder",
     );
 }
 

@@ -1,14 +1,17 @@
-//! How often values fall where.
+//! A histogram.
 
 use plotters::prelude::*;
 
-use crate::range::label;
-use crate::{COLOURS, DrawError, FONT_PX, PictureError, RIGHT_PX, WIDTH};
+use crate::axis::tick_label;
+use crate::error::{DrawError, PictureError};
+use crate::style::{COLOURS, FONT_PX, RIGHT_MARGIN_PX, WIDTH_PX};
 
-const BARS: usize = 60;
+/// Number of bins.
+const BINS: usize = 60;
+/// Height of the figure (pixels).
 const HEIGHT_PX: u32 = 260;
 
-/// How often values fall where, in sixty bars.
+/// A histogram with 60 bins of equal width over the range of the values.
 #[derive(Debug, Clone)]
 pub struct Histogram {
     x: String,
@@ -17,8 +20,8 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// What the values mean, such as `delay (ms)`, what is counted, such as `messages`, and the
-    /// values; what is not finite is left out.
+    /// A histogram of `values`; `x` names the quantity, such as `delay (ms)`, and `y` what is counted,
+    /// such as `messages`. Values that are not finite are left out.
     pub fn new(
         x: impl Into<String>,
         y: impl Into<String>,
@@ -34,51 +37,51 @@ impl Histogram {
     /// The histogram as SVG text.
     ///
     /// # Errors
-    /// What the drawing library refuses.
+    /// When the drawing library fails.
     pub fn svg(&self) -> Result<String, PictureError> {
         Ok(self.draw()?)
     }
 
-    /// Where the bars begin, how wide they are, and how many values fall into each.
-    fn bars(&self) -> (f64, f64, Vec<u32>) {
+    /// Lower edge of the first bin, width of a bin, and the count in each.
+    fn bins(&self) -> (f64, f64, Vec<u32>) {
         let low = self.values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = self
             .values
             .iter()
             .copied()
             .fold(f64::NEG_INFINITY, f64::max);
-        let mut counts = vec![0_u32; BARS];
+        let mut counts = vec![0_u32; BINS];
         if low > high {
-            return (0.0, 1.0 / BARS as f64, counts);
+            return (0.0, 1.0 / BINS as f64, counts);
         }
-        // Values that are all alike stand in the middle.
-        let alike = if high == 0.0 { 1.0 } else { 1e-3 * high.abs() };
+        // Equal values get a narrow range around them and fall into the middle bin.
+        let span = if high == 0.0 { 1.0 } else { 1e-3 * high.abs() };
         let (low, width) = if low < high {
-            (low, (high - low) / BARS as f64)
+            (low, (high - low) / BINS as f64)
         } else {
-            (low - alike / 2.0, alike / BARS as f64)
+            (low - span / 2.0, span / BINS as f64)
         };
         for value in &self.values {
-            let bar = ((value - low) / width) as usize;
-            counts[bar.min(BARS - 1)] += 1;
+            let bin = ((value - low) / width) as usize;
+            counts[bin.min(BINS - 1)] += 1;
         }
         (low, width, counts)
     }
 
     fn draw(&self) -> Result<String, DrawError> {
-        let (low, width, counts) = self.bars();
-        let x_label = label(&(low..low + width * BARS as f64));
-        let most = counts.iter().copied().max().unwrap_or(0).max(1);
+        let (low, width, counts) = self.bins();
+        let x_label = tick_label(&(low..low + width * BINS as f64));
+        let highest = counts.iter().copied().max().unwrap_or(0).max(1);
         let mut svg = String::new();
         {
-            let area = SVGBackend::with_string(&mut svg, (WIDTH, HEIGHT_PX)).into_drawing_area();
+            let area = SVGBackend::with_string(&mut svg, (WIDTH_PX, HEIGHT_PX)).into_drawing_area();
             area.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&area)
                 .margin(12)
-                .margin_right(RIGHT_PX)
+                .margin_right(RIGHT_MARGIN_PX)
                 .x_label_area_size(44)
                 .y_label_area_size(84)
-                .build_cartesian_2d(low..low + width * BARS as f64, 0..most + 1)?;
+                .build_cartesian_2d(low..low + width * BINS as f64, 0..highest + 1)?;
             chart
                 .configure_mesh()
                 .disable_x_mesh()
@@ -106,10 +109,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_value_is_in_a_bar() {
+    fn every_value_falls_into_a_bin() {
         for values in [vec![1.0; 7], vec![0.0; 7], (0..7).map(f64::from).collect()] {
             let histogram = Histogram::new("delay (ms)", "messages", values);
-            let (low, width, counts) = histogram.bars();
+            let (low, width, counts) = histogram.bins();
             assert!(width > 0.0 && low.is_finite());
             assert_eq!(counts.iter().sum::<u32>(), 7);
             assert!(histogram.svg().unwrap().contains("delay (ms)"));

@@ -1,9 +1,9 @@
-//! A page while it is written.
+//! A page: HTML built from top to bottom.
 
 use std::fmt::Write as _;
 
 /// A page: title, sections, text, tables and figures in the order in which they are added.
-/// Whatever it is given is text, never HTML; figures alone are taken as they are.
+/// All text is escaped; only figures are inserted as they are.
 #[derive(Debug, Clone)]
 pub struct Page {
     text: String,
@@ -17,7 +17,7 @@ const STYLE: &str = "body{font-family:sans-serif;margin:2rem auto;max-width:960p
 
 // Writing to a string cannot fail.
 impl Page {
-    /// A page with its title and the command line that made it.
+    /// A page with a title and the command line that produced it.
     pub fn new(title: &str, command: &str) -> Self {
         let (title, command) = (escaped(title), escaped(command));
         let text = format!(
@@ -33,7 +33,7 @@ impl Page {
         let _ = writeln!(self.text, "<h2>{}</h2>", escaped(title));
     }
 
-    /// Begins a part of a section.
+    /// Begins a subsection.
     pub fn subsection(&mut self, title: &str) {
         let _ = writeln!(self.text, "<h3>{}</h3>", escaped(title));
     }
@@ -43,12 +43,12 @@ impl Page {
         let _ = writeln!(self.text, "<p>{}</p>", escaped(text));
     }
 
-    /// Adds text that keeps its lines and spaces, such as a file.
+    /// Adds preformatted text, such as the content of a file.
     pub fn verbatim(&mut self, text: &str) {
         let _ = writeln!(self.text, "<pre>{}</pre>", escaped(text));
     }
 
-    /// Adds a figure, SVG text, with what it shows.
+    /// Adds a figure (SVG text) with its caption.
     pub fn figure(&mut self, svg: &str, caption: &str) {
         let caption = escaped(caption);
         let _ = writeln!(
@@ -57,7 +57,7 @@ impl Page {
         );
     }
 
-    /// Adds a table: a head, then rows of as many cells.
+    /// Adds a table: column titles, then rows with the same number of cells.
     pub fn table(&mut self, head: &[&str], rows: &[Vec<String>]) {
         let cells = |tag: &str, row: &mut dyn Iterator<Item = &str>| {
             let cells: String = row
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn text_is_never_html() {
+    fn text_is_escaped() {
         let mut page = Page::new("<b>", "a && b > c");
         page.table(&["<i>"], &[vec!["1 < 2".to_owned()]]);
         page.paragraph("<script>");

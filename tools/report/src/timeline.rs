@@ -1,15 +1,26 @@
-//! What is at work when.
+//! A timeline: intervals of several things as bars over one time axis.
 
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::range::{label, range};
-use crate::{COLOURS, DrawError, FONT_PX, PictureError, WIDTH, width_px};
+use crate::axis::{limits, tick_label};
+use crate::error::{DrawError, PictureError};
+use crate::style::{COLOURS, FONT_PX, WIDTH_PX, text_width_px};
 
+/// Height of a row (pixels).
 const ROW_PX: u32 = 26;
+/// Height below the rows, for tick labels and the axis title, with margins (pixels).
+const AXIS_PX: u32 = 64;
+/// Space beside a name or a note (pixels).
 const GAP_PX: u32 = 10;
 
-/// What is at work when: a row of bars for each thing, over one axis.
+type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Intervals as bars, one row for each thing, over one time axis.
 #[derive(Debug, Clone)]
 pub struct Timeline {
     x: String,
@@ -19,16 +30,16 @@ pub struct Timeline {
 /// A row of a [`Timeline`].
 #[derive(Debug, Clone, Default)]
 pub struct Row {
-    /// Left of the bars.
+    /// Name, left of the bars.
     pub name: String,
-    /// From and to.
+    /// Start and end of each bar, in the unit of the axis.
     pub spans: Vec<(f64, f64)>,
-    /// Right of the plot, such as a value with its unit; may be empty.
+    /// Text right of the plot, such as a value with its unit; may be empty.
     pub note: String,
 }
 
 impl Timeline {
-    /// A time-line whose axis means `x`, such as `t (s)`, with rows from the top down.
+    /// A timeline with axis title `x`, such as `t (s)`, and rows from the top down.
     pub fn new(x: impl Into<String>, rows: impl IntoIterator<Item = Row>) -> Self {
         Self {
             x: x.into(),
@@ -36,28 +47,28 @@ impl Timeline {
         }
     }
 
-    /// The time-line as SVG text.
+    /// The timeline as SVG text.
     ///
     /// # Errors
-    /// What the drawing library refuses.
+    /// When the drawing library fails.
     pub fn svg(&self) -> Result<String, PictureError> {
         Ok(self.draw()?)
     }
 
     fn draw(&self) -> Result<String, DrawError> {
         let widest = |of: fn(&Row) -> &str| {
-            let widths = self.rows.iter().map(|row| width_px(of(row)));
+            let widths = self.rows.iter().map(|row| text_width_px(of(row)));
             widths.max().unwrap_or(0) + GAP_PX
         };
         let (names, notes) = (widest(|row| &row.name), widest(|row| &row.note));
         let ends = self.rows.iter().flat_map(|row| &row.spans);
-        let span = range(ends.flat_map(|(from, to)| [*from, *to]));
-        let x_label = label(&span);
+        let span = limits(ends.flat_map(|(from, to)| [*from, *to]));
+        let x_label = tick_label(&span);
         let rows = u32::try_from(self.rows.len()).unwrap_or(1).max(1);
         let mut svg = String::new();
         {
-            let height = rows * ROW_PX + 64;
-            let area = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
+            let height = rows * ROW_PX + AXIS_PX;
+            let area = SVGBackend::with_string(&mut svg, (WIDTH_PX, height)).into_drawing_area();
             area.fill(&WHITE)?;
             let mut chart = ChartBuilder::on(&area)
                 .margin(8)
@@ -73,33 +84,46 @@ impl Timeline {
                 .x_label_formatter(&x_label)
                 .x_desc(self.x.as_str())
                 .draw()?;
-            for (i, row) in self.rows.iter().enumerate() {
-                let bottom = f64::from(rows) - 1.0 - i as f64;
-                let (low, high) = (bottom + 0.15, bottom + 0.85);
-                let bar = |&(from, to): &(f64, f64)| {
-                    Rectangle::new([(from, low), (to, high)], COLOURS[0].filled())
-                };
-                // So that a span without length is seen.
-                let edge = |&(from, _): &(f64, f64)| {
-                    PathElement::new([(from, low), (from, high)], COLOURS[0])
-                };
-                chart.draw_series(row.spans.iter().map(bar))?;
-                chart.draw_series(row.spans.iter().map(edge))?;
-            }
-            let (across, down) = chart.plotting_area().get_pixel_range();
-            for (row, i) in self.rows.iter().zip(0_i32..) {
-                let y =
-                    down.start + (2 * i + 1) * (down.end - down.start) / (2 * rows.cast_signed());
-                let text = |side| {
-                    let font = ("sans-serif", FONT_PX).into_font().color(&BLACK);
-                    font.pos(Pos::new(side, VPos::Center))
-                };
-                area.draw_text(&row.name, &text(HPos::Right), (across.start - 8, y))?;
-                area.draw_text(&row.note, &text(HPos::Left), (across.end + 8, y))?;
-            }
+            self.draw_bars(&mut chart, rows)?;
+            self.draw_texts(&area, chart.plotting_area().get_pixel_range())?;
             area.present()?;
         }
         Ok(svg)
+    }
+
+    fn draw_bars(&self, chart: &mut Axes<'_, '_>, rows: u32) -> Result<(), DrawError> {
+        for (i, row) in self.rows.iter().enumerate() {
+            let bottom = f64::from(rows) - 1.0 - i as f64;
+            let (low, high) = (bottom + 0.15, bottom + 0.85);
+            let bar = |&(from, to): &(f64, f64)| {
+                Rectangle::new([(from, low), (to, high)], COLOURS[0].filled())
+            };
+            // Keeps an interval of zero length visible.
+            let edge =
+                |&(from, _): &(f64, f64)| PathElement::new([(from, low), (from, high)], COLOURS[0]);
+            chart.draw_series(row.spans.iter().map(bar))?;
+            chart.draw_series(row.spans.iter().map(edge))?;
+        }
+        Ok(())
+    }
+
+    /// Writes names and notes beside the rows; `x_px` and `y_px` are the plotting area in pixels.
+    fn draw_texts(
+        &self,
+        area: &DrawingArea<SVGBackend<'_>, Shift>,
+        (x_px, y_px): (Range<i32>, Range<i32>),
+    ) -> Result<(), DrawError> {
+        let rows = i32::try_from(self.rows.len()).unwrap_or(1).max(1);
+        for (row, i) in self.rows.iter().zip(0_i32..) {
+            let y = y_px.start + (2 * i + 1) * (y_px.end - y_px.start) / (2 * rows);
+            let text = |side| {
+                let font = ("sans-serif", FONT_PX).into_font().color(&BLACK);
+                font.pos(Pos::new(side, VPos::Center))
+            };
+            area.draw_text(&row.name, &text(HPos::Right), (x_px.start - 8, y))?;
+            area.draw_text(&row.note, &text(HPos::Left), (x_px.end + 8, y))?;
+        }
+        Ok(())
     }
 }
 

@@ -1,20 +1,20 @@
-//! Paths on the floor.
+//! Paths on the floor, seen from above.
 
 use std::ops::Range;
 
-use crate::PictureError;
-use crate::chart::{Drawing, plot_px};
+use crate::axis::limits;
+use crate::error::PictureError;
 use crate::line::Line;
-use crate::range::range;
+use crate::plot::{Plot, plotting_area_px};
 
-/// Paths on the floor: x to the right, y up, one metre as long on both axes.
+/// Paths on the floor, seen from above: x to the right, y up, both axes to the same scale.
 #[derive(Debug, Clone, Default)]
 pub struct Track {
     lines: Vec<Line>,
 }
 
 impl Track {
-    /// A floor without paths.
+    /// An empty floor.
     pub fn new() -> Self {
         Self::default()
     }
@@ -33,26 +33,26 @@ impl Track {
         self
     }
 
-    /// The floor as SVG text.
+    /// The figure as SVG text.
     ///
     /// # Errors
-    /// What the drawing library refuses.
+    /// When the drawing library fails.
     pub fn svg(&self) -> Result<String, PictureError> {
         let points = || self.lines.iter().flat_map(|line| &line.points);
-        let x = range(points().map(|p| p.0));
-        let y = range(points().map(|p| p.1));
-        // As high as the path needs at full width, within what fits a page.
-        let [wide, _] = plot_px(100).map(f64::from);
+        let x = limits(points().map(|p| p.0));
+        let y = limits(points().map(|p| p.1));
+        // As high as the path needs at full width, within what fits on a page.
+        let [wide, _] = plotting_area_px(100).map(f64::from);
         let wanted = wide * length(&y) / length(&x);
         let height_px = wanted.clamp(200.0, 640.0) as u32 + 68;
-        let drawing = Drawing {
-            axes: ["x (m)", "y (m)"],
-            ranges: to_scale([x, y], plot_px(height_px)),
+        let plot = Plot {
+            titles: ["x (m)", "y (m)"],
+            limits: to_scale([x, y], plotting_area_px(height_px)),
             height_px,
             lines: &self.lines,
             bands: &[],
         };
-        Ok(drawing.svg()?)
+        Ok(plot.svg()?)
     }
 }
 
@@ -60,7 +60,7 @@ fn length(range: &Range<f64>) -> f64 {
     range.end - range.start
 }
 
-/// Widens one of the ranges (m), so that a pixel is as long on both axes.
+/// Widens one of the ranges (m) so that a pixel has the same length on both axes.
 fn to_scale(ranges: [Range<f64>; 2], plot_px: [u32; 2]) -> [Range<f64>; 2] {
     let [wide, high] = plot_px.map(f64::from);
     let m_per_px = (length(&ranges[0]) / wide).max(length(&ranges[1]) / high);
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_metre_is_as_long_on_both_axes() {
+    fn both_axes_have_the_same_scale() {
         for ranges in [[0.0..10.0, 0.0..1.0], [0.0..1.0, -3.0..10.0]] {
             let [x, y] = to_scale(ranges.clone(), [800, 300]);
             assert!((length(&x) / 800.0 - length(&y) / 300.0).abs() < 1e-12);

@@ -1,5 +1,5 @@
-//! A study of the delay: the same whatever the number of threads and shards, and each point what
-//! single runs say.
+//! A study of communication delay: independent of the number of threads and shards, and each point
+//! equal to its single runs.
 #![allow(
     clippy::unwrap_used,
     reason = "a test stops at what it does not expect"
@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use slipstream_launch::in_process;
 use slipstream_study::delay::{Form, Grid, Point, Shard, Study, merge, study};
 
-/// Nobody interrupts.
+/// Never set: the study is not interrupted.
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 fn grid() -> Grid {
@@ -27,14 +27,14 @@ fn grid() -> Grid {
 }
 
 #[test]
-fn threads_and_shards_change_nothing() {
+fn threads_and_shards_do_not_change_the_study() {
     let whole = study(&grid(), Shard::WHOLE, 1, &NEVER).unwrap();
     assert_eq!(whole.points.len(), 8);
     assert_eq!(study(&grid(), Shard::WHOLE, 3, &NEVER).unwrap(), whole);
     let shards: Vec<(String, Study)> = (1..=3)
         .map(|index| {
             let shard = study(&grid(), Shard { index, of: 3 }, 2, &NEVER).unwrap();
-            // as it goes through a file
+            // As through a file.
             let text = serde_json::to_string(&shard).unwrap();
             (index.to_string(), serde_json::from_str(&text).unwrap())
         })
@@ -52,9 +52,9 @@ fn threads_and_shards_change_nothing() {
     assert!(other.contains("of another study"), "{other}");
 }
 
-/// The numbers of a point come from the same states as those of `slipstream run`.
+/// The numbers of a point equal those of `slipstream run`.
 #[test]
-fn a_point_is_what_its_single_runs_say() {
+fn a_point_combines_its_single_runs() {
     let grid = grid();
     let points: Vec<Point> = study(&grid, Shard { index: 1, of: 8 }, 1, &NEVER)
         .unwrap()
@@ -80,8 +80,8 @@ fn a_point_is_what_its_single_runs_say() {
     assert_eq!(point.max_desired_speed_m_s, speed_m_s);
 }
 
-/// With positions at every tick and a delay of whole ticks their age is constant, and the transport
-/// delay is Eq. 12 itself; the literal form is not.
+/// With a position at every tick and a delay of a whole number of ticks, the age is constant and the
+/// transport delay gives exactly the measured speed; the literal form does not.
 #[test]
 fn constant_delay_is_a_transport_delay() {
     let grid = Grid {
@@ -95,7 +95,7 @@ fn constant_delay_is_a_transport_delay() {
     let study = study(&grid, Shard { index: 1, of: 2 }, 1, &NEVER).unwrap();
     let point = &study.points[0];
     assert!((point.age_s - 0.2).abs() < 1e-9, "{}", point.age_s);
-    // The encoders stand between the outer tick and its reference: no more than rounding.
+    // The difference is the rounding of the encoders.
     assert!(point.rms_m_s(Form::Transport) < 1e-3, "{point:?}");
     assert!(point.rms_m_s(Form::Undelayed) > 0.05, "{point:?}");
     assert!(point.rms_m_s(Form::LiteralSign) > 0.1, "{point:?}");
@@ -103,7 +103,7 @@ fn constant_delay_is_a_transport_delay() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_refused_with_a_remedy() {
+fn an_invalid_grid_is_refused_with_a_remedy() {
     let refused = |change: &dyn Fn(&mut Grid)| {
         let mut grid = grid();
         change(&mut grid);

@@ -1,17 +1,18 @@
-//! The paper's experiments: what has to come out, and what the table has to say.
+//! The paper's experiments: expected results, and the completeness of the comparison.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
     reason = "a test stops at what it does not expect"
 )]
 
-use slipstream_study::reproduce::{Beyond, Row, Trials, page, reproduce};
+use slipstream_study::reproduce::{Comparison, Extension, PaperRuns, Row, page, reproduce};
 
 #[test]
-fn every_row_is_there_and_says_why() {
+fn every_row_is_present_with_a_note() {
     let reproduction = reproduce().unwrap();
+    let comparison = &reproduction.comparison;
     let row = |name: &str| -> &Row {
-        let found = reproduction.rows.iter().find(|row| row.quantity == name);
+        let found = comparison.rows.iter().find(|row| row.quantity == name);
         found.unwrap_or_else(|| panic!("no row {name}"))
     };
     let computed = |name: &str| row(name).computed.unwrap();
@@ -23,7 +24,7 @@ fn every_row_is_there_and_says_why() {
     assert!(computed("single_gap_without_limit_m") > 0.1);
     assert!(computed("single_gap_with_limit_m").abs() < 0.01);
     assert!(computed("single_slip_after_torque_ends_s") > 0.1);
-    // What the limit is said to do.
+    // The claims about the torque limit.
     for name in [
         "encoder_gap_with_over_without_limit",
         "final_spacing_error_with_over_without_limit",
@@ -34,33 +35,37 @@ fn every_row_is_there_and_says_why() {
         assert_eq!(row(name).agrees, Some(true), "{name}");
     }
     // All 24 final coordinates that the paper prints.
-    let finals = reproduction
+    let finals = comparison
         .rows
         .iter()
         .filter(|row| row.quantity.starts_with("final_x_r"));
     assert_eq!(finals.count(), 12);
-    for row in &reproduction.rows {
+    for row in &comparison.rows {
         assert!(!row.note.is_empty(), "{}", row.quantity);
         for name in &row.depends_on {
-            let mut assumed = reproduction.assumptions.iter().map(|one| &one.assumed.name);
+            let mut assumed = comparison.assumptions.iter().map(|one| &one.name);
             assert!(assumed.any(|assumed| assumed == name), "{name}");
         }
     }
-    turning(&reproduction.beyond);
+    turning(&comparison.extensions);
+    let text = serde_json::to_string(comparison).unwrap();
     assert_eq!(
-        serde_json::to_string(&reproduction).unwrap(),
-        serde_json::to_string(&reproduce().unwrap()).unwrap(),
+        text,
+        serde_json::to_string(&reproduce().unwrap().comparison).unwrap(),
     );
+    let again: Comparison = serde_json::from_str(&text).unwrap();
+    assert_eq!(again, *comparison);
+    assert_eq!(serde_json::to_string(&again).unwrap(), text);
     let page = page(&reproduction, "slipstream reproduce").unwrap();
     assert_eq!(page.matches("<figure>").count(), 9);
     assert!(!page.contains("http-equiv") && !page.contains("src="));
 }
 
-/// A row that changes with an assumption's keys says so; those that are zero by symmetry up to the
-/// encoders' grain stay so within a centimetre.
+/// A row that changes with an assumption's keys names the assumption; rows that are zero by symmetry,
+/// up to the resolution of the encoders, change by less than a centimetre.
 #[test]
 fn rows_name_what_they_depend_on() {
-    let before = Trials::run(&[]).unwrap().rows().unwrap();
+    let before = PaperRuns::new(&[]).unwrap().rows().unwrap();
     let slower = "[0.0, 0.2, 0.2, 0.66, 0.66, 0.0]";
     for (name, other) in [
         ("profile", &[("profile.speeds_m_s", slower)][..]),
@@ -73,12 +78,15 @@ fn rows_name_what_they_depend_on() {
             ],
         ),
     ] {
-        let after = Trials::run(other).unwrap().rows().unwrap();
+        let after = PaperRuns::new(other).unwrap().rows().unwrap();
         let mut changed = 0;
         for (before, after) in before.iter().zip(&after) {
             let [was, is] = [before, after].map(|row| row.computed.unwrap());
             if (was - is).abs() > 0.01 {
-                assert!(before.depends_on.contains(&name), "{name}: {before:?} {is}");
+                assert!(
+                    before.depends_on.iter().any(|one| one == name),
+                    "{name}: {before:?} {is}"
+                );
                 changed += 1;
             }
         }
@@ -86,13 +94,14 @@ fn rows_name_what_they_depend_on() {
     }
 }
 
-/// The turns ask for more than the floor carries: every limit makes a difference, and the law that
-/// knows what the turn itself takes from the floor makes the largest.
-fn turning(beyond: &[Beyond]) {
-    let of = |experiment: &str, law: &str, limit: &str| -> &Beyond {
-        let is =
-            |one: &&Beyond| (one.experiment, one.law, one.torque_limit) == (experiment, law, limit);
-        beyond.iter().find(is).unwrap()
+/// The turns need more traction than the floor has: every limit reduces slip, and the law that takes
+/// the lateral force into account reduces it most.
+fn turning(extensions: &[Extension]) {
+    let of = |experiment: &str, law: &str, limit: &str| -> &Extension {
+        let is = |one: &&Extension| {
+            [&*one.experiment, &*one.law, &*one.torque_limit] == [experiment, law, limit]
+        };
+        extensions.iter().find(is).unwrap()
     };
     for experiment in ["circle", "figure_eight", "lane_change"] {
         let none = of(experiment, "paper", "none");
@@ -116,7 +125,7 @@ fn turning(beyond: &[Beyond]) {
             computed.mean_final_gap_m < 0.1 * fixed[0].mean_final_gap_m,
             "{computed:?}"
         );
-        // It keeps up: no robot falls back by more than a quarter of the spacing.
+        // No robot falls back by more than a quarter of the spacing.
         assert!(computed.max_spacing_error_m < 0.15, "{computed:?}");
     }
     let all = ["circle", "figure_eight", "lane_change"].map(|name| of(name, "paper", "inner"));

@@ -1,5 +1,5 @@
-//! The gain of the spacing error from robot to robot: what the frequency response says against what a
-//! platoon does whose front robot swings at one frequency.
+//! String gain: the linear model's frequency response against a simulated platoon whose front robot's
+//! speed oscillates at one frequency.
 #![allow(
     clippy::unwrap_used,
     reason = "a test stops at what it does not expect"
@@ -13,19 +13,20 @@ use slipstream_bus::record::Record;
 use slipstream_launch::{Request, in_process, resolve};
 use slipstream_study::delay::string_gain_at;
 
-/// The beginning of coordination dies away with k_x = 1 1/s (s).
+/// Time for the transient at the start of coordination to decay, with k_x = 1 1/s (s).
 const SETTLE_S: f64 = 25.0;
-/// Swings that are measured.
-const SWINGS: u32 = 12;
+/// Number of periods measured.
+const PERIODS: u32 = 12;
+/// Delay on each link (s).
 const DELAY_S: f64 = 0.2;
 
-/// |E₂ / E₁| of three robots that roll, the profile swinging at so many rad/s; and what the linear
-/// model says.
+/// |E₂ / E₁| of three robots without wheel slip whose velocity profile oscillates at this frequency:
+/// measured, and by the linear model.
 fn gains(omega_rad_s: f64) -> [f64; 2] {
     let period_s = TAU / omega_rad_s;
-    // Coordination begins at 3 s.
+    // Coordination starts at 3 s.
     let begin_s = 3.0 + SETTLE_S;
-    let end_s = begin_s + period_s * f64::from(SWINGS);
+    let end_s = begin_s + period_s * f64::from(PERIODS);
     let set = [
         ("links.delay_s", DELAY_S.to_string()),
         ("links.protocol", "periodic".to_owned()),
@@ -39,7 +40,7 @@ fn gains(omega_rad_s: f64) -> [f64; 2] {
     };
     let mut experiment = resolve(&request).unwrap().experiment;
     let profile = &mut experiment.settings.profile;
-    // Forty straight lines a swing.
+    // The profile is piecewise linear, with forty pieces in a period.
     let points = (end_s / period_s * 40.0).ceil() as u32 + 1;
     profile.times_s = (0..points)
         .map(|i| f64::from(i) * period_s / 40.0)
@@ -78,7 +79,7 @@ fn gains(omega_rad_s: f64) -> [f64; 2] {
 }
 
 #[test]
-fn a_swinging_platoon_has_the_gain_of_the_frequency_response() {
+fn an_oscillating_platoon_has_the_gain_of_the_frequency_response() {
     for omega_rad_s in [0.5, 1.0, 2.0, 4.0, 8.0] {
         let [measured, linear] = gains(omega_rad_s);
         println!("{omega_rad_s} rad/s: measured {measured:.4}, linear model {linear:.4}");

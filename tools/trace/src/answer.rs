@@ -1,120 +1,122 @@
-//! What `slipstream trace` answers (CONTRACT.md, section 5), and what is added to it.
+//! The answer of `slipstream trace`; its JSON Schema is in `tools/cli/schemas`.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use serde::Serialize;
-use slipstream_bus::message::RobotIndex;
+use serde::{Deserialize, Serialize};
 use slipstream_bus::time::s_from_ns;
 
-use crate::against::HopChange;
-use crate::figures::Figures;
-use crate::log::{Log, LoopOf};
+use crate::chain::{Chain, Fate, Link, Message, STAGES, by_link, follow};
+use crate::compare::HopChange;
+use crate::log::{Log, LoopKey};
+use crate::names::Names;
+use crate::percentiles::Percentiles;
 use crate::step::Loop;
-use crate::way::{Fate, Link, Message, STAGES, Way, by_link, follow};
 
 /// The whole answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// The version of this form.
+    /// Version of this format.
     pub format: u32,
-    /// Each link that a message was sent on.
+    /// Every link that a message was sent on.
     pub hops: Vec<Hop>,
-    /// How old the information of each robot ahead is when a torque answers it.
+    /// For each pair of robots: age of the follower's information about a robot ahead when a torque
+    /// results from it.
     pub platoon: Vec<Age>,
-    /// How old the information of the robot ahead is at each outer tick that goes by it.
+    /// Age of the information about the robot ahead at each outer tick that uses it.
     pub at_outer_ticks: Vec<Age>,
-    /// How punctual the loops were, the plant's first.
-    pub loops: Vec<LoopFigures>,
-    /// How each link differs from another run, where one was given.
+    /// Timing of the control loops, the plant's first.
+    pub loops: Vec<LoopTiming>,
+    /// Difference of each link from another run, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Vec<HopChange>>,
 }
 
 /// One link.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hop {
     /// The sender.
     pub from: String,
     /// The receiver.
     pub to: String,
-    /// Messages that were used: a torque answers them. The figures are theirs.
+    /// Messages that were used, so that a torque results from them. The latencies are theirs.
     pub messages: u64,
     /// Messages that were sent.
     pub sent: u64,
-    /// What became of the others.
+    /// What became of the other messages.
     pub incomplete: Incomplete,
-    /// The stages in the order of the way.
-    pub stages: Vec<StageFigures>,
-    /// From the encoder sample to the torque; null where no message was used.
-    pub end_to_end: Option<Figures>,
+    /// The stages in the order of the chain.
+    pub stages: Vec<StageLatency>,
+    /// From the encoder sample to the torque; null if no message was used.
+    pub end_to_end: Option<Percentiles>,
     /// The largest difference between a message's end-to-end latency and the sum of its stages (s).
     pub largest_sum_error_s: f64,
 }
 
-/// Messages without a complete way, by what became of them.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+/// Messages without a complete chain, counted by what became of them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Incomplete {
-    /// The link lost them.
+    /// Lost on the link.
     pub lost: u64,
-    /// A newer one left the delay line at the same tick.
+    /// A newer message left the delay line at the same tick.
     pub superseded: u64,
-    /// A newer one had come before.
+    /// A newer message had arrived before.
     pub stale: u64,
-    /// Used by an outer tick, but a newer tick came before any torque.
+    /// Used by an outer tick, whose set-points a newer tick replaced before any torque.
     pub overwritten: u64,
-    /// The recording ends before their way does.
+    /// The recording ends before the chain is complete.
     pub under_way: u64,
-    /// The receiver's process died before it took them up.
+    /// The receiver's process died before it used them.
     pub receiver_died: u64,
-    /// Records of their way are missing.
+    /// Records of their chain are missing.
     pub untold: u64,
 }
 
 /// One stage of a link.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StageFigures {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StageLatency {
     /// Its name.
-    pub stage: &'static str,
+    pub stage: Cow<'static, str>,
     /// How long it took.
     #[serde(flatten)]
-    pub figures: Figures,
+    pub figures: Percentiles,
 }
 
-/// How old one robot's information about another is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// Age of one robot's information about another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Age {
-    /// Whom it is about.
+    /// The robot that the information is about.
     pub from: String,
-    /// Who uses it.
+    /// The robot that uses it.
     pub to: String,
-    /// How often it was measured.
+    /// Number of samples.
     pub count: u64,
-    /// Since the encoders behind it were read.
+    /// Time since the encoders were read.
     #[serde(flatten)]
-    pub figures: Figures,
+    pub figures: Percentiles,
 }
 
-/// One loop. The plant's step keeps deadlines on the wall clock alone.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LoopFigures {
+/// Timing of one loop. The plant's step has deadlines only on the wall clock.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LoopTiming {
     /// `plant`, or the robot.
     pub process: String,
     /// `step`, `outer` or `inner`.
     #[serde(rename = "loop")]
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Ticks that ran.
     pub ticks: u64,
-    /// Ticks that were due between them and did not run.
+    /// Ticks that were due in between and did not run.
     pub left_out: u64,
-    /// Ticks that ran, but were done after the next one was due.
+    /// Ticks that ran but ended after the next one was due.
     pub missed: u64,
-    /// How long after it was due each tick ran.
-    pub late: Figures,
-    /// How much more or less time lay between two ticks than should have.
-    pub jitter: Option<Figures>,
+    /// Lateness: how long after its due time each tick began.
+    pub late: Percentiles,
+    /// Jitter: absolute deviation of the time between two ticks from the nominal one.
+    pub jitter: Option<Percentiles>,
 }
 
-/// The answer for a run; `names` by the robots' index.
+/// Computes the answer for a run; `names` by the robots' index.
 pub fn answer(log: &Log, names: &[String]) -> Answer {
     let names = Names(names);
     let messages = follow(log);
@@ -128,17 +130,6 @@ pub fn answer(log: &Log, names: &[String]) -> Answer {
     }
 }
 
-/// The robots' names by their index.
-pub(crate) struct Names<'a>(pub(crate) &'a [String]);
-
-impl Names<'_> {
-    pub(crate) fn of(&self, robot: RobotIndex) -> String {
-        let name = self.0.get(robot as usize);
-        name.cloned()
-            .unwrap_or_else(|| format!("r{}", u64::from(robot) + 1))
-    }
-}
-
 fn hops(messages: &[Message], names: &Names<'_>) -> Vec<Hop> {
     let links = by_link(messages.iter().map(|message| (message.link(), message)));
     links
@@ -149,10 +140,10 @@ fn hops(messages: &[Message], names: &Names<'_>) -> Vec<Hop> {
 
 fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
     let mut incomplete = Incomplete::default();
-    let mut ways: Vec<Way> = Vec::new();
+    let mut chains: Vec<Chain> = Vec::new();
     for message in messages {
         match message.fate {
-            Fate::Used(way) => ways.push(way),
+            Fate::Used(chain) => chains.push(chain),
             Fate::Lost => incomplete.lost += 1,
             Fate::Superseded => incomplete.superseded += 1,
             Fate::Stale => incomplete.stale += 1,
@@ -163,33 +154,37 @@ fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
         }
     }
     let stage = |(i, &stage): (usize, &'static &'static str)| {
-        let durations = ways.iter().map(|way| way.stages_ns()[i]).collect();
-        Figures::new(durations).map(|figures| StageFigures { stage, figures })
+        let durations = chains.iter().map(|chain| chain.stages_ns()[i]).collect();
+        Percentiles::new(durations).map(|figures| StageLatency {
+            stage: stage.into(),
+            figures,
+        })
     };
-    let sum = |way: &Way| way.stages_ns().into_iter().fold(0, i64::saturating_add);
-    let error = |way: &Way| {
-        way.end_to_end_ns()
-            .saturating_sub(sum(way))
+    let sum = |chain: &Chain| chain.stages_ns().into_iter().fold(0, i64::saturating_add);
+    let error = |chain: &Chain| {
+        chain
+            .end_to_end_ns()
+            .saturating_sub(sum(chain))
             .saturating_abs()
     };
-    let largest = ways.iter().map(error).max();
+    let largest = chains.iter().map(error).max();
     Hop {
         from,
         to,
-        messages: ways.len() as u64,
+        messages: chains.len() as u64,
         sent: messages.len() as u64,
         incomplete,
         stages: STAGES.iter().enumerate().filter_map(stage).collect(),
-        end_to_end: Figures::new(ways.iter().map(Way::end_to_end_ns).collect()),
+        end_to_end: Percentiles::new(chains.iter().map(Chain::end_to_end_ns).collect()),
         largest_sum_error_s: s_from_ns(largest.unwrap_or(0)),
     }
 }
 
-/// Ages of all pairs, in the order of who is used and who uses.
+/// Percentiles of the ages of each pair, ordered by `from`, then `to`.
 fn ages(pairs: BTreeMap<Link, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
     let age = |((from, to), ages): (Link, Vec<i64>)| {
         let count = ages.len() as u64;
-        Figures::new(ages).map(|figures| Age {
+        Percentiles::new(ages).map(|figures| Age {
             from: names.of(from),
             to: names.of(to),
             count,
@@ -199,19 +194,19 @@ fn ages(pairs: BTreeMap<Link, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
     pairs.into_iter().filter_map(age).collect()
 }
 
-/// Follows each used message back to the robots whose messages its sender went by.
+/// Follows each used message back along the platoon: to the message that its sender used, and so on.
 fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
     let mut pairs: BTreeMap<Link, Vec<i64>> = BTreeMap::new();
     for message in messages {
-        // The front robot goes by nobody: a ring's return only tells it to send again.
-        let Fate::Used(way) = message.fate else {
+        // The front robot follows nobody: in a ring, the returning message only triggers its next one.
+        let Fate::Used(chain) = message.fate else {
             continue;
         };
         if message.to == 0 {
             continue;
         }
-        let applied_ns = way.instants_ns[7];
+        let applied_ns = chain.instants_ns[7];
         let mut key = (message.from, message.seq);
         for _ in 0..=ahead.len() {
             let Some(sent) = log.sent.get(&key) else {
@@ -243,8 +238,8 @@ fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
     ages(pairs, names)
 }
 
-fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopFigures> {
-    let mut ticks: BTreeMap<LoopOf, Vec<[i64; 2]>> = BTreeMap::new();
+fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopTiming> {
+    let mut ticks: BTreeMap<LoopKey, Vec<[i64; 2]>> = BTreeMap::new();
     for (&(robot, t_ns), tick) in &log.inner {
         let times = ticks.entry((Some(robot), Loop::Inner)).or_default();
         times.push([t_ns, tick.began_ns]);
@@ -260,27 +255,27 @@ fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopFigures> {
             .map(|&[due_ns, began_ns, _]| [due_ns, began_ns]);
         ticks.insert(plant, times.collect());
     }
-    let figures = |(of, times): (LoopOf, Vec<[i64; 2]>)| {
+    let figures = |(of, times): (LoopKey, Vec<[i64; 2]>)| {
         let late = |&[due, began]: &[i64; 2]| began.saturating_sub(due);
         let lateness: Vec<i64> = times.iter().map(late).collect();
-        let more = |pair: &[i64]| pair[1].saturating_sub(pair[0]).saturating_abs();
-        let jitter = lateness.windows(2).map(more).collect();
-        Figures::new(lateness).map(|late| LoopFigures {
+        let change = |pair: &[i64]| pair[1].saturating_sub(pair[0]).saturating_abs();
+        let jitter = lateness.windows(2).map(change).collect();
+        Percentiles::new(lateness).map(|late| LoopTiming {
             process: of
                 .0
                 .map_or_else(|| "plant".to_owned(), |robot| names.of(robot)),
-            name: of.1.name(),
+            name: of.1.name().into(),
             ticks: times.len() as u64,
             left_out: left_out(&times),
             missed: log.missed.get(&of).copied().unwrap_or(0),
             late,
-            jitter: Figures::new(jitter),
+            jitter: Percentiles::new(jitter),
         })
     };
     ticks.into_iter().filter_map(figures).collect()
 }
 
-/// Ticks missing between these, which are due at whole multiples of one period.
+/// Ticks missing between these; all are due at whole multiples of one period.
 fn left_out(times: &[[i64; 2]]) -> u64 {
     let gaps = || {
         times

@@ -1,25 +1,26 @@
-//! Latency, stage by stage: from a run's recording each position's way from the encoder sample to
-//! the torque that answers it.
+//! End-to-end latency, stage by stage: each position message of a run is followed from the encoder
+//! sample behind it to the torque that results from it.
 //!
-//! All times are integer nanoseconds of the run's one clock. Nothing is dropped: a message whose
-//! way is not complete is counted by what became of it.
+//! All times are integer nanoseconds of the run's one clock. No message is left out: one without a
+//! complete cause-effect chain is counted under the reason why its chain is incomplete.
 
-mod against;
 mod answer;
-mod figures;
+mod chain;
+mod compare;
 mod log;
+mod names;
+mod percentiles;
+mod perfetto;
 mod read;
 mod round_trips;
 mod step;
-mod timeline;
-mod way;
 
-pub use against::{Change, HopChange, against};
-pub use answer::{Age, Answer, Hop, Incomplete, LoopFigures, StageFigures, answer};
-pub use figures::Figures;
+pub use answer::{Age, Answer, Hop, Incomplete, LoopTiming, StageLatency, answer};
+pub use chain::{Chain, Fate, Message, STAGES, follow};
+pub use compare::{Change, HopChange, against};
 pub use log::{Log, Note};
+pub use percentiles::Percentiles;
+pub use perfetto::timeline;
 pub use read::{Reading, read};
 pub use round_trips::{RoundTrips, round_trips};
 pub use step::{Loop, Step};
-pub use timeline::timeline;
-pub use way::{Fate, Message, STAGES, Way, follow};

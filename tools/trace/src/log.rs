@@ -1,4 +1,4 @@
-//! What a run told, sorted so that a message can be followed through it.
+//! The trace of a run, indexed so that a message can be followed through it.
 
 use std::collections::BTreeMap;
 
@@ -7,53 +7,53 @@ use slipstream_bus::record::Fate;
 
 use crate::step::{Loop, Step};
 
-/// A message: its sender and the sender's count.
+/// A message: its sender and its sequence number.
 pub(crate) type Key = (RobotIndex, u32);
 /// A tick: the robot and when it was due (ns).
 pub(crate) type Tick = (RobotIndex, i64);
-/// A loop: of a robot or of the plant.
-pub(crate) type LoopOf = (Option<RobotIndex>, Loop);
+/// A loop: its robot (`None`: the plant) and which.
+pub(crate) type LoopKey = (Option<RobotIndex>, Loop);
 
-/// Everything that the trace of a run says about messages and ticks, and what else it says.
+/// The trace of a run: messages, ticks, deadlines, and all other spans and events.
 #[derive(Debug, Clone, Default)]
 pub struct Log {
     pub(crate) sent: BTreeMap<Key, Sent>,
-    /// The receiver, and when the delay line gives it out (ns); `None`: lost.
+    /// The receiver, and when the delay line releases the message (ns); `None`: lost.
     pub(crate) arrived: BTreeMap<Key, (RobotIndex, Option<i64>)>,
-    /// The receiver's outer tick (ns), and what became of the message there.
+    /// When the receiver's outer tick was due (ns), and what became of the message there.
     pub(crate) taken: BTreeMap<Key, (i64, Fate)>,
     pub(crate) outer: BTreeMap<Tick, Outer>,
     pub(crate) inner: BTreeMap<Tick, Inner>,
-    /// By the inner tick that asked for it: when the plant took the torque up (ns).
+    /// By the inner tick that requested the torque: when the plant applied it (ns).
     pub(crate) applied: BTreeMap<Tick, i64>,
-    /// The first inner tick that obeys an outer tick, by the outer tick (ns).
+    /// By outer tick: when the first inner tick that follows its set-points was due (ns).
     pub(crate) first_inner: BTreeMap<Tick, i64>,
     /// When agents died (ns).
     pub(crate) deaths: Vec<Tick>,
-    /// The ticks of each loop on the wall clock: when due, begun and done (ns).
-    pub(crate) deadlines: BTreeMap<LoopOf, Vec<[i64; 3]>>,
-    /// Ticks that were done too late.
-    pub(crate) missed: BTreeMap<LoopOf, u64>,
-    /// What is about no way and no tick.
+    /// The ticks of each loop on the wall clock: due, begun and ended (ns).
+    pub(crate) deadlines: BTreeMap<LoopKey, Vec<[i64; 3]>>,
+    /// Number of missed deadlines of each loop.
+    pub(crate) missed: BTreeMap<LoopKey, u64>,
+    /// Spans and events that belong to no message and no tick.
     pub(crate) notes: Vec<Note>,
 }
 
-/// A span or event that is about no way and no tick.
+/// A span or event that belongs to no message and no tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// Who told it.
+    /// The process that recorded it.
     pub process: String,
     /// Its name.
     pub name: String,
     /// When it began (ns).
     pub begin_ns: i64,
-    /// When it closed (ns); none for an event.
+    /// When it closed (ns); `None` for an event.
     pub end_ns: Option<i64>,
-    /// What else it says.
+    /// Its other fields.
     pub fields: serde_json::Map<String, serde_json::Value>,
 }
 
-/// A sending.
+/// A message as sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Sent {
     pub(crate) to: RobotIndex,
@@ -68,7 +68,7 @@ pub(crate) struct Sent {
 pub(crate) struct Outer {
     pub(crate) began_ns: i64,
     pub(crate) done_ns: i64,
-    /// The number of the message from the robot ahead that it goes by.
+    /// Sequence number of the message from the robot ahead that it uses.
     pub(crate) message: Option<u32>,
 }
 
@@ -80,7 +80,7 @@ pub(crate) struct Inner {
 }
 
 impl Log {
-    /// The log of these steps, in any order.
+    /// A log of these steps, given in any order.
     pub fn new(steps: impl IntoIterator<Item = Step>) -> Self {
         let mut log = Self::default();
         for step in steps {
@@ -89,13 +89,37 @@ impl Log {
         log
     }
 
-    /// Takes in something that is about no way and no tick.
+    /// Adds a span or event that belongs to no message and no tick.
     pub fn note(&mut self, note: Note) {
         self.notes.push(note);
     }
 
-    /// Takes in a step.
+    /// Adds a step.
     pub fn take(&mut self, step: Step) {
+        match step {
+            Step::Sent { .. } | Step::Arrived { .. } | Step::Taken { .. } => {
+                self.take_message(step)
+            }
+            Step::Outer { .. } | Step::Inner { .. } | Step::Applied { .. } => self.take_tick(step),
+            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
+            Step::Deadline {
+                robot,
+                of,
+                due_ns,
+                began_ns,
+                done_ns,
+                missed,
+            } => {
+                let key = (robot, of);
+                let times_ns = [due_ns, began_ns, done_ns];
+                self.deadlines.entry(key).or_default().push(times_ns);
+                *self.missed.entry(key).or_default() += u64::from(missed);
+            }
+        }
+    }
+
+    /// Adds a step of a message on its link.
+    fn take_message(&mut self, step: Step) {
         match step {
             Step::Sent {
                 from,
@@ -131,6 +155,13 @@ impl Log {
             } => {
                 self.taken.insert((from, seq), (tick_ns, fate));
             }
+            _ => {}
+        }
+    }
+
+    /// Adds a tick, or the application of its torque.
+    fn take_tick(&mut self, step: Step) {
+        match step {
             Step::Outer {
                 robot,
                 due_ns,
@@ -165,24 +196,11 @@ impl Log {
                 let first = self.applied.entry((robot, tick_ns)).or_insert(taken_ns);
                 *first = taken_ns.min(*first);
             }
-            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
-            Step::Deadline {
-                robot,
-                of,
-                due_ns,
-                began_ns,
-                done_ns,
-                missed,
-            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
+            _ => {}
         }
     }
 
-    fn take_deadline(&mut self, of: LoopOf, times_ns: [i64; 3], missed: bool) {
-        self.deadlines.entry(of).or_default().push(times_ns);
-        *self.missed.entry(of).or_default() += u64::from(missed);
-    }
-
-    /// Whom robot `to` hears: the sender of the messages that came to it.
+    /// The robot that each robot receives messages from.
     pub(crate) fn sender_to(&self) -> BTreeMap<RobotIndex, RobotIndex> {
         let heard = self.arrived.iter().map(|(key, (to, _))| (*to, key.0));
         let sent = self.sent.iter().map(|(key, sent)| (sent.to, key.0));

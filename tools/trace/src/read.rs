@@ -1,4 +1,4 @@
-//! A recording's trace.
+//! Reads the trace of a recording.
 
 use std::path::Path;
 
@@ -6,46 +6,46 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_bus::trace::{self, TraceError, TraceRecord, Value};
 use slipstream_recording::{InputError, Result, read_trace};
 
-use crate::answer::Names;
 use crate::log::{Log, Note};
+use crate::names::Names;
 use crate::step::Step;
 
-/// A recording's trace, and what was lost of it.
+/// A recording's trace, and warnings about what could not be read.
 #[derive(Debug, Clone)]
 pub struct Reading {
     /// The robots' names, by their index.
     pub robots: Vec<String>,
-    /// What the records say.
+    /// The trace.
     pub log: Log,
-    /// One line for each thing that the reader should know.
+    /// Warnings for the user, one line each.
     pub warnings: Vec<String>,
 }
 
 impl Reading {
-    /// A robot's name.
+    /// The name of a robot.
     pub fn name_of(&self, robot: RobotIndex) -> String {
         Names(&self.robots).of(robot)
     }
 }
 
-/// Reads the trace of a run's MCAP file, also of a damaged one as far as it is whole.
+/// Reads the trace of a run's MCAP file; of a damaged file it reads what is intact.
 ///
 /// # Errors
-/// When the file cannot be read, is no MCAP file, or holds no trace that this program can read.
+/// The file cannot be read, is not an MCAP file, or holds no trace in a format known here.
 pub fn read(path: &Path) -> Result<Reading> {
     let mut pieces: Vec<Vec<u8>> = Vec::new();
-    let mut refused = None;
+    let mut rejected = None;
     let file = read_trace(path, &mut |bytes| match trace::read(bytes, |_| {}) {
         Ok(()) => {
             pieces.push(bytes.to_vec());
             true
         }
         Err(why) => {
-            refused.get_or_insert(why);
+            rejected.get_or_insert(why);
             false
         }
     })?;
-    if let Some(why) = refused {
+    if let Some(why) = rejected {
         let remedy = match why {
             TraceError::OtherFormat => "record it again, or read it with the version that wrote it",
             TraceError::Damaged => "record it again",
@@ -54,12 +54,12 @@ pub fn read(path: &Path) -> Result<Reading> {
     }
     let mut log = Log::default();
     for piece in &pieces {
-        // Each was read before.
-        let _ = trace::read(piece, |record| take(&mut log, &record, &file.robots));
+        // This piece has been read once without an error.
+        let _ = trace::read(piece, |record| add(&mut log, &record, &file.robots));
     }
     if log.sent.is_empty() && log.inner.is_empty() {
         let remedy = "record with RUST_LOG=slipstream=debug, or without RUST_LOG";
-        let problem = "its trace holds no ticks and no messages".to_owned();
+        let problem = "the trace holds neither ticks nor messages".to_owned();
         return Err(InputError::file(path, problem, remedy).into());
     }
     let loss = file.loss;
@@ -71,10 +71,10 @@ pub fn read(path: &Path) -> Result<Reading> {
     })
 }
 
-fn take(log: &mut Log, record: &TraceRecord<'_>, robots: &[String]) {
+fn add(log: &mut Log, record: &TraceRecord<'_>, robots: &[String]) {
     let robot_of = |process: &str| {
-        let place = robots.iter().position(|robot| robot == process)?;
-        RobotIndex::try_from(place).ok()
+        let index = robots.iter().position(|robot| robot == process)?;
+        RobotIndex::try_from(index).ok()
     };
     if let Some(step) = Step::of(record, robot_of) {
         log.take(step);

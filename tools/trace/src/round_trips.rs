@@ -1,11 +1,11 @@
-//! The delays of a run's links as round trips (rtt.csv), to be replayed as link delay.
+//! The delays of a run's links as round-trip times (`rtt.csv`), to be replayed with `links.trace`.
 
 use std::fmt::Write as _;
 
 use slipstream_bus::message::RobotIndex;
 
+use crate::chain::{Message, by_link, follow};
 use crate::log::Log;
-use crate::way::{Message, by_link, follow};
 
 /// One link's messages as an rtt.csv.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,16 +14,17 @@ pub struct RoundTrips {
     pub from: RobotIndex,
     /// The receiver's index.
     pub to: RobotIndex,
-    /// The file: each message's delay is half of its row; the row of a lost one is empty.
+    /// Content of the file: each message's delay is half of its `rtt_ms`, which is empty for a lost
+    /// message.
     pub csv: String,
 }
 
-/// The round trips that give each link's delays again, to the nanosecond, when they are replayed
-/// with `links.delay_s=0`.
+/// Round-trip times that reproduce each link's delays to the nanosecond when they are replayed with
+/// `links.delay_s=0`.
 pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
-    // What never came to the link has no delay that could be replayed.
-    let came = |message: &Message| log.arrived.contains_key(&(message.from, message.seq));
-    let messages = follow(log).into_iter().filter(came);
+    // A message that never reached the link has no delay to replay.
+    let arrived = |message: &Message| log.arrived.contains_key(&(message.from, message.seq));
+    let messages = follow(log).into_iter().filter(arrived);
     by_link(messages.map(|message| (message.link(), message)))
         .into_iter()
         .map(|((from, to), messages)| RoundTrips {
@@ -34,10 +35,10 @@ pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
         .collect()
 }
 
-/// Writing to a string cannot fail.
 fn csv(messages: &[Message]) -> String {
     let mut text = "seq,rtt_ms\n".to_owned();
     for message in messages {
+        // Writing to a string cannot fail.
         let _ = match message.delay_ns {
             Some(delay_ns) => {
                 let rtt_ns = delay_ns.max(0).unsigned_abs() * 2;

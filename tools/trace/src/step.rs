@@ -1,10 +1,10 @@
-//! What a record of the trace says about a position's way or a loop.
+//! Steps: the trace records about messages and loops, as typed values.
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
 use slipstream_bus::trace::{TraceRecord, Value};
 
-/// One step of a position's way, or a loop's deadline. Times in ns of the run's clock.
+/// One event in a message's chain, or the deadline of a loop. Times are in ns of the run's clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
     /// An outer tick.
@@ -13,11 +13,11 @@ pub enum Step {
         robot: RobotIndex,
         /// When it was due.
         due_ns: i64,
-        /// When it ran: encoders and arrived messages were in hand.
+        /// When it began, with encoders and arrived messages read.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// The number of the message from the robot ahead that it goes by.
+        /// Sequence number of the message from the robot ahead that it uses.
         message: Option<u32>,
     },
     /// An inner tick.
@@ -26,71 +26,71 @@ pub enum Step {
         robot: RobotIndex,
         /// When it was due.
         due_ns: i64,
-        /// When it ran.
+        /// When it began.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// The outer tick whose set-points it obeys.
+        /// The outer tick whose set-points it follows: when that was due.
         outer_ns: i64,
     },
-    /// A position went out.
+    /// A position message was sent.
     Sent {
         /// The sender.
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// Counts the sender's messages.
+        /// Sequence number, counted by the sender.
         seq: u32,
         /// When the encoders behind it were read.
         sampled_ns: i64,
-        /// The sender's outer tick.
+        /// When the sender's outer tick was due.
         tick_ns: i64,
         /// When it was handed to the bus.
         sent_ns: i64,
         /// When the bus had it ready for the receiver.
         queued_ns: i64,
     },
-    /// A position came to the receiver's delay line.
+    /// A position message reached the receiver's delay line.
     Arrived {
         /// The sender.
         from: RobotIndex,
         /// The receiver.
         to: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// When the line gives it out; `None`: it is lost.
+        /// When the delay line releases it; `None` if it is lost.
         available_ns: Option<i64>,
     },
-    /// A position left the delay line at an outer tick.
+    /// A position message left the delay line at an outer tick.
     Taken {
         /// The sender.
         from: RobotIndex,
-        /// The message's number.
+        /// Sequence number of the message.
         seq: u32,
-        /// The receiver's outer tick.
+        /// When the receiver's outer tick was due.
         tick_ns: i64,
         /// What became of it.
         fate: Fate,
     },
-    /// The plant took a torque up.
+    /// The plant applied a torque.
     Applied {
         /// The robot.
         robot: RobotIndex,
-        /// The inner tick that asked for it.
+        /// When the inner tick that requested it was due.
         tick_ns: i64,
-        /// When.
+        /// When it was applied.
         taken_ns: i64,
     },
     /// A robot's agent died.
     Died {
         /// The robot.
         robot: RobotIndex,
-        /// When.
+        /// When it died.
         t_ns: i64,
     },
-    /// A loop on the wall clock met its deadline, or missed it.
+    /// A loop on the wall clock met or missed its deadline.
     Deadline {
-        /// Whose loop: a robot's or the plant's.
+        /// The robot whose loop it is; `None` for the plant.
         robot: Option<RobotIndex>,
         /// Which loop.
         of: Loop,
@@ -98,9 +98,9 @@ pub enum Step {
         due_ns: i64,
         /// When it began.
         began_ns: i64,
-        /// When it was done.
+        /// When it ended.
         done_ns: i64,
-        /// Whether that was after the next one was due.
+        /// Whether it ended after the next tick was due.
         missed: bool,
     },
 }
@@ -108,7 +108,7 @@ pub enum Step {
 /// A loop of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Loop {
-    /// The plant's.
+    /// The plant's time step.
     Step,
     /// A robot's inner loop.
     Inner,
@@ -117,7 +117,7 @@ pub enum Loop {
 }
 
 impl Loop {
-    /// Its name.
+    /// Its name: `step`, `inner` or `outer`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Step => "step",
@@ -133,69 +133,91 @@ impl Loop {
 }
 
 impl Step {
-    /// What a record says; `None` where it is about something else. `robot_of` finds a robot by the
+    /// The step that a record describes; `None` if it describes none. `robot_of` finds a robot by the
     /// name of its process.
     pub fn of(
         record: &TraceRecord<'_>,
         robot_of: impl Fn(&str) -> Option<RobotIndex>,
     ) -> Option<Self> {
+        match &*record.name {
+            "sent" | "arrived" | "taken" => Self::of_message(record),
+            "outer" | "inner" | "applied" | "died" => Self::of_robot(record),
+            "deadline" => Some(Self::Deadline {
+                robot: robot_of(&record.process),
+                of: Loop::named(record.text("of")?)?,
+                due_ns: record.begin_ns,
+                began_ns: record.int("began_ns")?,
+                done_ns: record.int("done_ns")?,
+                missed: record.field("missed") == Some(&Value::Bool(true)),
+            }),
+            _ => None,
+        }
+    }
+
+    /// A step of a message on its link.
+    fn of_message(record: &TraceRecord<'_>) -> Option<Self> {
         let int = |name: &str| record.int(name);
-        let number = |name: &str| u32::try_from(int(name)?).ok();
-        let begin_ns = record.begin_ns;
         Some(match &*record.name {
-            "outer" => Self::Outer {
-                robot: number("robot")?,
-                due_ns: int("due_ns")?,
-                began_ns: begin_ns,
-                done_ns: record.end_ns?,
-                message: number("message"),
-            },
-            "inner" => Self::Inner {
-                robot: number("robot")?,
-                due_ns: int("due_ns")?,
-                began_ns: begin_ns,
-                done_ns: record.end_ns?,
-                outer_ns: int("outer_ns")?,
-            },
             "sent" => Self::Sent {
-                from: number("from")?,
-                to: number("to")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                to: number(record, "to")?,
+                seq: number(record, "seq")?,
                 sampled_ns: int("sampled_ns")?,
                 tick_ns: int("tick_ns")?,
                 sent_ns: int("sent_ns")?,
                 queued_ns: int("queued_ns")?,
             },
             "arrived" => Self::Arrived {
-                from: number("from")?,
-                to: number("to")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                to: number(record, "to")?,
+                seq: number(record, "seq")?,
                 available_ns: int("available_ns"),
             },
             "taken" => Self::Taken {
-                from: number("from")?,
-                seq: number("seq")?,
+                from: number(record, "from")?,
+                seq: number(record, "seq")?,
                 tick_ns: int("tick_ns")?,
                 fate: Fate::from_name(record.text("fate")?)?,
-            },
-            "applied" => Self::Applied {
-                robot: number("robot")?,
-                tick_ns: int("tick_ns")?,
-                taken_ns: begin_ns,
-            },
-            "died" => Self::Died {
-                robot: number("robot")?,
-                t_ns: begin_ns,
-            },
-            "deadline" => Self::Deadline {
-                robot: robot_of(&record.process),
-                of: Loop::named(record.text("of")?)?,
-                due_ns: begin_ns,
-                began_ns: int("began_ns")?,
-                done_ns: int("done_ns")?,
-                missed: record.field("missed") == Some(&Value::Bool(true)),
             },
             _ => return None,
         })
     }
+
+    /// A tick of a robot, the application of its torque, or its end.
+    fn of_robot(record: &TraceRecord<'_>) -> Option<Self> {
+        let int = |name: &str| record.int(name);
+        let robot = number(record, "robot")?;
+        let begin_ns = record.begin_ns;
+        Some(match &*record.name {
+            "outer" => Self::Outer {
+                robot,
+                due_ns: int("due_ns")?,
+                began_ns: begin_ns,
+                done_ns: record.end_ns?,
+                message: number(record, "message"),
+            },
+            "inner" => Self::Inner {
+                robot,
+                due_ns: int("due_ns")?,
+                began_ns: begin_ns,
+                done_ns: record.end_ns?,
+                outer_ns: int("outer_ns")?,
+            },
+            "applied" => Self::Applied {
+                robot,
+                tick_ns: int("tick_ns")?,
+                taken_ns: begin_ns,
+            },
+            "died" => Self::Died {
+                robot,
+                t_ns: begin_ns,
+            },
+            _ => return None,
+        })
+    }
+}
+
+/// A field that is an index or a sequence number.
+fn number(record: &TraceRecord<'_>, name: &str) -> Option<u32> {
+    u32::try_from(record.int(name)?).ok()
 }

@@ -1,9 +1,9 @@
-//! What holds for every log, whatever is in it.
+//! Properties that hold for every log, and the answer read back from its JSON.
 
 use slipstream_bus::record::Fate;
-use slipstream_trace::{Log, Loop, Step, answer};
+use slipstream_trace::{Answer, Log, Loop, Step, against, answer};
 
-/// Numbers without a pattern (an xorshift generator).
+/// A xorshift pseudo-random generator.
 struct Chance(u64);
 
 impl Chance {
@@ -15,7 +15,7 @@ impl Chance {
     }
 }
 
-/// Message `seq` from r1 to r2 with stages of any length; some ways end early.
+/// Adds message `seq` from r1 to r2 with stages of random length; some chains end early.
 fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
     let due_ns = i64::from(seq) * 50_000_000;
     let mut now_ns = due_ns;
@@ -75,7 +75,7 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
         done_ns: obeyed_ns,
         outer_ns: due_ns,
     });
-    // Now and then a torque that no plant took up.
+    // Some torques are never applied by the plant.
     if !seq.is_multiple_of(11) {
         log.take(Step::Applied {
             robot: to,
@@ -86,7 +86,7 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
 }
 
 #[test]
-fn a_million_sums_are_exact_and_no_message_is_missing() {
+fn stages_of_a_million_messages_add_up_and_every_message_is_counted() {
     let mut log = Log::default();
     let mut chance = Chance(1);
     let messages = 1_000_000;
@@ -126,9 +126,9 @@ fn a_million_sums_are_exact_and_no_message_is_missing() {
     assert_eq!((others.untold, others.receiver_died), (0, 0));
 }
 
-/// A receiver that died is told from a recording that ends.
+/// A dead receiver and the end of the recording are distinguished.
 #[test]
-fn a_death_is_told_from_the_end() {
+fn a_dead_receiver_differs_from_the_end_of_the_recording() {
     for (death_ns, died) in [(None, 0), (Some(5), 0), (Some(20), 1)] {
         let mut log = Log::default();
         log.take(Step::Sent {
@@ -148,9 +148,9 @@ fn a_death_is_told_from_the_end() {
     }
 }
 
-/// A damaged or hostile file may say anything; the answer is still an answer.
+/// A damaged or hostile file may contain any number; no computation overflows.
 #[test]
-fn no_time_and_no_robot_is_too_large() {
+fn extreme_times_and_robots_do_not_overflow() {
     let mut chance = Chance(7);
     for _ in 0..2000 {
         let mut log = Log::default();
@@ -166,7 +166,7 @@ fn no_time_and_no_robot_is_too_large() {
         let answer = answer(&log, &[]);
         let _ = slipstream_trace::timeline(&log, &[]);
         let _ = slipstream_trace::round_trips(&log);
-        let _ = slipstream_trace::against(&log, &log, &[]);
+        let _ = against(&log, &log, &[]);
         for hop in &answer.hops {
             let others = hop.incomplete;
             let counted = others.lost + others.stale + others.superseded + others.overwritten;
@@ -247,9 +247,34 @@ fn lateness_jitter_and_missed_deadlines_are_those_of_the_ticks() {
     }
     let answer = answer(&log, &[]);
     let figures = &answer.loops[0];
-    assert_eq!((&*figures.process, figures.name), ("plant", "step"));
+    assert_eq!((&*figures.process, &*figures.name), ("plant", "step"));
     assert_eq!((figures.ticks, figures.missed, figures.left_out), (4, 1, 1));
     assert_eq!((figures.late.p50_s, figures.late.max_s), (0.001, 0.003));
     let jitter = figures.jitter.unwrap();
     assert_eq!((jitter.p50_s, jitter.max_s), (0.002, 0.003));
+}
+
+/// The JSON of an answer, with and without a comparison, is read back as the same answer.
+#[test]
+fn an_answer_is_read_back_from_its_json() {
+    let log = |seed: u64| {
+        let mut log = Log::default();
+        let mut chance = Chance(seed);
+        for seq in 0..500 {
+            one_message(&mut log, seq, &mut chance);
+        }
+        log
+    };
+    let (here, other) = (log(3), log(5));
+    let plain = answer(&here, &[]);
+    let compared = Answer {
+        against: Some(against(&here, &other, &[])),
+        ..plain.clone()
+    };
+    for answer in [plain, compared] {
+        let text = serde_json::to_string(&answer).unwrap();
+        let again: Answer = serde_json::from_str(&text).unwrap();
+        assert_eq!(again, answer);
+        assert_eq!(serde_json::to_string(&again).unwrap(), text);
+    }
 }

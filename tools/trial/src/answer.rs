@@ -1,70 +1,70 @@
-//! What a diagnosis answered (its JSON), as far as a trial judges it.
+//! The answer of a diagnosis (its JSON), as far as a trial grades it.
 
 use serde::Deserialize;
 
-use crate::label::Verdict;
+use crate::label::DiagnosisVerdict;
 
 /// The answer.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Answer {
-    /// What it comes to.
-    pub verdict: Verdict,
-    /// What the model leaves out.
+pub struct DiagnosisAnswer {
+    /// Overall result.
+    pub verdict: DiagnosisVerdict,
+    /// Effects missing in the model.
     #[serde(default)]
-    pub findings: Vec<Finding>,
-    /// Prediction over 5 s, before and after.
+    pub findings: Vec<ReportedFinding>,
+    /// Prediction error over 5 s.
     #[serde(default)]
-    pub held_out: Option<HeldOut>,
+    pub held_out: Option<ReportedPrediction>,
 }
 
-/// One effect that was named, or `unknown`.
+/// One reported effect, or `unknown`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Finding {
-    /// Whose.
+pub struct ReportedFinding {
+    /// The robot.
     pub robot: String,
-    /// Its identity.
+    /// Id of the effect.
     pub effect: String,
-    /// How much.
+    /// Its parameters.
     #[serde(default)]
-    pub parameters: Vec<Parameter>,
-    /// Where and when.
+    pub parameters: Vec<ReportedParameter>,
+    /// Where and when it shows.
     #[serde(rename = "where")]
-    pub place: Place,
-    /// What it was said to be inseparable from.
+    pub location: ReportedLocation,
+    /// Effects that the answer declares indistinguishable from it.
     #[serde(default)]
     pub confused_with: Vec<String>,
-    /// On what an `unknown` depends.
+    /// The variable that an `unknown` effect depends on.
     #[serde(default)]
     pub driver: Option<String>,
 }
 
-/// A parameter with its interval, or a word.
+/// A parameter: a number with its interval, or a text.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Parameter {
+pub struct ReportedParameter {
     /// Its name.
     pub name: String,
     /// Its value.
     #[serde(default)]
     pub estimate: Option<f64>,
-    /// Where it lies with 95 % confidence; a bound that is null is not known.
+    /// 95 % confidence interval; null for an unknown bound.
     #[serde(default)]
     pub ci95: Option<[Option<f64>; 2]>,
-    /// Its value, where that is a word.
+    /// Value of a text parameter.
     #[serde(default)]
     pub text: Option<String>,
 }
 
-impl Parameter {
-    /// The 95 % interval, where both of its bounds are known.
+impl ReportedParameter {
+    /// The 95 % interval, if both bounds are known.
     pub fn interval(&self) -> Option<[f64; 2]> {
         let [low, high] = self.ci95?;
         Some([low?, high?])
     }
 }
 
-/// Where and when a finding shows.
+/// Channel and times of a finding.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
-pub struct Place {
+pub struct ReportedLocation {
     /// The channel.
     pub channel: String,
     /// When (s).
@@ -72,9 +72,9 @@ pub struct Place {
     pub intervals_s: Vec<[f64; 2]>,
 }
 
-/// Prediction over 5 s on data that was held back, in noise deviations.
+/// Prediction error over 5 s on held-out data, in standard deviations of the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct HeldOut {
+pub struct ReportedPrediction {
     /// With the nominal model.
     pub nrmse_before: Option<f64>,
     /// With the findings.
@@ -84,7 +84,7 @@ pub struct HeldOut {
 /// Reads an answer.
 ///
 /// # Errors
-/// What is no answer, in words.
-pub fn parse(text: &str) -> Result<Answer, String> {
+/// Why the text is not an answer.
+pub fn parse(text: &str) -> Result<DiagnosisAnswer, String> {
     serde_json::from_str(text).map_err(|error| error.to_string())
 }

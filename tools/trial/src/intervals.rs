@@ -1,6 +1,6 @@
-//! Sets of time: unions of intervals.
+//! Sets of times as unions of intervals.
 
-/// Disjoint intervals in order, the same set of times.
+/// The same set of times as disjoint intervals in order.
 pub(crate) fn union(intervals: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted: Vec<[f64; 2]> = intervals.iter().copied().filter(|[a, b]| b > a).collect();
     sorted.sort_by(|one, other| one[0].total_cmp(&other[0]));

@@ -1,4 +1,4 @@
-//! The truth about a case: what was concealed in its recording.
+//! Labels: the truth about a case, concealed from the diagnosis.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,88 +7,88 @@ use serde::{Deserialize, Serialize};
 
 use crate::TrialError;
 
-/// Labels by the name of the recording's folder, in the order of the names.
+/// Labels by the name of the recording's folder, ordered by name.
 pub type Labels = BTreeMap<String, Label>;
 
-/// What one recording holds. Keys that are not listed here are notes.
+/// The truth about one recording. Keys not listed here are notes and ignored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Label {
-    /// What a right diagnosis says.
-    pub verdict: Verdict,
-    /// The nominal model, relative to the labels' folder.
+    /// Verdict of a correct diagnosis.
+    pub verdict: DiagnosisVerdict,
+    /// File of the nominal model, relative to the folder of the labels.
     pub robot_toml: String,
-    /// What drew the case: `single`, `pair`, `null`, `outside`, …; empty where nobody said.
+    /// Kind of case: `single`, `pair`, `null`, `outside`, …; may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kind: String,
-    /// How the case was made, for people.
+    /// How the case was made, for human readers.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub notes: BTreeMap<String, String>,
-    /// Effects that the diagnosis gets its catalogue without.
+    /// Effects removed from the catalogue of the diagnosis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<String>,
-    /// Effects of the vocabulary that the recording has and the model leaves out.
+    /// Effects of the vocabulary that are in the recording but not in the model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub effects: Vec<Hidden>,
+    pub effects: Vec<ConcealedEffect>,
     /// Physics outside the vocabulary.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub unknown: Option<Unknown>,
+    pub unknown: Option<UnknownPhysics>,
 }
 
 /// The verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// Nothing beyond the noise.
+pub enum DiagnosisVerdict {
+    /// Nothing beyond the noise was found.
     Match,
-    /// What was found explains the recording.
+    /// The findings explain the recording.
     Explained,
-    /// Something significant remains.
+    /// Something significant remains unexplained.
     Unexplained,
 }
 
-/// One effect of the vocabulary.
+/// An effect of the vocabulary that is concealed in a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Hidden {
-    /// Its identity.
+pub struct ConcealedEffect {
+    /// Id of the effect.
     pub effect: String,
-    /// Whose.
+    /// The robot.
     pub robot: String,
     /// Its true parameters.
-    pub parameters: BTreeMap<String, Value>,
-    /// Channels any of which is right.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// Channels, each of which is a correct answer.
     pub channels: Vec<String>,
-    /// Effects that this recording cannot tell from it.
+    /// Effects that cannot be distinguished from it in this recording.
     #[serde(default)]
     pub confusions: Vec<String>,
-    /// When it was at work (s); empty: always.
+    /// When it acted (s); empty if always.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub intervals_s: Vec<[f64; 2]>,
-    /// Nats by which the true model beats the model without this effect, in expectation.
+    /// Expected log-likelihood gain (nats) of the true model over the model without this effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
-    /// Smallest deviation that any estimator can have, by parameter (Cramér and Rao).
+    /// Smallest possible standard deviation of each parameter (Cramér-Rao bound).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub deviations: BTreeMap<String, f64>,
 }
 
 /// Physics outside the vocabulary.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Unknown {
-    /// Whose.
+pub struct UnknownPhysics {
+    /// The robot.
     pub robot: String,
-    /// What it is.
+    /// Name of its kind.
     pub kind: String,
     /// Its true parameters.
     #[serde(default)]
-    pub parameters: BTreeMap<String, Value>,
-    /// Channels any of which is right.
+    pub parameters: BTreeMap<String, ParameterValue>,
+    /// Channels, each of which is a correct answer.
     pub channels: Vec<String>,
-    /// Variables any of which is right.
+    /// Drivers, each of which is a correct answer.
     pub driver: Vec<String>,
-    /// When it was at work (s); empty: always.
+    /// When it acted (s); empty if always.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub intervals_s: Vec<[f64; 2]>,
-    /// Nats by which the true model beats the model without it, in expectation.
+    /// Expected log-likelihood gain (nats) of the true model over the model without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected_gain: Option<f64>,
 }
@@ -96,17 +96,17 @@ pub struct Unknown {
 /// A parameter's value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Value {
-    /// In the unit that the parameter's name carries.
+pub enum ParameterValue {
+    /// In the unit that ends the parameter's name.
     Number(f64),
-    /// Such as the name of a stream.
+    /// For example the name of a stream.
     Text(String),
 }
 
 /// Reads a file of labels.
 ///
 /// # Errors
-/// A file that cannot be read, or is no file of labels: with line and remedy.
+/// A file that cannot be read or does not contain labels; names the line and the remedy.
 pub fn read(path: &Path) -> Result<Labels, TrialError> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         let remedy = "give a file of labels such as `slipstream trial --out FOLDER` writes";
@@ -115,7 +115,7 @@ pub fn read(path: &Path) -> Result<Labels, TrialError> {
     parse(&text, path)
 }
 
-/// Parses the text of a file of labels; `path` is only for errors.
+/// Parses the text of a file of labels; `path` is used in errors only.
 ///
 /// # Errors
 /// As [`read`].
@@ -130,7 +130,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Labels, TrialError> {
         TrialError::unusable(
             place,
             error.message(),
-            "give each case as the README of trial says",
+            "see the section on labels in tools/trial/README.md",
         )
     })?;
     match labels
@@ -146,10 +146,10 @@ pub fn parse(text: &str, path: &Path) -> Result<Labels, TrialError> {
     }
 }
 
-/// The text of a file of labels: reading it again gives the same labels.
+/// The text of a file of labels; reading it gives the same labels.
 ///
 /// # Errors
-/// None that a label can cause: numbers, texts and lists are all that it holds.
+/// None in practice: labels hold only numbers, texts and lists.
 pub fn to_text(labels: &Labels) -> Result<String, toml::ser::Error> {
     toml::to_string(labels)
 }
@@ -174,15 +174,18 @@ intervals_s = [[1.0, 2.5]]
     #[test]
     fn labels_are_read_and_written() {
         let labels = parse(TEXT, Path::new("labels.toml")).unwrap();
-        let hidden = &labels["a-01"].effects[0];
-        assert_eq!(hidden.parameters["rate"], Value::Number(1.0));
-        assert_eq!(hidden.parameters["stream"], Value::Text("pose".to_owned()));
+        let concealed = &labels["a-01"].effects[0];
+        assert_eq!(concealed.parameters["rate"], ParameterValue::Number(1.0));
+        assert_eq!(
+            concealed.parameters["stream"],
+            ParameterValue::Text("pose".to_owned())
+        );
         let again = parse(&to_text(&labels).unwrap(), Path::new("again.toml")).unwrap();
         assert_eq!(again, labels);
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_line() {
+    fn an_error_names_its_line() {
         let error = parse(&TEXT.replace("robot = \"r1\"\n", ""), Path::new("l.toml")).unwrap_err();
         let words = error.to_string();
         assert!(

@@ -1,20 +1,20 @@
-//! Labels that nobody can change after the fact: a commitment is published before, the label after.
+//! Commitments: the hash of a label is published before the trial, the label afterwards.
 
 use std::fmt::Write as _;
 
 use sha2::{Digest, Sha256};
 
-/// A label under seal.
+/// A sealed label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sealed {
-    /// What keeps the commitment from being guessed.
+    /// Random text that prevents guessing the label from its commitment.
     pub nonce: String,
     /// The label, as text.
     pub text: String,
 }
 
 impl Sealed {
-    /// SHA-256 of nonce, a line feed and text, in hexadecimal digits.
+    /// SHA-256 of the nonce, a line feed and the text, in hexadecimal digits.
     pub fn commitment(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(self.nonce.as_bytes());
@@ -23,7 +23,7 @@ impl Sealed {
         hash.finalize()
             .iter()
             .fold(String::new(), |mut digits, byte| {
-                // writing to a text cannot fail
+                // Writing to a string cannot fail.
                 let _ = write!(digits, "{byte:02x}");
                 digits
             })
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_commitment_is_a_plain_sha_256() {
+    fn a_commitment_is_the_sha_256_of_nonce_and_text() {
         let sealed = Sealed {
             nonce: "a".to_owned(),
             text: "b\n".to_owned(),

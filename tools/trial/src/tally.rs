@@ -1,124 +1,127 @@
-//! Many marks together.
+//! The results of a trial, summed up over its cases.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use crate::grade::{CaseScore, ParameterScore, TrialGrade};
 use crate::label::Label;
-use crate::mark::{Mark, Outcome};
 
-/// How a trial went (`--json`).
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Report {
-    /// Version of this form.
+/// The result of a trial (`--json`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct TrialReport {
+    /// Version of this format.
     pub format: u32,
-    /// How many cases.
+    /// Number of cases.
     pub cases: usize,
-    /// Of those, the ones in which nothing was concealed.
+    /// Number of cases with nothing concealed.
     pub nulls: usize,
-    /// Everything right.
+    /// Cases graded exact.
     pub exact: usize,
-    /// Effects and robots right, a parameter, an interval or a channel not.
+    /// Cases graded inexact.
     pub inexact: usize,
-    /// A declared look-alike was named.
+    /// Cases with a declared look-alike reported.
     pub look_alike: usize,
-    /// Flagged as unknown, where the vocabulary has it.
+    /// Cases with an effect of the vocabulary reported as unknown.
     pub flagged: usize,
-    /// Not found.
+    /// Cases with an effect not found.
     pub missed: usize,
-    /// Named what is not there.
+    /// Cases with a wrong effect reported.
     pub wrong: usize,
-    /// Named or flagged something where nothing is.
+    /// Cases with something reported although nothing is there.
     pub false_alarms: usize,
-    /// No answer.
+    /// Cases without an answer.
     pub failed: usize,
-    /// What drew the cases → outcome → how often.
-    pub kinds: BTreeMap<String, BTreeMap<&'static str, usize>>,
-    /// What was there → what was named → how often.
+    /// Kind of case → grade → count.
+    pub kinds: BTreeMap<String, BTreeMap<Cow<'static, str>, usize>>,
+    /// True effect → reported effect → count.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
-    /// Share of the 95 % intervals that hold the truth; null without any.
+    /// Share of the 95 % intervals that contain the true value; null without any.
     pub coverage95: Option<f64>,
-    /// Root mean square of parameter errors, in the deviations that the answers state.
+    /// Root mean square of the parameter errors, in standard deviations as stated by the answers.
     pub error_over_stated: Option<f64>,
     /// The same in the smallest deviations possible, where the labels have them.
     pub error_over_least: Option<f64>,
-    /// Median of parameter errors in proportion to the truth.
+    /// Median of the relative parameter errors.
     pub median_relative_error: Option<f64>,
-    /// Median of the prediction error after, in proportion to before, where something was named.
+    /// Median ratio of the prediction error with the findings to that of the nominal model, over cases with
+    /// findings.
     pub held_out_ratio: Option<f64>,
-    /// Found and missed by size.
-    pub detection: Vec<Detection>,
-    /// Median and largest time for one diagnosis (s).
+    /// Identified and missed effects by size.
+    pub detection: Vec<DetectionRate>,
+    /// Median and largest duration of a diagnosis (s).
     pub seconds: [f64; 2],
-    /// SHA-256 of each sealed label with its nonce.
+    /// Commitment of each case: SHA-256 of nonce and label.
     pub commitments: Vec<String>,
-    /// Each case.
-    pub each: Vec<Entry>,
+    /// All cases.
+    pub each: Vec<ScoredCase>,
 }
 
-/// One case in the report.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Entry {
+/// One case with its score.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScoredCase {
     /// Its name.
     pub case: String,
-    /// What drew it.
+    /// Kind of case.
     pub kind: String,
-    /// How it went.
+    /// Its score.
     #[serde(flatten)]
-    pub mark: Mark,
-    /// What was there.
+    pub score: CaseScore,
+    /// Its label.
     pub label: Label,
-    /// How long the diagnosis took (s).
+    /// Duration of the diagnosis (s).
     pub seconds: f64,
 }
 
-/// Effects of one size, by the expected gain of the true model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Detection {
-    /// From this many nats on, up to four times as many.
+/// Detection of the effects of one size, by the expected gain of the true model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DetectionRate {
+    /// Lower bound of the expected gain (nats); the upper bound is four times as large.
     pub from_gain: f64,
-    /// How many there were.
+    /// Number of effects.
     pub effects: usize,
-    /// How many were named right.
+    /// Number identified.
     pub named: usize,
-    /// How many were taken for a declared look-alike.
+    /// Number taken for a declared look-alike.
     pub look_alike: usize,
-    /// How many were not found.
+    /// Number not found.
     pub missed: usize,
 }
 
-/// Adds up.
-pub fn tally(each: Vec<Entry>, commitments: Vec<String>) -> Report {
+/// Sums up the cases of a trial.
+pub fn tally(each: Vec<ScoredCase>, commitments: Vec<String>) -> TrialReport {
     let count = |outcome| {
         each.iter()
-            .filter(|entry| entry.mark.outcome == outcome)
+            .filter(|entry| entry.score.grade == outcome)
             .count()
     };
-    let parameters = || each.iter().flat_map(|entry| &entry.mark.parameters);
+    let parameters = || each.iter().flat_map(|entry| &entry.score.parameters);
     let covered: Vec<bool> = parameters().filter_map(|p| p.covered).collect();
     let hits = covered.iter().filter(|covered| **covered).count();
-    let relative = |p: &crate::mark::ParameterMark| {
-        (p.truth != 0.0).then(|| ((p.estimate - p.truth) / p.truth).abs())
-    };
+    let relative =
+        |p: &ParameterScore| (p.truth != 0.0).then(|| ((p.estimate - p.truth) / p.truth).abs());
     let named = each
         .iter()
-        .filter(|entry| entry.mark.pairs.iter().any(|[_, said]| said != "none"));
-    let ratio = named.filter_map(|entry| entry.mark.held_out.map(|[before, after]| after / before));
+        .filter(|entry| entry.score.pairs.iter().any(|[_, said]| said != "none"));
+    let ratio =
+        named.filter_map(|entry| entry.score.held_out.map(|[before, after]| after / before));
     let mut seconds: Vec<f64> = each.iter().map(|entry| entry.seconds).collect();
     seconds.sort_by(f64::total_cmp);
-    let nothing = |entry: &&Entry| entry.label.effects.is_empty() && entry.label.unknown.is_none();
-    Report {
+    let nothing =
+        |entry: &&ScoredCase| entry.label.effects.is_empty() && entry.label.unknown.is_none();
+    TrialReport {
         format: 1,
         cases: each.len(),
         nulls: each.iter().filter(nothing).count(),
-        exact: count(Outcome::Exact),
-        inexact: count(Outcome::Inexact),
-        look_alike: count(Outcome::LookAlike),
-        flagged: count(Outcome::Flagged),
-        missed: count(Outcome::Missed),
-        wrong: count(Outcome::Wrong),
-        false_alarms: count(Outcome::FalseAlarm),
-        failed: count(Outcome::Failed),
+        exact: count(TrialGrade::Exact),
+        inexact: count(TrialGrade::Inexact),
+        look_alike: count(TrialGrade::LookAlike),
+        flagged: count(TrialGrade::Flagged),
+        missed: count(TrialGrade::Missed),
+        wrong: count(TrialGrade::Wrong),
+        false_alarms: count(TrialGrade::FalseAlarm),
+        failed: count(TrialGrade::Failed),
         kinds: kinds(&each),
         confusion: confusion(&each),
         coverage95: (!covered.is_empty()).then(|| hits as f64 / covered.len() as f64),
@@ -136,18 +139,18 @@ pub fn tally(each: Vec<Entry>, commitments: Vec<String>) -> Report {
     }
 }
 
-fn kinds(each: &[Entry]) -> BTreeMap<String, BTreeMap<&'static str, usize>> {
-    let mut kinds: BTreeMap<String, BTreeMap<&str, usize>> = BTreeMap::new();
+fn kinds(each: &[ScoredCase]) -> BTreeMap<String, BTreeMap<Cow<'static, str>, usize>> {
+    let mut kinds: BTreeMap<String, BTreeMap<Cow<'static, str>, usize>> = BTreeMap::new();
     for entry in each {
-        let outcomes = kinds.entry(entry.kind.clone()).or_default();
-        *outcomes.entry(entry.mark.outcome.name()).or_default() += 1;
+        let grades = kinds.entry(entry.kind.clone()).or_default();
+        *grades.entry(entry.score.grade.name().into()).or_default() += 1;
     }
     kinds
 }
 
-fn confusion(each: &[Entry]) -> BTreeMap<String, BTreeMap<String, usize>> {
+fn confusion(each: &[ScoredCase]) -> BTreeMap<String, BTreeMap<String, usize>> {
     let mut confusion: BTreeMap<String, BTreeMap<String, usize>> = BTreeMap::new();
-    for [truth, said] in each.iter().flat_map(|entry| &entry.mark.pairs) {
+    for [truth, said] in each.iter().flat_map(|entry| &entry.score.pairs) {
         *confusion
             .entry(truth.clone())
             .or_default()
@@ -157,17 +160,17 @@ fn confusion(each: &[Entry]) -> BTreeMap<String, BTreeMap<String, usize>> {
     confusion
 }
 
-/// Effects of known size, in steps of a factor of four (a factor of two in the parameter).
-fn detection(each: &[Entry]) -> Vec<Detection> {
-    let mut steps: BTreeMap<i32, Detection> = BTreeMap::new();
+/// Effects of known size, in bins of a factor of four in the gain (a factor of two in the parameter).
+fn detection(each: &[ScoredCase]) -> Vec<DetectionRate> {
+    let mut steps: BTreeMap<i32, DetectionRate> = BTreeMap::new();
     for entry in each {
-        // the pairs of what is there come first, in the label's order
-        for (hidden, [truth, said]) in entry.label.effects.iter().zip(&entry.mark.pairs) {
-            let Some(gain) = hidden.expected_gain.filter(|gain| *gain > 0.0) else {
+        // The pairs of the true effects come first, in the order of the label.
+        for (concealed, [truth, said]) in entry.label.effects.iter().zip(&entry.score.pairs) {
+            let Some(gain) = concealed.expected_gain.filter(|gain| *gain > 0.0) else {
                 continue;
             };
             let step = gain.log(4.0).floor();
-            let at = steps.entry(step as i32).or_insert(Detection {
+            let at = steps.entry(step as i32).or_insert(DetectionRate {
                 from_gain: 4f64.powf(step),
                 effects: 0,
                 named: 0,
@@ -207,7 +210,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn medians_and_means_are_what_they_are_called() {
+    fn median_and_rms() {
         assert_eq!(median([3.0, 1.0].into_iter()), Some(2.0));
         assert_eq!(median([5.0, 3.0, 1.0].into_iter()), Some(3.0));
         assert_eq!(median(std::iter::empty()), None);

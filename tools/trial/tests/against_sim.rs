@@ -1,4 +1,4 @@
-//! Two simulators that share nothing agree on every effect. A disagreement is a fault of one of them.
+//! Two independent simulators agree on every effect. A disagreement is a fault of one of them.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -7,12 +7,12 @@
 
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot};
-use slipstream_trial::plant::{Commands, Physics, Plant, Quantity};
+use slipstream_trial_plant::{Commands, Physics, Plant, Quantity};
 
 const HOLD_S: f64 = 0.02;
 const START: [f64; 3] = [0.1, -0.2, 0.3];
 
-/// Starts, turns, brakes, reverses, stands; [right, left] between −1 and 1.
+/// Starts, turns, brakes, reverses and stands still; [right, left] between −1 and 1.
 fn profile(k: usize) -> [f64; 2] {
     let t = k as f64 * HOLD_S;
     if (t / 1.7) as usize % 4 == 3 {
@@ -23,15 +23,20 @@ fn profile(k: usize) -> [f64; 2] {
     [right, left]
 }
 
-/// Largest difference of position (m) and of the encoders' angles (rad), over 8 s. `sim` takes steps
-/// of 0.25 ms here: at 1 ms its smooth forces are off by some micrometres.
-fn apart(model: &RobotModel, quantity: Quantity, size: f64) -> [f64; 2] {
+/// The largest difference of position (m) and of the encoder angles (rad) over 8 s. `sim` takes steps of
+/// 0.25 ms here, because at 1 ms the error of its smooth forces is some micrometres.
+fn difference(model: &RobotModel, quantity: Quantity, size: f64) -> [f64; 2] {
     let rows = 0..400usize;
     let rows = rows.map(|k| (k as f64 * HOLD_S, profile(k).map(|u| u * size)));
-    apart_under(model, quantity, rows.collect())
+    difference_under(model, quantity, rows.collect())
 }
 
-fn apart_under(model: &RobotModel, quantity: Quantity, rows: Vec<(f64, [f64; 2])>) -> [f64; 2] {
+/// The same under these commands.
+fn difference_under(
+    model: &RobotModel,
+    quantity: Quantity,
+    rows: Vec<(f64, [f64; 2])>,
+) -> [f64; 2] {
     let commands = Commands { quantity, rows };
     let plant = Plant::new(Physics::new(model).unwrap(), quantity, 1e-4);
     let mut mine = plant.start(START);
@@ -114,11 +119,11 @@ const EFFECTS: &[Listed] = &[
     ),
 ];
 
-/// Micrometres and microradians that two exact programs may differ by in 8 s.
-const SAME: [f64; 2] = [3e-6, 5e-5];
+/// Tolerance over 8 s: position (m) and encoder angles (rad).
+const TOLERANCE: [f64; 2] = [3e-6, 5e-5];
 
 fn agree(what: &str, model: &RobotModel, quantity: Quantity, size: f64, within: [f64; 2]) {
-    let found = apart(model, quantity, size);
+    let found = difference(model, quantity, size);
     println!("{what}: {:.1e} m, {:.1e} rad", found[0], found[1]);
     assert!(
         found[0] < within[0] && found[1] < within[1],
@@ -126,10 +131,13 @@ fn agree(what: &str, model: &RobotModel, quantity: Quantity, size: f64, within: 
     );
 }
 
-fn slipping(hold: f64, slide: f64) -> RobotModel {
+fn slipping(mu_static: f64, mu_kinetic: f64) -> RobotModel {
     RobotModel::default().with(
         "wheel_slip",
-        &[("friction_static", hold), ("friction_kinetic", slide)],
+        &[
+            ("friction_static", mu_static),
+            ("friction_kinetic", mu_kinetic),
+        ],
     )
 }
 
@@ -140,7 +148,7 @@ fn on_a_robot_that_rolls() {
         &RobotModel::default(),
         Quantity::Torque,
         0.1,
-        SAME,
+        TOLERANCE,
     );
     for (id, parameters) in EFFECTS {
         agree(
@@ -148,49 +156,55 @@ fn on_a_robot_that_rolls() {
             &RobotModel::default().with(id, parameters),
             Quantity::Torque,
             0.1,
-            SAME,
+            TOLERANCE,
         );
     }
 }
 
 #[test]
 fn on_a_robot_that_slips() {
-    agree("slip", &slipping(0.24, 0.24), Quantity::Torque, 0.1, SAME);
+    agree(
+        "slip",
+        &slipping(0.24, 0.24),
+        Quantity::Torque,
+        0.1,
+        TOLERANCE,
+    );
     agree(
         "breaking away",
         &slipping(0.241, 0.239),
         Quantity::Torque,
         0.1,
-        SAME,
+        TOLERANCE,
     );
     for (id, parameters) in EFFECTS {
         let within = match *id {
-            // wheels that barely break away
+            // The wheels barely break away.
             "torque_speed_droop" | "axle_friction" => [2e-4, 2e-4],
-            _ => SAME,
+            _ => TOLERANCE,
         };
         let model = slipping(0.24, 0.24).with(id, parameters);
         agree(id, &model, Quantity::Torque, 0.1, within);
     }
 }
 
-/// `sim` once let a gear part where friction brought its wheel to rest, and held against a blow what
-/// rubs at rest: they were half a radian off in 8 s.
+/// `sim` once separated a gear where friction brought its wheel to rest, and let static friction resist an
+/// impact: the difference was half a radian in 8 s.
 #[test]
-fn gears_meet_beside_every_effect() {
+fn backlash_agrees_together_with_every_effect() {
     let limits = ["command_dead_band", "command_saturation"];
     for base in [RobotModel::default(), slipping(0.24, 0.24)] {
         for (id, parameters) in EFFECTS.iter().filter(|(id, _)| *id != "backlash") {
             let within = match *id {
-                // wheels that barely break away
+                // The wheels barely break away.
                 "torque_speed_droop" => [2e-4, 2e-4],
-                // a blow is found to a fraction of a step, at a new speed each time
+                // The time of an impact is found to a fraction of a step, each time at another speed.
                 _ => [1e-5, 1e-4],
             };
             let model = base.clone().with("backlash", &[("gap_rad", 0.02)]);
             let model = model.with(id, parameters);
             agree(id, &model, Quantity::Torque, 0.1, within);
-            // limits of torque are none of voltage here
+            // The limits in the list are torques, not voltages.
             if !limits.contains(id) {
                 agree(id, &model, Quantity::Voltage, 4.0, within);
             }
@@ -201,28 +215,28 @@ fn gears_meet_beside_every_effect() {
 #[test]
 fn under_voltage_and_speed() {
     for base in [RobotModel::default(), slipping(0.24, 0.24)] {
-        agree("voltage", &base, Quantity::Voltage, 4.0, SAME);
+        agree("voltage", &base, Quantity::Voltage, 4.0, TOLERANCE);
         let droop = base
             .clone()
             .with("torque_speed_droop", &[("coefficient", 0.002)]);
-        agree("voltage, droop", &droop, Quantity::Voltage, 4.0, SAME);
-        agree("speed", &base, Quantity::Speed, 8.0, SAME);
+        agree("voltage, droop", &droop, Quantity::Voltage, 4.0, TOLERANCE);
+        agree("speed", &base, Quantity::Speed, 8.0, TOLERANCE);
         let gain = base
             .clone()
             .with("motor_gain", &[("right", 0.93), ("left", 1.02)]);
-        agree("speed, gain", &gain, Quantity::Speed, 8.0, SAME);
+        agree("speed, gain", &gain, Quantity::Speed, 8.0, TOLERANCE);
     }
     let lag = RobotModel::default().with("actuator_lag", &[("time_constant_s", 0.03)]);
-    agree("speed, lag", &lag, Quantity::Speed, 8.0, SAME);
+    agree("speed, lag", &lag, Quantity::Speed, 8.0, TOLERANCE);
 }
 
-/// `sim` once left out what the floor has to give to wheels whose speed a lag changes: they then held
-/// where they slip, and were a centimetre off in 8 s.
+/// `sim` once ignored the traction needed by wheels whose speed changes by a lag: they then stuck where they
+/// slip, and the difference was a centimetre in 8 s.
 #[test]
-fn wheels_that_a_lag_speeds_up_slip() {
+fn wheels_accelerated_through_a_lag_slip() {
     for model in [slipping(0.24, 0.24), slipping(0.26, 0.2)] {
         let model = model.with("actuator_lag", &[("time_constant_s", 0.03)]);
-        // the lag's rate is taken as constant over a step
+        // The rate of the lag is constant over a step.
         let within = [5e-5, 5e-5];
         agree("speed, lag", &model, Quantity::Speed, 8.0, within);
         let load = model.with("load_transfer", &[("com_height_m", 0.08)]);
@@ -230,16 +244,19 @@ fn wheels_that_a_lag_speeds_up_slip() {
     }
 }
 
-/// In a curve both wheels together hold what goes across, until one breaks away. `sim` once let go the
-/// other too, which under static friction holds.
+/// In a curve both wheels share the lateral force until one breaks away. `sim` once released the other one
+/// too, which static friction holds.
 #[test]
-fn one_wheel_breaks_away_in_a_curve_and_the_other_holds() {
+fn one_wheel_breaks_away_in_a_curve_and_the_other_sticks() {
     let rows = 0..40usize;
     let rows = rows.map(|k| {
         let t = k as f64 * HOLD_S;
         let right = (2.9 * t + 6.0).sin() + 0.2 * (5.0 * t).cos();
         (t, [0.13 * right, 0.13 * (2.1 * t + 12.0).sin()])
     });
-    let found = apart_under(&slipping(0.26, 0.2), Quantity::Torque, rows.collect());
-    assert!(found[0] < SAME[0] && found[1] < SAME[1], "{found:?}");
+    let found = difference_under(&slipping(0.26, 0.2), Quantity::Torque, rows.collect());
+    assert!(
+        found[0] < TOLERANCE[0] && found[1] < TOLERANCE[1],
+        "{found:?}"
+    );
 }

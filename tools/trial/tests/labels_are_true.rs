@@ -1,5 +1,5 @@
-//! A recording made here, simulated by `sim` with what the label says: nothing is left but noise. The
-//! same without it: something is.
+//! Labels are true: `sim` with the labelled effect reproduces the recording up to noise, and without it
+//! does not.
 #![allow(
     clippy::unwrap_used,
     clippy::panic,
@@ -9,36 +9,36 @@
 use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::recording::{Robot, Wheels};
 use slipstream_recording::{Recording, compare};
-use slipstream_trial::maker::{Actual, Control, Eye, Scene, Style, Told, make};
+use slipstream_trial::maker::{Camera, CommandKind, Control, Scene, Style, TrueRobot, make};
 
 const TICK_RAD: f64 = std::f64::consts::TAU / 1856.0;
 
-fn scene(hidden: Option<EffectSpec>, told: Told, style: Style) -> Scene {
+fn scene(concealed: Option<EffectSpec>, command_kind: CommandKind, style: Style) -> Scene {
     Scene {
         kind: String::new(),
         nominal: RobotModel::default(),
-        robots: vec![Actual {
-            hidden: hidden.into_iter().collect(),
-            strange: None,
-            eye: Eye::Pose,
+        robots: vec![TrueRobot {
+            concealed: concealed.into_iter().collect(),
+            outside: None,
+            camera: Camera::Pose,
         }],
         control: Control::Open,
-        told,
+        command_kind,
         style,
         duration_s: 8.0,
         imu: true,
-        wandering_n: 0.0,
+        disturbance_n: 0.0,
         step_s: 1e-4,
         without: Vec::new(),
         seed: 7,
     }
 }
 
-/// Largest residual of a channel, in deviations of its noise.
-fn left(recording: &Recording, model: &RobotModel) -> f64 {
+/// The largest residual of a channel, in standard deviations of its noise.
+fn largest_residual(recording: &Recording, model: &RobotModel) -> f64 {
     let channels = compare(recording, |_| Some(model.clone())).unwrap();
     let deviation = |name: &str| match name {
-        // 2 mm of noise, and the heading that the comparison fits to half a second of it
+        // 2 mm of noise, and the error of the heading that the comparison fits to half a second of it.
         "pose x" | "pose y" => 0.008,
         "pose yaw" => 0.0087,
         "imu gz" => 0.006,
@@ -54,7 +54,7 @@ fn left(recording: &Recording, model: &RobotModel) -> f64 {
 }
 
 #[test]
-fn labels_are_what_sim_calls_so() {
+fn sim_with_the_label_reproduces_the_recording() {
     let effects: &[(&str, &[(&str, f64)])] = &[
         ("rolling_resistance", &[("coefficient", 0.01)]),
         (
@@ -69,16 +69,23 @@ fn labels_are_what_sim_calls_so() {
         ("yaw_scrub", &[("moment_nm", 0.02)]),
     ];
     for (id, parameters) in effects {
-        let hidden = EffectSpec::new(id, parameters);
-        let made = make(&scene(Some(hidden), Told::Torque, Style::Wild), "case").unwrap();
+        let concealed = EffectSpec::new(id, parameters);
+        let made = make(
+            &scene(Some(concealed), CommandKind::Torque, Style::Wild),
+            "case",
+        )
+        .unwrap();
         assert_eq!(made.label.effects[0].effect, *id);
         let truth = made.model.clone().with(id, parameters);
         println!("{id}");
         let (with, without) = (
-            left(&made.recording, &truth),
-            left(&made.recording, &made.model),
+            largest_residual(&made.recording, &truth),
+            largest_residual(&made.recording, &made.model),
         );
-        assert!(with < 1.6, "{id}: {with:.2} deviations left");
+        assert!(
+            with < 1.6,
+            "{id}: a residual of {with:.2} standard deviations"
+        );
         assert!(
             without > 1.5 * with,
             "{id}: {without:.2} without it, {with:.2} with it"
@@ -88,16 +95,20 @@ fn labels_are_what_sim_calls_so() {
     }
 }
 
-/// What one robot's sensors said with `hidden`; the motion is the same with all of them.
-fn sensed(hidden: Option<EffectSpec>) -> Robot {
-    let made = make(&scene(hidden, Told::Torque, Style::Lively), "case").unwrap();
+/// One robot's measurements with an effect of its sensors, which does not change the motion.
+fn measured(concealed: Option<EffectSpec>) -> Robot {
+    let made = make(
+        &scene(concealed, CommandKind::Torque, Style::Lively),
+        "case",
+    )
+    .unwrap();
     made.recording.robots.into_iter().next().unwrap()
 }
 
 #[test]
-fn a_latency_moves_the_stamps() {
-    let plain = sensed(None);
-    let late = |id: &str| sensed(Some(EffectSpec::new(id, &[("latency_s", 0.03)])));
+fn a_latency_shifts_the_time_stamps() {
+    let plain = measured(None);
+    let late = |id: &str| measured(Some(EffectSpec::new(id, &[("latency_s", 0.03)])));
     let moved = |from: &[f64], to: &[f64]| {
         from.iter()
             .zip(to)
@@ -124,8 +135,8 @@ fn a_latency_moves_the_stamps() {
 }
 
 #[test]
-fn scales_and_offsets_are_what_they_say() {
-    let plain = sensed(None);
+fn scales_and_offsets_have_the_labelled_size() {
+    let plain = measured(None);
     let scale = EffectSpec::new(
         "encoder_scale",
         &[("right_scale", 1.01), ("left_scale", 0.98)],
@@ -134,7 +145,7 @@ fn scales_and_offsets_are_what_they_say() {
         Wheels::Ticks { right, left } => [right, left].map(|wheel| wheel.last().unwrap().unwrap()),
         _ => panic!("ticks were asked for"),
     };
-    let ([right, left], [more, less]) = (ticks(&plain), ticks(&sensed(Some(scale))));
+    let ([right, left], [more, less]) = (ticks(&plain), ticks(&measured(Some(scale))));
     assert!(
         (more as f64 - 1.01 * right as f64).abs() < 2.0,
         "{more} of {right}"
@@ -147,7 +158,7 @@ fn scales_and_offsets_are_what_they_say() {
         "pose_offset",
         &[("x_m", 0.03), ("y_m", -0.02), ("yaw_rad", 0.05)],
     );
-    let other = sensed(Some(offset)).pose.unwrap().values;
+    let other = measured(Some(offset)).pose.unwrap().values;
     let pose = plain.pose.unwrap().values;
     let yaws = pose
         .yaw_rad
@@ -155,7 +166,7 @@ fn scales_and_offsets_are_what_they_say() {
         .into_iter()
         .zip(other.yaw_rad.unwrap());
     for (at, (yaw, turned)) in yaws.enumerate() {
-        // the noise is the same, but the yaw's is in the heading
+        // The noise is the same, but that of the yaw also turns the offset.
         let (sin, cos) = yaw.sin_cos();
         let away = [other.x_m[at] - pose.x_m[at], other.y_m[at] - pose.y_m[at]];
         assert!((away[0] - 0.03 * cos - 0.02 * sin).abs() < 2e-3);
@@ -166,21 +177,29 @@ fn scales_and_offsets_are_what_they_say() {
 }
 
 #[test]
-fn nothing_concealed_is_nothing_seen() {
-    for told in [Told::Torque, Told::Voltage, Told::Twist, Told::WheelSpeed] {
+fn a_case_without_effects_leaves_only_noise() {
+    for command_kind in [
+        CommandKind::Torque,
+        CommandKind::Voltage,
+        CommandKind::Twist,
+        CommandKind::WheelSpeed,
+    ] {
         let scene = Scene {
             imu: false,
-            ..scene(None, told, Style::Lively)
+            ..scene(None, command_kind, Style::Lively)
         };
         let made = make(&scene, "case").unwrap();
-        println!("{told:?}");
-        assert!(left(&made.recording, &made.model) < 1.4, "{told:?}");
+        println!("{command_kind:?}");
+        assert!(
+            largest_residual(&made.recording, &made.model) < 1.4,
+            "{command_kind:?}"
+        );
     }
 }
 
 #[test]
-fn the_same_seed_is_the_same_case() {
-    let made = || make(&scene(None, Told::Torque, Style::Cruise), "case").unwrap();
-    let text = |made: &slipstream_trial::maker::Made| format!("{:?}", made.recording);
+fn the_same_seed_gives_the_same_case() {
+    let made = || make(&scene(None, CommandKind::Torque, Style::Cruise), "case").unwrap();
+    let text = |made: &slipstream_trial::maker::MadeCase| format!("{:?}", made.recording);
     assert_eq!(text(&made()), text(&made()));
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use slipstream_report::{Histogram, Page, PictureError, Row, Timeline};
-use slipstream_trace::{Answer, Fate, Hop, Reading, STAGES, Way, follow};
+use slipstream_trace::{Answer, Chain, Fate, Hop, Reading, STAGES, follow};
 
 use crate::study::command_line;
 
@@ -20,19 +20,19 @@ pub(super) fn page(
         let of_hop = messages.iter().filter(|message| {
             [reading.name_of(message.from), reading.name_of(message.to)] == [&*hop.from, &*hop.to]
         });
-        let mut ways: Vec<Way> = of_hop
+        let mut ways: Vec<Chain> = of_hop
             .filter_map(|message| match message.fate {
                 Fate::Used(way) => Some(way),
                 _ => None,
             })
             .collect();
-        ways.sort_by_key(Way::end_to_end_ns);
+        ways.sort_by_key(Chain::end_to_end_ns);
         add_hop(&mut page, hop, &ways)?;
     }
     Ok(page.end())
 }
 
-fn add_hop(page: &mut Page, hop: &Hop, ways: &[Way]) -> Result<(), PictureError> {
+fn add_hop(page: &mut Page, hop: &Hop, ways: &[Chain]) -> Result<(), PictureError> {
     let (sent, used, others) = (hop.sent, hop.messages, super::others(&hop.incomplete));
     page.section(&format!("{} → {}", hop.from, hop.to));
     page.paragraph(&format!("{sent} sent, {used} used{others}"));
@@ -60,7 +60,7 @@ fn ms(ns: i64) -> f64 {
 }
 
 /// Each stage a bar, where it lies in time.
-fn waterfall(way: &Way) -> Result<String, PictureError> {
+fn waterfall(way: &Chain) -> Result<String, PictureError> {
     let start_ns = way.instants_ns[0];
     let row = |(stage, pair): (&&str, &[i64])| {
         let [from, to] = [pair[0], pair[1]].map(|t_ns| ms(t_ns.saturating_sub(start_ns)));

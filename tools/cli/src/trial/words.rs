@@ -1,14 +1,14 @@
 //! What a trial says on the terminal.
 
 use crate::print::say;
-use slipstream_trial::examine::Examined;
-use slipstream_trial::hold::Question;
-use slipstream_trial::mark::Outcome;
-use slipstream_trial::tally::{Entry, Report};
+use slipstream_trial::diagnosis_process::DiagnosisRun;
+use slipstream_trial::grade::TrialGrade;
+use slipstream_trial::protocol::Question;
+use slipstream_trial::tally::{ScoredCase, TrialReport};
 
 /// One answer, before its label is opened.
-pub(super) fn say_answer(question: &Question, examined: &Examined) {
-    let said = match &examined.answer {
+pub(super) fn say_answer(question: &Question, run: &DiagnosisRun) {
+    let said = match &run.answer {
         Ok(answer) if answer.findings.is_empty() => format!("{:?}", answer.verdict).to_lowercase(),
         Ok(answer) => {
             let names = answer.findings.iter();
@@ -19,11 +19,11 @@ pub(super) fn say_answer(question: &Question, examined: &Examined) {
         }
         Err(why) => why.clone(),
     };
-    say!("{}  {:6.1} s  {said}", question.name, examined.seconds);
+    say!("{}  {:6.1} s  {said}", question.name, run.seconds);
 }
 
 /// The scores.
-pub(super) fn say(report: &Report) {
+pub(super) fn say(report: &TrialReport) {
     say!("");
     for entry in &report.each {
         say_case(entry);
@@ -33,11 +33,11 @@ pub(super) fn say(report: &Report) {
         report.cases,
         report.nulls
     );
-    for outcome in Outcome::ALL {
+    for outcome in TrialGrade::ALL {
         let count = report
             .each
             .iter()
-            .filter(|entry| entry.mark.outcome == outcome)
+            .filter(|entry| entry.score.grade == outcome)
             .count();
         say!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
@@ -89,14 +89,14 @@ pub(super) fn say(report: &Report) {
     }
 }
 
-fn say_case(entry: &Entry) {
-    let (name, outcome) = (&entry.case, entry.mark.outcome.name().replace('_', " "));
-    let pairs = entry.mark.pairs.iter();
+fn say_case(entry: &ScoredCase) {
+    let (name, outcome) = (&entry.case, entry.score.grade.name().replace('_', " "));
+    let pairs = entry.score.pairs.iter();
     let pairs: Vec<String> = pairs
         .map(|[truth, said]| format!("{truth} → {said}"))
         .collect();
     say!("{name}  {outcome:<12} {}", pairs.join(", "));
-    for remark in &entry.mark.remarks {
+    for remark in &entry.score.remarks {
         say!("    {remark}");
     }
 }

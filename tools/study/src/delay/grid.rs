@@ -1,15 +1,15 @@
-//! Which points a study looks at, and which of them a shard does.
+//! The grid of a study, and its division into shards.
 
 use serde::{Deserialize, Serialize};
 use slipstream_bus::Experiment;
 use slipstream_launch::{Request, Unusable, resolve};
 
-/// Lists of values; every combination is a point.
+/// Lists of values of each key; every combination is a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Grid {
-    /// How many robots.
+    /// Number of robots.
     pub robots: u32,
-    /// Runs at each point; run k has the seed k, counted from 1.
+    /// Number of runs at each point; the seeds are 1, 2, …
     pub runs: u32,
     /// `links.delay_s` (s).
     pub delay_s: Vec<f64>,
@@ -44,18 +44,18 @@ pub struct Cell {
     pub robots: u32,
 }
 
-/// Part `index` of `of`: of every `of` points one.
+/// Part `index` of `of`: every `of`-th point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Shard {
     /// Counted from 1.
     pub index: usize,
-    /// How many shards there are.
+    /// Number of shards.
     pub of: usize,
 }
 
 impl Default for Grid {
-    /// 504 points and 13 runs at each, 6,552 runs. Delays up to half a second are what small radios in a ring
-    /// come to; a fifth of all messages lost is a bad day.
+    /// 504 points with 13 runs each, 6,552 runs. Small radios in a ring reach delays of up to half a
+    /// second; the loss of a fifth of all messages is a bad link.
     fn default() -> Self {
         Self {
             robots: 3,
@@ -71,7 +71,7 @@ impl Default for Grid {
 }
 
 impl Grid {
-    /// Every combination, the delay changing fastest.
+    /// Every combination; the delay varies fastest.
     pub fn cells(&self) -> Vec<Cell> {
         let mut cells = Vec::new();
         for protocol in &self.protocol {
@@ -96,17 +96,17 @@ impl Grid {
         cells
     }
 
-    /// Whether anything can be asked, in so many parts.
+    /// Checks the grid and the shard.
     ///
     /// # Errors
-    /// No runs, too few robots for a follower, more shards than points.
+    /// No runs, fewer than two robots, a shard that does not exist or more shards than points.
     pub fn validate(&self, shard: Shard) -> Result<(), Unusable> {
         let lists = [&self.delay_s, &self.jitter_s, &self.loss, &self.k_x].map(Vec::len);
         let cells = lists.iter().product::<usize>() * self.torque_limit.len() * self.protocol.len();
         if shard.index < 1 || shard.index > shard.of || shard.of > cells {
             return Err(Unusable::new(
                 format!("--shard {}/{}", shard.index, shard.of),
-                format!("is no part of {cells} points"),
+                format!("the grid has {cells} points"),
                 format!("give at most {cells} shards, counted from 1"),
             ));
         }
@@ -114,7 +114,7 @@ impl Grid {
             return Err(Unusable::new(
                 "--robots",
                 format!("is {}", self.robots),
-                "give at least 2: the study is about followers",
+                "give at least 2: the study measures followers",
             ));
         }
         if self.runs == 0 {
@@ -128,9 +128,9 @@ impl Shard {
     /// The whole study.
     pub const WHOLE: Self = Self { index: 1, of: 1 };
 
-    /// Whether a point of the grid belongs to this shard.
-    pub fn has(self, place: usize) -> bool {
-        place % self.of == self.index - 1
+    /// Whether the point with this index in the grid belongs to this shard.
+    pub fn has(self, index: usize) -> bool {
+        index % self.of == self.index - 1
     }
 }
 
@@ -149,7 +149,7 @@ impl std::str::FromStr for Shard {
             .ok_or_else(|| {
                 Unusable::new(
                     format!("--shard {text}"),
-                    "is no part of a whole",
+                    "is not a valid shard",
                     "give I/N with I from 1 to N, such as --shard 1/8",
                 )
             })
@@ -157,7 +157,7 @@ impl std::str::FromStr for Shard {
 }
 
 impl Cell {
-    /// The keys of `slipstream run --set` that make this point.
+    /// The keys of `slipstream run --set` for this point.
     pub fn keys(&self) -> Vec<(String, String)> {
         [
             ("links.delay_s", format!("{:?}", self.delay_s)),
@@ -171,10 +171,11 @@ impl Cell {
         .to_vec()
     }
 
-    /// The experiment of this point: the platoon with these keys, as `slipstream run` makes it.
+    /// The experiment of this point: the built-in platoon with these keys, as `slipstream run`
+    /// resolves it.
     ///
     /// # Errors
-    /// A value that the experiment does not take.
+    /// A value that the experiment does not accept.
     pub fn experiment(&self) -> Result<Experiment, Unusable> {
         let request = Request {
             robots: Some(self.robots),
@@ -190,18 +191,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_are_disjoint_and_whole() {
+    fn every_point_belongs_to_one_shard() {
         let cells = Grid::default().cells().len();
         for of in 1..7 {
-            for place in 0..cells {
-                let owners = (1..=of).filter(|&index| Shard { index, of }.has(place));
+            for point in 0..cells {
+                let owners = (1..=of).filter(|&index| Shard { index, of }.has(point));
                 assert_eq!(owners.count(), 1);
             }
         }
     }
 
     #[test]
-    fn a_shard_that_cannot_be_is_refused() {
+    fn an_invalid_shard_is_refused() {
         for text in ["0/3", "4/3", "1", "a/b", "1/0", ""] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }

@@ -1,18 +1,19 @@
-//! Shards put together again: the file of a whole study, as if one machine had done it.
+//! Merges shards into the file of the whole study, as if one machine had run it.
 
 use std::path::Path;
 
 use slipstream_launch::Unusable;
 
-use super::Study;
 use super::answers::answers;
-use super::grid::Shard;
+use super::grid::{Cell, Shard};
+use super::point::Point;
+use super::study::Study;
 use crate::StudyError;
 
-/// Reads a study's file.
+/// Reads the file of a study or a shard.
 ///
 /// # Errors
-/// A file that cannot be read or is no study.
+/// A file that cannot be read or does not contain a study.
 pub fn read(path: &Path) -> Result<Study, Unusable> {
     let place = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
@@ -25,7 +26,7 @@ pub fn read(path: &Path) -> Result<Study, Unusable> {
     let study: Study = serde_json::from_str(&text).map_err(|error| {
         Unusable::new(
             format!("{place}:{}", error.line()),
-            format!("is no study: {error}"),
+            format!("is not a study: {error}"),
             "give files that `slipstream study delay --json` wrote",
         )
     })?;
@@ -39,10 +40,10 @@ pub fn read(path: &Path) -> Result<Study, Unusable> {
     Ok(study)
 }
 
-/// Puts all shards of one study together and answers its questions.
+/// Merges all shards of one study, given with their names, and answers its questions.
 ///
 /// # Errors
-/// Shards of different studies, missing or doubled ones.
+/// Shards of different studies; a shard or a point that is missing; a shard given twice.
 pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyError> {
     let Some((first_name, first)) = shards.first() else {
         return Err(Unusable::new("FILE", "is missing", "give the shards' files").into());
@@ -60,42 +61,12 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
             )
             .into());
         }
-        let place = study.shard.index.checked_sub(1);
-        let Some(part) = place.and_then(|place| parts.get_mut(place)) else {
-            return Err(Unusable::new(name, "has no place in its study", "run it again").into());
-        };
-        if part.replace(study).is_some() {
-            let shard = study.shard.index;
-            return Err(Unusable::new(
-                name,
-                format!("is shard {shard}/{of} a second time"),
-                "give each shard once",
-            )
-            .into());
-        }
+        add(&mut parts, name, study)?;
     }
-    let mut points = Vec::new();
-    for (place, cell) in grid.cells().into_iter().enumerate() {
-        let owner = place % of;
-        let shard = owner + 1;
-        let Some(part) = parts[owner] else {
-            return Err(Unusable::new(
-                "FILE",
-                format!("shard {shard}/{of} is missing"),
-                format!("run it with --shard {shard}/{of} and give its file too"),
-            )
-            .into());
-        };
-        let point = part.points.iter().find(|point| point.cell == cell);
-        let point = point.ok_or_else(|| {
-            let problem = match part.interrupted {
-                true => "was interrupted: it lacks points",
-                false => "lacks a point",
-            };
-            Unusable::new(format!("shard {shard}/{of}"), problem, "run it again")
-        })?;
-        points.push(point.clone());
-    }
+    let points = (0..)
+        .zip(grid.cells())
+        .map(|(index, cell)| point(&parts, index, &cell))
+        .collect::<Result<Vec<Point>, Unusable>>()?;
     Ok(Study {
         format: 1,
         grid: grid.clone(),
@@ -103,5 +74,46 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
         answers: answers(grid, &points, threads)?,
         points,
         interrupted: false,
+    })
+}
+
+/// Puts a shard into its slot.
+fn add<'a>(parts: &mut [Option<&'a Study>], name: &str, study: &'a Study) -> Result<(), Unusable> {
+    let slot = study.shard.index.checked_sub(1);
+    let Some(part) = slot.and_then(|slot| parts.get_mut(slot)) else {
+        let Shard { index, of } = study.shard;
+        let problem = format!("says that it is shard {index}/{of}");
+        return Err(Unusable::new(name, problem, "run it again"));
+    };
+    if part.replace(study).is_some() {
+        let Shard { index, of } = study.shard;
+        return Err(Unusable::new(
+            name,
+            format!("is shard {index}/{of} a second time"),
+            "give each shard once",
+        ));
+    }
+    Ok(())
+}
+
+/// Finds the point of a cell in its shard; `index` is that of the cell in the grid.
+fn point(parts: &[Option<&Study>], index: usize, cell: &Cell) -> Result<Point, Unusable> {
+    let of = parts.len();
+    let slot = index % of;
+    let shard = slot + 1;
+    let Some(part) = parts[slot] else {
+        return Err(Unusable::new(
+            "FILE",
+            format!("shard {shard}/{of} is missing"),
+            format!("run it with --shard {shard}/{of} and give its file too"),
+        ));
+    };
+    let found = part.points.iter().find(|point| point.cell == *cell);
+    found.cloned().ok_or_else(|| {
+        let problem = match part.interrupted {
+            true => "was interrupted: some points are missing",
+            false => "lacks a point",
+        };
+        Unusable::new(format!("shard {shard}/{of}"), problem, "run it again")
     })
 }

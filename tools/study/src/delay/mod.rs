@@ -1,40 +1,24 @@
-//! What communication delay does: a grid of delay, jitter, loss, gain, torque limit and protocol,
-//! several runs at each point, and the paper's Eq. 13 and 14 beside what is measured.
+//! What communication delay does to a platoon: a grid over delay, jitter, loss, gain, torque limit and
+//! protocol, several runs at each point, and the paper's Eq. 13 and 14 beside what is measured.
 
 mod answers;
+mod follower_recorder;
 mod forms;
 mod grid;
 mod merge;
 mod point;
 mod report;
-mod runs;
-mod watch;
+mod run_points;
+mod string_stability;
+mod study;
 
 pub use answers::{Answer, answers};
-pub use forms::{Form, string_gain, string_gain_at};
+pub use follower_recorder::{FollowerRecorder, FollowerTick};
+pub use forms::Form;
 pub use grid::{Cell, Grid, Shard};
 pub use merge::{merge, read};
-pub use point::{Fit, Point};
+pub use point::{FormError, Point, RunResult};
 pub use report::page;
-pub use runs::{points, study};
-pub use watch::{Tick, Watch};
-
-use serde::{Deserialize, Serialize};
-
-/// A study of the delay, or one shard of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Study {
-    /// The format's number.
-    pub format: u32,
-    /// What was asked for.
-    pub grid: Grid,
-    /// Which part of it this is.
-    pub shard: Shard,
-    /// The points, in the grid's order.
-    pub points: Vec<Point>,
-    /// What they say; only of a whole study.
-    pub answers: Vec<Answer>,
-    /// Whether it was interrupted: the points are those that were finished.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub interrupted: bool,
-}
+pub use run_points::run_points;
+pub use string_stability::{string_gain, string_gain_at};
+pub use study::{Study, study};

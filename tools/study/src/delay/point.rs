@@ -1,72 +1,74 @@
-//! One point of a study: what its runs came to, together.
+//! One point of a study: the results of its runs, combined.
 
 use serde::{Deserialize, Serialize};
 use slipstream_agents::Geometry;
 use slipstream_bus::Experiment;
 use slipstream_launch::Reports;
 
-use super::forms::{Form, bound_m_s, string_gain};
+use super::follower_recorder::FollowerRecorder;
+use super::forms::{Form, bound_m_s};
 use super::grid::Cell;
-use super::watch::Watch;
+use super::string_stability::string_gain;
 
-/// What the runs of one point came to. Maxima are over all followers' outer ticks from the
-/// beginning of coordination on, and over all runs; times and gains are means over the runs.
+/// The combined results of one point. Maxima are over all followers' outer ticks from the start of
+/// coordination on, and over all runs; times and gains are means over the runs.
 ///
 /// The forms of the paper's Eq. 13 and 14 are evaluated at the same ticks with τ = `age_s`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// Which point it is.
+    /// The point of the grid.
     #[serde(flatten)]
     pub cell: Cell,
-    /// How many runs.
+    /// Number of runs.
     pub runs: u32,
     /// The largest desired speed before limiting (m/s).
     pub max_desired_speed_m_s: f64,
     /// The largest bound that Eq. 14 gives (m/s).
     pub bound_eq14_m_s: f64,
-    /// The largest speed by Eq. 13 as printed, numbers for the exponentials (m/s).
+    /// The largest speed by Eq. 13 as printed, the exponentials taken as numbers (m/s).
     pub literal_eq13_m_s: f64,
     /// The same with the sign of Eq. 12 (m/s).
     pub literal_eq13_sign_m_s: f64,
-    /// The largest speed by the transport delay (m/s).
+    /// The largest speed by Eq. 13 read as a transport delay (m/s).
     pub transport_delay_m_s: f64,
-    /// How long contacts slid: all followers, both wheels together (s).
+    /// Slip time: how long contacts slid, summed over all followers and both wheels (s).
     pub slip_time_s: f64,
     /// The largest true spacing error (m).
     pub max_spacing_error_m: f64,
-    /// The largest ratio of a follower's largest true spacing error to that of the one ahead of
-    /// it; none with one follower, or where the one ahead had no error.
+    /// String gain: the largest ratio of a follower's largest true spacing error to that of the
+    /// follower ahead; null with one follower, or if the one ahead had no error.
     pub string_gain: Option<f64>,
-    /// The same from the linear model's frequency response, its maximum.
+    /// Peak of the linear model's frequency response from follower to follower.
     pub string_gain_frequency: Option<f64>,
-    /// How old the position in use is on average (s): link, waiting for ticks, the ring's turns.
+    /// Mean age of the position in use (s): link delay, waiting for ticks, token round of the ring.
     pub age_s: f64,
-    /// Messages lost, of all that were sent (1).
+    /// Share of the sent messages that were lost (1).
     pub lost: f64,
-    /// How far each form is from the desired speed, tick by tick.
-    pub fits: Vec<Fit>,
-    /// Ticks at which the measured desired speed was beyond Eq. 14's bound, of all (1).
+    /// Error of each form against the measured desired speed.
+    pub fits: Vec<FormError>,
+    /// Share of the ticks at which the measured desired speed exceeded Eq. 14's bound (1).
     pub beyond_bound: f64,
 }
 
-/// How far a form is from what is measured.
+/// Error of a form against the measured desired speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Fit {
-    /// The form in words.
+pub struct FormError {
+    /// The form, by its name.
     pub form: String,
     /// Root mean square over all ticks of all runs (m/s).
     pub rms_m_s: f64,
 }
 
-/// One run of a point.
+/// The result of one run.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct RunResult {
     max_desired_m_s: f64,
     bound_m_s: f64,
-    /// By [`Form::ALL`].
+    /// Largest speed (m/s) and sum of squared errors (m²/s²) of each form, in the order of
+    /// [`Form::ALL`].
     largest_m_s: [f64; 5],
     squares: [f64; 5],
-    beyond: f64,
+    beyond_bound: f64,
     ticks: f64,
     slip_time_s: f64,
     max_spacing_error_m: f64,
@@ -76,12 +78,12 @@ pub struct Run {
     lost: u64,
 }
 
-impl Run {
-    /// Puts together what a run reported and what was heard of it.
-    pub fn new(experiment: &Experiment, reports: &Reports, watch: &Watch) -> Self {
+impl RunResult {
+    /// Combines a run's reports with what was recorded of it.
+    pub fn new(experiment: &Experiment, reports: &Reports, recorder: &FollowerRecorder) -> Self {
         let k_x = experiment.settings.control.k_x;
-        let age_s = watch.mean_age_s();
-        let fade = (-age_s).exp();
+        let age_s = recorder.mean_age_s();
+        let decay = (-age_s).exp();
         let followers = reports.plant.robots.iter().skip(1);
         let errors: Vec<f64> = followers
             .clone()
@@ -89,11 +91,11 @@ impl Run {
             .collect();
         let received = reports.agents.iter().filter_map(|agent| agent.received);
         let mut run = Self {
-            max_desired_m_s: watch.max_desired_m_s(),
+            max_desired_m_s: recorder.max_desired_m_s(),
             bound_m_s: 0.0,
             largest_m_s: [0.0; 5],
             squares: [0.0; 5],
-            beyond: 0.0,
+            beyond_bound: 0.0,
             ticks: 0.0,
             slip_time_s: followers.flat_map(|robot| robot.slip_time_s).sum(),
             max_spacing_error_m: errors.iter().copied().fold(0.0, f64::max),
@@ -107,13 +109,13 @@ impl Run {
                 .sum(),
             lost: received.map(|(_, counts)| counts.lost).sum(),
         };
-        for (tick, before) in watch.ticks(age_s) {
-            let bound = bound_m_s(tick, fade, k_x);
+        for (tick, delayed) in recorder.ticks(age_s) {
+            let bound = bound_m_s(tick, decay, k_x);
             run.bound_m_s = run.bound_m_s.max(bound);
-            run.beyond += f64::from(u8::from(tick.desired_m_s.abs() > bound));
+            run.beyond_bound += f64::from(u8::from(tick.desired_m_s.abs() > bound));
             run.ticks += 1.0;
             for (i, form) in Form::ALL.iter().enumerate() {
-                let v = form.desired_m_s(tick, before, fade, k_x);
+                let v = form.desired_m_s(tick, delayed, decay, k_x);
                 run.largest_m_s[i] = run.largest_m_s[i].max(v.abs());
                 run.squares[i] += (v - tick.desired_m_s).powi(2);
             }
@@ -122,7 +124,7 @@ impl Run {
     }
 }
 
-/// The largest ratio of neighbours.
+/// The largest ratio of one error to the one before it.
 fn gain(errors: &[f64]) -> Option<f64> {
     let ratios = errors
         .windows(2)
@@ -132,10 +134,10 @@ fn gain(errors: &[f64]) -> Option<f64> {
 }
 
 impl Point {
-    /// Puts the runs of a cell together, in their order.
-    pub fn new(cell: &Cell, experiment: &Experiment, runs: &[Run]) -> Self {
-        let largest = |pick: &dyn Fn(&Run) -> f64| runs.iter().map(pick).fold(0.0, f64::max);
-        let sum = |pick: &dyn Fn(&Run) -> f64| runs.iter().map(pick).sum::<f64>();
+    /// Combines the runs of a cell, in their order.
+    pub fn new(cell: &Cell, experiment: &Experiment, runs: &[RunResult]) -> Self {
+        let largest = |pick: &dyn Fn(&RunResult) -> f64| runs.iter().map(pick).fold(0.0, f64::max);
+        let sum = |pick: &dyn Fn(&RunResult) -> f64| runs.iter().map(pick).sum::<f64>();
         let count = runs.len().max(1) as f64;
         let ticks = sum(&|run| run.ticks).max(1.0);
         let gains: Vec<f64> = runs.iter().filter_map(|run| run.string_gain).collect();
@@ -168,16 +170,16 @@ impl Point {
             fits: Form::ALL
                 .iter()
                 .enumerate()
-                .map(|(i, form)| Fit {
+                .map(|(i, form)| FormError {
                     form: form.name().to_owned(),
                     rms_m_s: (sum(&|run| run.squares[i]) / ticks).sqrt(),
                 })
                 .collect(),
-            beyond_bound: sum(&|run| run.beyond) / ticks,
+            beyond_bound: sum(&|run| run.beyond_bound) / ticks,
         }
     }
 
-    /// How far a form is from what is measured (m/s).
+    /// Root mean square error of a form (m/s); NaN if the point does not have it.
     pub fn rms_m_s(&self, form: Form) -> f64 {
         let fit = self.fits.iter().find(|fit| fit.form == form.name());
         fit.map_or(f64::NAN, |fit| fit.rms_m_s)

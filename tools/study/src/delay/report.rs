@@ -1,27 +1,27 @@
-//! A study as a page: answers, figures, every point.
+//! The page of a study: answers, figures, a table of all points.
 
 use slipstream_report::{Chart, Line, Page};
 
-use super::Study;
 use super::grid::Cell;
 use super::point::Point;
+use super::study::Study;
 use crate::StudyError;
 
-/// What figures show quantities over.
-const DELAY: &str = "delay on each link (s)";
+/// Title of the x axis of all figures.
+const DELAY_AXIS: &str = "delay on each link (s)";
 
 /// The report of a study, made by `command`.
 ///
 /// # Errors
-/// A picture that cannot be drawn.
+/// A figure that cannot be drawn.
 pub fn page(study: &Study, command: &str) -> Result<String, StudyError> {
     let mut page = Page::new("What communication delay does to a platoon", command);
     let grid = &study.grid;
     page.paragraph(&format!(
-        "{} robots, {} points, {} runs at each. The experiment is the platoon with the keys below; \
-         maxima are over followers' outer ticks from the beginning of coordination on and over all \
-         runs, slip and gains are means over the runs. τ in the forms is the mean age of the position \
-         in use.",
+        "{} robots, {} points, {} runs at each point. The experiment is the built-in platoon with the \
+         keys below. Maxima are over the followers' outer ticks from the start of coordination on and \
+         over all runs; slip and gains are means over the runs. In Eq. 13 and 14, τ is the mean age \
+         of the position in use.",
         grid.robots,
         study.points.len(),
         grid.runs
@@ -76,7 +76,8 @@ fn row(point: &Point) -> Vec<String> {
     row
 }
 
-/// For each protocol: speeds by every form over the delay, and the spacing error for each gain.
+/// For each protocol: the desired speed by each form, and the spacing error for each gain, over the
+/// delay. All other keys are those of the first point.
 fn figures(page: &mut Page, points: &[Point]) -> Result<(), StudyError> {
     let Some(first) = points.first().map(|point| &point.cell) else {
         return Ok(());
@@ -84,52 +85,71 @@ fn figures(page: &mut Page, points: &[Point]) -> Result<(), StudyError> {
     let mut protocols: Vec<&str> = points.iter().map(|p| p.cell.protocol.as_str()).collect();
     protocols.dedup();
     for protocol in protocols {
-        let along = |k_x: f64| -> Vec<&Point> {
-            let cell = |delay_s: f64| Cell {
-                k_x,
-                delay_s,
-                protocol: protocol.to_owned(),
-                ..first.clone()
-            };
-            points
-                .iter()
-                .filter(|point| point.cell == cell(point.cell.delay_s))
-                .collect()
+        let cell = Cell {
+            protocol: protocol.to_owned(),
+            ..first.clone()
         };
-        let line = |name: &str, k_x: f64, pick: fn(&Point) -> f64| {
-            let points = along(k_x);
-            let point = |point: &&Point| (point.cell.delay_s, pick(point));
-            Line::new(name, points.iter().map(point))
-        };
-        let k_x = first.k_x;
-        let speeds = [
-            line("measured", k_x, |p| p.max_desired_speed_m_s),
-            line("transport delay", k_x, |p| p.transport_delay_m_s).dashed(),
-            line("Eq. 13 as printed", k_x, |p| p.literal_eq13_m_s).dashed(),
-            line("bound of Eq. 14", k_x, |p| p.bound_eq14_m_s),
-        ];
-        let rest = format!(
-            "{protocol}, limit {}, jitter {} s, loss {}",
-            first.torque_limit, first.jitter_s, first.loss
-        );
-        page.figure(
-            &Chart::new(DELAY, "largest |v_d| (m/s)")
-                .lines(speeds)
-                .svg()?,
-            &format!("Largest desired speed over the delay; {rest}, k_x {k_x} 1/s."),
-        );
-        let mut gains: Vec<f64> = points.iter().map(|point| point.cell.k_x).collect();
-        gains.sort_by(f64::total_cmp);
-        gains.dedup();
-        let errors = gains
-            .iter()
-            .map(|&k_x| line(&format!("k_x = {k_x} 1/s"), k_x, |p| p.max_spacing_error_m));
-        page.figure(
-            &Chart::new(DELAY, "largest spacing error (m)")
-                .lines(errors)
-                .svg()?,
-            &format!("Largest true spacing error over the delay; {rest}."),
-        );
+        speed_figure(page, points, &cell)?;
+        spacing_figure(page, points, &cell)?;
     }
+    Ok(())
+}
+
+/// A quantity over the delay, at the points that otherwise have the keys of `cell` and this gain.
+fn over_delay(
+    points: &[Point],
+    cell: &Cell,
+    name: &str,
+    k_x: f64,
+    quantity: fn(&Point) -> f64,
+) -> Line {
+    let wanted = |point: &&Point| {
+        let delay_s = point.cell.delay_s;
+        let wanted = Cell {
+            k_x,
+            delay_s,
+            ..cell.clone()
+        };
+        point.cell == wanted
+    };
+    let point = |point: &Point| (point.cell.delay_s, quantity(point));
+    Line::new(name, points.iter().filter(wanted).map(point))
+}
+
+fn other_keys(cell: &Cell) -> String {
+    format!(
+        "{}, limit {}, jitter {} s, loss {}",
+        cell.protocol, cell.torque_limit, cell.jitter_s, cell.loss
+    )
+}
+
+fn speed_figure(page: &mut Page, points: &[Point], cell: &Cell) -> Result<(), StudyError> {
+    let k_x = cell.k_x;
+    let line = |name: &str, quantity| over_delay(points, cell, name, k_x, quantity);
+    let lines = [
+        line("measured", |p| p.max_desired_speed_m_s),
+        line("transport delay", |p| p.transport_delay_m_s).dashed(),
+        line("Eq. 13 as printed", |p| p.literal_eq13_m_s).dashed(),
+        line("bound of Eq. 14", |p| p.bound_eq14_m_s),
+    ];
+    let chart = Chart::new(DELAY_AXIS, "largest |v_d| (m/s)").lines(lines);
+    let keys = other_keys(cell);
+    let caption = format!("Largest desired speed over the delay; {keys}, k_x {k_x} 1/s.");
+    page.figure(&chart.svg()?, &caption);
+    Ok(())
+}
+
+fn spacing_figure(page: &mut Page, points: &[Point], cell: &Cell) -> Result<(), StudyError> {
+    let mut gains: Vec<f64> = points.iter().map(|point| point.cell.k_x).collect();
+    gains.sort_by(f64::total_cmp);
+    gains.dedup();
+    let lines = gains.iter().map(|&k_x| {
+        let name = format!("k_x = {k_x} 1/s");
+        over_delay(points, cell, &name, k_x, |p| p.max_spacing_error_m)
+    });
+    let chart = Chart::new(DELAY_AXIS, "largest spacing error (m)").lines(lines);
+    let keys = other_keys(cell);
+    let caption = format!("Largest true spacing error over the delay; {keys}.");
+    page.figure(&chart.svg()?, &caption);
     Ok(())
 }

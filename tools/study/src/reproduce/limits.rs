@@ -1,4 +1,4 @@
-//! τ_max (Eq. 11) and the acceleration that goes with it, from the paper's own numbers.
+//! The torque limit τ_max (Eq. 11) and the acceleration at that torque, from the paper's own numbers.
 
 use slipstream_agents::{Geometry, normal_forces_n, torque_limit_nm};
 use slipstream_bus::Experiment;
@@ -11,7 +11,7 @@ use crate::StudyError;
 const TORQUE: &str = "Eq. 11, section 3";
 const ACCELERATION: &str = "section 3";
 
-/// The limit and the acceleration as printed, and with what Eq. 6 leaves out.
+/// Torque limit and acceleration as printed, and with the load transfer that Eq. 6 leaves out.
 pub(super) fn rows(experiment: &Experiment) -> Result<Vec<Row>, StudyError> {
     let geometry = Geometry::new(&experiment.robots[0].model).map_err(RunError::Input)?;
     let Some(dynamics) = geometry.dynamics else {
@@ -24,7 +24,7 @@ pub(super) fn rows(experiment: &Experiment) -> Result<Vec<Row>, StudyError> {
     // Friction accelerates the robot by a = μ load / m_t, and m_t a h tilts it back onto the wheels.
     let base = geometry.d + dynamics.e;
     let transferred_n = driven_n / (1.0 - friction * dynamics.h / base);
-    // The wheels' spin-up, 2 I_wy a / r, does so too.
+    // The reaction of the wheels' spin-up, 2 I_wy a / r, adds to it.
     let spin_m = 2.0 * dynamics.i_wy / (geometry.r * dynamics.m_t);
     let reacting_n = driven_n / (1.0 - friction * (dynamics.h + spin_m) / base);
     Ok(vec![

@@ -1,40 +1,44 @@
 //! Section 4: the platoon without and with the torque limit (Fig. 9 to 12, final positions).
 
 use super::printed::{FINALS, Finals};
+use super::recorded_run::RecordedRun;
 use super::row::Row;
-use super::trial::Trial;
 
 const FINAL: &str = "final positions, section 4";
 const SPACINGS: &str = "\"the inter-vehicular spacings are maintained better\", section 4";
 const WHICH: [&str; 2] = ["without_limit", "with_limit"];
-/// What a straight run depends on: without the limit all but the last.
-const ALL: [&str; 5] = ["profile", "gains", "motor", "friction", "limit"];
+/// The assumptions that change a straight run; `limit` only a run with the torque limit.
+const ASSUMPTIONS: [&str; 5] = ["profile", "gains", "motor", "friction", "limit"];
 
 fn assumptions(which: &str) -> &'static [&'static str] {
-    if which == WHICH[0] { &ALL[..4] } else { &ALL }
+    if which == WHICH[0] {
+        &ASSUMPTIONS[..4]
+    } else {
+        &ASSUMPTIONS
+    }
 }
 
-/// Final positions, then what the figures claim.
-pub(super) fn rows(trials: &[Trial; 2]) -> Vec<Row> {
+/// Rows for the final positions, then for the claims about the figures.
+pub(super) fn rows(runs: &[RecordedRun; 2]) -> Vec<Row> {
     let mut rows = Vec::new();
-    for ((trial, printed), which) in trials.iter().zip(&FINALS).zip(WHICH) {
-        rows.extend(finals(trial, printed, which));
+    for ((run, printed), which) in runs.iter().zip(&FINALS).zip(WHICH) {
+        rows.extend(finals(run, printed, which));
     }
-    for ((trial, printed), which) in trials.iter().zip(&FINALS).zip(WHICH) {
-        rows.extend(gaps(trial, printed, which));
+    for ((run, printed), which) in runs.iter().zip(&FINALS).zip(WHICH) {
+        rows.extend(gaps(run, printed, which));
     }
-    rows.extend(claims(trials));
+    rows.extend(claims(runs));
     rows
 }
 
-fn finals(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
+fn finals(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
     let mut rows = Vec::new();
-    for (i, (truth, agent)) in trial
+    for (i, (truth, agent)) in run
         .reports
         .plant
         .robots
         .iter()
-        .zip(&trial.reports.agents)
+        .zip(&run.reports.agents)
         .enumerate()
         .take(3)
     {
@@ -47,10 +51,10 @@ fn finals(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
                 let row = Row::printed(quantity, FINAL, paper[axis], computed[axis]);
                 rows.push(if axis == 0 {
                     row.note("the way is that of the assumed profile")
-                        .on(assumptions(which))
+                        .depending_on(assumptions(which))
                 } else {
                     row.note("zero by symmetry: see the rows asymmetry_…")
-                        .on(&["symmetry"])
+                        .depending_on(&["symmetry"])
                 });
             }
         }
@@ -58,14 +62,14 @@ fn finals(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
     rows
 }
 
-fn gaps(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
-    let robots = trial.robots();
+fn gaps(run: &RecordedRun, printed: &Finals, which: &str) -> Vec<Row> {
+    let robots = run.robots();
     let mean = |axis: usize| {
-        let gaps = (0..robots).map(|robot| trial.final_gap_m(robot, axis).abs());
+        let gaps = (0..robots).map(|robot| run.final_gap_m(robot, axis).abs());
         gaps.sum::<f64>() / f64::from(robots)
     };
     let signed = (0..robots)
-        .map(|robot| trial.final_gap_m(robot, 0))
+        .map(|robot| run.final_gap_m(robot, 0))
         .sum::<f64>()
         / f64::from(robots);
     vec![
@@ -82,7 +86,7 @@ fn gaps(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
             signed.abs(),
             if signed >= 0.0 { "ahead" } else { "behind" }
         ))
-        .on(assumptions(which)),
+        .depending_on(assumptions(which)),
         Row::printed(
             format!("mean_gap_y_{which}_m"),
             FINAL,
@@ -90,79 +94,93 @@ fn gaps(trial: &Trial, printed: &Finals, which: &str) -> Vec<Row> {
             mean(1),
         )
         .note("zero by symmetry: see the rows asymmetry_…")
-        .on(&["symmetry"]),
+        .depending_on(&["symmetry"]),
         Row::printed(
             format!("final_spacing_error_{which}_m"),
             FINAL,
             printed.largest_spacing_error_m(),
-            trial.final_spacing_error_m(),
+            run.final_spacing_error_m(),
         )
         .note(
             "the larger of the two, from final true positions. The paper's own measured positions \
              are better spaced at the end without the limit than with it, though its text says that \
              the limit maintains the spacing better",
         )
-        .on(assumptions(which)),
+        .depending_on(assumptions(which)),
     ]
 }
 
-/// What the limit is said to do: each a number without and with, and whether it is smaller with.
-fn claims(trials: &[Trial; 2]) -> Vec<Row> {
-    let mean_gap = |trial: &Trial| {
-        let gaps = (0..trial.robots()).map(|robot| trial.final_gap_m(robot, 0).abs());
-        gaps.sum::<f64>() / f64::from(trial.robots())
+/// A claim of the paper that a number is smaller with the torque limit.
+struct Claim {
+    quantity: &'static str,
+    source: &'static str,
+    /// What the number is, with its unit.
+    meaning: String,
+    number: fn(&RecordedRun) -> f64,
+}
+
+/// The claims about the torque limit: each holds if its number is smaller with the limit.
+fn claims(runs: &[RecordedRun; 2]) -> Vec<Row> {
+    let row = |claim: Claim| {
+        let [without, with] = runs.each_ref().map(claim.number);
+        Row::claim(claim.quantity, claim.source, with / without, with < without)
+            .note(format!(
+                "{}: {without:.4} without, {with:.4} with the limit",
+                claim.meaning
+            ))
+            .depending_on(&ASSUMPTIONS)
     };
-    let pairs = [
-        (
-            "encoder_gap_with_over_without_limit",
-            "\"errors in both x and y are much smaller\", section 4",
-            "encoder against truth, mean (m)".to_owned(),
-            trials.each_ref().map(mean_gap),
-        ),
-        (
-            "final_spacing_error_with_over_without_limit",
-            SPACINGS,
-            "largest true spacing error at the end (m)".to_owned(),
-            trials.each_ref().map(Trial::final_spacing_error_m),
-        ),
-        (
-            "rms_spacing_error_with_over_without_limit",
-            SPACINGS,
-            "root mean square of the true spacing errors from 3 s on (m)".to_owned(),
-            trials.each_ref().map(Trial::rms_spacing_error_m),
-        ),
-        (
-            "max_spacing_error_with_over_without_limit",
-            SPACINGS,
-            format!(
+    claims_of_paper(runs).into_iter().map(row).collect()
+}
+
+fn mean_gap_m(run: &RecordedRun) -> f64 {
+    let gaps = (0..run.robots()).map(|robot| run.final_gap_m(robot, 0).abs());
+    gaps.sum::<f64>() / f64::from(run.robots())
+}
+
+fn claims_of_paper(runs: &[RecordedRun; 2]) -> [Claim; 6] {
+    [
+        Claim {
+            quantity: "encoder_gap_with_over_without_limit",
+            source: "\"errors in both x and y are much smaller\", section 4",
+            meaning: "encoder against truth, mean (m)".to_owned(),
+            number: mean_gap_m,
+        },
+        Claim {
+            quantity: "final_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: "largest true spacing error at the end (m)".to_owned(),
+            number: RecordedRun::final_spacing_error_m,
+        },
+        Claim {
+            quantity: "rms_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: "root mean square of the true spacing errors from 3 s on (m)".to_owned(),
+            number: RecordedRun::rms_spacing_error_m,
+        },
+        Claim {
+            quantity: "max_spacing_error_with_over_without_limit",
+            source: SPACINGS,
+            meaning: format!(
                 "largest true spacing error from 3 s on (m), at {:.2} s without and {:.2} s with the \
                  limit: a transient, in which whoever may not accelerate as hard falls back further",
-                trials[0].worst_spacing_at_s(),
-                trials[1].worst_spacing_at_s()
+                runs[0].worst_spacing_at_s(),
+                runs[1].worst_spacing_at_s()
             ),
-            trials.each_ref().map(Trial::max_spacing_error_m),
-        ),
-        (
-            "roughness_of_x_with_over_without_limit",
-            "\"the positions change more smoothly\", Fig. 9 and 10",
-            "root mean square jerk of x by odometry over the outer ticks (m/s³)".to_owned(),
-            trials.each_ref().map(Trial::roughness_m_s3),
-        ),
-        (
-            "slip_time_with_over_without_limit",
-            "\"wheel slip is avoided\", section 4",
-            "all robots, both wheels together (s)".to_owned(),
-            trials.each_ref().map(Trial::slip_time_s),
-        ),
-    ];
-    pairs
-        .into_iter()
-        .map(|(quantity, source, what, [without, with])| {
-            Row::claim(quantity, source, with / without, with < without)
-                .note(format!(
-                    "{what}: {without:.4} without, {with:.4} with the limit"
-                ))
-                .on(&ALL)
-        })
-        .collect()
+            number: RecordedRun::max_spacing_error_m,
+        },
+        Claim {
+            quantity: "roughness_of_x_with_over_without_limit",
+            source: "\"the positions change more smoothly\", Fig. 9 and 10",
+            meaning: "root mean square jerk of x by odometry over the outer ticks (m/s³)"
+                .to_owned(),
+            number: RecordedRun::roughness_m_s3,
+        },
+        Claim {
+            quantity: "slip_time_with_over_without_limit",
+            source: "\"wheel slip is avoided\", section 4",
+            meaning: "all robots, both wheels together (s)".to_owned(),
+            number: RecordedRun::slip_time_s,
+        },
+    ]
 }

@@ -1,20 +1,20 @@
-//! What the paper prints, as it prints it.
+//! The numbers that the paper prints.
 
 /// Largest torque without slip (N m), section 3.
 pub(super) const TORQUE_LIMIT_NM: f64 = 0.095;
-/// The wheel acceleration that goes with it (rad/s²), section 3.
+/// Wheel acceleration at that torque (rad/s²), section 3.
 pub(super) const ACCELERATION_RAD_S2: f64 = 45.0;
 
 /// Final positions of the platoon, section 4, for r1 to r3: x (m), y (m).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Finals {
-    /// By the encoders.
+    /// By odometry.
     pub(super) encoder: [[f64; 2]; 3],
     /// Measured by hand.
     pub(super) measured: [[f64; 2]; 3],
 }
 
-/// Without and with the torque limit.
+/// Printed final positions without and with the torque limit.
 pub(super) const FINALS: [Finals; 2] = [
     Finals {
         encoder: [[4.78, 0.02], [4.17, 0.04], [3.55, 0.03]],
@@ -26,22 +26,22 @@ pub(super) const FINALS: [Finals; 2] = [
     },
 ];
 
-/// Where the robots start: x (m), section 4.
+/// Initial x of the robots (m), section 4.
 pub(super) const STARTS_M: [f64; 3] = [0.6096, 0.0, -0.6096];
 
 impl Finals {
-    /// Mean distance between encoder and measurement along an axis (m).
+    /// Mean absolute difference of odometry and measurement along an axis (m).
     pub(super) fn mean_gap_m(&self, axis: usize) -> f64 {
         let gap = |i: usize| (self.measured[i][axis] - self.encoder[i][axis]).abs();
         (0..3).map(gap).sum::<f64>() / 3.0
     }
 
-    /// Mean lateral distance from the straight line as measured (m).
+    /// Mean measured lateral distance from the straight line (m).
     pub(super) fn mean_lateral_m(&self) -> f64 {
         self.measured.iter().map(|end| end[1].abs()).sum::<f64>() / 3.0
     }
 
-    /// The largest error of the measured final spacings (m).
+    /// Largest error of the measured final spacings (m).
     pub(super) fn largest_spacing_error_m(&self) -> f64 {
         let spacing = STARTS_M[0] - STARTS_M[1];
         let error = |i: usize| (self.measured[i][0] - self.measured[i + 1][0] - spacing).abs();

@@ -1,27 +1,30 @@
-//! One line of the table: paper, computed, agrees, why not.
+//! One row of the comparison: paper, computed, whether they agree, and why not.
 
-use serde::Serialize;
+use std::borrow::Cow;
 
-/// Two numbers agree when they are no further apart than this share of the printed one.
+use serde::{Deserialize, Serialize};
+
+/// Largest relative difference from the printed number at which two numbers agree.
 pub const TOLERANCE: f64 = 0.05;
 
 /// One quantity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
-    /// What, with its unit.
+    /// Name of the quantity, with its unit.
     pub quantity: String,
-    /// Where the paper says it.
-    pub source: &'static str,
-    /// As printed; none where the paper makes a claim in words, or none at all.
+    /// Where in the paper.
+    pub source: Cow<'static, str>,
+    /// The printed number; null if the paper makes a claim in words or says nothing.
     pub paper: Option<f64>,
-    /// As it comes out; none where it does not come out.
+    /// The computed number; null if there is none.
     pub computed: Option<f64>,
-    /// Within 5 % of the printed number, or as the words claim; none where the paper says nothing.
+    /// Whether the number is within 5 % of the printed one, or the claim holds; null if the paper says
+    /// nothing.
     pub agrees: Option<bool>,
-    /// Why not, or what it means.
+    /// Why it does not agree, or what it means.
     pub note: String,
-    /// The assumptions without which the number would be another.
-    pub depends_on: Vec<&'static str>,
+    /// Names of the assumptions that change the number.
+    pub depends_on: Vec<Cow<'static, str>>,
 }
 
 impl Row {
@@ -40,7 +43,7 @@ impl Row {
         }
     }
 
-    /// Something that the paper claims in words.
+    /// A claim that the paper makes in words.
     pub(super) fn claim(
         quantity: impl Into<String>,
         source: &'static str,
@@ -53,11 +56,11 @@ impl Row {
         }
     }
 
-    /// Something that the paper says nothing about.
+    /// A number that the paper says nothing about.
     pub(super) fn found(quantity: impl Into<String>, source: &'static str, computed: f64) -> Self {
         Self {
             quantity: quantity.into(),
-            source,
+            source: source.into(),
             paper: None,
             computed: computed.is_finite().then_some(computed),
             agrees: None,
@@ -66,15 +69,15 @@ impl Row {
         }
     }
 
-    /// With its reason.
+    /// Adds the note.
     pub(super) fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// With the assumptions that it depends on.
-    pub(super) fn on(mut self, assumptions: &[&'static str]) -> Self {
-        self.depends_on = assumptions.to_vec();
+    /// Adds the assumptions that change the number.
+    pub(super) fn depending_on(mut self, assumptions: &[&'static str]) -> Self {
+        self.depends_on = assumptions.iter().map(|&name| name.into()).collect();
         self
     }
 }
@@ -84,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn five_per_cent_of_the_printed_number() {
+    fn numbers_agree_within_five_per_cent() {
         let agrees = |computed| Row::printed("q", "s", -2.0, computed).agrees;
         assert_eq!(agrees(-2.09), Some(true));
         assert_eq!(agrees(-2.11), Some(false));

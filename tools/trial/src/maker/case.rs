@@ -1,90 +1,73 @@
-//! A scene played, recorded and labelled.
+//! A case: a scene simulated, recorded and labelled.
 
 use std::collections::BTreeMap;
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 use slipstream_recording::Recording;
 
-use super::drive::{Played, play};
+use super::detectability::detectability;
 use super::record::record;
-use super::scene::{Eye, Scene};
-use super::size::sizes;
-use crate::label::{Hidden, Label, Unknown, Value, Verdict};
-use crate::plant::Push;
+use super::scene::{Camera, Scene};
+use super::simulate::{SimulatedScene, simulate};
+use super::truth::Truth;
+use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
+use slipstream_trial_plant::{OutsideEffect, Push};
 
-/// A case: what the diagnosis gets, and the truth.
+/// A case: the input of the diagnosis, and the label.
 #[derive(Debug)]
-pub struct Made {
+pub struct MadeCase {
     /// The recording.
     pub recording: Recording,
     /// The nominal model.
     pub model: RobotModel,
-    /// The truth.
+    /// The label.
     pub label: Label,
 }
 
-/// Makes a case of a scene; `name` names its recording.
+/// Makes the case of a scene; `name` is the name of its recording.
 ///
 /// # Errors
-/// A model that cannot move.
-pub fn make(scene: &Scene, name: &str) -> Result<Made, String> {
-    let played = play(scene)?;
-    Ok(Made {
-        recording: record(scene, &played, name),
+/// A model that cannot be simulated.
+pub fn make(scene: &Scene, name: &str) -> Result<MadeCase, String> {
+    let simulated = simulate(scene)?;
+    Ok(MadeCase {
+        recording: record(scene, &simulated, name),
         model: scene.nominal.clone(),
-        label: label(scene, &played, name)?,
+        label: label(scene, &simulated, name)?,
     })
 }
 
-fn label(scene: &Scene, played: &Played, name: &str) -> Result<Label, String> {
+/// The label of a simulated scene.
+fn label(scene: &Scene, simulated: &SimulatedScene, name: &str) -> Result<Label, String> {
     let mut effects = Vec::new();
     let mut unknown = None;
-    for (i, (robot, actor)) in scene.robots.iter().zip(&played.robots).enumerate() {
-        if robot.hidden.is_empty() && robot.strange.is_none() {
+    for (i, (robot, robot_run)) in scene.robots.iter().zip(&simulated.robots).enumerate() {
+        if robot.concealed.is_empty() && robot.outside.is_none() {
             continue;
         }
-        let sizes = sizes(scene, i, actor)?;
-        for ((effect, gain), deviations) in
-            robot.hidden.iter().zip(sizes.gains).zip(sizes.deviations)
-        {
-            let link = effect.effect == "link_delay";
-            let hidden = Hidden {
-                effect: effect.effect.clone(),
-                robot: Scene::name(i),
-                parameters: effect.parameters.iter().map(value).collect(),
-                channels: words(channels(&effect.effect)),
-                confusions: Vec::new(),
-                intervals_s: intervals(effect, &actor.trace),
-                expected_gain: (!link).then_some(gain),
-                deviations: finite(deviations),
-            };
+        let detectability = detectability(scene, i, robot_run)?;
+        let bounds = detectability
+            .gains
+            .into_iter()
+            .zip(detectability.deviations);
+        for (effect, (gain, deviations)) in robot.concealed.iter().zip(bounds) {
+            let concealed = concealed(effect, i, &robot_run.truth, gain, deviations);
             if scene.without.contains(&effect.effect) {
-                unknown = Some(withheld(hidden));
+                unknown = Some(withheld(concealed));
             } else {
-                effects.push(hidden);
+                effects.push(concealed);
             }
         }
-        if let Some(strange) = robot.strange {
-            let (kind, driver, channels) = strange.describe();
-            let parameters = strange.parameters().into_iter();
-            unknown = Some(Unknown {
-                robot: Scene::name(i),
-                kind: kind.to_owned(),
-                parameters: parameters
-                    .map(|(name, number)| (name.to_owned(), Value::Number(number)))
-                    .collect(),
-                channels: words(channels),
-                driver: words(driver),
-                intervals_s: rounded(&actor.trace.strange),
-                expected_gain: Some(sizes.strange),
-            });
+        if let Some(effect) = &robot.outside {
+            let gain = detectability.outside;
+            unknown = Some(outside(effect, i, &robot_run.truth, gain));
         }
     }
     Ok(Label {
         verdict: match (&unknown, effects.is_empty()) {
-            (Some(_), _) => Verdict::Unexplained,
-            (None, false) => Verdict::Explained,
-            (None, true) => Verdict::Match,
+            (Some(_), _) => DiagnosisVerdict::Unexplained,
+            (None, false) => DiagnosisVerdict::Explained,
+            (None, true) => DiagnosisVerdict::Match,
         },
         robot_toml: format!("robots/{name}.toml"),
         kind: scene.kind.clone(),
@@ -95,30 +78,69 @@ fn label(scene: &Scene, played: &Played, name: &str) -> Result<Label, String> {
     })
 }
 
+/// The label of an effect of robot `i`.
+fn concealed(
+    effect: &EffectSpec,
+    i: usize,
+    truth: &Truth,
+    gain: f64,
+    deviations: Vec<(String, f64)>,
+) -> ConcealedEffect {
+    let link = effect.effect == "link_delay";
+    ConcealedEffect {
+        effect: effect.effect.clone(),
+        robot: Scene::name(i),
+        parameters: effect.parameters.iter().map(value).collect(),
+        channels: words(channels(&effect.effect)),
+        confusions: Vec::new(),
+        intervals_s: intervals(effect, truth),
+        expected_gain: (!link).then_some(gain),
+        deviations: finite(deviations),
+    }
+}
+
+/// The label of an effect outside the vocabulary, of robot `i`.
+fn outside(effect: &OutsideEffect, i: usize, truth: &Truth, gain: f64) -> UnknownPhysics {
+    let (kind, driver, channels) = effect.describe();
+    let parameters = effect.parameters().into_iter();
+    UnknownPhysics {
+        robot: Scene::name(i),
+        kind: kind.to_owned(),
+        parameters: parameters
+            .map(|(name, number)| (name.to_owned(), ParameterValue::Number(number)))
+            .collect(),
+        channels: words(channels),
+        driver: words(driver),
+        intervals_s: rounded(&truth.outside),
+        expected_gain: Some(gain),
+    }
+}
+
+/// How the case was made, for human readers.
 fn notes(scene: &Scene) -> BTreeMap<String, String> {
     let blind = scene
         .robots
         .iter()
         .enumerate()
-        .filter(|(_, robot)| robot.eye == Eye::Blind);
+        .filter(|(_, robot)| robot.camera == Camera::Absent);
     let blind: Vec<String> = blind.map(|(i, _)| Scene::name(i)).collect();
     let word = |what: &dyn std::fmt::Debug| format!("{what:?}").to_lowercase();
     [
         ("control", word(&scene.control)),
-        ("command", word(&scene.told)),
+        ("command", word(&scene.command_kind)),
         ("style", word(&scene.style)),
         ("duration_s", scene.duration_s.to_string()),
         ("without_pose", blind.join(" ")),
-        ("wandering_n", scene.wandering_n.to_string()),
+        ("wandering_n", scene.disturbance_n.to_string()),
     ]
     .into_iter()
     .map(|(key, text)| (key.to_owned(), text))
     .collect()
 }
 
-/// An effect of the vocabulary that the diagnosis does not have.
-fn withheld(hidden: Hidden) -> Unknown {
-    let driver = match hidden.effect.as_str() {
+/// The label of an effect that the diagnosis does not have in its catalogue.
+fn withheld(concealed: ConcealedEffect) -> UnknownPhysics {
+    let driver = match concealed.effect.as_str() {
         "floor_slope" => &["heading"][..],
         "supply_sag" | "push" => &["t"],
         "command_dead_band" | "command_saturation" => &["torque"],
@@ -126,28 +148,28 @@ fn withheld(hidden: Hidden) -> Unknown {
         "friction_patch" => &["position", "x", "y"],
         _ => &["v", "w"],
     };
-    let mut channels = hidden.channels;
-    // without its name, the channel in which it moves the robot is as right
+    let mut channels = concealed.channels;
+    // Without the name of the effect, the channel in which it moves the robot is as correct.
     for wheel in ["wheel_right", "wheel_left"] {
         if !channels.iter().any(|channel| channel == wheel) {
             channels.push(wheel.to_owned());
         }
     }
-    Unknown {
-        robot: hidden.robot,
-        kind: hidden.effect,
-        parameters: hidden.parameters,
+    UnknownPhysics {
+        robot: concealed.robot,
+        kind: concealed.effect,
+        parameters: concealed.parameters,
         channels,
         driver: words(driver),
-        intervals_s: hidden.intervals_s,
-        expected_gain: hidden.expected_gain,
+        intervals_s: concealed.intervals_s,
+        expected_gain: concealed.expected_gain,
     }
 }
 
-fn value((name, value): &(String, Parameter)) -> (String, Value) {
+fn value((name, value): &(String, Parameter)) -> (String, ParameterValue) {
     let value = match value {
-        Parameter::Number(number) => Value::Number(*number),
-        Parameter::Text(text) => Value::Text(text.clone()),
+        Parameter::Number(number) => ParameterValue::Number(*number),
+        Parameter::Text(text) => ParameterValue::Text(text.clone()),
     };
     (name.clone(), value)
 }
@@ -170,11 +192,11 @@ fn rounded(intervals: &[[f64; 2]]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// When an effect is at work, where it is not always.
-fn intervals(effect: &EffectSpec, trace: &super::trace::Trace) -> Vec<[f64; 2]> {
+/// When an effect acts; empty if always.
+fn intervals(effect: &EffectSpec, truth: &Truth) -> Vec<[f64; 2]> {
     match effect.effect.as_str() {
-        "wheel_slip" => rounded(&trace.slips),
-        "friction_patch" => rounded(&trace.patches),
+        "wheel_slip" => rounded(&truth.slips),
+        "friction_patch" => rounded(&truth.patches),
         "push" => {
             let begin = effect
                 .parameters
@@ -184,14 +206,14 @@ fn intervals(effect: &EffectSpec, trace: &super::trace::Trace) -> Vec<[f64; 2]> 
                     _ => None,
                 });
             begin
-                .map(|t_s| rounded(&[[t_s, t_s + Push::LASTS_S]]))
+                .map(|t_s| rounded(&[[t_s, t_s + Push::DURATION_S]]))
                 .unwrap_or_default()
         }
         _ => Vec::new(),
     }
 }
 
-/// Channels any of which is right for an effect of the vocabulary.
+/// The channels that are correct answers for an effect of the vocabulary.
 fn channels(effect: &str) -> &'static [&'static str] {
     match effect {
         "wheel_slip" | "friction_patch" | "caster_drag" => &[

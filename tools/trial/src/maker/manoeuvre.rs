@@ -1,25 +1,25 @@
-//! What a robot is to do: speeds over time, and the commands that would bring them about.
+//! Manoeuvres: desired speeds over time, and the open-loop commands for them.
 
-use super::chance::Chance;
-use crate::plant::{Commands, Physics, Quantity};
+use super::random::RandomStream;
+use slipstream_trial_plant::{Commands, Physics, Quantity};
 
-/// Commands hold for this long (s).
-pub(crate) const HOLD_S: f64 = 0.02;
+/// Period of the commands (s).
+pub(crate) const COMMAND_PERIOD_S: f64 = 0.02;
 
-/// How a robot is driven.
+/// Driving style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
-    /// Starts, stops and turns, up to what the floor carries.
+    /// Starts, stops and turns within the limits of friction.
     Lively,
-    /// The same, beyond what the floor carries.
+    /// The same, beyond the limits of friction.
     Wild,
-    /// Even speed, wide turns.
+    /// Nearly constant speed and wide turns.
     Cruise,
 }
 
-/// What is told.
+/// The kind of command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Told {
+pub enum CommandKind {
     /// Torque at each wheel.
     Torque,
     /// Voltage at each motor.
@@ -30,8 +30,8 @@ pub enum Told {
     Twist,
 }
 
-impl Told {
-    /// What reaches the wheels.
+impl CommandKind {
+    /// The quantity that the command sets at the wheels.
     pub(crate) fn quantity(self) -> Quantity {
         match self {
             Self::Torque => Quantity::Torque,
@@ -41,16 +41,22 @@ impl Told {
     }
 }
 
-/// Speed and yaw rate wanted at each command's begin, [v (m/s), w (rad/s)].
-pub(crate) type Wanted = Vec<[f64; 2]>;
+/// Desired [v (m/s), w (rad/s)] at the start of each command.
+pub(crate) type DesiredTwists = Vec<[f64; 2]>;
 
-/// Ranges of one style.
+/// The ranges of a driving style.
 struct Ranges {
+    /// Speed (m/s).
     speed: [f64; 2],
+    /// Largest yaw rate (rad/s).
     rate: f64,
+    /// Acceleration (m/s²).
     acceleration: [f64; 2],
+    /// Yaw acceleration (rad/s²).
     turn: [f64; 2],
+    /// How long a target is held (s).
     hold_s: [f64; 2],
+    /// Probability that the next target is to stand still.
     stop: f64,
 }
 
@@ -83,65 +89,78 @@ fn ranges(style: Style) -> Ranges {
     }
 }
 
-/// Draws what a robot is to do for `duration_s`: at rest first, then from target to target.
-pub(crate) fn wanted(style: Style, duration_s: f64, chance: &mut Chance) -> Wanted {
+/// Draws desired twists for `duration_s` (s): at rest first, then from target to target with limited
+/// acceleration.
+pub(crate) fn desired_twists(
+    style: Style,
+    duration_s: f64,
+    random: &mut RandomStream,
+) -> DesiredTwists {
     let ranges = ranges(style);
-    let rows = (duration_s / HOLD_S).round() as usize;
-    let rest = (chance.between(0.5, 1.0) / HOLD_S) as usize;
-    let mut wanted = vec![[0.0; 2]; rest];
+    let rows = (duration_s / COMMAND_PERIOD_S).round() as usize;
+    let rest = (random.uniform(0.5, 1.0) / COMMAND_PERIOD_S) as usize;
+    let mut desired = vec![[0.0; 2]; rest];
     let mut now = [0.0; 2];
-    while wanted.len() < rows {
-        let stop = chance.happens(ranges.stop);
+    while desired.len() < rows {
+        let stop = random.bernoulli(ranges.stop);
         let target = if stop {
             [0.0; 2]
         } else {
-            let turns = chance.happens(0.75);
-            let rate = chance.between(-ranges.rate, ranges.rate);
+            let turns = random.bernoulli(0.75);
+            let rate = random.uniform(-ranges.rate, ranges.rate);
             [
-                chance.between(ranges.speed[0], ranges.speed[1]),
+                random.uniform(ranges.speed[0], ranges.speed[1]),
                 if turns { rate } else { 0.0 },
             ]
         };
         let [a, b] = ranges.acceleration;
         let [c, d] = ranges.turn;
-        let most = [chance.between(a, b) * HOLD_S, chance.between(c, d) * HOLD_S];
-        while now != target && wanted.len() < rows {
+        let most = [
+            random.uniform(a, b) * COMMAND_PERIOD_S,
+            random.uniform(c, d) * COMMAND_PERIOD_S,
+        ];
+        while now != target && desired.len() < rows {
             now = [0, 1].map(|i| now[i] + (target[i] - now[i]).clamp(-most[i], most[i]));
-            wanted.push(now);
+            desired.push(now);
         }
-        let hold = chance.between(ranges.hold_s[0], ranges.hold_s[1]);
-        for _ in 0..(hold / HOLD_S) as usize {
-            wanted.push(now);
+        let hold = random.uniform(ranges.hold_s[0], ranges.hold_s[1]);
+        for _ in 0..(hold / COMMAND_PERIOD_S) as usize {
+            desired.push(now);
         }
     }
-    wanted.truncate(rows);
-    wanted
+    desired.truncate(rows);
+    desired
 }
 
-/// The command at row `k` of an open loop, as it is told: by the nominal robot's inertia, rolling.
-pub(crate) fn open_loop(told: Told, wanted: &Wanted, k: usize, nominal: &Physics) -> [f64; 2] {
-    let now = wanted[k];
-    let next = wanted.get(k + 1).copied().unwrap_or(now);
-    let change = [0, 1].map(|i| (next[i] - now[i]) / HOLD_S);
-    let told = match told {
-        Told::Twist => now,
-        Told::WheelSpeed => Commands::wheel_speeds(now, nominal.nominal),
-        Told::Torque => torque(change, nominal),
-        Told::Voltage => {
+/// The open-loop command at row `k`, by inverse dynamics of the nominal robot without slip.
+pub(crate) fn open_loop(
+    kind: CommandKind,
+    desired: &DesiredTwists,
+    k: usize,
+    nominal: &Physics,
+) -> [f64; 2] {
+    let now = desired[k];
+    let next = desired.get(k + 1).copied().unwrap_or(now);
+    let change = [0, 1].map(|i| (next[i] - now[i]) / COMMAND_PERIOD_S);
+    let command = match kind {
+        CommandKind::Twist => now,
+        CommandKind::WheelSpeed => Commands::wheel_speeds(now, nominal.nominal),
+        CommandKind::Torque => torque(change, nominal),
+        CommandKind::Voltage => {
             let speeds = Commands::wheel_speeds(now, nominal.nominal);
             let torque = torque(change, nominal);
             [0, 1].map(|i| (torque[i] + nominal.back_emf * speeds[i]) / nominal.per_volt)
         }
     };
-    told.map(rounded)
+    command.map(rounded)
 }
 
-/// Torques that accelerate the nominal robot, rolling, by [m/s², rad/s²].
+/// Wheel torques for an acceleration [m/s², rad/s²] of the nominal robot without slip (N m).
 fn torque([along, turning]: [f64; 2], p: &Physics) -> [f64; 2] {
     let (r, b) = (p.radius[0], p.half_track);
     let spin = p.spin_inertia / r;
     let mass = p.body_mass + 2.0 * p.wheel_mass;
-    // about the axle's middle, on which the robot turns
+    // About the middle of the axle, the centre of rotation.
     let inertia = p.body_inertia
         + 2.0 * p.wheel_yaw_inertia
         + p.body_mass * p.to_axle * p.to_axle
@@ -153,7 +172,7 @@ fn torque([along, turning]: [f64; 2], p: &Physics) -> [f64; 2] {
     [even + odd, even - odd]
 }
 
-/// To six digits behind the point, as a recording holds it.
+/// Rounded to six decimals, as in the recording.
 pub(crate) fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

@@ -1,20 +1,25 @@
-//! Makes cases: scenes drawn from a seed, played by a second simulator, recorded and labelled.
+//! Makes cases: scenes are drawn from a seed, simulated by a second simulator, recorded and labelled.
 
 mod case;
-mod chance;
-mod control;
-mod drive;
-mod effects;
+mod controller;
+mod detectability;
+mod draw_effect;
+mod information;
 mod manoeuvre;
 mod plan;
+mod platoon_link;
+mod prediction;
+mod random;
 mod record;
+mod reference;
+mod robot;
 mod scene;
 mod sensors;
-mod size;
-mod trace;
+mod simulate;
+mod truth;
 
-pub use case::{Made, make};
-pub use effects::VOCABULARY;
-pub use manoeuvre::{Style, Told};
-pub use plan::{Plan, Planned};
-pub use scene::{Actual, Control, Eye, Scene};
+pub use case::{MadeCase, make};
+pub use draw_effect::VOCABULARY;
+pub use manoeuvre::{CommandKind, Style};
+pub use plan::{Plan, PlannedCase};
+pub use scene::{Camera, Control, Scene, TrueRobot};

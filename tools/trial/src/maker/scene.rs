@@ -1,92 +1,95 @@
-//! What a case is made of, before anything moves.
+//! Scenes: robots, manoeuvre and sensors of a case, before the simulation.
 
 use slipstream_bus::{EffectSpec, RobotModel};
 
-use super::manoeuvre::{Style, Told};
-use crate::plant::{Physics, Strange};
+use super::manoeuvre::{CommandKind, Style};
+use slipstream_trial_plant::{OutsideEffect, Physics};
 
 /// Who decides on the commands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
-    /// Played from a list.
+    /// Open loop: commands from a list.
     Open,
-    /// The robot's own controller, on a path of its own.
+    /// Closed loop: each robot's controller follows a path.
     Closed,
-    /// The same, each robot behind the one ahead.
+    /// Closed loop: each robot follows the one ahead.
     Platoon,
 }
 
-/// What a camera sees of a robot.
+/// What the camera measures of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Eye {
+pub enum Camera {
     /// Nothing.
-    Blind,
-    /// Its place.
-    Place,
-    /// Its place and heading.
+    Absent,
+    /// Position.
+    Position,
+    /// Position and heading.
     Pose,
 }
 
-/// One robot as it really is, beside the nominal model.
+/// The true robot, as far as it differs from the nominal model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Actual {
-    /// Effects of the vocabulary that the model leaves out.
-    pub hidden: Vec<EffectSpec>,
-    /// What the vocabulary does not hold.
-    pub strange: Option<Strange>,
-    /// The camera's view of it.
-    pub eye: Eye,
+pub struct TrueRobot {
+    /// Effects of the vocabulary that the model lacks.
+    pub concealed: Vec<EffectSpec>,
+    /// Effect outside the vocabulary.
+    pub outside: Option<OutsideEffect>,
+    /// What the camera measures of it.
+    pub camera: Camera,
 }
 
-/// A scene: robots, what they do, what sees them.
+/// A scene: robots, manoeuvre, sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// What drew it.
+    /// Kind of case, for the label.
     pub kind: String,
-    /// The model that the diagnosis gets.
+    /// The nominal model, which the diagnosis gets.
     pub nominal: RobotModel,
-    /// The robots, `r1` and on.
-    pub robots: Vec<Actual>,
-    /// Who decides.
+    /// The robots `r1`, `r2`, …
+    pub robots: Vec<TrueRobot>,
+    /// Who decides on the commands.
     pub control: Control,
-    /// What is told.
-    pub told: Told,
-    /// How they are driven.
+    /// The kind of command.
+    pub command_kind: CommandKind,
+    /// Driving style.
     pub style: Style,
-    /// How long (s).
+    /// Length of the recording (s).
     pub duration_s: f64,
     /// Whether there is an inertial sensor.
     pub imu: bool,
-    /// Deviation of forces that wander (N; the moment's is a tenth, in N m); 0 without.
-    pub wandering_n: f64,
+    /// Standard deviation of the random disturbance forces (N); that of the moment is a tenth of it (N m). 0
+    /// for none.
+    pub disturbance_n: f64,
     /// Longest step of the simulation (s).
     pub step_s: f64,
-    /// Effects that the diagnosis gets its catalogue without.
+    /// Effects removed from the catalogue of the diagnosis.
     pub without: Vec<String>,
-    /// Seed of everything that chance decides in it.
+    /// Seed of all its random numbers.
     pub seed: u64,
 }
 
 impl Scene {
-    /// The model with all that robot `i` really has, as far as the vocabulary holds it.
+    /// The true model of robot `i`, as far as the vocabulary can express it.
     pub(crate) fn model(&self, i: usize) -> RobotModel {
         let mut model = self.nominal.clone();
-        let hidden = &self.robots[i].hidden;
-        // what is hidden replaces what the model lists
-        model
-            .effects
-            .retain(|listed| hidden.iter().all(|effect| effect.effect != listed.effect));
-        model.effects.extend(hidden.iter().cloned());
+        let concealed = &self.robots[i].concealed;
+        // A concealed effect replaces that of the nominal model.
+        model.effects.retain(|listed| {
+            concealed
+                .iter()
+                .all(|effect| effect.effect != listed.effect)
+        });
+        model.effects.extend(concealed.iter().cloned());
         model
     }
 
-    /// The physics of robot `i`.
+    /// The true parameters of robot `i`.
     ///
     /// # Errors
     /// As [`Physics::new`].
     pub(crate) fn physics(&self, i: usize) -> Result<Physics, String> {
         let mut physics = Physics::new(&self.model(i))?;
-        physics.strange.extend(self.robots[i].strange);
+        physics.outside.extend(self.robots[i].outside);
         Ok(physics)
     }
 

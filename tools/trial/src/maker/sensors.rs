@@ -1,16 +1,19 @@
-//! What sensors make of the truth: clocks, offsets, scales, and when they look.
+//! Sensor models: clocks, offsets, scales and sample times.
 
 use std::f64::consts::{PI, TAU};
 
 use slipstream_bus::{EffectSpec, Parameter};
 
-use super::chance::Chance;
-use crate::plant::State;
+use super::random::RandomStream;
+use slipstream_trial_plant::State;
 
-/// White noise of camera (m, rad) and inertial sensor (m/s², rad/s).
+/// Noise of the camera's position, standard deviation (m).
 pub(crate) const POSE_M: f64 = 0.002;
+/// Noise of the camera's heading, standard deviation (rad).
 pub(crate) const POSE_RAD: f64 = 0.0087;
+/// Noise of the accelerometer, standard deviation (m/s²).
 pub(crate) const IMU_M_S2: f64 = 0.06;
+/// Noise of the gyroscope, standard deviation (rad/s).
 pub(crate) const IMU_RAD_S: f64 = 0.006;
 
 /// A stream of measurements.
@@ -21,27 +24,27 @@ pub(crate) enum Stream {
     Imu = 2,
 }
 
-/// How sensors see one robot.
+/// The sensors of one robot.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sensors {
-    /// Really tracked point minus declared point (m), and measured minus true yaw (rad).
+    /// Tracked minus declared point (m), and measured minus true yaw (rad).
     pub(crate) offset: [f64; 3],
-    /// Stamp minus true time, by stream (s).
+    /// Time stamp minus true time of each stream (s).
     pub(crate) latency_s: [f64; 3],
-    /// Stamp = t (1 + rate), by stream.
+    /// Clock drift of each stream: stamp = t (1 + rate).
     pub(crate) rate: [f64; 3],
-    /// Counts for each true count, [right, left].
+    /// Encoder counts per true count, [right, left].
     pub(crate) scale: [f64; 2],
-    /// Horizontal part of g, world frame (m/s²).
-    pub(crate) pull: [f64; 2],
+    /// Component of g along the floor, world frame (m/s²).
+    pub(crate) gravity: [f64; 2],
 }
 
-/// When each stream looked: the true instants (s).
+/// True sample times of each stream (s).
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Looks(pub(crate) [Vec<f64>; 3]);
+pub(crate) struct SampleTimes(pub(crate) [Vec<f64>; 3]);
 
 impl Sensors {
-    /// The sensors that `effects` describe.
+    /// The sensors with these effects, on a floor of this grade.
     pub(crate) fn new(effects: &[EffectSpec], grade: [f64; 2]) -> Self {
         let steep = grade[0].hypot(grade[1]).atan().cos();
         let mut sensors = Self {
@@ -49,7 +52,7 @@ impl Sensors {
             latency_s: [0.0; 3],
             rate: [0.0; 3],
             scale: [1.0; 2],
-            pull: grade.map(|grade| grade * steep * crate::plant::GRAVITY_M_S2),
+            gravity: grade.map(|grade| grade * steep * slipstream_trial_plant::GRAVITY_M_S2),
         };
         for effect in effects {
             let number = |name: &str| number(effect, name);
@@ -68,22 +71,22 @@ impl Sensors {
         sensors
     }
 
-    /// The stamp of what `stream` saw at `true_s`.
+    /// The time stamp of a sample at the true time `true_s` (s).
     pub(crate) fn stamp_s(&self, stream: Stream, true_s: f64) -> f64 {
         (true_s + self.latency_s[stream as usize]) * (1.0 + self.rate[stream as usize])
     }
 
-    /// When `stream` saw what it stamped so.
+    /// The true time of a sample with this time stamp (s).
     pub(crate) fn true_s(&self, stream: Stream, stamp_s: f64) -> f64 {
         stamp_s / (1.0 + self.rate[stream as usize]) - self.latency_s[stream as usize]
     }
 
-    /// Angles as the encoders count them (rad).
+    /// Wheel angles as measured by the encoders (rad).
     pub(crate) fn angles(&self, state: &State) -> [f64; 2] {
         [0, 1].map(|i| state.motor[i] * self.scale[i])
     }
 
-    /// x, y (m) and yaw (rad, not wrapped) as the camera sees them.
+    /// x, y (m) and yaw (rad, not wrapped) as measured by the camera, without noise.
     pub(crate) fn pose(&self, state: &State) -> [f64; 3] {
         let [x, y, yaw] = state.pose;
         let (sin, cos) = yaw.sin_cos();
@@ -95,13 +98,13 @@ impl Sensors {
         ]
     }
 
-    /// Specific force along and across the body (m/s²) and yaw rate (rad/s).
+    /// Specific force along and across the body (m/s²) and yaw rate (rad/s), without noise.
     pub(crate) fn inertial(&self, state: &State) -> [f64; 3] {
         let (sin, cos) = state.pose[2].sin_cos();
-        let [x, y] = self.pull;
-        let pull = [x * cos + y * sin, y * cos - x * sin];
+        let [x, y] = self.gravity;
+        let gravity = [x * cos + y * sin, y * cos - x * sin];
         let [along, across] = state.acceleration;
-        [along - pull[0], across - pull[1], state.velocity[2]]
+        [along - gravity[0], across - gravity[1], state.velocity[2]]
     }
 }
 
@@ -125,16 +128,20 @@ fn stream(effect: &EffectSpec) -> Stream {
     }
 }
 
-/// Draws when each stream looks: wheels at 50 Hz, the camera at about 30 Hz with jitter and dropped
-/// frames, the inertial sensor at 100 Hz. A stream that is not there never looks.
-pub(crate) fn looks(duration_s: f64, there: [bool; 3], chance: &mut Chance) -> Looks {
-    let mut draw = |there: bool, period_s: f64, jitter_s: f64, dropped: f64| {
-        let first = chance.unit() * period_s;
+/// Draws the sample times: wheels at 50 Hz, camera at about 30 Hz with jitter and dropped frames, inertial
+/// sensor at 100 Hz. `present` says which streams exist.
+pub(crate) fn sample_times(
+    duration_s: f64,
+    present: [bool; 3],
+    random: &mut RandomStream,
+) -> SampleTimes {
+    let mut draw = |present: bool, period_s: f64, jitter_s: f64, dropped: f64| {
+        let first = random.unit() * period_s;
         let mut times = Vec::new();
         let mut k = 0.0;
-        while there && first + k * period_s < duration_s - period_s {
-            let t_s = (first + k * period_s + chance.normal(jitter_s)).max(0.0);
-            if !chance.happens(dropped) {
+        while present && first + k * period_s < duration_s - period_s {
+            let t_s = (first + k * period_s + random.normal(jitter_s)).max(0.0);
+            if !random.bernoulli(dropped) {
                 times.push(super::manoeuvre::rounded(t_s));
             }
             k += 1.0;
@@ -142,10 +149,10 @@ pub(crate) fn looks(duration_s: f64, there: [bool; 3], chance: &mut Chance) -> L
         times.sort_by(f64::total_cmp);
         times
     };
-    Looks([
-        draw(there[0], 0.02, 2e-4, 0.0),
-        draw(there[1], 1.0 / 30.0, 2e-3, 0.06),
-        draw(there[2], 0.01, 1e-4, 0.0),
+    SampleTimes([
+        draw(present[0], 0.02, 2e-4, 0.0),
+        draw(present[1], 1.0 / 30.0, 2e-3, 0.06),
+        draw(present[2], 0.01, 1e-4, 0.0),
     ])
 }
 
@@ -154,20 +161,20 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
     PI - (PI - angle).rem_euclid(TAU)
 }
 
-/// What lies between two states of one step, at a share of it.
-pub(crate) fn between(from: &State, to: &State, t_s: f64) -> State {
+/// Linear interpolation between the states before and after a step, at the time `t_s` (s).
+pub(crate) fn interpolate(from: &State, to: &State, t_s: f64) -> State {
     let span = to.t_s - from.t_s;
     let share = if span > 0.0 {
         (t_s - from.t_s) / span
     } else {
         1.0
     };
-    let mix = |a: f64, b: f64| a + (b - a) * share;
+    let blend = |a: f64, b: f64| a + (b - a) * share;
     let mut state = *to;
     state.t_s = t_s;
-    state.pose = std::array::from_fn(|i| mix(from.pose[i], to.pose[i]));
-    state.wheel = std::array::from_fn(|i| mix(from.wheel[i], to.wheel[i]));
-    state.motor = std::array::from_fn(|i| mix(from.motor[i], to.motor[i]));
+    state.pose = std::array::from_fn(|i| blend(from.pose[i], to.pose[i]));
+    state.wheel = std::array::from_fn(|i| blend(from.wheel[i], to.wheel[i]));
+    state.motor = std::array::from_fn(|i| blend(from.motor[i], to.motor[i]));
     state
 }
 
@@ -176,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stamps_go_both_ways() {
+    fn true_time_inverts_the_stamp() {
         let drift = EffectSpec {
             effect: "clock_drift".to_owned(),
             parameters: vec![

@@ -1,0 +1,20 @@
+//! Why a study could not be done.
+
+use slipstream_launch::{RunError, Unusable};
+
+/// Why a study could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The request or its experiment is invalid.
+    #[error(transparent)]
+    Unusable(#[from] Unusable),
+    /// A run failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A figure could not be drawn.
+    #[error(transparent)]
+    Picture(#[from] slipstream_report::PictureError),
+    /// The threads could not be started.
+    #[error("the threads of the study could not be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}

@@ -1,0 +1,199 @@
+//! Cause-effect chains: one message from the encoder sample behind it to the torque that results
+//! from it.
+
+use std::collections::BTreeMap;
+use std::ops::Bound::{Excluded, Included};
+
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::record::Fate as LinkFate;
+
+use crate::log::{Key, Log, Sent, Tick};
+
+/// The stages in the order of the chain.
+pub const STAGES: [&str; 7] = [
+    "sample_wait",
+    "compute",
+    "transport",
+    "injected_delay",
+    "outer_wait",
+    "inner_wait",
+    "apply_wait",
+];
+
+/// A message and what became of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Message {
+    /// The sender.
+    pub from: RobotIndex,
+    /// The receiver.
+    pub to: RobotIndex,
+    /// Sequence number, counted by the sender.
+    pub seq: u32,
+    /// Delay on the link: from sending until the delay line released it (ns), whether it was used or
+    /// not; `None` if it was lost or the recording does not say.
+    pub delay_ns: Option<i64>,
+    /// What became of it.
+    pub fate: Fate,
+}
+
+/// What became of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// A torque results from it.
+    Used(Chain),
+    /// The link lost it.
+    Lost,
+    /// A newer message left the delay line at the same tick.
+    Superseded,
+    /// A newer message had arrived before.
+    Stale,
+    /// An outer tick used it, but a newer tick replaced that tick's set-points before any torque.
+    Overwritten,
+    /// The recording ends before the chain is complete.
+    UnderWay,
+    /// The receiver's process died before it used the message.
+    Died,
+    /// Records of its chain are missing.
+    Untold,
+}
+
+/// The instants of a complete cause-effect chain (ns of the run's clock).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Chain {
+    /// Encoders read, sender's outer tick, sent, through the bus, released by the delay line,
+    /// receiver's outer tick, receiver's inner tick, plant step.
+    pub instants_ns: [i64; 8],
+}
+
+impl Message {
+    /// The link it was sent on.
+    pub(crate) fn link(&self) -> Link {
+        (self.from, self.to)
+    }
+}
+
+impl Chain {
+    /// Duration of each stage (ns), in the order of [`STAGES`].
+    pub fn stages_ns(&self) -> [i64; 7] {
+        let mut stages = [0; 7];
+        for (stage, pair) in stages.iter_mut().zip(self.instants_ns.windows(2)) {
+            *stage = pair[1].saturating_sub(pair[0]);
+        }
+        stages
+    }
+
+    /// From the encoder sample to the plant step (ns).
+    pub fn end_to_end_ns(&self) -> i64 {
+        self.instants_ns[7].saturating_sub(self.instants_ns[0])
+    }
+}
+
+/// A link: sender and receiver.
+pub(crate) type Link = (RobotIndex, RobotIndex);
+
+/// Groups items by link.
+pub(crate) fn by_link<T>(items: impl IntoIterator<Item = (Link, T)>) -> BTreeMap<Link, Vec<T>> {
+    let mut links: BTreeMap<Link, Vec<T>> = BTreeMap::new();
+    for (link, item) in items {
+        links.entry(link).or_default().push(item);
+    }
+    links
+}
+
+/// Every message of a run, ordered by sender and sequence number, with what became of it.
+pub fn follow(log: &Log) -> Vec<Message> {
+    let keys = log.sent.keys().chain(log.arrived.keys());
+    let keys: BTreeMap<Key, ()> = keys.map(|key| (*key, ())).collect();
+    keys.into_keys().map(|key| message(log, key)).collect()
+}
+
+fn message(log: &Log, key: Key) -> Message {
+    let (from, seq) = key;
+    let sent = log.sent.get(&key);
+    let receiver = log.arrived.get(&key).map(|(to, _)| *to);
+    let to = sent.map(|sent| sent.to).or(receiver).unwrap_or(from);
+    let fate = sent.map_or(Fate::Untold, |sent| fate(log, key, sent));
+    let available_ns = log.arrived.get(&key).and_then(|(_, available)| *available);
+    let sent_and_available = sent.zip(available_ns);
+    Message {
+        from,
+        to,
+        seq,
+        delay_ns: sent_and_available
+            .map(|(sent, available_ns)| available_ns.saturating_sub(sent.sent_ns)),
+        fate,
+    }
+}
+
+/// What became of a message that was sent.
+fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
+    let available_ns = match log.arrived.get(&key) {
+        None => return unfinished(log, sent),
+        Some((_, None)) => return Fate::Lost,
+        Some((_, Some(available_ns))) => *available_ns,
+    };
+    match log.taken.get(&key) {
+        None => unfinished(log, sent),
+        Some((_, LinkFate::Unused)) => Fate::UnderWay,
+        Some((_, LinkFate::Stale)) => Fate::Stale,
+        Some((_, LinkFate::Superseded)) => Fate::Superseded,
+        Some((tick_ns, LinkFate::Used)) => chain(log, key.0, sent, available_ns, *tick_ns),
+    }
+}
+
+/// Follows a message that an outer tick used on to the torque. `available_ns`: when the delay line
+/// released it; `tick_ns`: when the outer tick was due.
+fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i64) -> Fate {
+    let outer = (sent.to, tick_ns);
+    let ticks = (log.outer.get(&(from, sent.tick_ns)), log.outer.get(&outer));
+    let (Some(sender_tick), Some(receiver_tick)) = ticks else {
+        return Fate::Untold;
+    };
+    let overwritten_if = |newer: bool| {
+        if newer {
+            Fate::Overwritten
+        } else {
+            unfinished(log, sent)
+        }
+    };
+    let Some(&inner_ns) = log.first_inner.get(&outer) else {
+        return overwritten_if(later(&log.first_inner, outer));
+    };
+    let inner = (sent.to, inner_ns);
+    let Some(&applied_ns) = log.applied.get(&inner) else {
+        return overwritten_if(later(&log.applied, inner));
+    };
+    let Some(inner_tick) = log.inner.get(&inner) else {
+        return Fate::Untold;
+    };
+    // A message that the tick used was through the bus, even if its sender was suspended before it
+    // could record so.
+    let queued_ns = sent.queued_ns.min(receiver_tick.began_ns);
+    let instants_ns = [
+        sent.sampled_ns,
+        sender_tick.began_ns,
+        sent.sent_ns,
+        queued_ns,
+        available_ns.max(queued_ns),
+        receiver_tick.began_ns,
+        inner_tick.began_ns,
+        applied_ns,
+    ];
+    Fate::Used(Chain { instants_ns })
+}
+
+/// Why a chain stops before a torque: its receiver died, or the recording ends.
+fn unfinished(log: &Log, sent: &Sent) -> Fate {
+    let died = |&(robot, t_ns): &Tick| robot == sent.to && t_ns >= sent.sent_ns;
+    if log.deaths.iter().any(died) {
+        Fate::Died
+    } else {
+        Fate::UnderWay
+    }
+}
+
+/// Whether the robot has a later tick than this.
+fn later(ticks: &BTreeMap<Tick, i64>, (robot, t_ns): Tick) -> bool {
+    let range = (Excluded((robot, t_ns)), Included((robot, i64::MAX)));
+    ticks.range(range).next().is_some()
+}

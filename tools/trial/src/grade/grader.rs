@@ -1,0 +1,321 @@
+//! Matches the findings of an answer with the effects of a label.
+
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+use super::score::{CaseScore, ParameterScore, TrialGrade};
+use crate::answer::{DiagnosisAnswer, ReportedFinding, ReportedParameter};
+use crate::intervals::overlap;
+use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
+
+/// The 0.975 quantile of the standard normal distribution, rounded to two decimals as in published
+/// tables: half the width of a 95 % interval in standard deviations.
+const NORMAL_QUANTILE_975: f64 = 1.96;
+/// Relative error up to which an estimate is right whatever its interval.
+const RELATIVE_TOLERANCE: f64 = 0.05;
+/// Intersection over union from which on intervals are right.
+const MIN_OVERLAP: f64 = 0.5;
+
+/// The score of a case without an answer; `why` is the remark.
+pub fn no_answer(label: &Label, why: String) -> CaseScore {
+    let truths = truths(label);
+    CaseScore {
+        grade: TrialGrade::Failed,
+        pairs: truths
+            .into_iter()
+            .map(|truth| [truth, "failed".to_owned()])
+            .collect(),
+        remarks: vec![why],
+        parameters: Vec::new(),
+        held_out: None,
+    }
+}
+
+/// Grades an answer.
+pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
+    let mut grader = Grader {
+        unmatched: answer.findings.iter().collect(),
+        pairs: Vec::new(),
+        remarks: Vec::new(),
+        parameters: Vec::new(),
+        look_alikes: 0,
+        missed: 0,
+    };
+    for concealed in &label.effects {
+        grader.match_effect(concealed);
+    }
+    if let Some(unknown) = &label.unknown {
+        grader.match_unknown(unknown);
+    }
+    if answer.verdict != label.verdict {
+        let reported = format!("verdict {:?}, not {:?}", answer.verdict, label.verdict);
+        grader.remarks.push(reported.to_lowercase());
+    }
+    let grade = grader.grade(label, answer);
+    let held_out = answer
+        .held_out
+        .and_then(|held| Some([held.nrmse_before?, held.nrmse_after?]));
+    CaseScore {
+        grade,
+        pairs: grader.pairs,
+        remarks: grader.remarks,
+        parameters: grader.parameters,
+        held_out,
+    }
+}
+
+/// Names of the true effects; `none` if there are none.
+fn truths(label: &Label) -> Vec<String> {
+    let mut truths: Vec<String> = label
+        .effects
+        .iter()
+        .map(|concealed| concealed.effect.clone())
+        .collect();
+    truths.extend(label.unknown.iter().map(|_| "unknown".to_owned()));
+    if truths.is_empty() {
+        truths.push("none".to_owned());
+    }
+    truths
+}
+
+/// The comparison of an answer with a label, effect by effect.
+struct Grader<'a> {
+    /// Findings not yet matched.
+    unmatched: Vec<&'a ReportedFinding>,
+    pairs: Vec<[String; 2]>,
+    remarks: Vec<String>,
+    parameters: Vec<ParameterScore>,
+    /// Number of effects for which a look-alike was reported.
+    look_alikes: usize,
+    /// Number of effects without a finding.
+    missed: usize,
+}
+
+impl<'a> Grader<'a> {
+    /// Takes the finding with the smallest cost, if any; `cost` is `None` for one that does not match.
+    fn take(
+        &mut self,
+        cost: impl Fn(&ReportedFinding) -> Option<f64>,
+    ) -> Option<&'a ReportedFinding> {
+        let scored = self.unmatched.iter().enumerate();
+        let scored = scored.filter_map(|(at, finding)| Some((at, cost(finding)?)));
+        let best = scored.min_by(|one, other| one.1.total_cmp(&other.1))?;
+        Some(self.unmatched.remove(best.0))
+    }
+
+    /// Matches a true effect: with a finding of this effect, else with a look-alike.
+    fn match_effect(&mut self, concealed: &ConcealedEffect) {
+        let own = |finding: &ReportedFinding| {
+            let right = finding.robot == concealed.robot && finding.effect == concealed.effect;
+            right.then(|| distance(concealed, finding))
+        };
+        if let Some(finding) = self.take(own) {
+            self.pairs
+                .push([concealed.effect.clone(), finding.effect.clone()]);
+            self.check_location(&concealed.channels, &concealed.intervals_s, finding);
+            self.check_parameters(concealed, finding);
+            return;
+        }
+        let look_alike = |finding: &ReportedFinding| {
+            let labelled = concealed.confusions.contains(&finding.effect);
+            let declared = finding.confused_with.contains(&concealed.effect);
+            (finding.robot == concealed.robot && (labelled || declared)).then_some(0.0)
+        };
+        if let Some(finding) = self.take(look_alike) {
+            self.look_alikes += 1;
+            self.pairs
+                .push([concealed.effect.clone(), finding.effect.clone()]);
+            self.remarks.push(format!(
+                "{} for its look-alike {}",
+                finding.effect, concealed.effect
+            ));
+            return;
+        }
+        self.missed += 1;
+        self.remarks.push(format!(
+            "{} of {} not found",
+            concealed.effect, concealed.robot
+        ));
+        self.pairs
+            .push([concealed.effect.clone(), "none".to_owned()]);
+    }
+
+    /// Matches physics outside the vocabulary: with a finding `unknown`.
+    fn match_unknown(&mut self, unknown: &UnknownPhysics) {
+        let own = |finding: &ReportedFinding| {
+            let right = finding.robot == unknown.robot && finding.effect == "unknown";
+            let driver = finding
+                .driver
+                .as_ref()
+                .is_some_and(|name| unknown.driver.contains(name));
+            right.then_some(if driver { 0.0 } else { 1.0 })
+        };
+        let Some(finding) = self.take(own) else {
+            self.missed += 1;
+            self.remarks.push(format!(
+                "unknown {} of {} not found",
+                unknown.kind, unknown.robot
+            ));
+            self.pairs.push(["unknown".to_owned(), "none".to_owned()]);
+            return;
+        };
+        self.pairs
+            .push(["unknown".to_owned(), "unknown".to_owned()]);
+        self.check_location(&unknown.channels, &unknown.intervals_s, finding);
+        let driver = finding.driver.clone().unwrap_or_default();
+        if !unknown.driver.contains(&driver) {
+            self.remarks.push(format!(
+                "driver {driver:?}, not {}",
+                unknown.driver.join(" or ")
+            ));
+        }
+    }
+
+    /// Compares channel and intervals.
+    fn check_location(
+        &mut self,
+        channels: &[String],
+        intervals_s: &[[f64; 2]],
+        finding: &ReportedFinding,
+    ) {
+        let channel = &finding.location.channel;
+        if !channels.contains(channel) {
+            self.remarks
+                .push(format!("channel {channel}, not {}", channels.join(" or ")));
+        }
+        let overlap = overlap(intervals_s, &finding.location.intervals_s);
+        if !intervals_s.is_empty() && overlap < MIN_OVERLAP {
+            self.remarks.push(format!(
+                "{}: intervals overlap by {overlap:.2}",
+                finding.effect
+            ));
+        }
+    }
+
+    /// Compares the parameters.
+    fn check_parameters(&mut self, concealed: &ConcealedEffect, finding: &ReportedFinding) {
+        for (name, truth) in &concealed.parameters {
+            let Some(reported) = finding
+                .parameters
+                .iter()
+                .find(|reported| reported.name == *name)
+            else {
+                self.remarks
+                    .push(format!("{}.{name} is not given", concealed.effect));
+                continue;
+            };
+            match truth {
+                ParameterValue::Text(text) if reported.text.as_ref() == Some(text) => {}
+                ParameterValue::Text(text) => {
+                    self.remarks
+                        .push(format!("{}.{name} is not {text}", concealed.effect));
+                }
+                ParameterValue::Number(truth) => self.score_parameter(concealed, *truth, reported),
+            }
+        }
+    }
+
+    /// Scores one numeric parameter.
+    fn score_parameter(
+        &mut self,
+        concealed: &ConcealedEffect,
+        truth: f64,
+        reported: &ReportedParameter,
+    ) {
+        let Some(estimate) = reported.estimate else {
+            self.remarks.push(format!(
+                "{}.{} has no estimate",
+                concealed.effect, reported.name
+            ));
+            return;
+        };
+        // For directions, whole turns that bring the estimate nearest to the truth.
+        let turn = nearest_turn(&reported.name, truth, estimate);
+        let error = estimate + turn - truth;
+        let interval = reported.interval();
+        let covered = interval.map(|[low, high]| low <= truth - turn && truth - turn <= high);
+        if covered != Some(true) && error.abs() > RELATIVE_TOLERANCE * truth.abs() {
+            let words = format!(
+                "{}.{} {estimate:.6}, not {truth:.6}",
+                concealed.effect, reported.name
+            );
+            self.remarks.push(words);
+        }
+        let stated = interval.map(|[low, high]| (high - low) / (2.0 * NORMAL_QUANTILE_975));
+        let least = concealed.deviations.get(&reported.name).copied();
+        let ratio = |deviation: f64| (deviation > 0.0).then(|| error / deviation);
+        self.parameters.push(ParameterScore {
+            effect: concealed.effect.clone(),
+            name: reported.name.clone(),
+            truth,
+            estimate,
+            covered,
+            error_in_stated_deviations: stated.and_then(ratio),
+            error_in_least_deviations: least.and_then(ratio),
+        });
+    }
+
+    /// The grade; findings not matched by now report effects that are not there.
+    fn grade(&mut self, label: &Label, answer: &DiagnosisAnswer) -> TrialGrade {
+        let nothing = label.effects.is_empty() && label.unknown.is_none();
+        let flags = self
+            .unmatched
+            .iter()
+            .filter(|finding| finding.effect == "unknown")
+            .count();
+        let wrong = self.unmatched.len() - flags;
+        for finding in std::mem::take(&mut self.unmatched) {
+            let ReportedFinding { effect, robot, .. } = finding;
+            self.remarks
+                .push(format!("{effect} of {robot} is not there"));
+            self.pairs.push(["none".to_owned(), effect.clone()]);
+        }
+        if nothing && self.pairs.is_empty() {
+            self.pairs.push(["none".to_owned(), "none".to_owned()]);
+        }
+        match () {
+            () if nothing && (wrong + flags > 0 || answer.verdict != DiagnosisVerdict::Match) => {
+                TrialGrade::FalseAlarm
+            }
+            () if wrong > 0 => TrialGrade::Wrong,
+            () if self.missed > 0 && flags > 0 => TrialGrade::Flagged,
+            () if self.missed > 0 => TrialGrade::Missed,
+            () if self.look_alikes > 0 => TrialGrade::LookAlike,
+            () if self.remarks.is_empty() => TrialGrade::Exact,
+            () => TrialGrade::Inexact,
+        }
+    }
+}
+
+/// Distance of a finding's parameters from the truth, to match effects that occur more than once.
+fn distance(concealed: &ConcealedEffect, finding: &ReportedFinding) -> f64 {
+    let reported: BTreeMap<&str, &ReportedParameter> = finding
+        .parameters
+        .iter()
+        .map(|reported| (reported.name.as_str(), reported))
+        .collect();
+    let part =
+        |(name, truth): (&String, &ParameterValue)| match (truth, reported.get(name.as_str())) {
+            (ParameterValue::Number(truth), Some(reported)) => reported
+                .estimate
+                .map_or(1.0, |estimate| (estimate - truth).abs()),
+            (ParameterValue::Text(text), Some(reported))
+                if reported.text.as_ref() == Some(text) =>
+            {
+                0.0
+            }
+            _ => 1e3,
+        };
+    concealed.parameters.iter().map(part).sum()
+}
+
+/// Whole turns (rad) to add to an estimated direction so that it is nearest to the truth; 0 for other
+/// parameters.
+fn nearest_turn(name: &str, truth: f64, estimate: f64) -> f64 {
+    let turns = matches!(name, "direction_rad" | "downhill_rad" | "yaw_rad");
+    if turns {
+        ((truth - estimate) / TAU).round() * TAU
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,9 @@
+//! Grades one answer against one label.
+
+mod grader;
+mod score;
+#[cfg(test)]
+mod tests;
+
+pub use grader::{grade, no_answer};
+pub use score::{CaseScore, ParameterScore, TrialGrade};
