@@ -7,10 +7,10 @@ use slipstream_bus::InputError;
 use slipstream_recording::{Channel, CompareError};
 use slipstream_report::{Chart, Line, Page, PictureError};
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::print::{complain, say};
-use crate::study::command_line;
 
 /// Plot the simulation of the recorded commands over the recording, channel by channel
 ///

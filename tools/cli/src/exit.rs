@@ -74,7 +74,7 @@ impl From<RunError> for Error {
 impl From<StudyError> for Error {
     fn from(error: StudyError) -> Self {
         match error {
-            StudyError::Unusable(error) => Self::Input(error),
+            StudyError::Input(error) => Self::Input(error),
             StudyError::Run(run) => run.into(),
             StudyError::Picture(_) | StudyError::Threads(_) => Self::Failed(error.to_string()),
         }
@@ -84,11 +84,7 @@ impl From<StudyError> for Error {
 impl From<TrialError> for Error {
     fn from(error: TrialError) -> Self {
         match error {
-            TrialError::Unusable {
-                place,
-                problem,
-                remedy,
-            } => Self::Input(InputError::new(place, problem, remedy)),
+            TrialError::Input(error) => Self::Input(error),
             TrialError::System { .. } => Self::Failed(error.to_string()),
             TrialError::Interrupted => Self::Interrupted(error.to_string()),
         }

@@ -2,6 +2,7 @@
 
 mod check;
 mod clean;
+mod command_line;
 mod compare;
 mod completions;
 mod diagnose;

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use slipstream_study::reproduce::{self, Row};
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
 use crate::print::say;
-use crate::study::command_line;
 
 /// Run the paper's experiments and compare every printed number with the computed one
 #[derive(Debug, Args)]

@@ -1,4 +1,4 @@
-//! `slipstream study`: questions answered by many runs.
+//! `slipstream study`: many runs on all cores.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -9,11 +9,14 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use slipstream_study::delay::{self, Grid, Shard, Study};
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
 use crate::print::say;
 
-/// Answer a question by many runs
+/// Run a study of many runs
+///
+/// Example: slipstream study delay --delay 0,0.1,0.3 --protocol ring,periodic --report delay.html
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -22,19 +25,19 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Question {
-    /// What communication delay does to a platoon: the paper's Eq. 13 and 14 beside what is measured
+    /// Effect of communication delay on a platoon: measured, and by the paper's Eq. 13 and 14
     Delay(Box<Delay>),
-    /// Put the shards of one study together
+    /// Merge the shards of one study
     Merge(Merge),
 }
 
-/// Every list is of values with commas between them; every combination is a point.
+/// Lists are separated by commas; every combination of their values is a point.
 #[derive(Debug, Args)]
 struct Delay {
-    /// How many robots
+    /// Number of robots
     #[arg(long, value_name = "N", default_value_t = Grid::default().robots)]
     robots: u32,
-    /// Runs at each point, with the seeds 1 to R
+    /// Number of runs at each point, with the seeds 1 to R
     #[arg(long, value_name = "R", default_value_t = Grid::default().runs)]
     runs: u32,
     /// links.delay_s (s)
@@ -55,7 +58,7 @@ struct Delay {
     /// links.protocol: ring, periodic
     #[arg(long, value_delimiter = ',', default_values_t = Grid::default().protocol)]
     protocol: Vec<String>,
-    /// Only part I of N of the points, for a cluster's array of jobs
+    /// Compute only part I of N of the points, for job arrays of a cluster
     #[arg(long, value_name = "I/N")]
     shard: Option<String>,
     #[command(flatten)]
@@ -64,7 +67,7 @@ struct Delay {
 
 #[derive(Debug, Args)]
 struct Merge {
-    /// What `study delay --shard I/N --json FILE` wrote, all N of them
+    /// The N files that `study delay --shard I/N --json FILE` wrote
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -76,10 +79,10 @@ struct Output {
     /// Write points and answers as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write the report
+    /// Write a page with the results
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// How many threads; as many as there are cores where not given. Changes nothing but the time
+    /// Number of threads; it does not change the results [default: number of cores]
     #[arg(long, value_name = "T")]
     threads: Option<usize>,
 }
@@ -107,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
 }
 
-/// Set by Ctrl-C and its like; the second time they end the program as they always do.
+/// A flag that SIGINT and SIGTERM set; the second signal ends the program.
 fn stopped_by_ctrl_c() -> Result<Arc<AtomicBool>, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
@@ -150,7 +153,7 @@ impl Output {
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
         say!("{} points, {runs} runs", study.points.len());
         if study.interrupted {
-            say!("interrupted: the other points are missing");
+            say!("Interrupted: the remaining points are missing.");
             return Ok(Exit::Interrupted);
         }
         for answer in &study.answers {
@@ -158,10 +161,4 @@ impl Output {
         }
         Ok(Exit::Done)
     }
-}
-
-/// The command as it was given, for the report.
-pub(crate) fn command_line() -> String {
-    let words = std::env::args().skip(1);
-    words.fold("slipstream".to_owned(), |line, word| line + " " + &word)
 }

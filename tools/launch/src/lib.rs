@@ -13,5 +13,4 @@ pub mod summary;
 pub use in_process::{Reports, RunError};
 pub use processes::{LaunchError, Options};
 pub use resolve::{Assumption, Request, Resolved, resolve};
-pub use slipstream_bus::InputError as Unusable;
 pub use summary::{RunStatus, RunSummary};

@@ -1,13 +1,14 @@
 //! Why a study could not be done.
 
-use slipstream_launch::{RunError, Unusable};
+use slipstream_bus::InputError;
+use slipstream_launch::RunError;
 
 /// Why a study could not be done.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The request or its experiment is invalid.
     #[error(transparent)]
-    Unusable(#[from] Unusable),
+    Input(#[from] InputError),
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),

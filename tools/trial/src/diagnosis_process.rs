@@ -149,5 +149,5 @@ fn copy_file(from: &Path, to: &Path) -> Result<(), TrialError> {
 
 fn case_error(path: &Path, error: &std::io::Error) -> TrialError {
     let remedy = "labels stand beside the folders and models that they name";
-    TrialError::unusable(path.display(), error.to_string(), remedy)
+    TrialError::input(path.display(), error.to_string(), remedy)
 }

@@ -1,18 +1,13 @@
 //! Why a trial failed.
 
+use slipstream_bus::InputError;
+
 /// Why a trial failed.
 #[derive(Debug, thiserror::Error)]
 pub enum TrialError {
-    /// An input is invalid: place, problem and remedy in one line.
-    #[error("{place}: {problem}; {remedy}")]
-    Unusable {
-        /// File, line or argument.
-        place: String,
-        /// What is wrong.
-        problem: String,
-        /// What to do about it.
-        remedy: String,
-    },
+    /// An input cannot be used.
+    #[error(transparent)]
+    Input(#[from] InputError),
     /// An operation of the operating system failed.
     #[error("{place}: {source}")]
     System {
@@ -27,17 +22,12 @@ pub enum TrialError {
 }
 
 impl TrialError {
-    pub(crate) fn unusable(
+    pub(crate) fn input(
         place: impl std::fmt::Display,
         problem: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        let one_line = |text: String| text.replace(|c: char| c.is_control(), " ");
-        Self::Unusable {
-            place: place.to_string(),
-            problem: one_line(problem.into()),
-            remedy: one_line(remedy.into()),
-        }
+        Self::Input(InputError::new(place.to_string(), problem, remedy))
     }
 
     pub(crate) fn system(place: impl std::fmt::Display) -> impl FnOnce(std::io::Error) -> Self {

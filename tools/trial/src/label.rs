@@ -110,7 +110,7 @@ pub enum ParameterValue {
 pub fn read(path: &Path) -> Result<Labels, TrialError> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         let remedy = "give a file of labels such as `slipstream trial --out FOLDER` writes";
-        TrialError::unusable(path.display(), error.to_string(), remedy)
+        TrialError::input(path.display(), error.to_string(), remedy)
     })?;
     parse(&text, path)
 }
@@ -127,7 +127,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Labels, TrialError> {
             .take(error.span().map_or(0, |span| span.start));
         let line = 1 + before.filter(|&&byte| byte == b'\n').count();
         let place = format!("{}:{line}", path.display());
-        TrialError::unusable(
+        TrialError::input(
             place,
             error.message(),
             "see the section on labels in tools/trial/README.md",
@@ -138,7 +138,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Labels, TrialError> {
         .find(|name| !slipstream_recording::recording::is_robot_name(name))
     {
         None => Ok(labels),
-        Some(name) => Err(TrialError::unusable(
+        Some(name) => Err(TrialError::input(
             path.display(),
             format!("{name:?} names no folder beside it"),
             "name each case after its folder",

@@ -58,7 +58,7 @@ impl SealedTrial {
         let planned: Vec<PlannedCase> = plan.cases().collect();
         for_each_in_order(&planned, PlannedCase::make, |planned, made| {
             let fault = |why| {
-                TrialError::unusable(
+                TrialError::input(
                     &planned.name,
                     why,
                     "this is an error of the program: please report it",
@@ -120,14 +120,14 @@ impl SealedTrial {
                 &format!("{}\n{}", sealed.nonce, sealed.text),
             )?;
             if line != format!("{}  {name}", sealed.commitment()) {
-                return Err(TrialError::unusable(
+                return Err(TrialError::input(
                     published.display(),
                     format!("the commitment of {name} does not match its label"),
                     "the trial is invalid: repeat it",
                 ));
             }
             let own: Labels = toml::from_str(&sealed.text).map_err(|error| {
-                TrialError::unusable(
+                TrialError::input(
                     name,
                     error.message(),
                     "this is an error of the program: please report it",
@@ -137,7 +137,7 @@ impl SealedTrial {
         }
         let file = self.folder.join("labels.toml");
         let text = label::to_text(&labels).map_err(|error| {
-            TrialError::unusable(file.display(), error.to_string(), "please report it")
+            TrialError::input(file.display(), error.to_string(), "please report it")
         })?;
         put(&file, &text)?;
         Ok(labels)
@@ -158,7 +158,7 @@ fn require_empty(folder: &Path) -> Result<(), TrialError> {
     let occupied = std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if occupied {
         let remedy = "give a new folder";
-        return Err(TrialError::unusable(
+        return Err(TrialError::input(
             folder.display(),
             "the folder is not empty",
             remedy,
@@ -170,7 +170,7 @@ fn require_empty(folder: &Path) -> Result<(), TrialError> {
 fn write(made: &MadeCase, folder: &Path, name: &str) -> Result<(), TrialError> {
     let place = folder.join(name);
     let failed = |error: slipstream_recording::Error| {
-        TrialError::unusable(
+        TrialError::input(
             place.display(),
             error.to_string(),
             "check the folder and its free space",
@@ -183,7 +183,7 @@ fn write(made: &MadeCase, folder: &Path, name: &str) -> Result<(), TrialError> {
 
 fn text(name: &str, label: &Label) -> Result<String, TrialError> {
     let one = Labels::from([(name.to_owned(), label.clone())]);
-    label::to_text(&one).map_err(|error| TrialError::unusable(name, error.to_string(), "report it"))
+    label::to_text(&one).map_err(|error| TrialError::input(name, error.to_string(), "report it"))
 }
 
 fn put(path: &Path, text: &str) -> Result<(), TrialError> {

@@ -5,7 +5,8 @@ use std::path::Path;
 use slipstream_report::{Histogram, Page, PictureError, Row, Timeline};
 use slipstream_trace::{Answer, Chain, Fate, Hop, Reading, STAGES, follow};
 
-use crate::study::command_line;
+use super::table::unused;
+use crate::command_line::command_line;
 
 /// The whole page.
 pub(super) fn page(
@@ -33,7 +34,7 @@ pub(super) fn page(
 }
 
 fn add_hop(page: &mut Page, hop: &Hop, ways: &[Chain]) -> Result<(), PictureError> {
-    let (sent, used, others) = (hop.sent, hop.messages, super::others(&hop.incomplete));
+    let (sent, used, others) = (hop.sent, hop.messages, unused(&hop.incomplete));
     page.section(&format!("{} → {}", hop.from, hop.to));
     page.paragraph(&format!("{sent} sent, {used} used{others}"));
     // The message that `p50_s` of the answer is about.

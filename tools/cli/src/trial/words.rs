@@ -1,4 +1,4 @@
-//! What a trial says on the terminal.
+//! Results of a trial on the terminal.
 
 use crate::print::say;
 use slipstream_trial::diagnosis_process::DiagnosisRun;

@@ -1,8 +1,8 @@
 //! The grid of a study, and its division into shards.
 
 use serde::{Deserialize, Serialize};
-use slipstream_bus::Experiment;
-use slipstream_launch::{Request, Unusable, resolve};
+use slipstream_bus::{Experiment, InputError};
+use slipstream_launch::{Request, resolve};
 
 /// Lists of values of each key; every combination is a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,25 +100,25 @@ impl Grid {
     ///
     /// # Errors
     /// No runs, fewer than two robots, a shard that does not exist or more shards than points.
-    pub fn validate(&self, shard: Shard) -> Result<(), Unusable> {
+    pub fn validate(&self, shard: Shard) -> Result<(), InputError> {
         let lists = [&self.delay_s, &self.jitter_s, &self.loss, &self.k_x].map(Vec::len);
         let cells = lists.iter().product::<usize>() * self.torque_limit.len() * self.protocol.len();
         if shard.index < 1 || shard.index > shard.of || shard.of > cells {
-            return Err(Unusable::new(
+            return Err(InputError::new(
                 format!("--shard {}/{}", shard.index, shard.of),
                 format!("the grid has {cells} points"),
                 format!("give at most {cells} shards, counted from 1"),
             ));
         }
         if self.robots < 2 {
-            return Err(Unusable::new(
+            return Err(InputError::new(
                 "--robots",
                 format!("is {}", self.robots),
                 "give at least 2: the study measures followers",
             ));
         }
         if self.runs == 0 {
-            return Err(Unusable::new("--runs", "is 0", "give at least 1"));
+            return Err(InputError::new("--runs", "is 0", "give at least 1"));
         }
         Ok(())
     }
@@ -135,9 +135,9 @@ impl Shard {
 }
 
 impl std::str::FromStr for Shard {
-    type Err = Unusable;
+    type Err = InputError;
 
-    fn from_str(text: &str) -> Result<Self, Unusable> {
+    fn from_str(text: &str) -> Result<Self, InputError> {
         let parsed = text.split_once('/').and_then(|(index, of)| {
             Some(Self {
                 index: index.parse().ok()?,
@@ -147,7 +147,7 @@ impl std::str::FromStr for Shard {
         parsed
             .filter(|shard| shard.index >= 1 && shard.index <= shard.of)
             .ok_or_else(|| {
-                Unusable::new(
+                InputError::new(
                     format!("--shard {text}"),
                     "is not a valid shard",
                     "give I/N with I from 1 to N, such as --shard 1/8",
@@ -176,7 +176,7 @@ impl Cell {
     ///
     /// # Errors
     /// A value that the experiment does not accept.
-    pub fn experiment(&self) -> Result<Experiment, Unusable> {
+    pub fn experiment(&self) -> Result<Experiment, InputError> {
         let request = Request {
             robots: Some(self.robots),
             set: self.keys(),

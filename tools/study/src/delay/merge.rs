@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slipstream_launch::Unusable;
+use slipstream_bus::InputError;
 
 use super::answers::answers;
 use super::grid::{Cell, Shard};
@@ -14,24 +14,24 @@ use crate::StudyError;
 ///
 /// # Errors
 /// A file that cannot be read or does not contain a study.
-pub fn read(path: &Path) -> Result<Study, Unusable> {
+pub fn read(path: &Path) -> Result<Study, InputError> {
     let place = path.display().to_string();
     let text = std::fs::read_to_string(path).map_err(|error| {
-        Unusable::new(
+        InputError::new(
             &place,
             format!("cannot be read: {error}"),
             "give files that `slipstream study delay --json` wrote",
         )
     })?;
     let study: Study = serde_json::from_str(&text).map_err(|error| {
-        Unusable::new(
+        InputError::new(
             format!("{place}:{}", error.line()),
             format!("is not a study: {error}"),
             "give files that `slipstream study delay --json` wrote",
         )
     })?;
     if study.format != 1 {
-        return Err(Unusable::new(
+        return Err(InputError::new(
             place,
             format!("format is {}", study.format),
             "this program reads format 1",
@@ -46,7 +46,7 @@ pub fn read(path: &Path) -> Result<Study, Unusable> {
 /// Shards of different studies; a shard or a point that is missing; a shard given twice.
 pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyError> {
     let Some((first_name, first)) = shards.first() else {
-        return Err(Unusable::new("FILE", "is missing", "give the shards' files").into());
+        return Err(InputError::new("FILE", "is missing", "give the shards' files").into());
     };
     let grid = &first.grid;
     grid.validate(first.shard)?;
@@ -54,7 +54,7 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
     let mut parts: Vec<Option<&Study>> = vec![None; of];
     for (name, study) in shards {
         if study.grid != *grid || study.shard.of != of {
-            return Err(Unusable::new(
+            return Err(InputError::new(
                 name,
                 format!("is of another study than {first_name}"),
                 "merge shards of one command line",
@@ -66,7 +66,7 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
     let points = (0..)
         .zip(grid.cells())
         .map(|(index, cell)| point(&parts, index, &cell))
-        .collect::<Result<Vec<Point>, Unusable>>()?;
+        .collect::<Result<Vec<Point>, InputError>>()?;
     Ok(Study {
         format: 1,
         grid: grid.clone(),
@@ -78,16 +78,20 @@ pub fn merge(shards: &[(String, Study)], threads: usize) -> Result<Study, StudyE
 }
 
 /// Puts a shard into its slot.
-fn add<'a>(parts: &mut [Option<&'a Study>], name: &str, study: &'a Study) -> Result<(), Unusable> {
+fn add<'a>(
+    parts: &mut [Option<&'a Study>],
+    name: &str,
+    study: &'a Study,
+) -> Result<(), InputError> {
     let slot = study.shard.index.checked_sub(1);
     let Some(part) = slot.and_then(|slot| parts.get_mut(slot)) else {
         let Shard { index, of } = study.shard;
         let problem = format!("says that it is shard {index}/{of}");
-        return Err(Unusable::new(name, problem, "run it again"));
+        return Err(InputError::new(name, problem, "run it again"));
     };
     if part.replace(study).is_some() {
         let Shard { index, of } = study.shard;
-        return Err(Unusable::new(
+        return Err(InputError::new(
             name,
             format!("is shard {index}/{of} a second time"),
             "give each shard once",
@@ -97,12 +101,12 @@ fn add<'a>(parts: &mut [Option<&'a Study>], name: &str, study: &'a Study) -> Res
 }
 
 /// Finds the point of a cell in its shard; `index` is that of the cell in the grid.
-fn point(parts: &[Option<&Study>], index: usize, cell: &Cell) -> Result<Point, Unusable> {
+fn point(parts: &[Option<&Study>], index: usize, cell: &Cell) -> Result<Point, InputError> {
     let of = parts.len();
     let slot = index % of;
     let shard = slot + 1;
     let Some(part) = parts[slot] else {
-        return Err(Unusable::new(
+        return Err(InputError::new(
             "FILE",
             format!("shard {shard}/{of} is missing"),
             format!("run it with --shard {shard}/{of} and give its file too"),
@@ -114,6 +118,6 @@ fn point(parts: &[Option<&Study>], index: usize, cell: &Cell) -> Result<Point, U
             true => "was interrupted: some points are missing",
             false => "lacks a point",
         };
-        Unusable::new(format!("shard {shard}/{of}"), problem, "run it again")
+        InputError::new(format!("shard {shard}/{of}"), problem, "run it again")
     })
 }

@@ -1,5 +1,6 @@
 //! `slipstream diagnose`: finds what a robot model lacks, from a recording.
 
+mod charts;
 mod page;
 mod points;
 mod words;

@@ -1,4 +1,4 @@
-//! `slipstream trial`: is the diagnosis right where the truth is known?
+//! `slipstream trial`: scores the diagnosis on cases whose truth is concealed from it.
 
 mod words;
 
@@ -20,22 +20,23 @@ use slipstream_trial::protocol::{Question, diagnose_all, questions, score};
 use slipstream_trial::sealed_trial::SealedTrial;
 use slipstream_trial::tally::{TrialReport, tally};
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
 use crate::print::say;
-use crate::study::command_line;
 
-/// Try the diagnosis on recordings whose truth is concealed from it
+/// Score the diagnosis on recordings whose truth is concealed from it
 ///
-/// Cases are drawn from the seed and played by a simulator that shares nothing with the diagnosis.
-/// Before anything is diagnosed, recordings and a commitment to every label (SHA-256) are written.
-/// Each case is diagnosed in a process of its own that gets the recording and the nominal model
-/// alone. Then the labels are opened, checked against the commitments, and the answers are scored.
+/// Cases are drawn from the seed and simulated by a second simulator that shares no code with the
+/// plant. Before anything is diagnosed, recordings and a commitment to every label (SHA-256) are
+/// written. Each case is diagnosed in a process of its own that gets only the recording and the
+/// nominal model. Then the labels are opened, checked against the commitments, and the answers are
+/// scored.
 ///
 /// Example: slipstream trial --cases 200 --seed 1 --json trial.json --out trial
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// How many cases.
+    /// Number of cases
     #[arg(
         long,
         value_name = "N",
@@ -43,46 +44,46 @@ pub(crate) struct Arguments {
         conflicts_with = "labels"
     )]
     cases: usize,
-    /// Seed of everything that chance decides.
+    /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "labels")]
     seed: u64,
-    /// Which cases: drawn, or every effect at several sizes.
+    /// Cases to make: drawn at random, or every effect at several sizes
     #[arg(long, value_enum, default_value_t = Which::Sealed, conflicts_with = "labels")]
     plan: Which,
-    /// Write recordings, models and labels, and diagnose nothing.
+    /// Write recordings, models and labels, and diagnose nothing
     #[arg(long, requires = "out", conflicts_with_all = ["labels", "json", "report"])]
     make_only: bool,
-    /// Keep recordings, commitments and, in the end, labels in this new folder.
+    /// New folder for recordings, commitments and, at the end, labels
     #[arg(long, value_name = "FOLDER", conflicts_with = "labels")]
     out: Option<PathBuf>,
-    /// Recordings made elsewhere: their labels, beside the folders that they are for.
+    /// Labels of recordings made elsewhere, in the folder of these recordings
     #[arg(long, value_name = "FILE.toml")]
     labels: Option<PathBuf>,
-    /// Only these cases of the labels.
+    /// Only these cases of the labels
     #[arg(long, value_name = "CASE", value_delimiter = ',', requires = "labels")]
     only: Vec<String>,
-    /// Take an effect out of the catalogue of every diagnosis.
+    /// Leave an effect out of the catalogue of every diagnosis
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Another program in the place of this one, called as `PROGRAM diagnose …` is.
+    /// Score another program, called as `PROGRAM diagnose …`
     #[arg(long, value_name = "PROGRAM")]
     with: Option<PathBuf>,
-    /// Longest time for one diagnosis (s).
+    /// Time limit of one diagnosis (s)
     #[arg(long, value_name = "S", default_value_t = 300)]
     limit_s: u64,
-    /// Write the scores to a file.
+    /// Write the scores as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// Write the report.
+    /// Write a page with the scores
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Which {
-    /// `--cases` cases drawn from the seed.
+    /// `--cases` cases drawn from the seed
     Sealed,
-    /// Every effect at three sizes, nulls, pairs, what the vocabulary does not hold.
+    /// Every effect at three sizes, nulls, pairs, and physics outside the vocabulary
     Battery,
 }
 
@@ -194,11 +195,12 @@ fn answers(
 
 fn chosen(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, TrialError> {
     if let Some(name) = only.iter().find(|name| !labels.contains_key(*name)) {
-        return Err(TrialError::Unusable {
-            place: format!("--only {name}"),
-            problem: format!("is no case of {}", file.display()),
-            remedy: "name cases as the labels do".to_owned(),
-        });
+        return Err(InputError::new(
+            format!("--only {name}"),
+            format!("is no case of {}", file.display()),
+            "name cases as the labels do",
+        )
+        .into());
     }
     labels.retain(|name, _| only.is_empty() || only.contains(name));
     Ok(labels)

@@ -1,0 +1,227 @@
+//! Figures of a diagnosis: residuals, intervals, missing force, path.
+
+use slipstream_diagnose::{Against, Answer, Figures, Finding, MissingForce, Paths, Residuals};
+use slipstream_report::{Chart, Line, Page, PictureError, Row, Timeline, Track};
+
+use super::points::{kept, level, means};
+use super::words::number;
+
+/// Names and colours of the lines.
+pub(super) const NOMINAL: (&str, usize) = ("nominal model", 1);
+pub(super) const FOUND: (&str, usize) = ("improved model", 0);
+const CAMERA: (&str, usize) = ("camera", 5);
+
+/// Root mean square (standard deviations) below which residuals are mostly noise and drawn as dots.
+const NOISE_RMS: f64 = 3.0;
+
+/// Ratio of the residuals before and after from which on those after get a figure of their own.
+const ENLARGE_RATIO: f64 = 4.0;
+
+pub(super) fn add_residuals(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
+    page.subsection("Residuals before and after");
+    page.paragraph(
+        "Simulated minus measured, in sensor standard deviations, over the windows of the fit (5 s each, \
+         with a free initial state). Noise stays within about ±3.",
+    );
+    for residuals in &figures.residuals {
+        add_channel(page, residuals, &of_run(figures, residuals.run))?;
+    }
+    Ok(())
+}
+
+/// Which recording, where there are several.
+fn of_run(figures: &Figures, run: usize) -> String {
+    if figures.spans_s.len() > 1 {
+        format!(", recording {}", run + 1)
+    } else {
+        String::new()
+    }
+}
+
+fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), PictureError> {
+    let channel = residuals.channel;
+    let [before, after] = [level(&residuals.before), level(&residuals.after)];
+    let axis = format!("{channel} (standard deviations)");
+    let same = residuals.after.is_empty();
+    let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
+    // Noise drawn as a line would fill the figure.
+    let nominal = if same && before < NOISE_RMS {
+        nominal.dots()
+    } else {
+        nominal
+    };
+    let mut chart = Chart::new("t (s)", axis.clone()).line(nominal);
+    if !same {
+        chart = chart.line(Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1));
+    }
+    let caption = if same {
+        format!("{channel}{run}: root mean square {}.", number(before))
+    } else {
+        let [before, after] = [before, after].map(number);
+        format!("{channel}{run}: root mean square {before} before, {after} after.")
+    };
+    page.figure(&chart.svg()?, &caption);
+    if !same && before > ENLARGE_RATIO * after {
+        let line = Line::new(FOUND.0, kept(&residuals.after))
+            .dots()
+            .colour(FOUND.1);
+        let chart = Chart::new("t (s)", axis).line(line);
+        page.figure(
+            &chart.svg()?,
+            &format!("{channel}{run}: residuals of the improved model, enlarged."),
+        );
+    }
+    Ok(())
+}
+
+pub(super) fn add_timeline(
+    page: &mut Page,
+    answer: &Answer,
+    figures: &Figures,
+) -> Result<(), PictureError> {
+    let own = |finding: &&Finding| finding.robot == figures.robot;
+    let own: Vec<&Finding> = answer.findings.iter().filter(own).collect();
+    let mut rows: Vec<Row> = own.iter().enumerate().map(|(i, _)| row(&own, i)).collect();
+    if rows.is_empty() {
+        return Ok(());
+    }
+    page.subsection("When each finding acts");
+    let spans: Vec<(f64, f64)> = figures
+        .spans_s
+        .iter()
+        .map(|[from, to]| (*from, *to))
+        .collect();
+    rows.push(row_of("recorded", &spans));
+    page.figure(
+        &Timeline::new("t (s)", rows).svg()?,
+        "Intervals in which each finding acts, and their total length.",
+    );
+    Ok(())
+}
+
+/// The row of the `i`th finding; those of one name are counted.
+fn row(findings: &[&Finding], i: usize) -> Row {
+    let finding = findings[i];
+    let like = |other: &&&Finding| other.effect == finding.effect;
+    let name = if findings.iter().filter(like).count() > 1 {
+        format!(
+            "{} {}",
+            finding.effect,
+            findings[..=i].iter().filter(like).count()
+        )
+    } else {
+        finding.effect.clone()
+    };
+    let spans: Vec<(f64, f64)> = finding
+        .place
+        .intervals_s
+        .iter()
+        .map(|[a, b]| (*a, *b))
+        .collect();
+    row_of(&name, &spans)
+}
+
+fn row_of(name: &str, spans: &[(f64, f64)]) -> Row {
+    let sum: f64 = spans.iter().map(|(from, to)| to - from).sum();
+    Row {
+        name: name.to_owned(),
+        spans: spans.to_vec(),
+        note: format!("{} s", number(sum)),
+    }
+}
+
+pub(super) fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
+    page.subsection("Missing force");
+    page.paragraph(
+        "The force that, added to the model in every interval of 50 ms, makes it follow the measurements. \
+         It is estimated without assuming a cause, and regularised towards zero where the measurements \
+         do not determine it. For a robot whose wheels follow their commands exactly it is a motion \
+         instead. Curves over time are means over 0.25 s without outliers.",
+    );
+    for force in &figures.forces {
+        add_over_time(page, force, &of_run(figures, force.run))?;
+    }
+    for against in &figures.against {
+        add_against(page, against)?;
+    }
+    Ok(())
+}
+
+fn add_over_time(page: &mut Page, force: &MissingForce, run: &str) -> Result<(), PictureError> {
+    let line = |(name, colour): (&str, usize), points: &[(f64, f64)]| {
+        Line::new(name, points.iter().copied()).colour(colour)
+    };
+    let mut chart = Chart::new("t (s)", force.quantity.clone()).line(line(NOMINAL, &force.before));
+    if !force.after.is_empty() {
+        chart = chart.line(line(FOUND, &force.after));
+    }
+    page.figure(
+        &chart.svg()?,
+        &format!("Over time{run}: {}.", force.quantity),
+    );
+    Ok(())
+}
+
+fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
+    let mut chart = Chart::new(against.variable.clone(), against.quantity.clone());
+    let dots = |name: &str, points: &[(f64, f64)], colour: usize| {
+        Line::new(name, kept(points)).dots().colour(colour)
+    };
+    if against.curve.is_empty() && against.after.is_empty() {
+        chart = chart
+            .line(dots("measured", &against.before, 4))
+            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1));
+    } else if against.curve.is_empty() {
+        chart = chart
+            .line(dots(NOMINAL.0, &against.before, 4))
+            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1))
+            .line(
+                Line::new("mean, improved model", means(&against.after))
+                    .dashed()
+                    .colour(FOUND.1),
+            );
+    } else {
+        let curve = Line::new("finding", against.curve.iter().copied());
+        let curve = curve.colour(NOMINAL.1);
+        chart =
+            chart
+                .line(dots("missing force", &against.before, 4))
+                .line(if against.is_function {
+                    curve
+                } else {
+                    curve.dots()
+                });
+    }
+    let (effect, variable) = (&against.effect, &against.variable);
+    page.figure(
+        &chart.svg()?,
+        &format!("{effect}: {} against {variable}.", against.quantity),
+    );
+    Ok(())
+}
+
+pub(super) fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
+    for path in &figures.paths {
+        page.subsection(&format!("Path{}", of_run(figures, path.run)));
+        page.figure(
+            &track(path).svg()?,
+            "Windows of 5 s: the initial state is fitted to the first half second, the rest is simulated \
+             from the commands.",
+        );
+    }
+    Ok(())
+}
+
+fn track(path: &Paths) -> Track {
+    let line = |(name, colour): (&str, usize), points: &[(f64, f64)]| {
+        Line::new(name, points.iter().copied()).colour(colour)
+    };
+    let track = Track::new()
+        .line(line(CAMERA, &path.camera).dots())
+        .line(line(NOMINAL, &path.before).dashed());
+    if path.after.is_empty() {
+        track
+    } else {
+        track.line(line(FOUND, &path.after))
+    }
+}

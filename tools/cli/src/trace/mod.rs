@@ -1,0 +1,84 @@
+//! `slipstream trace`: latency of positions, stage by stage.
+
+mod page;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use slipstream_trace::Reading;
+
+use crate::exit::{Error, Exit};
+use crate::output_file;
+use crate::print::{self, complain};
+
+/// Show the latency of each link, stage by stage, from the encoder sample to the applied torque
+///
+/// Example: slipstream trace platoon.mcap --perfetto platoon.json, then open it in ui.perfetto.dev
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// MCAP file written by `slipstream run`
+    recording: PathBuf,
+    /// Show which stages differ from another run
+    #[arg(long, value_name = "OTHER")]
+    against: Option<PathBuf>,
+    /// Write the answer as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Write every tick and message as a Chrome trace for Perfetto
+    #[arg(long, value_name = "FILE")]
+    perfetto: Option<PathBuf>,
+    /// Write the delays of the links as round trips for links.trace (several links: FILE.FROM-TO.csv
+    /// each)
+    #[arg(long, value_name = "FILE.csv")]
+    rtt: Option<PathBuf>,
+    /// Write a page with the stages and the distribution of the latency
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let reading = read(&arguments.recording)?;
+    let mut answer = slipstream_trace::answer(&reading.log, &reading.robots);
+    if let Some(other) = &arguments.against {
+        let other = read(other)?;
+        let changes = slipstream_trace::against(&reading.log, &other.log, &reading.robots);
+        answer.against = Some(changes);
+    }
+    if let Some(file) = &arguments.json {
+        output_file::write_json(file, &answer)?;
+    }
+    if let Some(file) = &arguments.perfetto {
+        let timeline = slipstream_trace::timeline(&reading.log, &reading.robots);
+        output_file::write_json(file, &timeline)?;
+    }
+    if let Some(file) = &arguments.rtt {
+        write_round_trips(file, &reading)?;
+    }
+    if let Some(file) = &arguments.report {
+        let page = page::page(&arguments.recording, &answer, &reading);
+        let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
+        output_file::write(file, &page)?;
+    }
+    print::out(format_args!("{}", table::table(&answer)));
+    Ok(Exit::Done)
+}
+
+fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
+    let links = slipstream_trace::round_trips(&reading.log);
+    for link in &links {
+        let [from, to] = [link.from, link.to].map(|robot| reading.name_of(robot));
+        let own = file.with_extension(format!("{from}-{to}.csv"));
+        output_file::write(if links.len() == 1 { file } else { &own }, &link.csv)?;
+    }
+    Ok(())
+}
+
+fn read(recording: &Path) -> Result<Reading, Error> {
+    let reading = slipstream_trace::read(recording)?;
+    for warning in &reading.warnings {
+        complain!("{warning}");
+    }
+    Ok(reading)
+}
