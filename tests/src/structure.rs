@@ -187,10 +187,10 @@ impl Reader {
         let Some(folder) = folder else { return };
         for token in tokens {
             match token {
-                proc_macro2::TokenTree::Ident(ident) => {
-                    if folder.join(format!("{ident}.rs")).is_file() {
-                        self.module.children.insert(ident.to_string());
-                    }
+                proc_macro2::TokenTree::Ident(ident)
+                    if folder.join(format!("{ident}.rs")).is_file() =>
+                {
+                    self.module.children.insert(ident.to_string());
                 }
                 proc_macro2::TokenTree::Group(group) => self.declare_from_tokens(group.stream()),
                 _ => {}

@@ -50,6 +50,9 @@ pub(crate) struct Arguments {
     /// Cases to make: drawn at random, or every effect at several sizes
     #[arg(long, value_enum, default_value_t = Which::Sealed, conflicts_with = "labels")]
     plan: Which,
+    /// Only cases that conceal this effect
+    #[arg(long, value_name = "EFFECT", conflicts_with = "labels")]
+    effect: Option<String>,
     /// Write recordings, models and labels, and diagnose nothing
     #[arg(long, requires = "out", conflicts_with_all = ["labels", "json", "report"])]
     make_only: bool,
@@ -89,11 +92,13 @@ enum Which {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    for id in &arguments.without {
+    let excluded = arguments.without.iter().map(|id| ("--without", id));
+    for (option, id) in excluded.chain(arguments.effect.iter().map(|id| ("--effect", id))) {
         if slipstream_sim::effects::find(id).is_none() {
-            let remedy = "see slipstream effects";
-            let place = format!("--without {id}");
-            return Err(InputError::new(place, "is not an effect", remedy).into());
+            let place = format!("{option} {id}");
+            return Err(
+                InputError::new(place, "is not an effect", "see slipstream effects").into(),
+            );
         }
     }
     let stop = listen()?;
@@ -130,6 +135,10 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>
     let plan = match arguments.plan {
         Which::Sealed => Plan::sealed(arguments.cases, arguments.seed),
         Which::Battery => Plan::battery(arguments.seed),
+    };
+    let plan = match &arguments.effect {
+        Some(id) => plan.with_effect(id),
+        None => plan,
     };
     let passing = tempfile::tempdir()
         .map_err(|error| Error::Failed(format!("a temporary folder: {error}")))?;

@@ -166,7 +166,7 @@ fn withheld(concealed: ConcealedEffect) -> UnknownPhysics {
     }
 }
 
-fn value((name, value): &(String, Parameter)) -> (String, ParameterValue) {
+pub(super) fn value((name, value): &(String, Parameter)) -> (String, ParameterValue) {
     let value = match value {
         Parameter::Number(number) => ParameterValue::Number(*number),
         Parameter::Text(text) => ParameterValue::Text(text.clone()),

@@ -1,6 +1,7 @@
 //! Makes cases: scenes are drawn from a seed, simulated by a second simulator, recorded and labelled.
 
 mod case;
+mod catalogue_case;
 mod controller;
 mod detectability;
 mod draw_effect;

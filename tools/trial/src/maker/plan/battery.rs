@@ -1,10 +1,11 @@
 //! The battery: every effect at several sizes, nulls, pairs, effects outside the vocabulary, other steps
 //! and random disturbances.
 
-use super::case_spec::{CaseSpec, PAIRED, WITHHELD};
+use super::case_spec::{CATALOGUE_ONLY, CaseSpec, PAIRED, WITHHELD};
 use crate::maker::draw_effect::{OUTSIDE_KINDS, VOCABULARY};
 use crate::maker::manoeuvre::{CommandKind, Style};
 use crate::maker::scene::Control;
+use slipstream_sim::effects::{CATALOGUE, ModelSite};
 
 /// Effects that do not vanish as their parameter goes to zero.
 const THRESHOLDS: [&str; 6] = [
@@ -18,7 +19,15 @@ const THRESHOLDS: [&str; 6] = [
 
 /// All cases of the battery.
 pub(super) fn battery() -> Vec<CaseSpec> {
-    [sized(), pairs(), outside(), nulls(), other_makers()].concat()
+    [
+        sized(),
+        pairs(),
+        outside(),
+        nulls(),
+        other_makers(),
+        catalogue_only(),
+    ]
+    .concat()
 }
 
 /// Every effect at two sizes that occur on robots, and at two near the detection limit.
@@ -45,6 +54,21 @@ fn sized() -> Vec<CaseSpec> {
         }
     };
     VOCABULARY.iter().flat_map(sizes).collect()
+}
+
+/// Effects of the catalogue that the second simulator does not know, at the smallest and the largest of
+/// their probe values. The plant itself simulates them.
+fn catalogue_only() -> Vec<CaseSpec> {
+    let new = CATALOGUE
+        .iter()
+        .filter(|info| !VOCABULARY.contains(&info.id) && info.site != ModelSite::Link);
+    new.flat_map(|info| {
+        [0.0, 1.0].map(|size| CaseSpec {
+            size: Some(size),
+            ..CaseSpec::new(CATALOGUE_ONLY, &[info.id])
+        })
+    })
+    .collect()
 }
 
 /// Pairs of effects.

@@ -54,6 +54,9 @@ impl CaseSpec {
     }
 }
 
+/// Kind of the cases that the plant itself simulates.
+pub(super) const CATALOGUE_ONLY: &str = "catalogue";
+
 /// Effects of which any two or three can be combined on any robot.
 pub(super) const PAIRED: [&str; 22] = [
     "wheel_slip",

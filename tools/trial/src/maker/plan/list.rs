@@ -1,11 +1,12 @@
 //! A plan, and how one of its cases is made.
 
 use super::battery::battery;
-use super::case_spec::CaseSpec;
+use super::case_spec::{CATALOGUE_ONLY, CaseSpec};
 use super::draw_scene::draw_scene;
 use super::sealed::sealed;
 use crate::label::{ConcealedEffect, Label};
 use crate::maker::case::{MadeCase, make};
+use crate::maker::catalogue_case;
 use crate::maker::draw_effect::scaled;
 use crate::maker::random::RandomStream;
 use crate::maker::scene::Scene;
@@ -54,6 +55,13 @@ impl Plan {
         }
     }
 
+    /// The cases of the plan that conceal this effect, alone or with others.
+    #[must_use]
+    pub fn with_effect(mut self, id: &str) -> Self {
+        self.specs.retain(|spec| spec.needs(&[id]));
+        self
+    }
+
     /// The cases, in order.
     pub fn cases(&self) -> impl Iterator<Item = PlannedCase> {
         self.specs.iter().enumerate().map(|(at, spec)| PlannedCase {
@@ -75,6 +83,10 @@ impl PlannedCase {
     /// # Errors
     /// A model that cannot be simulated.
     pub fn make(&self) -> Result<MadeCase, String> {
+        if let (CATALOGUE_ONLY, [id]) = (self.spec.kind.as_str(), self.spec.effects.as_slice()) {
+            let size = self.spec.size.unwrap_or(0.5);
+            return catalogue_case::make(id, size, &self.spec.kind, self.seed, &self.name);
+        }
         let min_gain_nats = if self.spec.size.is_some() {
             MIN_GAIN_GIVEN_NATS
         } else {
@@ -157,6 +169,36 @@ mod tests {
         );
         let outside = plan.specs.iter().filter_map(|spec| spec.outside);
         assert_eq!(outside.max(), Some(OUTSIDE_KINDS - 1));
+    }
+
+    /// What an effect gets that only the catalogue knows, shown with one that both simulators know.
+    #[test]
+    fn the_plant_simulates_any_effect_of_the_catalogue() {
+        let spec = CaseSpec {
+            size: Some(1.0),
+            ..CaseSpec::new(CATALOGUE_ONLY, &["yaw_scrub"])
+        };
+        let plan = Plan {
+            seed: 1,
+            specs: vec![spec],
+        };
+        let made = plan.cases().next().unwrap().make().unwrap();
+        let concealed = &made.label.effects[0];
+        assert_eq!(concealed.effect, "yaw_scrub");
+        assert_eq!(concealed.channels, ["yaw"]);
+        assert!(made.recording.robots[0].pose.as_ref().unwrap().t_s.len() > 500);
+        assert_eq!(made.model.effects, []);
+    }
+
+    #[test]
+    fn a_plan_can_be_restricted_to_one_effect() {
+        let plan = Plan::battery(1).with_effect("payload");
+        assert!(plan.specs.len() > 4);
+        assert!(
+            plan.specs
+                .iter()
+                .all(|spec| spec.effects.contains(&"payload"))
+        );
     }
 
     #[test]
