@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use crate::support::{STEP_S, mixed};
 use num_dual::DualSVec64;
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
-use slipstream_sim::effects::{CATALOGUE, Domain};
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo};
 use slipstream_sim::{Command, CommandKind, Robot, Scalar, Stream, lift, read_effects};
 
 type Dual = DualSVec64<1>;
@@ -43,6 +43,7 @@ fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> 
     observed
 }
 
+#[derive(Clone, Copy)]
 struct Case {
     effect: &'static str,
     parameters: &'static [(&'static str, f64)],
@@ -188,6 +189,24 @@ const CASES: &[Case] = &[
     case("clock_drift", &[("rate", 1e-3)], TORQUE, 0.05),
 ];
 
+/// The cases above, and one of torques at the first probe values for every effect without a case.
+fn cases() -> Vec<Case> {
+    let known: BTreeSet<&str> = CASES.iter().map(|case| case.effect).collect();
+    let new = CATALOGUE.iter().filter(|info| !known.contains(info.id));
+    CASES.iter().copied().chain(new.map(of_probes)).collect()
+}
+
+fn of_probes(info: &Info) -> Case {
+    let probe = |parameter: &ParameterInfo| match parameter.domain {
+        Domain::Number { probes, .. } if !parameter.alternative || parameter.unit == "N m" => {
+            Some((parameter.name, probes.first().copied().unwrap_or(0.1)))
+        }
+        _ => None,
+    };
+    let parameters: Vec<_> = info.parameters.iter().filter_map(probe).collect();
+    case(info.id, Vec::leak(parameters), TORQUE, 0.05)
+}
+
 fn model(case: &Case) -> RobotModel {
     let mut model = RobotModel::default();
     if case.slips {
@@ -254,7 +273,7 @@ const TOLERANCE: f64 = 5e-3;
 #[test]
 fn dual_numbers_agree_with_central_differences() {
     let mut wrong = Vec::new();
-    for case in CASES {
+    for case in &cases() {
         for &(parameter, value) in case.parameters {
             let (deviation, largest) = compare(case, parameter, value);
             let label = format!("{} {parameter} ({:?})", case.effect, case.kind);
@@ -271,7 +290,7 @@ fn dual_numbers_agree_with_central_differences() {
 
 #[test]
 fn every_parameter_is_covered() {
-    let covered: BTreeSet<_> = CASES
+    let covered: BTreeSet<_> = cases()
         .iter()
         .flat_map(|case| case.parameters.iter().map(|&(name, _)| (case.effect, name)))
         .collect();
