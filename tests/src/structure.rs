@@ -514,10 +514,6 @@ pub fn median_and_longest<'a>(
 
 #[cfg(test)]
 mod tests {
-    #![expect(
-        clippy::unwrap_used,
-        reason = "a test stops at what it does not expect"
-    )]
     use super::*;
 
     /// A package of these files.

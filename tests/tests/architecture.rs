@@ -128,6 +128,28 @@ fn the_table_of_rooms_is_true() {
     }
 }
 
+/// Whoever uses plant, controller, recordings or diagnosis as a library links no shared memory.
+#[test]
+fn the_operating_system_is_used_by_transport_and_launcher_alone() {
+    let system = ["iceoryx2", "memmap2", "rustix", "thread-priority"];
+    let may = ["slipstream-ipc", "slipstream-launch", "slipstream"];
+    for (folder, package) in packages() {
+        let uses = system.iter().find(|name| package.crates.contains(**name));
+        if let Some(name) = uses {
+            assert!(may.contains(&package.name.as_str()), "{folder} uses {name}");
+        }
+        let manifest = table(&root().join(&folder).join("Cargo.toml"));
+        let ipc = manifest
+            .get("dependencies")
+            .and_then(|list| list.get("slipstream-ipc"));
+        let optional = ipc.is_some_and(|ipc| ipc.get("optional") == Some(&true.into()));
+        assert!(
+            ipc.is_none() || optional || may.contains(&package.name.as_str()),
+            "{folder} needs slipstream-ipc"
+        );
+    }
+}
+
 #[test]
 fn every_external_crate_has_its_reason() {
     let used: BTreeSet<String> = packages()
