@@ -97,7 +97,7 @@ fn what_files_say_wrong_is_named_with_its_line() {
     refuse(
         folder.path(),
         &["a.toml"],
-        &["a.toml:3: links.loss is 1.5; give a share"],
+        &["a.toml:3: links.loss is 1.5; give a fraction"],
     );
     file("b.toml", "\n\n[links]\nlos = 0.5\n");
     refuse(

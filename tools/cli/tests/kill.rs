@@ -128,7 +128,7 @@ fn an_interrupted_run_ends_in_order_and_keeps_its_recording() {
         assert!(begin.elapsed() < LIMIT, "{:?}", begin.elapsed());
         assert_eq!(output.status.code(), Some(130));
         let words = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(words.contains("then it was interrupted"), "{words}");
+        assert!(words.contains("until it was interrupted"), "{words}");
         assert_recording(folder.path());
         assert_nothing_left(&processes);
     }

@@ -102,8 +102,8 @@ fn every_report_is_in_order() {
     }
 }
 
-/// A robot that slips, diagnosed: the answer in words, then every kind of figure; and no file but
-/// those that were asked for.
+/// The page of a diagnosis with slip has the answer, every kind of figure and every table; no other
+/// files are written.
 #[test]
 fn a_diagnosis_is_in_order() {
     let Some(mut browser) = Browser::start() else {
@@ -124,14 +124,14 @@ fn a_diagnosis_is_in_order() {
     for what in [
         "Prediction error over 5 s",
         "Residuals before and after",
-        "When it is at work",
+        "When each finding acts",
         "missing force along the body (N)",
         "wheels faster than the body",
-        "The path against the camera",
+        "Path",
         "friction_kinetic",
-        "Prediction over 5 s, channel by channel",
-        "What was ruled out",
-        "What cannot be told apart here",
+        "Prediction error over 5 s by channel",
+        "Effects ruled out",
+        "Effects that cannot be told apart",
         "slipstream diagnose single.mcap",
     ] {
         assert!(text.contains(what), "{what}");
@@ -147,7 +147,7 @@ fn a_diagnosis_is_in_order() {
     );
 }
 
-/// Pages of the practice recordings, where they are: a robot that is told a twist, and three robots.
+/// Pages of two practice recordings, if they exist: a robot with twist commands, and three robots.
 #[test]
 fn diagnoses_of_practice_are_in_order() {
     let practice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/practice");

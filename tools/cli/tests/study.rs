@@ -129,7 +129,7 @@ fn an_interrupted_study_keeps_its_points() {
     rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("interrupted"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("Interrupted"));
     let part = read_json(&folder.path().join("part.json"));
     let points = part["points"].as_array().unwrap();
     assert!((1..16).contains(&points.len()), "{}", points.len());
