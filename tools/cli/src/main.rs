@@ -13,6 +13,7 @@ mod import;
 mod models;
 mod output_file;
 mod print;
+mod progress;
 mod reproduce;
 mod run;
 mod study;

@@ -1,4 +1,4 @@
-//! What is answered: CONTRACT.md, section 4.
+//! What is answered; its JSON has a schema in `tools/cli/schemas`.
 
 use serde::Serialize;
 use slipstream_sim::effects::Info;

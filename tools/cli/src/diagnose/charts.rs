@@ -4,7 +4,7 @@ use slipstream_diagnose::{Against, Answer, Figures, Finding, MissingForce, Paths
 use slipstream_report::{Chart, Line, Page, PictureError, Row, Timeline, Track};
 
 use super::points::{kept, level, means};
-use super::words::number;
+use super::text::number;
 
 /// Names and colours of the lines.
 pub(super) const NOMINAL: (&str, usize) = ("nominal model", 1);

@@ -3,9 +3,8 @@
 mod charts;
 mod page;
 mod points;
-mod words;
+mod text;
 
-use std::io::{IsTerminal, Write as _};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -17,7 +16,8 @@ use slipstream_recording::robot_toml;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file;
-use crate::print::{self, complain, say};
+use crate::print::{complain, say};
+use crate::progress;
 
 /// Find what a robot model lacks, from a recording
 ///
@@ -70,24 +70,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         recordings.push(import.recording);
     }
     let models = Models::read(&arguments.robot)?;
-    let terminal = std::io::stderr().is_terminal();
-    let progress = |what: &str| {
-        if terminal {
-            // a progress line that cannot be shown is not worth an error
-            let _ = write!(std::io::stderr(), "\r\x1b[K{what}");
-        }
-    };
+    let line = progress::line();
     let request = Request {
         recordings: &recordings,
         model_of: &|robot| models.of(robot),
         excluded: &arguments.without,
         excluded_s: &arguments.exclude_time,
-        progress: &progress,
+        progress: &|step| line.set_message(step.to_owned()),
     };
     let done = examine(&request, arguments.report.is_some());
-    if terminal {
-        print::err(format_args!("\r\x1b[K"));
-    }
+    line.finish_and_clear();
     let (answer, improved, figures) = done?;
     if let Some(file) = &arguments.json {
         output_file::write_json(file, &answer)?;
@@ -135,9 +127,9 @@ fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Inp
 
 fn say(answer: &Answer) {
     let held = &answer.held_out;
-    say!("{}.", words::verdict(answer.verdict));
+    say!("{}.", text::verdict(answer.verdict));
     for warning in &answer.warnings {
-        say!("Warning: {}.", words::warning(warning));
+        say!("Warning: {}.", text::warning(warning));
     }
     for finding in &answer.findings {
         say!("\n{}", finding.statement);

@@ -6,7 +6,7 @@ use slipstream_diagnose::{
 use slipstream_report::{Page, PictureError};
 
 use super::charts::{FOUND, NOMINAL, add_forces, add_paths, add_residuals, add_timeline};
-use super::words::{number, verdict, warning};
+use super::text::{number, verdict, warning};
 use crate::command_line::command_line;
 
 /// The whole page.

@@ -1,15 +1,13 @@
 //! `slipstream trial`: scores the diagnosis on cases whose truth is concealed from it.
 
-mod words;
+mod text;
 
-use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use slipstream_bus::InputError;
 use slipstream_trial::TrialError;
@@ -24,6 +22,7 @@ use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
 use crate::print::say;
+use crate::progress;
 
 /// Score the diagnosis on recordings whose truth is concealed from it
 ///
@@ -117,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             .map_err(|error| Error::Failed(error.to_string()))?;
         write(file, &page)?;
     }
-    words::say(&report);
+    text::say(&report);
     Ok(Exit::Done)
 }
 
@@ -146,7 +145,7 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>
         .out
         .clone()
         .unwrap_or_else(|| passing.path().join("trial"));
-    let bar = bar(plan.cases().count(), "made");
+    let bar = progress::bar(plan.cases().count(), "made");
     let trial = SealedTrial::make(&plan, &folder, || {
         bar.inc(1);
         if stop.load(Ordering::Relaxed) {
@@ -193,9 +192,9 @@ fn answers(
         limit: Duration::from_secs(arguments.limit_s),
         stop,
     };
-    let bar = bar(questions.len(), "diagnosed");
+    let bar = progress::bar(questions.len(), "diagnosed");
     let answers = diagnose_all(&program, folder, questions, |question, run| {
-        bar.suspend(|| words::say_answer(question, run));
+        bar.suspend(|| text::say_answer(question, run));
         bar.inc(1);
     });
     bar.finish_and_clear();
@@ -223,18 +222,4 @@ fn listen() -> Result<Arc<AtomicBool>, Error> {
             .map_err(|error| Error::Failed(format!("cannot listen to signals: {error}")))?;
     }
     Ok(stop)
-}
-
-fn bar(cases: usize, done: &str) -> ProgressBar {
-    let target = if std::io::stderr().is_terminal() {
-        ProgressDrawTarget::stderr()
-    } else {
-        ProgressDrawTarget::hidden()
-    };
-    let bar = ProgressBar::with_draw_target(Some(cases as u64), target);
-    let form = format!("{{wide_bar}} {{pos}}/{{len}} {done}, {{eta}} left");
-    if let Ok(style) = ProgressStyle::with_template(&form) {
-        bar.set_style(style);
-    }
-    bar
 }

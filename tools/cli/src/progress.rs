@@ -1,0 +1,28 @@
+//! Progress on standard error; nothing if it is no terminal.
+
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Interval at which a line of unknown length is redrawn.
+const TICK: Duration = Duration::from_millis(100);
+
+/// A bar that counts to `count`; `done` says what was done to what is counted.
+pub(crate) fn bar(count: usize, done: &str) -> ProgressBar {
+    let bar = ProgressBar::new(count as u64);
+    let template = format!("{{wide_bar}} {{pos}}/{{len}} {done}, {{eta}} left");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// A line that shows the current step of work of unknown length.
+pub(crate) fn line() -> ProgressBar {
+    let line = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_msg}") {
+        line.set_style(style);
+    }
+    line.enable_steady_tick(TICK);
+    line
+}
