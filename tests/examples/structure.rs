@@ -1,6 +1,8 @@
 //! Prints the structure of each package of a checkout: circles, and the sizes of files and functions.
 //!
-//! `cargo run -p slipstream-tests --example structure -- [CHECKOUT]`
+//! `cargo run -p slipstream-tests --example structure -- [CHECKOUT] [--circles] [--except PACKAGE]`
+//!
+//! `--circles` lists the imports of every circle, `--except` leaves the folder of a package out of the sizes.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -62,6 +64,9 @@ fn print(root: &Path) -> Result<(), String> {
                     }
                 }
             }
+        }
+        if std::env::args().any(|argument| argument == member) {
+            continue;
         }
         files.extend(
             package

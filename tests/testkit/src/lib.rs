@@ -10,7 +10,7 @@
 
 use slipstream_bus::{Camera, RobotModel, Sensors};
 use slipstream_recording::Recording;
-use slipstream_recording::recording::{Command as Told, Pose, Robot, Stream, Wheels};
+use slipstream_recording::recording::{Command as Commands, Pose, Robot, Stream, Wheels};
 use slipstream_sim::{Command, Setup, World};
 
 /// Torques (N m, right and left) under which the wheels of the paper's robot never slip, each held for 20 ms.
@@ -33,72 +33,85 @@ pub fn record(
     length_s: f64,
     seed: u64,
 ) -> Recording {
-    let sensors = Sensors {
-        camera: Some(Camera::default()),
-        imu: None,
-    };
     let setup = Setup {
         name: "r1".to_owned(),
         model: model.clone(),
         pose: [0.0; 3],
-        sensors,
+        sensors: Sensors {
+            camera: Some(Camera::default()),
+            imu: None,
+        },
     };
     let mut world = World::new(&[setup], seed).unwrap();
-    let (mut command, mut wheels) = ([vec![], vec![], vec![]], (vec![], vec![], vec![]));
-    let mut pose = Stream {
-        t_s: vec![],
-        values: Pose::default(),
-        unknown: vec![],
-    };
-    let mut yaw = vec![];
-    let mut told = [0.0; 2];
-    for k in 0..(length_s / 5e-4).round() as u32 {
-        let t_s = f64::from(k) * 5e-4;
-        if k % 40 == 0 {
-            told = torque(t_s + 1e-6);
+    let mut rows = Rows::default();
+    let mut command = [0.0; 2];
+    for k in 0..(length_s / STEP_S).round() as u32 {
+        let t_s = f64::from(k) * STEP_S;
+        if k % STEPS_PER_COMMAND == 0 {
+            command = torque(t_s + 1e-6);
+            rows.command.push((t_s, command));
+            rows.wheels.push((t_s, world.encoder_counts(0)));
         }
-        let [right_nm, left_nm] = told;
-        if k % 40 == 0 {
-            command[0].push(t_s);
-            command[1].push(right_nm);
-            command[2].push(left_nm);
-            let [right, left] = world.encoder_counts(0);
-            wheels.0.push(t_s);
-            wheels.1.push(Some(right));
-            wheels.2.push(Some(left));
-        }
-        world.step(500_000, &[Command::Torque { right_nm, left_nm }]);
+        let [right_nm, left_nm] = command;
+        world.step(STEP_NS, &[Command::Torque { right_nm, left_nm }]);
         if let Some(frame) = world.camera(0) {
-            pose.t_s.push(frame.stamp_ns as f64 * 1e-9);
-            pose.values.x_m.push(frame.value[0]);
-            pose.values.y_m.push(frame.value[1]);
-            yaw.push(frame.value[2]);
+            rows.pose.push((frame.stamp_ns as f64 * 1e-9, frame.value));
         }
     }
-    pose.values.yaw_rad = Some(yaw);
-    let [t_s, right_nm, left_nm] = command;
-    let mut robot = Robot::named("r1");
-    robot.encoder_counts_per_rev = Some(1856);
-    robot.noise.pose_m = Some(0.002);
-    robot.noise.pose_rad = Some(0.009);
-    robot.command = Some(Stream {
-        t_s,
-        values: Told::Torque { right_nm, left_nm },
-        unknown: vec![],
-    });
-    let values = Wheels::Ticks {
-        right: wheels.1,
-        left: wheels.2,
-    };
-    robot.wheels = Some(Stream {
-        t_s: wheels.0,
-        values,
-        unknown: vec![],
-    });
-    robot.pose = Some(pose);
     Recording {
         name: "truth".to_owned(),
-        robots: vec![robot],
+        robots: vec![rows.into_robot()],
         ..Recording::default()
+    }
+}
+
+/// Step of the plant (s, ns).
+const STEP_S: f64 = 5e-4;
+const STEP_NS: i64 = 500_000;
+/// A command, and an encoder sample, every 20 ms.
+const STEPS_PER_COMMAND: u32 = 40;
+
+/// Rows of the streams, each with its time (s).
+#[derive(Default)]
+struct Rows {
+    command: Vec<(f64, [f64; 2])>,
+    wheels: Vec<(f64, [i64; 2])>,
+    pose: Vec<(f64, [f64; 3])>,
+}
+
+impl Rows {
+    fn into_robot(self) -> Robot {
+        let mut robot = Robot::named("r1");
+        robot.encoder_counts_per_rev = Some(1856);
+        robot.noise.pose_m = Some(0.002);
+        robot.noise.pose_rad = Some(0.009);
+        let torque = |side: usize| self.command.iter().map(|row| row.1[side]).collect();
+        let commands = Commands::Torque {
+            right_nm: torque(0),
+            left_nm: torque(1),
+        };
+        robot.command = Some(stream(&self.command, commands));
+        let ticks = |side: usize| self.wheels.iter().map(|row| Some(row.1[side])).collect();
+        let wheels = Wheels::Ticks {
+            right: ticks(0),
+            left: ticks(1),
+        };
+        robot.wheels = Some(stream(&self.wheels, wheels));
+        let axis = |axis: usize| self.pose.iter().map(|row| row.1[axis]).collect();
+        let pose = Pose {
+            x_m: axis(0),
+            y_m: axis(1),
+            yaw_rad: Some(axis(2)),
+        };
+        robot.pose = Some(stream(&self.pose, pose));
+        robot
+    }
+}
+
+fn stream<T, V>(rows: &[(f64, T)], values: V) -> Stream<V> {
+    Stream {
+        t_s: rows.iter().map(|(t_s, _)| *t_s).collect(),
+        values,
+        unknown: Vec::new(),
     }
 }
