@@ -6,6 +6,7 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 
+use crate::lockstep::series;
 use crate::myself;
 
 /// Events of the plant: a round begins, the run is over.
@@ -23,6 +24,7 @@ struct Events {
 
 impl Events {
     fn open(root: &Path, robots: usize) -> Self {
+        set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
         config.global.prefix = FileName::new(b"slipevents_").unwrap();
         let root = iceoryx2::prelude::Path::new(root.to_str().unwrap().as_bytes()).unwrap();
@@ -54,8 +56,8 @@ fn await_answers(done: &Listener<Ipc>, count: u64) {
     }
 }
 
-/// Microseconds for each agent in a round; `series` measures a round.
-pub(crate) fn measure(robots: u32, series: impl Fn(u32, &mut dyn FnMut()) -> f64) -> f64 {
+/// Microseconds for each agent in a round.
+pub(crate) fn measure(robots: u32) -> f64 {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let events = Events::open(folder.path(), robots as usize);
     let start: Notifier<Ipc> = events.start.notifier_builder().create().unwrap();
@@ -66,7 +68,7 @@ pub(crate) fn measure(robots: u32, series: impl Fn(u32, &mut dyn FnMut()) -> f64
         .collect();
     // Every agent answers once when it listens.
     await_answers(&done, robots.into());
-    let time = series(robots, &mut || {
+    let time = series(robots, || {
         start
             .notify_with_custom_event_id(EventId::new(ROUND))
             .unwrap();

@@ -13,29 +13,37 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_launch::{Request, resolve};
 
-use crate::{best, myself};
+use crate::{best, events, myself};
 
 const ROUNDS: u32 = 600;
 const TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The table.
 pub(crate) fn measure() {
-    println!("Lockstep: a wake-up and an answer (µs): raw shared memory and futex, ours, ratio");
+    println!(
+        "Lockstep: a wake-up and an answer (µs): raw shared memory and futex, ours, ratio, \
+         events of iceoryx2"
+    );
     for robots in [1, 3, 10, 30, 100] {
-        // In turns, so that both see the same neighbours on the machine.
-        let turns: Vec<[f64; 2]> = (0..3).map(|_| [raw(robots), ours(robots)]).collect();
-        let [raw, ours] = [0, 1].map(|way| {
+        // In turns, so that all see the same neighbours on the machine.
+        let turns: Vec<[f64; 3]> = (0..3)
+            .map(|_| [raw(robots), ours(robots), events::measure(robots)])
+            .collect();
+        let [raw, ours, events] = [0, 1, 2].map(|way| {
             turns
                 .iter()
                 .map(|turn| turn[way])
                 .fold(f64::INFINITY, f64::min)
         });
-        println!("{robots:>6} {raw:8.2} {ours:8.2} {:8.2}", ours / raw);
+        println!(
+            "{robots:>6} {raw:8.2} {ours:8.2} {:8.2} {events:8.2}",
+            ours / raw
+        );
     }
 }
 
 /// Microseconds for each agent in a round; the best of some series.
-fn series(robots: u32, mut round: impl FnMut()) -> f64 {
+pub(crate) fn series(robots: u32, mut round: impl FnMut()) -> f64 {
     (0..50).for_each(|_| round());
     best(5, |_| {
         let begin = Instant::now();

@@ -6,6 +6,7 @@
     reason = "a measurement stops at what it does not expect"
 )]
 
+mod events;
 mod latency;
 mod lockstep;
 mod trace;
@@ -23,6 +24,8 @@ fn main() {
     match arguments.get(1).map(String::as_str) {
         Some("raw-agent") => lockstep::raw_agent(Path::new(&arguments[2]), &arguments[3]),
         Some("bus-agent") => lockstep::bus_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("event-agent") => events::agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("lockstep") => lockstep::measure(),
         Some("trace") => trace::measure(),
         Some("echo") => latency::echo(&arguments[2], Path::new(&arguments[3])),
         _ => {
