@@ -1,9 +1,5 @@
 //! Latency, stage by stage: what was put into a run is found again in its recording.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -18,8 +14,8 @@ use slipstream_trace::{Fate, Message, follow};
 fn traced(folder: &Path, arguments: &[&str]) -> (Value, Value) {
     let run = run_json(folder, &[&["--out", "run.mcap"], arguments].concat());
     let output = slipstream(folder, &["trace", "run.mcap", "--json", "trace.json"]);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     (run, read_json(&folder.join("trace.json")))
 }
 
@@ -476,8 +472,8 @@ fn the_trace_changes_no_state() {
         assert!(!coarse.contains("outer"), "{coarse:?}");
     }
     let output = slipstream(folder.path(), &["trace", "run.mcap"]);
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
 }
 
 #[test]
@@ -486,11 +482,11 @@ fn a_filter_that_is_none_is_refused() {
     for place in [&["run"][..], &["run", "--in-process"]] {
         let mut command = common::command(folder.path(), place);
         let output = command.env("RUST_LOG", "slipstream=loud").output().unwrap();
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{words}");
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
         assert!(
-            words.contains("RUST_LOG") && words.lines().count() == 1,
-            "{words}"
+            stderr.contains("RUST_LOG") && stderr.lines().count() == 1,
+            "{stderr}"
         );
     }
 }
@@ -528,8 +524,8 @@ fn what_a_dead_agent_did_not_take_up_is_counted() {
         folder.path(),
         &["trace", "run.mcap", "--json", "trace.json"],
     );
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     let answer = read_json(&folder.path().join("trace.json"));
     let hops = answer["hops"].as_array().unwrap();
     let died = |from: &str| {
@@ -588,13 +584,13 @@ fn an_old_trace_is_refused_with_a_remedy() {
     writer.write_trace(0, &[6, 0, 0, 0, 0]).unwrap();
     writer.finish().unwrap();
     let output = slipstream(folder.path(), &["trace", "old.mcap"]);
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(
-        words.contains("old.mcap") && words.contains("record it again"),
-        "{words}"
+        stderr.contains("old.mcap") && stderr.contains("record it again"),
+        "{stderr}"
     );
-    assert_eq!(words.lines().count(), 1, "{words}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
 #[test]
@@ -607,8 +603,11 @@ fn what_holds_no_trace_is_refused() {
         ("none.mcap", "No such file"),
     ] {
         let output = slipstream(folder.path(), &["trace", what]);
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{words}");
-        assert!(words.contains(why) && words.lines().count() == 1, "{words}");
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(
+            stderr.contains(why) && stderr.lines().count() == 1,
+            "{stderr}"
+        );
     }
 }
