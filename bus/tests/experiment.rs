@@ -1,9 +1,6 @@
 //! Experiments as a library user builds them: from settings and a model, encoded, decoded, checked.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use slipstream_bus::experiment::{Law, Protocol, TorqueLimit};
 use slipstream_bus::topology::Topology;

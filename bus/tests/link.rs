@@ -1,9 +1,6 @@
 //! Links seen from outside: statistics of delay and loss, and the order in which messages arrive.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use slipstream_bus::Settings;
 use slipstream_bus::experiment::{Distribution, LinkSettings};

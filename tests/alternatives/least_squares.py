@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Plain output-error fitting (scipy's least squares) under the form of `slipstream diagnose`.
+"""Plain output-error fitting (scipy's least squares) with the command line of `slipstream diagnose`.
 
-One simulation of the whole recording from its start; parameters by least squares; effects added
-greedily, after four rounds each, while they pay by the Bayesian information criterion. Dry friction is regularised by tanh.
+Simulates the whole recording from its start and fits parameters by least squares. Effects are added greedily,
+each tried with four iterations, while the Bayesian information criterion falls by at least 10. Dry friction is
+regularised by tanh.
 """
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.optimize import least_squares
 from recording import G, Model, answer, arguments, finding, robots
 
 STEP_S = 2e-3
-# effect -> parameter -> (place in the vector, value without it, value to begin at)
+# effect -> parameter -> (index in the vector, value without the effect, initial value)
 EFFECTS = {
     "rolling_resistance": {"coefficient": (0, 0.0, 0.005)},
     "viscous_drag": {"coefficient": (1, 0.0, 0.2)},
@@ -33,12 +34,12 @@ EFFECTS = {
     "command_dead_band": {"torque_nm": (21, 0.0, 0.01)},
 }
 SIZE = 22
-OF_SPEEDS = ["motor_gain", "actuator_delay", "actuator_lag", "supply_sag", "pose_latency", "wheel_radius", "track_width"]
+SPEED_EFFECTS = ["motor_gain", "actuator_delay", "actuator_lag", "supply_sag", "pose_latency", "wheel_radius", "track_width"]
 
 
 @njit(cache=True)
 def simulate(p, start, u, kind, n, c):
-    """Pose and wheel angles at every step. kind 0: torque, 1: voltage, 2: wheel speeds."""
+    """Pose and wheel angles at every step. Command `kind`: 0 torque, 1 voltage, 2 wheel speeds."""
     m, wheel, b0, d, e, h, r0, iw, it, per_volt, back = c
     b = b0 * p[19]
     r = np.array([r0 * p[17], r0 * p[18]])
@@ -63,13 +64,13 @@ def simulate(p, start, u, kind, n, c):
         out[k, 0], out[k, 1], out[k, 2], out[k, 3], out[k, 4] = x, y, yaw, ar, al
         t = k * STEP_S
         at = int((t - p[8]) / 0.02 + 1e-9) if t >= p[8] else -1
-        share = 1.0 if p[9] < STEP_S / 2 else 1 - np.exp(-STEP_S / p[9])
+        fraction = 1.0 if p[9] < STEP_S / 2 else 1 - np.exp(-STEP_S / p[9])
         drive = np.zeros(2)
         for i in range(2):
-            told = 0.0 if at < 0 else u[min(at, len(u) - 1), i]
-            if abs(told) < p[21]:
-                told = 0.0
-            lag[i] += (told - lag[i]) * share
+            command = 0.0 if at < 0 else u[min(at, len(u) - 1), i]
+            if abs(command) < p[21]:
+                command = 0.0
+            lag[i] += (command - lag[i]) * fraction
             drive[i] = lag[i] * p[6 + i] * (1 - p[15] * t)
         cos, sin = np.cos(yaw), np.sin(yaw)
         before = vel.copy()
@@ -96,8 +97,8 @@ def simulate(p, start, u, kind, n, c):
                     side = b if i == 0 else -b
                     sl, st = uu + side * w - r[i] * vel[3 + i], vv - d * w
                     size = np.sqrt(sl * sl + st * st) + 1e-12
-                    grip = -load / p[20] * np.tanh(size / 5e-3) / size
-                    fl, ft = grip * sl, grip * st
+                    friction = -load / p[20] * np.tanh(size / 5e-3) / size
+                    fl, ft = friction * sl, friction * st
                     force[0] += fl
                     force[1] += ft
                     force[2] += side * fl - d * ft
@@ -129,37 +130,37 @@ class Fit:
         self.n = int(robot.t_u[-1] / STEP_S) + 20
         self.base = np.zeros(SIZE)
         for parameters in EFFECTS.values():
-            for place, none, _ in parameters.values():
-                self.base[place] = none
+            for index, none, _ in parameters.values():
+                self.base[index] = none
         if model.friction:
             self.base[20] = 1 / model.friction
-        self.known = [e for e in (OF_SPEEDS if self.kind == 2 else EFFECTS) if e not in without]
+        self.known = [e for e in (SPEED_EFFECTS if self.kind == 2 else EFFECTS) if e not in without]
         if robot.pose is None:
             self.known = [e for e in self.known if e not in ("pose_latency", "floor_slope")]
         self.start = robot.pose[:8].mean(0) if robot.pose is not None else np.zeros(3)
 
-    def residuals(self, values, places):
+    def residuals(self, values, indices):
         p = self.base.copy()
-        p[places] = values[3:]
+        p[indices] = values[3:]
         path = simulate(p, values[:3], self.u, self.kind, self.n, self.c)
         t = np.arange(self.n) * STEP_S
         tick = 2 * np.pi / self.robot.counts
         parts = []
         for i in range(2):
-            away = np.interp(self.robot.t_w, t, path[:, 3 + i]) - self.robot.angle[:, i] - tick / 2
-            parts.append(away / tick)
+            error = np.interp(self.robot.t_w, t, path[:, 3 + i]) - self.robot.angle[:, i] - tick / 2
+            parts.append(error / tick)
         if self.robot.pose is not None:
             for i in range(3):
                 seen = np.interp(self.robot.t_p - p[16], t, path[:, i])
                 parts.append((seen - self.robot.pose[:, i]) / self.robot.sigma[i])
-        away = np.concatenate(parts)
-        return np.where(np.isfinite(away), np.clip(away, -1e6, 1e6), 1e6)
+        error = np.concatenate(parts)
+        return np.where(np.isfinite(error), np.clip(error, -1e6, 1e6), 1e6)
 
-    def fit(self, effects, values, rounds):
-        places = [place for effect in effects for place, _, _ in EFFECTS[effect].values()]
+    def fit(self, effects, values, iterations):
+        indices = [index for effect in effects for index, _, _ in EFFECTS[effect].values()]
         scale = np.concatenate([[1e-2] * 3, [max(abs(EFFECTS[e][n][2] - EFFECTS[e][n][1]), 1e-3)
                                             for e in effects for n in EFFECTS[e]]])
-        return least_squares(self.residuals, values, args=(places,), x_scale=scale, max_nfev=rounds)
+        return least_squares(self.residuals, values, args=(indices,), x_scale=scale, max_nfev=iterations)
 
     def greedy(self):
         best, chosen = self.fit([], self.start, 20), []

@@ -1,4 +1,4 @@
-"""What both alternatives share: a recording's folder, a model, and the answer's form."""
+"""Shared by both alternatives: command line, recording folder, robot model, JSON answer."""
 
 import argparse
 import csv
@@ -37,7 +37,7 @@ def columns(path):
 
 
 class Model:
-    """The nominal robot's numbers, by the paper's symbols."""
+    """Parameters of the nominal robot, named by the symbols of the paper."""
 
     def __init__(self, path):
         text = tomllib.loads(path.read_text())
@@ -65,7 +65,7 @@ class Model:
 
 
 class Robot:
-    """One robot's streams; `pose` is None where no camera saw its heading."""
+    """Streams of one robot; `pose` is None if no camera measured its heading."""
 
     def __init__(self, folder, notes, counts):
         command = columns(folder / "command.csv")
@@ -96,7 +96,7 @@ def robots(folder, counts):
 
 
 def finding(robot, effect, parameters, end_s):
-    """`parameters`: name -> (estimate, deviation)."""
+    """A finding for the answer. `parameters`: name -> (estimate, standard deviation)."""
     return {
         "robot": robot,
         "effect": effect,

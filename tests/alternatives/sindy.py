@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The discrepancy route of sparse regression (PySINDy) under the form of `slipstream diagnose`.
+"""Sparse regression of the model discrepancy (PySINDy) with the command line of `slipstream diagnose`.
 
-Accelerations from smoothed encoders, less the nominal rolling robot's, on a library of candidate terms.
-Bagged STLSQ; a term in most bags names its effect.
+Regresses accelerations from smoothed encoder counts, minus those of the nominal rolling robot, on a library of
+candidate terms. STLSQ on bootstrap samples of blocks (bags); a term selected in most bags names its effect.
 """
 
 import warnings
@@ -13,12 +13,12 @@ from scipy.signal import savgol_filter
 
 from recording import G, Model, answer, arguments, finding, robots
 
-# an empty bag is an answer
+# a bag without any term is a valid result
 warnings.filterwarnings("ignore", message="Sparsity parameter")
 WINDOW = 15
 THRESHOLD = 0.3
 BAGS = 20
-# deviation of the accelerations that are left of a robot without any effect (m/s², rad/s²)
+# standard deviation of the residual accelerations of a robot without any effect (m/s², rad/s²)
 NOISE = {"along": 0.013, "yaw": 0.125}
 
 
@@ -27,15 +27,15 @@ def smooth(values, order=0):
 
 
 def accelerations(robot, model):
-    """What is left of the accelerations, and the terms that might be it."""
+    """Residual accelerations, and the candidate terms that might explain them."""
     t = np.arange(robot.t_w[0], robot.t_w[-1], 0.02)
     angle = np.array([np.interp(t, robot.t_w, robot.angle[:, i]) for i in range(2)]).T
     speed = smooth((angle[2:] - angle[:-2]) / 0.04)
     change = smooth((angle[2:] - 2 * angle[1:-1] + angle[:-2]) / 0.02**2)
     t = t[1:-1]
-    # a second difference is the mean acceleration under a triangle of two rows: so the torque too
-    told = lambda at: robot.u[np.clip(np.searchsorted(robot.t_u, at, side="right") - 1, 0, None)]
-    torque = sum((20 - abs(k)) / 400 * told(t + k * 1e-3) for k in range(-19, 20))
+    # a second difference is a mean acceleration with triangular weights over two rows: weight torque alike
+    command = lambda at: robot.u[np.clip(np.searchsorted(robot.t_u, at, side="right") - 1, 0, None)]
+    torque = sum((20 - abs(k)) / 400 * command(t + k * 1e-3) for k in range(-19, 20))
     torque = smooth(torque)
     if robot.kind == "voltage":
         torque = torque * model.per_volt - model.back_emf * speed
@@ -45,7 +45,7 @@ def accelerations(robot, model):
     mass = model.m + 2 * model.iw / r**2
     inertia = model.it + model.body * d**2 - 2 * model.wheel * d**2 + 2 * model.iw * b**2 / r**2
     even, odd = torque.sum(1), torque[:, 0] - torque[:, 1]
-    left = {
+    residual = {
         "along": dv - (even / r + model.body * d * w**2) / mass,
         "yaw": dw - (odd * b / r - model.body * d * v * w) / inertia,
     }
@@ -73,29 +73,29 @@ def accelerations(robot, model):
             "floor_slope#": np.cos(yaw),
         },
     }
-    # where the nominal robot itself would slip, its rolling form says nothing
+    # the rolling model does not hold where the nominal robot itself would slip
     inner = np.arange(20, len(t) - 20)
     if model.friction:
         limit = 0.9 * model.friction * model.m * G * model.e / (model.d + model.e) / 2 * mass * r / model.m
-        slips = np.convolve(abs(told(t)).max(1) > limit, np.ones(25), "same") > 0
+        slips = np.convolve(abs(command(t)).max(1) > limit, np.ones(25), "same") > 0
         inner = inner[~slips[inner]]
     cut = lambda series: {name: values[inner] for name, values in series.items()}
-    return cut(left), {row: cut(terms[row]) for row in terms}, mass, inertia
+    return cut(residual), {row: cut(terms[row]) for row in terms}, mass, inertia
 
 
-def selected(left, terms, rng):
-    """Terms in most bags: name -> (median, deviation) in their own units."""
+def selected(residual, terms, rng):
+    """Terms in most bags: name -> (median, standard deviation) in their own units."""
     names = list(terms)
     library = np.array([terms[name] for name in names]).T
     scale = library.std(0) + 1e-12
     bags = []
-    blocks = max(len(left) // 50, 1)
+    blocks = max(len(residual) // 50, 1)
     for _ in range(BAGS):
         drawn = rng.integers(0, blocks, blocks)
         rows = np.concatenate([np.arange(k * 50, (k + 1) * 50) for k in drawn])
-        rows = rows[rows < len(left)]
+        rows = rows[rows < len(residual)]
         fit = pysindy.STLSQ(threshold=THRESHOLD, alpha=1e-3)
-        fit.fit(library[rows] / scale, left[rows][:, None])
+        fit.fit(library[rows] / scale, residual[rows][:, None])
         bags.append(fit.coef_[0])
     bags = np.array(bags)
     often = (bags != 0).mean(0) > 0.6
@@ -145,10 +145,10 @@ def main():
     for name, robot in robots(given.recording, model.counts).items():
         if robot.kind not in ("torque", "voltage"):
             continue
-        left, terms, mass, inertia = accelerations(robot, model)
+        residual, terms, mass, inertia = accelerations(robot, model)
         rng = np.random.default_rng(0)
-        along = selected(left["along"] / NOISE["along"], terms["along"], rng)
-        yaw = selected(left["yaw"] / NOISE["yaw"], terms["yaw"], rng)
+        along = selected(residual["along"] / NOISE["along"], terms["along"], rng)
+        yaw = selected(residual["yaw"] / NOISE["yaw"], terms["yaw"], rng)
         along = {n: (v * NOISE["along"], s * NOISE["along"]) for n, (v, s) in along.items()}
         yaw = {n: (v * NOISE["yaw"], s * NOISE["yaw"]) for n, (v, s) in yaw.items()}
         for effect, parameters in named(along, yaw, model, mass, inertia).items():

@@ -1,9 +1,6 @@
 //! Both ends of a run, plant and agents, in threads of one process over real shared memory.
 
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -1,4 +1,4 @@
-//! `slipstream check`: quality of a recording, and what can be judged from it.
+//! `slipstream check`: data quality of a recording, and what can be concluded from it.
 
 use std::path::PathBuf;
 
@@ -6,7 +6,7 @@ use clap::Args;
 use slipstream_recording::{TopicMap, robot_toml};
 
 use crate::exit::{Error, Exit};
-use crate::print::{self, complain};
+use crate::print::{self, eprint_line};
 
 /// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
 ///
@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// Robot model [default: the one in the recording]
     #[arg(long, value_name = "FILE.toml")]
     robot: Option<PathBuf>,
-    /// Which topic of a bag is which stream [default: guessed]
+    /// Map from the topics of a bag to streams [default: guessed from types and names]
     #[arg(long, value_name = "FILE.toml")]
     topics: Option<PathBuf>,
     /// Write the report as JSON
@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .map(robot_toml::read)
         .transpose()?;
     for warning in &import.warnings {
-        complain!("{warning}");
+        eprint_line!("{warning}");
     }
     let report = slipstream_recording::check(&import.recording, model.as_ref());
     print::out(format_args!("{report}"));

@@ -1,9 +1,9 @@
-//! `slipstream clean`: removes what dead runs left in shared memory.
+//! `slipstream clean`: removes the files that dead runs left in shared memory.
 
 use slipstream_ipc::run_directory;
 
 use crate::exit::{Error, Exit};
-use crate::print::say;
+use crate::print::print_line;
 
 /// Runs the command.
 pub(crate) fn run() -> Result<Exit, Error> {
@@ -21,13 +21,13 @@ pub(crate) fn run() -> Result<Exit, Error> {
         run.remove().map_err(failed)?;
     }
     match own.len() {
-        0 => say!("Nothing to clean."),
-        1 => say!("Removed the files of 1 dead run."),
-        n => say!("Removed the files of {n} dead runs."),
+        0 => print_line!("Nothing to clean."),
+        1 => print_line!("Removed the files of 1 dead run."),
+        n => print_line!("Removed the files of {n} dead runs."),
     }
     if !foreign.is_empty() {
         let n = foreign.len();
-        say!(
+        print_line!(
             "Kept the files of {n} runs of other users, who can remove them with slipstream clean."
         );
     }

@@ -1,4 +1,4 @@
-//! The command line as it was given, for reports.
+//! The command line of this process, quoted in reports.
 
 /// The program and its arguments.
 pub(crate) fn command_line() -> String {

@@ -1,4 +1,4 @@
-//! `slipstream compare`: plots the simulation of the recorded commands over the recording.
+//! `slipstream compare`: simulates the recorded commands and plots the result over the recording.
 
 use std::path::{Path, PathBuf};
 
@@ -10,9 +10,9 @@ use slipstream_report::{Chart, Line, Page, PictureError};
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
-use crate::print::{complain, say};
+use crate::print::{eprint_line, print_line};
 
-/// Plot the simulation of the recorded commands over the recording, channel by channel
+/// Simulate the recorded commands and plot the result over the recording, channel by channel
 ///
 /// Example: slipstream compare RECORDING --robot robot.toml
 #[derive(Debug, Args)]
@@ -31,7 +31,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
-        complain!("{warning}");
+        eprint_line!("{warning}");
     }
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
@@ -42,15 +42,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
         match channel.rms_difference() {
-            Some(rms) => say!("{robot:12} {name:12} rms difference {rms:.4} {unit}"),
-            None => say!("{robot:12} {name:12} nothing to compare"),
+            Some(rms) => print_line!("{robot:12} {name:12} rms difference {rms:.4} {unit}"),
+            None => print_line!("{robot:12} {name:12} nothing to compare"),
         }
     }
-    say!("{}", arguments.report.display());
+    print_line!("{}", arguments.report.display());
     Ok(Exit::Done)
 }
 
-/// The error with the recording as its place.
+/// The error as an input error that names the recording.
 fn located(recording: &Path, error: CompareError) -> InputError {
     match error {
         CompareError::NoModel(robot) => {

@@ -4,14 +4,14 @@ use clap::{Args, Command};
 use clap_complete::Shell;
 
 use crate::exit::{Error, Exit};
-use crate::print::say;
+use crate::print::print_line;
 
-/// Print the completion script of a shell
+/// Print the completion script for a shell
 ///
 /// Example: slipstream completions bash >> ~/.bashrc
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// The shell
+    /// Shell that will read the script
     shell: Shell,
 }
 
@@ -19,6 +19,6 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Exit, Error> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, command, "slipstream", &mut script);
-    say!("{}", String::from_utf8_lossy(&script).trim_end());
+    print_line!("{}", String::from_utf8_lossy(&script).trim_end());
     Ok(Exit::Done)
 }

@@ -9,14 +9,14 @@ use slipstream_bus::InputError;
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
 
 use crate::exit::{Error, Exit};
-use crate::print::say;
+use crate::print::print_line;
 
-/// List the effects: summary, equation, parameters, and where each one shows
+/// List the effects of the catalogue: summary, equation, parameters, and channels where each is visible
 ///
 /// Example: slipstream effects wheel_slip
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// One effect only
+    /// Effect to list [default: all]
     effect: Option<String>,
     /// Write the catalogue as JSON
     #[arg(long, value_name = "FILE")]
@@ -33,20 +33,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         ],
     };
     if let Some(file) = &arguments.json {
-        let effects: Vec<Value> = chosen.iter().map(|info| as_json(info)).collect();
+        let effects: Vec<Value> = chosen.iter().map(|info| to_json(info)).collect();
         let answer = json!({"format": 1, "effects": effects});
         crate::output_file::write_json(file, &answer)?;
     }
     for info in chosen {
-        say!("{}", in_words(info));
+        print_line!("{}", describe(info));
     }
     Ok(Exit::Done)
 }
 
-fn in_words(info: &Info) -> String {
+fn describe(info: &Info) -> String {
     let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
-    let mut words = format!(
-        "{}\n  {}\n  {}    [{}]\n  acts {}; shows in {}\n  best observed by {}\n",
+    let mut text = format!(
+        "{}\n  {}\n  {}    [{}]\n  acts {}; visible in {}\n  best observed by {}\n",
         info.id,
         info.summary,
         info.equation,
@@ -57,12 +57,12 @@ fn in_words(info: &Info) -> String {
     );
     for parameter in info.parameters {
         // Writing to a string cannot fail.
-        let _ = writeln!(words, "  {}", parameter_in_words(parameter));
+        let _ = writeln!(text, "  {}", describe_parameter(parameter));
     }
-    words
+    text
 }
 
-fn parameter_in_words(parameter: &ParameterInfo) -> String {
+fn describe_parameter(parameter: &ParameterInfo) -> String {
     let ParameterInfo {
         name,
         unit,
@@ -79,7 +79,7 @@ fn parameter_in_words(parameter: &ParameterInfo) -> String {
     }
 }
 
-fn as_json(info: &Info) -> Value {
+fn to_json(info: &Info) -> Value {
     let channels: Vec<&str> = info.channels.iter().map(|channel| channel.name()).collect();
     let parameters: Vec<Value> = info
         .parameters

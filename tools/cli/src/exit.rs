@@ -1,4 +1,4 @@
-//! Exit codes: 0 done, 1 the work failed, 2 unusable input, 130 interrupted.
+//! Exit codes: 0 done, 1 failed, 2 invalid input, 130 interrupted by a signal.
 
 use std::process::ExitCode;
 
@@ -11,23 +11,23 @@ use slipstream_trial::TrialError;
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exit {
-    /// The work is done.
+    /// The command did its work.
     Done,
-    /// The work failed.
+    /// The command failed.
     Failed,
     /// The input cannot be used.
-    Unusable,
-    /// A signal interrupted the work.
+    InvalidInput,
+    /// A signal interrupted the command.
     Interrupted,
 }
 
 impl Exit {
-    /// The number that the shell sees.
+    /// The exit code of the process.
     pub(crate) fn code(self) -> u8 {
         match self {
             Self::Done => 0,
             Self::Failed => 1,
-            Self::Unusable => 2,
+            Self::InvalidInput => 2,
             Self::Interrupted => 130,
         }
     }
@@ -45,10 +45,10 @@ pub(crate) enum Error {
     /// The input cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The work failed.
+    /// The command failed.
     #[error("{0}")]
     Failed(String),
-    /// A signal interrupted the work.
+    /// A signal interrupted the command.
     #[error("{0}")]
     Interrupted(String),
 }
@@ -106,7 +106,7 @@ impl Error {
     /// The exit code of this error.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) => Exit::Unusable,
+            Self::Input(_) => Exit::InvalidInput,
             Self::Failed(_) => Exit::Failed,
             Self::Interrupted(_) => Exit::Interrupted,
         }

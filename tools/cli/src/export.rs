@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::exit::{Error, Exit};
-use crate::print::{complain, say};
+use crate::print::{eprint_line, print_line};
 
-/// Convert a recording to a folder of CSV files, without loss of digits
+/// Convert a recording to a folder of CSV files, without loss of precision
 ///
 /// Example: slipstream export run.mcap --out run
 #[derive(Debug, Args)]
@@ -23,14 +23,14 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let import = slipstream_recording::read(&arguments.recording)?;
     for warning in &import.warnings {
-        complain!("{warning}");
+        eprint_line!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        complain!(
+        eprint_line!(
             "{topic}: left out: its {messages} messages have no equivalent in the CSV format"
         );
     }
     slipstream_recording::write_folder(&import.recording, &arguments.out)?;
-    say!("{}", arguments.out.display());
+    print_line!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

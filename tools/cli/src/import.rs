@@ -6,7 +6,7 @@ use clap::Args;
 use slipstream_recording::TopicMap;
 
 use crate::exit::{Error, Exit};
-use crate::print::{complain, say};
+use crate::print::{eprint_line, print_line};
 
 /// Convert a recording (a folder of CSV files, or a ROS 2 bag in MCAP) to one MCAP file
 ///
@@ -18,7 +18,7 @@ pub(crate) struct Arguments {
     /// MCAP file to write
     #[arg(long, value_name = "FILE.mcap")]
     out: PathBuf,
-    /// Which topic of a bag is which stream [default: guessed]
+    /// Map from the topics of a bag to streams [default: guessed from types and names]
     #[arg(long, value_name = "FILE.toml")]
     topics: Option<PathBuf>,
 }
@@ -32,12 +32,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .transpose()?;
     let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
     for warning in &import.warnings {
-        complain!("{warning}");
+        eprint_line!("{warning}");
     }
     for (topic, messages) in &import.left_out {
-        complain!("{topic}: left out: its {messages} messages belong to no stream");
+        eprint_line!("{topic}: left out: its {messages} messages belong to no stream");
     }
     slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
-    say!("{}", arguments.out.display());
+    print_line!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

@@ -1,4 +1,4 @@
-//! `slipstream`, the command line: parses arguments, calls the packages, prints results, sets exit codes.
+//! The command line `slipstream`: parses arguments, calls the packages, prints results, sets the exit code.
 
 mod check;
 mod clean;
@@ -27,11 +27,11 @@ use std::process::ExitCode;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::exit::Exit;
-use crate::print::complain;
+use crate::print::eprint_line;
 
-/// Differential-drive robots in formation: simulate them, measure latency, and find what a model lacks.
+/// Simulate differential-drive robots in formation, measure latency, and find what a robot model lacks
 ///
-/// Without a command, runs the built-in platoon of three robots and prints a summary.
+/// Without a command, slipstream runs the built-in platoon of three robots and prints a summary.
 #[derive(Debug, Parser)]
 #[command(name = "slipstream", version = env!("SLIPSTREAM_VERSION"))]
 struct Arguments {
@@ -41,7 +41,6 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Run an experiment: a plant process and an agent process for each robot
     Run(run::Arguments),
     Check(check::Arguments),
     Compare(compare::Arguments),
@@ -54,21 +53,21 @@ enum Command {
     Study(study::Arguments),
     Trial(trial::Arguments),
     Completions(completions::Arguments),
-    /// Remove what dead runs left in shared memory
+    /// Remove the files that dead runs left in shared memory
     Clean,
 }
 
 fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if slipstream_launch::processes::roles::is_role(&arguments) {
-        let reported = slipstream_launch::processes::roles::play(&arguments);
-        return if reported {
+        let report_written = slipstream_launch::processes::roles::play(&arguments);
+        return if report_written {
             Exit::Done.into()
         } else {
             Exit::Failed.into()
         };
     }
-    let done = match Arguments::parse().command {
+    let result = match Arguments::parse().command {
         None => run::run(&run::Arguments::default()),
         Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Check(arguments)) => check::run(&arguments),
@@ -86,9 +85,10 @@ fn main() -> ExitCode {
         }
         Some(Command::Clean) => clean::run(),
     };
-    done.unwrap_or_else(|error| {
-        complain!("slipstream: {error}");
-        error.exit()
-    })
-    .into()
+    result
+        .unwrap_or_else(|error| {
+            eprint_line!("slipstream: {error}");
+            error.exit()
+        })
+        .into()
 }

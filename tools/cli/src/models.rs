@@ -7,7 +7,7 @@ use slipstream_recording::robot_toml;
 
 use crate::exit::Error;
 
-/// Models by robot name; a model without a name is for all robots that have none of their own.
+/// Models by robot name. A model without a name is for every robot that has none of its own.
 #[derive(Debug)]
 pub(crate) struct Models(Vec<(Option<String>, RobotModel)>);
 

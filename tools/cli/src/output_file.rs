@@ -1,4 +1,4 @@
-//! Output files: complete, or not written at all.
+//! Output files, replaced atomically: a file has its old or its new content, never part of it.
 
 use std::fs::Permissions;
 use std::io::Write as _;
@@ -18,7 +18,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Error> {
     })
 }
 
-/// Writes an answer as JSON.
+/// Writes an answer as indented JSON.
 pub(crate) fn write_json(path: &Path, answer: &impl serde::Serialize) -> Result<(), Error> {
     let text = serde_json::to_string_pretty(answer)
         .map_err(|error| Error::Failed(format!("{}: {error}", path.display())))?;
@@ -27,16 +27,16 @@ pub(crate) fn write_json(path: &Path, answer: &impl serde::Serialize) -> Result<
 
 fn replace(path: &Path, text: &str) -> std::io::Result<()> {
     // follow symbolic links
-    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    if place.exists() && !place.is_file() {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
         return std::fs::write(path, text);
     }
     let mut temporary = tempfile::Builder::new()
         .prefix(".slipstream-")
         .permissions(Permissions::from_mode(0o666))
-        .tempfile_in(folder(&place))?;
+        .tempfile_in(folder(&target))?;
     temporary.write_all(text.as_bytes())?;
-    temporary.persist(&place)?;
+    temporary.persist(&target)?;
     Ok(())
 }
 
@@ -49,14 +49,11 @@ fn folder(path: &Path) -> PathBuf {
 
 #[cfg(test)]
 mod tests {
-    #![allow(
-        clippy::unwrap_used,
-        reason = "a test stops at what it does not expect"
-    )]
+    #![allow(clippy::unwrap_used, reason = "a test may panic")]
     use super::*;
 
     #[test]
-    fn a_file_is_replaced_and_nothing_else_is_left() {
+    fn write_replaces_the_file_and_leaves_no_temporary_file() {
         let scratch = tempfile::tempdir().unwrap();
         let file = scratch.path().join("answer.json");
         write(&file, "one").unwrap();

@@ -1,28 +1,28 @@
-//! Output on the terminal. A closed pipe (`slipstream effects | head -1`) is no error: nothing more is
-//! printed, files are still written and the exit code is kept.
+//! Output on the terminal. A closed pipe (`slipstream effects | head -1`) is not an error: printing stops,
+//! but files are still written and the exit code stays the same.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 
 use crate::exit::Exit;
 
-/// `println!` that accepts closed pipes.
-macro_rules! say {
+/// `println!` that ignores a closed pipe.
+macro_rules! print_line {
     ($($text:tt)*) => {
         $crate::print::out(format_args!("{}\n", format_args!($($text)*)))
     };
 }
 
-/// `eprintln!` that accepts closed pipes.
-macro_rules! complain {
+/// `eprintln!` that ignores a closed pipe.
+macro_rules! eprint_line {
     ($($text:tt)*) => {
         $crate::print::err(format_args!("{}\n", format_args!($($text)*)))
     };
 }
 
-pub(crate) use {complain, say};
+pub(crate) use {eprint_line, print_line};
 
-/// Prints to standard output.
+/// Prints to standard output; ignores a closed pipe and ends the program on any other error.
 pub(crate) fn out(text: Arguments<'_>) {
     match stdout().write_fmt(text) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -35,7 +35,7 @@ pub(crate) fn out(text: Arguments<'_>) {
     }
 }
 
-/// Prints to standard error, which may be closed.
+/// Prints to standard error; ignores errors, since there is nowhere to report them.
 pub(crate) fn err(text: Arguments<'_>) {
     let _ = stderr().write_fmt(text);
 }

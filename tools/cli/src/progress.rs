@@ -1,13 +1,13 @@
-//! Progress on standard error; nothing if it is no terminal.
+//! Progress on standard error, hidden if that is not a terminal.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Interval at which a line of unknown length is redrawn.
+/// Interval at which the line is redrawn.
 const TICK: Duration = Duration::from_millis(100);
 
-/// A bar that counts to `count`; `done` says what was done to what is counted.
+/// A bar that counts to `count`. `done` says what happened to the counted items, such as "diagnosed".
 pub(crate) fn bar(count: usize, done: &str) -> ProgressBar {
     let bar = ProgressBar::new(count as u64);
     let template = format!("{{wide_bar}} {{pos}}/{{len}} {done}, {{eta}} left");
@@ -17,7 +17,7 @@ pub(crate) fn bar(count: usize, done: &str) -> ProgressBar {
     bar
 }
 
-/// A line that shows the current step of work of unknown length.
+/// A line that shows the current step, for work of unknown length.
 pub(crate) fn line() -> ProgressBar {
     let line = ProgressBar::new_spinner();
     if let Ok(style) = ProgressStyle::with_template("{elapsed:>4} {wide_msg}") {

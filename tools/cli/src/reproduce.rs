@@ -8,9 +8,11 @@ use slipstream_study::reproduce::{self, Row};
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
-use crate::print::say;
+use crate::print::print_line;
 
-/// Run the paper's experiments and compare every printed number with the computed one
+/// Run the paper's experiments and compare every number that it prints with the computed one
+///
+/// Example: slipstream reproduce --report reproduce.html
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
     /// Write the table as JSON
@@ -30,30 +32,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     if let Some(path) = &arguments.report {
         write(path, &reproduce::page(&reproduction, &command_line())?)?;
     }
-    say!(
+    print_line!(
         "{:<62} {:>9} {:>9}  agrees",
         "quantity",
         "paper",
         "computed"
     );
     for row in &reproduction.comparison.rows {
-        say!("{}", line(row));
+        print_line!("{}", format_row(row));
     }
-    let printed = reproduction
+    let agreements = reproduction
         .comparison
         .rows
         .iter()
         .filter_map(|row| row.agrees);
-    let (yes, all) = printed.fold((0, 0), |(yes, all), agrees| {
+    let (yes, all) = agreements.fold((0, 0), |(yes, all), agrees| {
         (yes + u32::from(agrees), all + 1)
     });
-    say!("{yes} of {all} agree; --json and --report give the reasons for the others");
-    say!(
-        "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry off (m)"
+    print_line!("{yes} of {all} agree; --json and --report give the reasons for the others");
+    print_line!(
+        "\nbeyond the paper      law             limit      slip (s)  spacing error (m)  odometry error (m)"
     );
     for beyond in &reproduction.comparison.extensions {
-        say!(
-            "{:<21} {:<15} {:<10} {:>8.3} {:>18.3} {:>17.3}",
+        print_line!(
+            "{:<21} {:<15} {:<10} {:>8.3} {:>18.3} {:>19.3}",
             beyond.experiment,
             beyond.law,
             beyond.torque_limit,
@@ -65,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(Exit::Done)
 }
 
-fn line(row: &Row) -> String {
+fn format_row(row: &Row) -> String {
     let number = |value: Option<f64>| value.map_or("—".to_owned(), |value| format!("{value:.4}"));
     let agrees = row
         .agrees

@@ -1,4 +1,4 @@
-//! `slipstream run`: runs one experiment.
+//! `slipstream run`: runs one experiment and prints its summary.
 
 use std::io::IsTerminal;
 use std::path::PathBuf;
@@ -10,31 +10,34 @@ use slipstream_launch::{
 };
 
 use crate::exit::{Error, Exit};
-use crate::print::{self, complain};
+use crate::print::{self, eprint_line};
 use crate::summary;
 
-/// Arguments of `slipstream run`.
+/// Run an experiment: one process for the plant and one for the controller of each robot
+///
+/// Example: slipstream run platoon --robots 5 --set links.delay_s=0.1 --out platoon.mcap
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Arguments {
-    /// platoon (the default), single, circle, figure_eight, lane_change, or a TOML file
+    /// Built-in experiment (platoon, single, circle, figure_eight, lane_change) or a TOML file
+    /// [default: platoon]
     experiment: Option<String>,
-    /// Number of robots
+    /// Number of robots [default: the experiment's]
     #[arg(long, value_name = "N")]
     robots: Option<u32>,
-    /// Robot model for all robots, or for one (r2=robot.toml)
-    #[arg(long = "robot", value_name = "[NAME=]FILE")]
+    /// Robot model for all robots, or for the robot NAME [default: the experiment's]
+    #[arg(long = "robot", value_name = "[NAME=]FILE.toml")]
     models: Vec<String>,
     /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Virtual time, as fast as possible, or the wall clock
+    /// Clock: virtual time, as fast as possible, or wall time [default: the experiment's]
     #[arg(long, value_enum)]
     clock: Option<ClockName>,
-    /// Run everything in this process, without shared memory
+    /// Run plant and controllers in this process, without shared memory
     #[arg(long)]
     in_process: bool,
-    /// Seed of all random numbers
-    #[arg(long)]
+    /// Seed of all random numbers [default: the experiment's]
+    #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// Recording to write [default: EXPERIMENT.mcap]
     #[arg(long, value_name = "FILE.mcap")]
@@ -86,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         RunStatus::Done => Exit::Done,
         RunStatus::Interrupted => Exit::Interrupted,
         RunStatus::Failed(reason) => {
-            complain!("slipstream: {reason}");
+            eprint_line!("slipstream: {reason}");
             Exit::Failed
         }
     })

@@ -1,4 +1,4 @@
-//! `slipstream study`: many runs on all cores.
+//! `slipstream study`: parameter studies, many runs on all cores.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,9 +12,9 @@ use slipstream_study::delay::{self, Grid, Shard, Study};
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
-use crate::print::say;
+use crate::print::print_line;
 
-/// Run a study of many runs
+/// Run a parameter study: many runs on all cores
 ///
 /// Example: slipstream study delay --delay 0,0.1,0.3 --protocol ring,periodic --report delay.html
 #[derive(Debug, Args)]
@@ -25,40 +25,45 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Question {
-    /// Effect of communication delay on a platoon: measured, and by the paper's Eq. 13 and 14
+    /// Measure the effect of communication delay on a platoon and compare it with the paper's Eq. 13 and 14
+    ///
+    /// Lists are separated by commas. Every combination of their values is a point of the study.
+    ///
+    /// Example: slipstream study delay --delay 0,0.1,0.3 --protocol ring,periodic --report delay.html
     Delay(Box<Delay>),
     /// Merge the shards of one study
+    ///
+    /// Example: slipstream study merge shard-*.json --report delay.html
     Merge(Merge),
 }
 
-/// Lists are separated by commas; every combination of their values is a point.
 #[derive(Debug, Args)]
 struct Delay {
     /// Number of robots
     #[arg(long, value_name = "N", default_value_t = Grid::default().robots)]
     robots: u32,
-    /// Number of runs at each point, with the seeds 1 to R
+    /// Number of runs at each point, with seeds 1 to R
     #[arg(long, value_name = "R", default_value_t = Grid::default().runs)]
     runs: u32,
-    /// links.delay_s (s)
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().delay_s)]
+    /// Delay of the links (s), key links.delay_s
+    #[arg(long, value_name = "S,…", value_delimiter = ',', default_values_t = Grid::default().delay_s)]
     delay: Vec<f64>,
-    /// links.jitter_s (s)
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().jitter_s)]
+    /// Jitter of the delay (s), key links.jitter_s
+    #[arg(long, value_name = "S,…", value_delimiter = ',', default_values_t = Grid::default().jitter_s)]
     jitter: Vec<f64>,
-    /// links.loss, share of messages
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().loss)]
+    /// Fraction of messages that are lost, key links.loss
+    #[arg(long, value_name = "P,…", value_delimiter = ',', default_values_t = Grid::default().loss)]
     loss: Vec<f64>,
-    /// control.k_x (1/s)
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().k_x)]
+    /// Longitudinal gain k_x of Eq. 12a (1/s), key control.k_x
+    #[arg(long, value_name = "K,…", value_delimiter = ',', default_values_t = Grid::default().k_x)]
     k_x: Vec<f64>,
-    /// control.torque_limit: none, inner, outer, adaptive
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().torque_limit)]
+    /// Torque limit (none, inner, outer, adaptive), key control.torque_limit
+    #[arg(long, value_name = "LIMIT,…", value_delimiter = ',', default_values_t = Grid::default().torque_limit)]
     torque_limit: Vec<String>,
-    /// links.protocol: ring, periodic
-    #[arg(long, value_delimiter = ',', default_values_t = Grid::default().protocol)]
+    /// Protocol (ring, periodic), key links.protocol
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', default_values_t = Grid::default().protocol)]
     protocol: Vec<String>,
-    /// Compute only part I of N of the points, for job arrays of a cluster
+    /// Compute only part I of N of the points, for the array jobs of a cluster
     #[arg(long, value_name = "I/N")]
     shard: Option<String>,
     #[command(flatten)]
@@ -82,7 +87,7 @@ struct Output {
     /// Write a page with the results
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Number of threads; it does not change the results [default: number of cores]
+    /// Number of threads; the results do not depend on it [default: number of cores]
     #[arg(long, value_name = "T")]
     threads: Option<usize>,
 }
@@ -95,7 +100,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
                 .shard
                 .as_deref()
                 .map_or(Ok(Shard::WHOLE), str::parse)?;
-            let stop = stopped_by_ctrl_c()?;
+            let stop = interrupt_flag()?;
             let study = delay::study(&delay.grid(), shard, delay.output.threads(), &stop)?;
             delay.output.write(&study)
         }
@@ -111,13 +116,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 }
 
 /// A flag that SIGINT and SIGTERM set; the second signal ends the program.
-fn stopped_by_ctrl_c() -> Result<Arc<AtomicBool>, Error> {
+fn interrupt_flag() -> Result<Arc<AtomicBool>, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         let code = 128 + signal;
         let twice = flag::register_conditional_shutdown(signal, code, Arc::clone(&stop));
         let once = twice.and_then(|_| flag::register(signal, Arc::clone(&stop)));
-        once.map_err(|error| Error::Failed(format!("failed to listen to signals: {error}")))?;
+        once.map_err(|error| Error::Failed(format!("failed to listen for signals: {error}")))?;
     }
     Ok(stop)
 }
@@ -151,13 +156,13 @@ impl Output {
             write(path, &delay::page(study, &command_line())?)?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
-        say!("{} points, {runs} runs", study.points.len());
+        print_line!("{} points, {runs} runs", study.points.len());
         if study.interrupted {
-            say!("Interrupted: the remaining points are missing.");
+            print_line!("Interrupted: the remaining points are missing.");
             return Ok(Exit::Interrupted);
         }
         for answer in &study.answers {
-            say!("\n{}\n{}", answer.question, answer.answer);
+            print_line!("\n{}\n{}", answer.question, answer.answer);
         }
         Ok(Exit::Done)
     }

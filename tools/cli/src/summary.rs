@@ -1,4 +1,4 @@
-//! Summary of a run on the terminal: results for each robot, slip, links, deadlines, and what to try next.
+//! Summary of a run on the terminal: results for each robot, slip, links, deadlines, and a command to try next.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use slipstream_bus::experiment::{Clock, TorqueLimit};
 use slipstream_launch::summary::RobotSummary;
 use slipstream_launch::{RunStatus, RunSummary};
 
-/// Largest number of rows of a table; of more robots only the first and the last are shown.
+/// Largest number of rows of a table. Of more robots, only the first and the last are shown.
 const MAX_ROWS: usize = 12;
 
 /// The text of the summary.
@@ -30,7 +30,7 @@ fn write_text(out: &mut String, run: &RunSummary, experiment: &Experiment) -> st
     if run.lost_records > 0 {
         writeln!(out, "  {} records are missing from it.", run.lost_records)?;
     }
-    next(out, experiment)
+    suggestion(out, experiment)
 }
 
 fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
@@ -183,7 +183,7 @@ fn deadlines(out: &mut String, run: &RunSummary) -> std::fmt::Result {
     Ok(())
 }
 
-fn next(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
+fn suggestion(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
     let settings = &experiment.settings;
     let name = if settings.open_loop.enabled {
         "single"

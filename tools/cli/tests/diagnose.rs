@@ -1,10 +1,6 @@
-//! `slipstream diagnose` as a user meets it: the walk-through of the README, and recordings with
-//! faults that pose as physics.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! `slipstream diagnose` on the command line: the example of the README, and recordings with faults
+//! that could be mistaken for physics.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -17,7 +13,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-/// A copy of the example: recording and model.
+/// A copy of tests/example in a new folder: recording and model.
 fn example() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let from = root().join("tests/example");
@@ -34,8 +30,8 @@ fn example() -> TempDir {
     folder
 }
 
-/// Words, and numbers apart from them.
-fn parts(text: &str) -> (Vec<String>, Vec<f64>) {
+/// Splits a text into its words and its numbers.
+fn words_and_numbers(text: &str) -> (Vec<String>, Vec<f64>) {
     let trimmed = |word: &str| word.trim_matches(['(', ')', '.', ',', ';']).to_owned();
     let (numbers, words): (Vec<String>, Vec<String>) = text
         .split_whitespace()
@@ -46,24 +42,27 @@ fn parts(text: &str) -> (Vec<String>, Vec<f64>) {
 }
 
 #[test]
-fn the_walk_through_of_the_readme_is_what_the_program_says() {
+fn readme_example_matches_the_output() {
     let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
     let block = readme.split("```console\n").nth(1).unwrap();
     let block = block.split("```").next().unwrap();
     let folder = example();
     let mut commands = 0;
     for part in block.split("$ slipstream ").skip(1) {
-        let (command, wanted) = part.split_once('\n').unwrap();
+        let (command, expected) = part.split_once('\n').unwrap();
         let arguments: Vec<&str> = command.split(' ').collect();
         let output = slipstream(folder.path(), &arguments);
         assert!(output.status.success(), "{command}");
-        let said = String::from_utf8(output.stdout).unwrap();
-        let (words, numbers) = parts(&said);
-        let (wanted_words, wanted_numbers) = parts(wanted);
-        assert_eq!(words, wanted_words, "{command}");
-        for (number, wanted) in numbers.iter().zip(&wanted_numbers) {
-            let near = (number - wanted).abs() <= 0.05 * wanted.abs() + 2e-4;
-            assert!(near, "{command}: {number} where README.md has {wanted}");
+        let stdout = String::from_utf8(output.stdout).unwrap();
+        let (words, numbers) = words_and_numbers(&stdout);
+        let (expected_words, expected_numbers) = words_and_numbers(expected);
+        assert_eq!(words, expected_words, "{command}");
+        for (number, expected) in numbers.iter().zip(&expected_numbers) {
+            let is_close = (number - expected).abs() <= 0.05 * expected.abs() + 2e-4;
+            assert!(
+                is_close,
+                "{command}: {number} where README.md has {expected}"
+            );
         }
         commands += 1;
     }
@@ -72,29 +71,30 @@ fn the_walk_through_of_the_readme_is_what_the_program_says() {
 
 type Row = Vec<String>;
 
-/// Rewrites the rows of a file of the recording.
-fn spoil(folder: &Path, file: &str, change: impl Fn(Vec<Row>) -> Vec<Row>) {
+/// Changes the rows of a file of the recording.
+fn modify(folder: &Path, file: &str, change: impl Fn(Vec<Row>) -> Vec<Row>) {
     let path = folder.join("recording/r1").join(file);
     let text = std::fs::read_to_string(&path).unwrap();
-    let (head, rows) = text.split_once('\n').unwrap();
+    let (header, rows) = text.split_once('\n').unwrap();
     let split = |line: &str| line.split(',').map(str::to_owned).collect();
     let rows = change(rows.lines().map(split).collect());
     let rows: Vec<String> = rows.iter().map(|row| row.join(",")).collect();
-    std::fs::write(path, format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+    std::fs::write(path, format!("{header}\n{}\n", rows.join("\n"))).unwrap();
 }
 
+/// Swaps the columns of the right and left wheel.
 fn swapped(mut rows: Vec<Row>) -> Vec<Row> {
     rows.iter_mut().for_each(|row| row.swap(1, 2));
     rows
 }
 
-/// The rows with these columns multiplied.
-fn scaled(columns: &'static [usize], by: f64) -> impl Fn(Vec<Row>) -> Vec<Row> {
+/// Multiplies these columns of all rows by a factor.
+fn scaled(columns: &'static [usize], factor: f64) -> impl Fn(Vec<Row>) -> Vec<Row> {
     move |mut rows| {
         for row in &mut rows {
             for column in columns {
                 let value: f64 = row[*column].parse().unwrap();
-                row[*column] = (value * by).to_string();
+                row[*column] = (value * factor).to_string();
             }
         }
         rows
@@ -110,30 +110,33 @@ const ARGUMENTS: [&str; 6] = [
     "answer.json",
 ];
 
-/// Spoils the example and expects that it is refused in one line with these words.
-fn refused(file: &str, change: impl Fn(Vec<Row>) -> Vec<Row>, wanted: &str) {
+/// Changes a file of the example and expects a one-line error that contains `expected`.
+fn assert_refused(file: &str, change: impl Fn(Vec<Row>) -> Vec<Row>, expected: &str) {
     let folder = example();
-    spoil(folder.path(), file, change);
+    modify(folder.path(), file, change);
     let output = slipstream(folder.path(), &ARGUMENTS);
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{wanted}: {words}");
-    assert_eq!(words.trim_end().lines().count(), 1, "{words}");
-    let named = words.contains("practice-04: r1: ") && words.contains(wanted);
-    assert!(named && words.contains("; "), "no {wanted:?} in {words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{expected}: {stderr}");
+    assert_eq!(stderr.trim_end().lines().count(), 1, "{stderr}");
+    let is_complete = stderr.contains("practice-04: r1: ") && stderr.contains(expected);
+    assert!(
+        is_complete && stderr.contains("; "),
+        "no {expected:?} in {stderr}"
+    );
     assert!(!folder.path().join("answer.json").exists());
 }
 
 #[test]
 fn swapped_and_reversed_streams_are_refused() {
-    refused("wheels.csv", swapped, "right and left wheel are swapped");
-    refused("wheels.csv", scaled(&[1, 2], -1.0), "count backwards");
-    refused(
+    assert_refused("wheels.csv", swapped, "right and left wheel are swapped");
+    assert_refused("wheels.csv", scaled(&[1, 2], -1.0), "count backwards");
+    assert_refused(
         "wheels.csv",
         scaled(&[2], -1.0),
         "left wheel counts backwards",
     );
-    refused("command.csv", swapped, "follows the other one's command");
-    refused(
+    assert_refused("command.csv", swapped, "follows the other one's command");
+    assert_refused(
         "command.csv",
         scaled(&[1, 2], -1.0),
         "speed up against their commands",
@@ -143,25 +146,25 @@ fn swapped_and_reversed_streams_are_refused() {
 #[test]
 fn wrong_units_are_refused() {
     let degrees = 1_f64.to_degrees();
-    refused("pose.csv", scaled(&[3], degrees), "in degrees");
-    refused("pose.csv", scaled(&[1, 2], 1e3), "in mm");
-    refused("command.csv", scaled(&[1, 2], 1e3), "in mN m");
-    refused("pose.csv", scaled(&[0], 1e3), "milliseconds");
+    assert_refused("pose.csv", scaled(&[3], degrees), "in degrees");
+    assert_refused("pose.csv", scaled(&[1, 2], 1e3), "in mm");
+    assert_refused("command.csv", scaled(&[1, 2], 1e3), "in mN m");
+    assert_refused("pose.csv", scaled(&[0], 1e3), "milliseconds");
 }
 
 #[test]
-fn a_pause_is_said_and_does_not_pose_as_physics() {
+fn a_gap_is_a_warning_and_no_finding() {
     let folder = example();
-    spoil(folder.path(), "wheels.csv", |mut rows| {
+    modify(folder.path(), "wheels.csv", |mut rows| {
         rows.retain(|row| !(10.0..14.0).contains(&row[0].parse().unwrap()));
         rows
     });
     let output = slipstream(folder.path(), &ARGUMENTS);
-    let words = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{words}");
+    let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{stdout}");
     assert!(
-        words.contains("Warning: practice-04, r1: wheels pauses 1 times"),
-        "{words}"
+        stdout.contains("Warning: practice-04, r1: wheels pauses 1 times"),
+        "{stdout}"
     );
     let answer = read_json(&folder.path().join("answer.json"));
     assert_eq!(answer["warnings"][0]["id"], "gaps");

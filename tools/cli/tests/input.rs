@@ -1,9 +1,5 @@
-//! Input that cannot be used: one line with the place and the remedy, exit code 2, nothing left.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! Invalid input of `slipstream run`: one line with place and remedy, exit code 2, no files left behind.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -11,19 +7,20 @@ use std::path::Path;
 
 use common::slipstream;
 
-fn refuse(folder: &Path, arguments: &[&str], wanted: &[&str]) {
-    let before = left();
+/// Expects that a run is refused with one line that contains every text of `expected`.
+fn assert_refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
+    let before = unfinished_run_directories();
     let output = slipstream(folder, &[&["run"], arguments].concat());
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
-    assert_eq!(words.trim_end().lines().count(), 1, "{words}");
-    for part in wanted {
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
+    assert_eq!(stderr.trim_end().lines().count(), 1, "{stderr}");
+    for part in expected {
         assert!(
-            words.contains(part),
-            "{arguments:?}: no {part:?} in {words}"
+            stderr.contains(part),
+            "{arguments:?}: no {part:?} in {stderr}"
         );
     }
-    let new: Vec<String> = left()
+    let new: Vec<String> = unfinished_run_directories()
         .into_iter()
         .filter(|name| !before.contains(name))
         .collect();
@@ -31,76 +28,77 @@ fn refuse(folder: &Path, arguments: &[&str], wanted: &[&str]) {
     assert!(!folder.join("platoon.mcap").exists());
 }
 
-/// Folders that are being made; other tests' runs have others.
-fn left() -> Vec<String> {
+/// Run directories in /dev/shm that are being created. Those of complete runs have other names.
+fn unfinished_run_directories() -> Vec<String> {
     let entries = std::fs::read_dir("/dev/shm").unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
     names.filter(|name| name.starts_with("making-")).collect()
 }
 
 #[test]
-fn what_arguments_say_wrong_is_named() {
+fn errors_name_the_argument() {
     let folder = tempfile::tempdir().unwrap();
-    let refuse = |arguments: &[&str], wanted: &[&str]| refuse(folder.path(), arguments, wanted);
-    refuse(
+    let assert_refused =
+        |arguments: &[&str], expected: &[&str]| assert_refused(folder.path(), arguments, expected);
+    assert_refused(
         &["--robots", "0"],
         &["--robots 0: robots.count is 0; give 1 to"],
     );
-    refuse(
+    assert_refused(
         &["--set", "links.delay_s=-0.1"],
         &["--set links.delay_s=-0.1: links.delay_s is -0.1; give 0 or more"],
     );
-    refuse(
+    assert_refused(
         &["--set", "links.dealy_s=0.1"],
         &["links.dealy_s is not a key; did you mean links.delay_s?"],
     );
-    refuse(
+    assert_refused(
         &["--set", "links.protocol=star"],
         &["links.protocol: unknown variant", "`ring`"],
     );
-    refuse(
+    assert_refused(
         &["--set", "duration_s=soon"],
         &["duration_s is not a number"],
     );
-    refuse(
+    assert_refused(
         &["--set", "duration_s"],
         &["--set duration_s: has no =; give --set KEY=VALUE"],
     );
-    refuse(
+    assert_refused(
         &["--set", "on_death=continue"],
         &["on_death needs the wall clock"],
     );
-    refuse(&["--robot", "nowhere.toml"], &["nowhere.toml: ", "; "]);
-    refuse(
+    assert_refused(&["--robot", "nowhere.toml"], &["nowhere.toml: ", "; "]);
+    assert_refused(
         &["--set", "links.trace=nowhere.csv"],
         &["nowhere.csv: ", "seq and rtt_ms"],
     );
-    refuse(
+    assert_refused(
         &["nowhere.toml"],
         &["nowhere.toml: cannot be read", "platoon, single"],
     );
-    refuse(
+    assert_refused(
         &["--out", "no/where.mcap"],
         &["--out no/where.mcap: cannot be written"],
     );
-    refuse(
+    assert_refused(
         &["--in-process", "--clock", "wall"],
         &["--in-process: runs on the virtual clock only"],
     );
 }
 
 #[test]
-fn what_files_say_wrong_is_named_with_its_line() {
+fn errors_name_file_and_line() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     file("a.toml", "duration_s = 3\n[links]\nloss = 1.5\n");
-    refuse(
+    assert_refused(
         folder.path(),
         &["a.toml"],
         &["a.toml:3: links.loss is 1.5; give a fraction"],
     );
     file("b.toml", "\n\n[links]\nlos = 0.5\n");
-    refuse(
+    assert_refused(
         folder.path(),
         &["b.toml"],
         &["b.toml:4: links.los is not a key; did you mean links.loss"],
@@ -109,7 +107,7 @@ fn what_files_say_wrong_is_named_with_its_line() {
         "e.toml",
         "[assumptions.floor]\nkeys = [\"control.frition\"]\nreason = \"felt\"\n",
     );
-    refuse(
+    assert_refused(
         folder.path(),
         &["e.toml"],
         &["e.toml:2: control.frition is not a key; did you mean control.friction"],
@@ -118,21 +116,21 @@ fn what_files_say_wrong_is_named_with_its_line() {
         "f.toml",
         "[assumptions.floor]\nkeys = [\"control.friction\"]\n",
     );
-    refuse(
+    assert_refused(
         folder.path(),
         &["f.toml"],
         &["f.toml:2: assumptions.floor is not an assumption", "reason"],
     );
     file("c.toml", "duration_s = \n");
-    refuse(folder.path(), &["c.toml"], &["c.toml:1: is not valid TOML"]);
+    assert_refused(folder.path(), &["c.toml"], &["c.toml:1: is not valid TOML"]);
     file("d.toml", "format = 2\n");
-    refuse(
+    assert_refused(
         folder.path(),
         &["d.toml"],
         &["d.toml:1: format is 2; give format = 1"],
     );
     file("rtt.csv", "seq,rtt_ms\n0,12.5\n1,-3\n");
-    refuse(
+    assert_refused(
         folder.path(),
         &["--set", "links.trace=rtt.csv"],
         &["rtt.csv:3: rtt_ms is -3; give milliseconds"],
@@ -142,17 +140,17 @@ fn what_files_say_wrong_is_named_with_its_line() {
         "r.toml",
         &format!("{robot}[effects]\nwheel_slop = {{ friction = 1 }}\n"),
     );
-    refuse(folder.path(), &["--robot", "r.toml"], &["wheel_slop"]);
+    assert_refused(folder.path(), &["--robot", "r.toml"], &["wheel_slop"]);
     file("k.toml", robot);
-    refuse(
+    assert_refused(
         folder.path(),
         &["--robot", "r9=k.toml"],
         &["there is no robot r9; give r1 to r3"],
     );
-    refuse(folder.path(), &["--robot", "k.toml"], &["encoder"]);
+    assert_refused(folder.path(), &["--robot", "k.toml"], &["encoder"]);
 }
 
-/// The resource is looked at before anything is started.
+/// System limits are checked before any process is started.
 #[test]
 fn too_few_file_descriptors_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -163,15 +161,15 @@ fn too_few_file_descriptors_are_refused() {
         .current_dir(folder.path())
         .output()
         .unwrap();
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(
-        words.contains("ulimit -n: 10 robots need 214 file descriptors, 80"),
-        "{words}"
+        stderr.contains("ulimit -n: 10 robots need 214 file descriptors, 80"),
+        "{stderr}"
     );
 }
 
-/// Every key says where it came from: built in, file and line, argument.
+/// Every key is listed with its origin: built in, file and line, or argument.
 #[test]
 fn a_dry_run_shows_every_key_and_its_origin() {
     let folder = tempfile::tempdir().unwrap();
@@ -209,7 +207,7 @@ fn a_dry_run_shows_every_key_and_its_origin() {
         line("links.loss")[2..],
         ["0.0", "#", "built", "in", "(platoon)"]
     );
-    // What it shows is an experiment that says the same.
+    // The output is an experiment with the same values.
     std::fs::write(folder.path().join("again.toml"), &text).unwrap();
     let again = slipstream(folder.path(), &["run", "again.toml", "--dry-run"]);
     let values = |text: &str| -> Vec<String> {

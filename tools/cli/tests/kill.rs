@@ -1,12 +1,8 @@
-//! `kill -9` at random moments on everybody in turn: a run never hangs, names who died, keeps its
-//! recording readable and leaves nothing in shared memory.
+//! `kill -9` at random times, each process in turn: a run never hangs, names the process that died, keeps
+//! its recording readable and leaves nothing in shared memory.
 //!
-//! `SLIPSTREAM_KILLS` sets how often (100 in `just kill`).
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! `SLIPSTREAM_KILLS` is the number of kills (100 in `just kill`).
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -14,10 +10,10 @@ use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
 
-use common::{Role, command, lives, roles, shared_memory, slipstream, wait_for};
+use common::{Role, command, is_alive, roles, shared_memory, slipstream, wait_for};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// Longer than any test waits.
+/// A run that lasts longer than any test.
 const RUN: [&str; 6] = [
     "run",
     "--set",
@@ -26,7 +22,7 @@ const RUN: [&str; 6] = [
     "killed.mcap",
     "--seed=3",
 ];
-/// Nothing takes longer after a death.
+/// Longest time from a death to the end of the run.
 const LIMIT: Duration = Duration::from_secs(2);
 const VICTIMS: [&str; 4] = ["agent", "plant", "recorder", "launcher"];
 
@@ -35,7 +31,7 @@ fn kill(pid: u32, signal: Signal) {
     kill_process(pid, signal).unwrap();
 }
 
-/// Starts a run and waits until it is well under way.
+/// Starts a run, waits until all processes run and data is recorded, and then for `after`.
 fn start(folder: &Path, arguments: &[&str], after: Duration) -> (Child, Vec<Role>) {
     let child = command(folder, arguments).spawn().unwrap();
     let mut processes = Vec::new();
@@ -56,13 +52,13 @@ fn assert_recording(folder: &Path) {
 
 fn assert_nothing_left(processes: &[Role]) {
     for role in processes {
-        assert!(!lives(role.pid), "{role:?} still lives");
+        assert!(!is_alive(role.pid), "{role:?} is still running");
     }
     let left = shared_memory(processes[0].folder());
     assert!(left.is_empty(), "{left:?}");
 }
 
-/// Kills one of a run and looks at what is left.
+/// Kills one process of a run and checks what is left.
 fn kill_one(victim: &str, after: Duration) {
     let folder = tempfile::tempdir().unwrap();
     let (launcher, processes) = start(folder.path(), &RUN, after);
@@ -78,12 +74,12 @@ fn kill_one(victim: &str, after: Duration) {
     kill(pid, Signal::KILL);
     let output = launcher.wait_with_output().unwrap();
     assert!(begin.elapsed() < LIMIT, "{victim}: {:?}", begin.elapsed());
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{victim}: {words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{victim}: {stderr}");
     let name = if victim == "agent" { "r1" } else { victim };
     assert!(
-        words.contains(&format!("{name} (pid {pid}) was killed by signal 9")),
-        "{words}"
+        stderr.contains(&format!("{name} (pid {pid}) was killed by signal 9")),
+        "{stderr}"
     );
     assert_recording(folder.path());
     assert_nothing_left(&processes);
@@ -93,7 +89,7 @@ fn kill_launcher(folder: &Path, mut launcher: Child, processes: &[Role]) {
     kill(launcher.id(), Signal::KILL);
     launcher.wait().unwrap();
     wait_for("end of the roles", LIMIT, || {
-        !processes.iter().any(|role| lives(role.pid))
+        !processes.iter().any(|role| is_alive(role.pid))
     });
     assert!(slipstream(folder, &["clean"]).status.success());
     assert_recording(folder);
@@ -101,12 +97,12 @@ fn kill_launcher(folder: &Path, mut launcher: Child, processes: &[Role]) {
 }
 
 #[test]
-fn whoever_dies_the_run_ends_and_nothing_is_left() {
+fn a_killed_process_ends_the_run_and_leaves_nothing_behind() {
     let kills = std::env::var("SLIPSTREAM_KILLS")
         .ok()
         .and_then(|n| n.parse().ok())
         .unwrap_or(8);
-    // Moments that differ from run to run need no better chance than the clock's.
+    // The clock is random enough for kill times that differ from run to run.
     for k in 0..kills {
         let nanos = std::time::SystemTime::UNIX_EPOCH
             .elapsed()
@@ -118,7 +114,7 @@ fn whoever_dies_the_run_ends_and_nothing_is_left() {
 }
 
 #[test]
-fn an_interrupted_run_ends_in_order_and_keeps_its_recording() {
+fn an_interrupted_run_ends_cleanly_and_keeps_its_recording() {
     for signal in [Signal::INT, Signal::TERM] {
         let folder = tempfile::tempdir().unwrap();
         let (launcher, processes) = start(folder.path(), &RUN, Duration::from_millis(300));
@@ -127,15 +123,15 @@ fn an_interrupted_run_ends_in_order_and_keeps_its_recording() {
         let output = launcher.wait_with_output().unwrap();
         assert!(begin.elapsed() < LIMIT, "{:?}", begin.elapsed());
         assert_eq!(output.status.code(), Some(130));
-        let words = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(words.contains("until it was interrupted"), "{words}");
+        let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(stdout.contains("until it was interrupted"), "{stdout}");
         assert_recording(folder.path());
         assert_nothing_left(&processes);
     }
 }
 
 #[test]
-fn two_runs_at_once_do_not_meet() {
+fn two_concurrent_runs_do_not_interact() {
     let folder = tempfile::tempdir().unwrap();
     let run = |json: &str| {
         let arguments = [
@@ -157,22 +153,22 @@ fn two_runs_at_once_do_not_meet() {
 }
 
 #[test]
-fn the_processes_of_the_answer_live_during_the_run_and_not_after() {
+fn the_summary_lists_exactly_the_processes_of_the_run() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = [&RUN[..], &["--json", "result.json"]].concat();
     let (launcher, processes) = start(folder.path(), &arguments, Duration::from_millis(100));
     kill(launcher.id(), Signal::INT);
     launcher.wait_with_output().unwrap();
     let result = common::read_json(&folder.path().join("result.json"));
-    let mut told: Vec<u64> = result["processes"]
+    let mut listed: Vec<u64> = result["processes"]
         .as_array()
         .unwrap()
         .iter()
         .map(|process| process["pid"].as_u64().unwrap())
         .collect();
     let mut seen: Vec<u64> = processes.iter().map(|role| u64::from(role.pid)).collect();
-    told.sort_unstable();
+    listed.sort_unstable();
     seen.sort_unstable();
-    assert_eq!(told, seen);
+    assert_eq!(listed, seen);
     assert_nothing_left(&processes);
 }

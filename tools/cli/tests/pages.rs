@@ -1,10 +1,6 @@
-//! Every report is opened in a browser: no errors in the console, all figures present, no text that
-//! overlaps another or a line, none cut off. Skipped without Chromium, which fails if `CI` is set.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! Opens every report in a browser: no errors on the console, all figures present, no text cut off or
+//! overlapping other text or a line. Skipped without Chromium, but a failure if `CI` is set.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -13,28 +9,28 @@ use std::path::Path;
 use common::browser::Browser;
 use common::slipstream;
 
-/// What is wrong with the page's figures, one line each, and how many figures there are.
-const LOOK: &str = r"(() => {
-    const wrong = [];
+/// JavaScript that returns the number of figures on the page and a list of problems.
+const INSPECT: &str = r"(() => {
+    const problems = [];
     const figures = [...document.querySelectorAll('figure svg')];
-    const place = (a) => `(${a.x.toFixed()}, ${a.y.toFixed()})`;
-    const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+    const position = (a) => `(${a.x.toFixed()}, ${a.y.toFixed()})`;
+    const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
         && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
     for (const [i, svg] of figures.entries()) {
         const frame = svg.getBoundingClientRect();
-        if (frame.width < 300 || frame.height < 100) wrong.push(`figure ${i} is tiny`);
+        if (frame.width < 300 || frame.height < 100) problems.push(`figure ${i} is tiny`);
         if (!svg.querySelector('polyline, rect[fill]:not([fill=\'#FFFFFF\']), circle'))
-            wrong.push(`figure ${i} shows nothing`);
+            problems.push(`figure ${i} shows nothing`);
         const texts = [...svg.querySelectorAll('text')].filter((t) => t.textContent.trim())
             .map((t) => ({ text: t.textContent.trim(), box: t.getBoundingClientRect() }));
-        if (texts.length < 4) wrong.push(`figure ${i} has no axes`);
+        if (texts.length < 4) problems.push(`figure ${i} has no axes`);
         for (const [j, { text, box }] of texts.entries()) {
             if (box.left < frame.left - 1 || box.right > frame.right + 1
                 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
-                wrong.push(`figure ${i}: '${text}' is cut off`);
+                problems.push(`figure ${i}: '${text}' is cut off`);
             for (const other of texts.slice(j + 1))
-                if (meet(box, other.box))
-                    wrong.push(`figure ${i}: '${text}' ${place(box)} over '${other.text}' ${place(other.box)}`);
+                if (overlap(box, other.box))
+                    problems.push(`figure ${i}: '${text}' ${position(box)} over '${other.text}' ${position(other.box)}`);
         }
         const scale = frame.width / svg.viewBox.baseVal.width;
         for (const line of svg.querySelectorAll('polyline'))
@@ -42,7 +38,7 @@ const LOOK: &str = r"(() => {
                 const x = frame.left + point.x * scale, y = frame.top + point.y * scale;
                 const hit = texts.find(({ box }) => x > box.left + 1 && x < box.right - 1
                     && y > box.top + 1 && y < box.bottom - 1);
-                if (hit) { wrong.push(`figure ${i}: a line over '${hit.text}'`); break; }
+                if (hit) { problems.push(`figure ${i}: a line over '${hit.text}'`); break; }
             }
     }
     const blocks = [...document.querySelectorAll('h1, h2, h3, p, pre, figure, .wide')]
@@ -50,36 +46,40 @@ const LOOK: &str = r"(() => {
         .filter(({ box }) => box.height > 0);
     for (const [i, block] of blocks.entries())
         for (const other of blocks.slice(i + 1))
-            if (meet(block.box, other.box)) wrong.push(`'${block.text}' over '${other.text}'`);
-    if (document.documentElement.scrollWidth > window.innerWidth) wrong.push('the page is too wide');
-    return { figures: figures.length, wrong };
+            if (overlap(block.box, other.box)) problems.push(`'${block.text}' over '${other.text}'`);
+    if (document.documentElement.scrollWidth > window.innerWidth) problems.push('the page is too wide');
+    return { figures: figures.length, problems };
 })()";
 
-/// Opens a report and looks at it.
-fn assert_in_order(browser: &mut Browser, page: &Path, at_least: u64) {
+/// Opens a report and expects no errors, no problems and at least so many figures.
+fn assert_page(browser: &mut Browser, page: &Path, min_figures: u64) {
     let errors = browser.open_file(page);
     assert!(errors.is_empty(), "{}: {errors:?}", page.display());
-    let seen = browser.evaluate(LOOK);
+    let seen = browser.evaluate(INSPECT);
     assert_eq!(
-        seen["wrong"].as_array().unwrap().len(),
+        seen["problems"].as_array().unwrap().len(),
         0,
         "{}: {seen:#}",
         page.display()
     );
     let figures = seen["figures"].as_u64().unwrap();
-    assert!(figures >= at_least, "{}: {figures} figures", page.display());
+    assert!(
+        figures >= min_figures,
+        "{}: {figures} figures",
+        page.display()
+    );
 }
 
 #[test]
-fn every_report_is_in_order() {
+fn reports_have_no_layout_problems() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
     let run = |arguments: &str| {
         let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {words}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {stderr}");
     };
     run("run --out run.mcap --set links.delay_s=0.08 --set links.jitter_s=0.03");
     run("run --clock wall --set duration_s=4 --out wall.mcap");
@@ -98,14 +98,14 @@ fn every_report_is_in_order() {
         ("reproduce.html", 9),
         ("study.html", 4),
     ] {
-        assert_in_order(&mut browser, &folder.path().join(page), figures);
+        assert_page(&mut browser, &folder.path().join(page), figures);
     }
 }
 
-/// The page of a diagnosis with slip has the answer, every kind of figure and every table; no other
-/// files are written.
+/// The page of a diagnosis with slip has the answer, every kind of figure and every table. No other files
+/// are written.
 #[test]
-fn a_diagnosis_is_in_order() {
+fn diagnosis_page_is_complete_without_layout_problems() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
@@ -115,11 +115,11 @@ fn a_diagnosis_is_in_order() {
         "diagnose single.mcap --report page.html --json page.json --improved better.toml",
     ] {
         let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {words}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{arguments}: {stderr}");
     }
     let page = folder.path().join("page.html");
-    assert_in_order(&mut browser, &page, 14);
+    assert_page(&mut browser, &page, 14);
     let text = browser.evaluate("document.body.innerText").to_string();
     for what in [
         "Prediction error over 5 s",
@@ -149,7 +149,7 @@ fn a_diagnosis_is_in_order() {
 
 /// Pages of two practice recordings, if they exist: a robot with twist commands, and three robots.
 #[test]
-fn diagnoses_of_practice_are_in_order() {
+fn practice_diagnoses_have_no_layout_problems() {
     let practice = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/practice");
     if !practice.exists() {
         println!("SKIPPED: {} does not exist", practice.display());
@@ -168,15 +168,15 @@ fn diagnoses_of_practice_are_in_order() {
         let page = format!("{name}.html");
         let arguments = ["diagnose", &recording, "--robot", &model, "--report", &page];
         let output = slipstream(folder.path(), &arguments);
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{name}: {words}");
-        assert_in_order(&mut browser, &folder.path().join(page), figures);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name}: {stderr}");
+        assert_page(&mut browser, &folder.path().join(page), figures);
     }
 }
 
-/// The look at a page sees what it should.
+/// The inspection of a page detects each kind of problem.
 #[test]
-fn what_is_wrong_is_seen() {
+fn inspection_detects_problems() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
@@ -201,9 +201,9 @@ fn what_is_wrong_is_seen() {
         let page = folder.path().join("page.html");
         std::fs::write(&page, figure(&inside)).unwrap();
         assert!(browser.open_file(&page).is_empty());
-        let seen = browser.evaluate(LOOK);
-        let wrong = seen["wrong"].to_string();
-        assert!(wrong.contains(what), "{what}: {seen}");
+        let seen = browser.evaluate(INSPECT);
+        let problems = seen["problems"].to_string();
+        assert!(problems.contains(what), "{what}: {seen}");
     }
     let page = folder.path().join("page.html");
     std::fs::write(
@@ -212,5 +212,11 @@ fn what_is_wrong_is_seen() {
     )
     .unwrap();
     assert_eq!(browser.open_file(&page).len(), 1);
-    assert_eq!(browser.evaluate(LOOK)["wrong"].as_array().unwrap().len(), 0);
+    assert_eq!(
+        browser.evaluate(INSPECT)["problems"]
+            .as_array()
+            .unwrap()
+            .len(),
+        0
+    );
 }

@@ -1,8 +1,5 @@
-//! Whoever reads may stop reading: `slipstream effects | head -1` once ended in a panic.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+//! Closed pipes: the reader of the output may stop reading. `slipstream effects | head -1` once panicked.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::fs::File;
 use std::path::Path;
@@ -14,13 +11,13 @@ fn command(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// An end of a pipe whose other end is closed.
-fn closed() -> Stdio {
+/// The write end of a pipe whose read end is closed.
+fn closed_pipe() -> Stdio {
     std::io::pipe().unwrap().1.into()
 }
 
 #[test]
-fn a_closed_pipe_ends_the_words_and_nothing_else() {
+fn a_closed_pipe_stops_the_output_only() {
     let folder = tempfile::tempdir().unwrap();
     let run = [
         "run",
@@ -38,30 +35,30 @@ fn a_closed_pipe_ends_the_words_and_nothing_else() {
         &["--help"],
     ] {
         let output = command(folder.path(), arguments)
-            .stdout(closed())
+            .stdout(closed_pipe())
             .output()
             .unwrap();
-        let words = String::from_utf8_lossy(&output.stderr);
+        let stderr = String::from_utf8_lossy(&output.stderr);
         assert_eq!(
-            (output.status.code(), &*words),
+            (output.status.code(), &*stderr),
             (Some(0), ""),
             "{arguments:?}"
         );
         let both = command(folder.path(), arguments)
-            .stdout(closed())
-            .stderr(closed())
+            .stdout(closed_pipe())
+            .stderr(closed_pipe())
             .status();
         assert_eq!(both.unwrap().code(), Some(0), "{arguments:?}");
     }
     assert!(folder.path().join("trace.json").exists());
     let refused = command(folder.path(), &["trace", "nothing"])
-        .stderr(closed())
+        .stderr(closed_pipe())
         .status();
     assert_eq!(refused.unwrap().code(), Some(2));
 }
 
 #[test]
-fn a_full_disk_is_no_closed_pipe() {
+fn a_full_disk_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let full = File::options().write(true).open("/dev/full").unwrap();
     let output = command(folder.path(), &["effects"])
@@ -69,9 +66,9 @@ fn a_full_disk_is_no_closed_pipe() {
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(1));
-    let words = String::from_utf8_lossy(&output.stderr);
+    let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(
-        words.starts_with("slipstream: standard output: cannot be written: "),
-        "{words}"
+        stderr.starts_with("slipstream: standard output: cannot be written: "),
+        "{stderr}"
     );
 }

@@ -1,6 +1,6 @@
-//! The commands on recordings, as a user runs them: what they write and how they exit.
+//! Commands on recordings (import, export, check, compare): output files and exit codes.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -14,8 +14,8 @@ fn slipstream(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Exit code and what was said on standard error.
-fn outcome(output: &Output) -> (Option<i32>, String) {
+/// Exit code and text on standard error.
+fn code_and_stderr(output: &Output) -> (Option<i32>, String) {
     (
         output.status.code(),
         String::from_utf8_lossy(&output.stderr).into_owned(),
@@ -53,15 +53,15 @@ fn write_recording(folder: &Path) {
 }
 
 #[test]
-fn a_folder_goes_to_mcap_and_back_and_is_looked_over() {
+fn import_export_round_trip_then_check_and_compare() {
     let scratch = tempfile::tempdir().unwrap();
     let here = scratch.path();
     write_recording(&here.join("given"));
-    let none = (Some(0), String::new());
+    let success = (Some(0), String::new());
     let import = slipstream(here, &["import", "given", "--out", "bag.mcap"]);
-    assert_eq!(outcome(&import), none);
+    assert_eq!(code_and_stderr(&import), success);
     let export = slipstream(here, &["export", "bag.mcap", "--out", "back"]);
-    assert_eq!(outcome(&export), none);
+    assert_eq!(code_and_stderr(&export), success);
     let read = |path: &str| std::fs::read_to_string(here.join(path)).unwrap();
     for file in [
         "r1/command.csv",
@@ -76,7 +76,7 @@ fn a_folder_goes_to_mcap_and_back_and_is_looked_over() {
         );
     }
     let check = slipstream(here, &["check", "bag.mcap", "--json", "check.json"]);
-    assert_eq!(outcome(&check), none);
+    assert_eq!(code_and_stderr(&check), success);
     assert!(String::from_utf8_lossy(&check.stdout).contains("can be judged"));
     let json: serde_json::Value = serde_json::from_str(&read("check.json")).unwrap();
     assert_eq!(
@@ -84,18 +84,18 @@ fn a_folder_goes_to_mcap_and_back_and_is_looked_over() {
         (&1.into(), &"r1".into())
     );
     let compare = slipstream(here, &["compare", "bag.mcap", "--report", "page.html"]);
-    assert_eq!(outcome(&compare), none);
+    assert_eq!(code_and_stderr(&compare), success);
     assert_eq!(read("page.html").matches("<svg").count(), 5);
 }
 
 #[test]
-fn unusable_input_is_one_line_and_exit_code_2() {
+fn invalid_input_is_one_line_and_exit_code_2() {
     let scratch = tempfile::tempdir().unwrap();
     let here = scratch.path();
     write_recording(&here.join("given"));
-    let spoil =
+    let overwrite =
         |file: &str, text: &str| std::fs::write(here.join("given").join(file), text).unwrap();
-    let import = || outcome(&slipstream(here, &["import", "given", "--out", "bag.mcap"]));
+    let import = || code_and_stderr(&slipstream(here, &["import", "given", "--out", "bag.mcap"]));
     let cases = [
         (
             "t_s,v_m_s,w_rad_s\n0,1,1\n1,1,1\n0.5,1,1\n",
@@ -131,11 +131,11 @@ fn unusable_input_is_one_line_and_exit_code_2() {
         ),
     ];
     for (text, message) in cases {
-        spoil("r1/command.csv", text);
-        let (code, said) = import();
-        assert_eq!(code, Some(2), "{said}");
-        assert!(said.starts_with(message), "{said}\n wanted {message}");
-        assert_eq!(said.lines().count(), 1, "{said}");
+        overwrite("r1/command.csv", text);
+        let (code, stderr) = import();
+        assert_eq!(code, Some(2), "{stderr}");
+        assert!(stderr.starts_with(message), "{stderr}\n expected {message}");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
     }
     for arguments in [
         &["check", "nowhere"][..],
@@ -144,17 +144,17 @@ fn unusable_input_is_one_line_and_exit_code_2() {
         &["compare", "given", "--robot", "nowhere.toml"],
         &["export", "given", "--out", "given"],
     ] {
-        let (code, said) = outcome(&slipstream(here, arguments));
+        let (code, stderr) = code_and_stderr(&slipstream(here, arguments));
         assert_eq!(
-            (code, said.lines().count()),
+            (code, stderr.lines().count()),
             (Some(2), 1),
-            "{arguments:?}: {said}"
+            "{arguments:?}: {stderr}"
         );
     }
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_exit_code_1() {
+fn unwritable_output_is_exit_code_1() {
     let scratch = tempfile::tempdir().unwrap();
     write_recording(&scratch.path().join("given"));
     let import = slipstream(

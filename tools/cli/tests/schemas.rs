@@ -1,9 +1,5 @@
-//! What the commands write, against the schemas that describe it.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! JSON answers of the commands conform to their schemas.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -18,7 +14,7 @@ fn schema(name: &str) -> jsonschema::Validator {
     jsonschema::validator_for(&schema).unwrap()
 }
 
-fn faults(name: &str, answer: &Value) -> Vec<String> {
+fn violations(name: &str, answer: &Value) -> Vec<String> {
     let schema = schema(name);
     let errors = schema.iter_errors(answer);
     errors
@@ -26,15 +22,15 @@ fn faults(name: &str, answer: &Value) -> Vec<String> {
         .collect()
 }
 
-/// Runs a command that writes `answer.json`, and holds that against its schema.
-fn holds(folder: &Path, name: &str, arguments: &[&str]) -> Value {
+/// Runs a command with `--json` and validates the answer against its schema.
+fn assert_valid(folder: &Path, name: &str, arguments: &[&str]) -> Value {
     let arguments = [arguments, &["--json", "answer.json"]].concat();
     let output = slipstream(folder, &arguments);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {stderr}");
     let answer = read_json(&folder.join("answer.json"));
-    let faults = faults(name, &answer);
-    assert!(faults.is_empty(), "{name}: {faults:?}");
+    let violations = violations(name, &answer);
+    assert!(violations.is_empty(), "{name}: {violations:?}");
     answer
 }
 
@@ -45,40 +41,40 @@ fn example(file: &str) -> String {
 }
 
 #[test]
-fn runs_and_their_traces() {
+fn run_and_trace_conform() {
     let folder = tempfile::tempdir().unwrap();
-    let holds = |name, arguments: &[&str]| holds(folder.path(), name, arguments);
-    holds("run", &["run", "--out", "run.mcap"]);
-    holds("trace", &["trace", "run.mcap"]);
-    holds("trace", &["trace", "run.mcap", "--against", "run.mcap"]);
+    let assert_valid = |name, arguments: &[&str]| assert_valid(folder.path(), name, arguments);
+    assert_valid("run", &["run", "--out", "run.mcap"]);
+    assert_valid("trace", &["trace", "run.mcap"]);
+    assert_valid("trace", &["trace", "run.mcap", "--against", "run.mcap"]);
 }
 
 #[test]
-fn studies() {
+fn study_conforms() {
     let folder = tempfile::tempdir().unwrap();
     let study = [
         "study", "delay", "--runs", "1", "--delay", "0,0.1", "--jitter", "0",
     ];
     let more = ["--loss", "0", "--k-x", "1", "--torque-limit", "none"];
-    holds(folder.path(), "study", &[&study[..], &more].concat());
+    assert_valid(folder.path(), "study", &[&study[..], &more].concat());
 }
 
 #[test]
-fn the_paper_reproduced() {
+fn reproduce_conforms() {
     let folder = tempfile::tempdir().unwrap();
-    holds(folder.path(), "reproduce", &["reproduce"]);
+    assert_valid(folder.path(), "reproduce", &["reproduce"]);
 }
 
 #[test]
-fn recordings_and_trials() {
+fn check_diagnose_and_trial_conform() {
     let folder = tempfile::tempdir().unwrap();
-    let holds = |name, arguments: &[&str]| holds(folder.path(), name, arguments);
+    let assert_valid = |name, arguments: &[&str]| assert_valid(folder.path(), name, arguments);
     let (recording, robot) = (example("recording"), example("robot.toml"));
-    holds("check", &["check", &recording]);
+    assert_valid("check", &["check", &recording]);
     let diagnose = ["diagnose", &*recording, "--robot", &*robot];
-    let mut answer = holds("diagnose", &diagnose);
-    holds("trial", &["trial", "--cases", "1", "--seed", "3"]);
-    // a schema that lets everything pass would hold nothing
+    let mut answer = assert_valid("diagnose", &diagnose);
+    assert_valid("trial", &["trial", "--cases", "1", "--seed", "3"]);
+    // The schema does not accept everything.
     answer["verdict"] = "perhaps".into();
-    assert_eq!(faults("diagnose", &answer).len(), 1);
+    assert_eq!(violations("diagnose", &answer).len(), 1);
 }

@@ -1,9 +1,5 @@
-//! `slipstream study` and `slipstream reproduce` as commands.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! `slipstream study` on the command line: points, shards, interruption, job arrays, invalid input.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -27,9 +23,9 @@ const POINT: [&str; 14] = [
     "ring",
 ];
 
-/// A point of a study against the same run in processes, bit for bit.
+/// A point of a study has the same results as the run with the same keys as processes, bit for bit.
 #[test]
-fn a_point_is_the_run_in_processes() {
+fn a_point_equals_the_run_as_processes() {
     let folder = tempfile::tempdir().unwrap();
     let study = [
         "study",
@@ -40,8 +36,8 @@ fn a_point_is_the_run_in_processes() {
         "study.html",
     ];
     let output = slipstream(folder.path(), &[&study[..], &POINT].concat());
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     let study = read_json(&folder.path().join("study.json"));
     let point = &study["points"][0];
     let keys = ["links.delay_s=0.1", "links.jitter_s=0.05", "links.loss=0.1"];
@@ -107,24 +103,26 @@ fn shards_merge_to_the_whole() {
     assert!(read("merged.json") == read("whole.json"));
 }
 
-/// Ctrl-C keeps what is finished: a file that is read as any other, and exit code 130.
+/// Ctrl-C keeps the finished points in a valid file, with exit code 130.
 #[test]
 fn an_interrupted_study_keeps_its_points() {
     let folder = tempfile::tempdir().unwrap();
     let grid = "study delay --delay 0,0.1,0.2,0.3 --jitter 0,0.05 --loss 0.1 --k-x 1,2 \
                 --torque-limit none --protocol ring,periodic --runs 3";
     let arguments = |more: &str| format!("{grid} {more}");
-    // How long one point takes on this machine.
+    // Time for one point on this machine.
     let begin = std::time::Instant::now();
     let line = arguments("--threads 1 --json one.json --shard 32/32");
-    let words: Vec<&str> = line.split_whitespace().collect();
-    assert!(slipstream(folder.path(), &words).status.success());
-    let one = begin.elapsed();
+    let command_line: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &command_line).status.success());
+    let one_point = begin.elapsed();
     let line = arguments("--threads 1 --json part.json --report part.html --shard 1/2");
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let child = common::command(folder.path(), &words).spawn().unwrap();
-    // Of sixteen points some are there then, and some are not.
-    std::thread::sleep(4 * one);
+    let command_line: Vec<&str> = line.split_whitespace().collect();
+    let child = common::command(folder.path(), &command_line)
+        .spawn()
+        .unwrap();
+    // By then some of the sixteen points are finished, but not all.
+    std::thread::sleep(4 * one_point);
     let pid = rustix::process::Pid::from_raw(i32::try_from(child.id()).unwrap()).unwrap();
     rustix::process::kill_process(pid, rustix::process::Signal::INT).unwrap();
     let output = child.wait_with_output().unwrap();
@@ -134,32 +132,32 @@ fn an_interrupted_study_keeps_its_points() {
     let points = part["points"].as_array().unwrap();
     assert!((1..16).contains(&points.len()), "{}", points.len());
     assert!(folder.path().join("part.html").exists());
-    // What is there is what the whole study says.
+    // The finished points are those of the whole study.
     let line = arguments("--json whole.json --shard 1/2");
-    let words: Vec<&str> = line.split_whitespace().collect();
-    assert!(slipstream(folder.path(), &words).status.success());
+    let command_line: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &command_line).status.success());
     let whole = read_json(&folder.path().join("whole.json"));
     let whole = whole["points"].as_array().unwrap();
     assert_eq!(whole.len(), 16);
     assert!(points.iter().all(|point| whole.contains(point)));
     let line = arguments("--json other.json --shard 2/2");
-    let words: Vec<&str> = line.split_whitespace().collect();
-    assert!(slipstream(folder.path(), &words).status.success());
+    let command_line: Vec<&str> = line.split_whitespace().collect();
+    assert!(slipstream(folder.path(), &command_line).status.success());
     let merge = |file: &str| slipstream(folder.path(), &["study", "merge", file, "other.json"]);
     let refused = merge("part.json");
-    let words = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert_eq!(refused.status.code(), Some(2), "{words}");
+    let stderr = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{stderr}");
     assert!(
-        words.contains("shard 1/2: was interrupted") && words.lines().count() == 1,
-        "{words}"
+        stderr.contains("shard 1/2: was interrupted") && stderr.lines().count() == 1,
+        "{stderr}"
     );
     assert!(merge("whole.json").status.success());
 }
 
-/// The example for Slurm without Slurm: what the scheduler sets is set by hand, and the array is as
-/// long as the study has points, so that each job has one.
+/// The example for Slurm, run without Slurm: the test sets the scheduler's variables. The array is as long as
+/// the study has points, so that each job has one.
 #[test]
-fn the_example_of_an_array_job_works() {
+fn the_slurm_array_example_works() {
     let folder = tempfile::tempdir().unwrap();
     let script =
         std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/study-delay.sbatch");
@@ -186,22 +184,22 @@ fn the_example_of_an_array_job_works() {
             .env("SLURM_CPUS_PER_TASK", "2")
             .output()
             .unwrap();
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.code(), words)
+        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.code(), stderr)
     };
     assert_eq!(job("2").0, Some(0));
     let shard = read_json(&folder.path().join("shard-2.json"));
     assert_eq!(shard["points"].as_array().unwrap().len(), 1);
     assert_eq!(shard["points"][0]["runs"], 100);
     let merged = slipstream(folder.path(), &["study", "merge", "shard-2.json"]);
-    let words = String::from_utf8_lossy(&merged.stderr).into_owned();
-    assert!(words.contains("shard 1/5632 is missing"), "{words}");
-    let (code, words) = job("5633");
-    assert_eq!(code, Some(2), "{words}");
+    let stderr = String::from_utf8_lossy(&merged.stderr).into_owned();
+    assert!(stderr.contains("shard 1/5632 is missing"), "{stderr}");
+    let (code, stderr) = job("5633");
+    assert_eq!(code, Some(2), "{stderr}");
 }
 
 #[test]
-fn what_cannot_be_used_is_said_in_one_line() {
+fn invalid_input_is_reported_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("no.json"), "{}").unwrap();
     for (arguments, place) in [
@@ -212,11 +210,11 @@ fn what_cannot_be_used_is_said_in_one_line() {
         (vec!["study", "merge", "absent.json"], "absent.json"),
     ] {
         let output = slipstream(folder.path(), &arguments);
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
         assert!(
-            words.contains(place) && words.trim_end().lines().count() == 1,
-            "{words}"
+            stderr.contains(place) && stderr.trim_end().lines().count() == 1,
+            "{stderr}"
         );
     }
 }

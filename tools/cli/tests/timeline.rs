@@ -1,10 +1,6 @@
-//! The Perfetto timeline is read by an independent parser: the trace engine of Chromium's developer
-//! tools (npm's @paulirish/trace_engine). Skipped without npm, which fails if `CI` is set.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! An independent parser reads the Perfetto timeline: the trace engine of Chromium's developer tools (npm
+//! package @paulirish/trace_engine). Skipped without npm, but a failure if `CI` is set.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -16,7 +12,7 @@ use serde_json::Value;
 
 const PACKAGE: &str = "@paulirish/trace_engine@0.0.65";
 
-/// Folder with the engine; `None` if it cannot be installed.
+/// Installs the engine and returns its folder; `None` if npm is missing or fails.
 fn engine() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("trace-engine");
     let installed = folder.join("installed.txt");
@@ -32,19 +28,19 @@ fn engine() -> Option<PathBuf> {
             Some(folder)
         }
         Ok(output) => {
-            let why = String::from_utf8_lossy(&output.stderr);
-            skipped(&format!("npm does not install {PACKAGE}: {why}"));
+            let error = String::from_utf8_lossy(&output.stderr);
+            skipped(&format!("npm cannot install {PACKAGE}: {error}"));
             None
         }
-        Err(why) => {
-            skipped(&format!("no npm: {why}"));
+        Err(error) => {
+            skipped(&format!("npm is not installed: {error}"));
             None
         }
     }
 }
 
 #[test]
-fn a_foreign_parser_finds_each_message_as_an_arrow_over_its_four_ticks() {
+fn the_trace_engine_finds_each_message_as_an_arrow_over_four_ticks() {
     let Some(engine) = engine() else {
         return;
     };
@@ -72,8 +68,8 @@ fn a_foreign_parser_finds_each_message_as_an_arrow_over_its_four_ticks() {
         .arg(folder.path().join("timeline.json"))
         .output()
         .unwrap();
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
     let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(
         seen["processes"],
@@ -84,12 +80,12 @@ fn a_foreign_parser_finds_each_message_as_an_arrow_over_its_four_ticks() {
     for hop in answer["hops"].as_array().unwrap() {
         let (from, to) = (&hop["from"], &hop["to"]);
         let of_hop = arrows.iter().filter(|arrow| {
-            let place = |i: usize| [&arrow[i][0], &arrow[i][1]].map(|text| text.as_str().unwrap());
+            let tick = |i: usize| [&arrow[i][0], &arrow[i][1]].map(|text| text.as_str().unwrap());
             let robots = [from, to].map(|robot| robot.as_str().unwrap());
             assert_eq!(arrow.as_array().unwrap().len(), 4, "{arrow}");
             let t: Vec<f64> = (0..4).map(|i| arrow[i][2].as_f64().unwrap()).collect();
             assert!(t.is_sorted(), "{arrow}");
-            [place(0), place(1), place(2), place(3)]
+            [tick(0), tick(1), tick(2), tick(3)]
                 == [
                     [robots[0], "outer"],
                     [robots[1], "outer"],

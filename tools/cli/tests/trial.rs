@@ -1,9 +1,5 @@
-//! `slipstream trial` as a command: sealed before, opened after, the same again from the same seed.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! `slipstream trial` on the command line: commitments, reproducible seeds, scores, interruption.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -16,15 +12,15 @@ use std::time::Duration;
 use common::{command, read_json, slipstream};
 use sha2::{Digest, Sha256};
 
-/// Every file of a folder with its bytes.
+/// All files below a folder, by relative path.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = BTreeMap::new();
-    let mut rooms = vec![folder.to_owned()];
-    while let Some(room) = rooms.pop() {
-        for entry in std::fs::read_dir(&room).unwrap() {
+    let mut folders = vec![folder.to_owned()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(&next).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
-                rooms.push(path);
+                folders.push(path);
             } else {
                 let name = path.strip_prefix(folder).unwrap().display().to_string();
                 files.insert(name, std::fs::read(&path).unwrap());
@@ -34,18 +30,19 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     files
 }
 
-fn refuse(folder: &Path, arguments: &[&str], wanted: &str) {
+/// Expects exit code 2 and an error that contains `expected`.
+fn assert_refused(folder: &Path, arguments: &[&str], expected: &str) {
     let output = slipstream(folder, &[&["trial"], arguments].concat());
-    let words = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
     assert!(
-        words.contains(wanted),
-        "{arguments:?}: no {wanted:?} in {words}"
+        stderr.contains(expected),
+        "{arguments:?}: no {expected:?} in {stderr}"
     );
 }
 
 #[test]
-fn the_same_seed_makes_the_same_bytes_and_keeps_its_word() {
+fn a_seed_gives_the_same_files_and_commitments_match_the_labels() {
     let folder = tempfile::tempdir().unwrap();
     for out in ["one", "two"] {
         let output = slipstream(
@@ -71,7 +68,7 @@ fn the_same_seed_makes_the_same_bytes_and_keeps_its_word() {
         files(&folder.path().join("one")),
         files(&folder.path().join("two")),
     );
-    assert!(one == two, "the same seed made other bytes");
+    assert!(one == two, "the same seed made different files");
     let commitments = String::from_utf8(one["commitments.txt"].clone()).unwrap();
     assert_eq!(commitments.lines().count(), 3);
     for line in commitments.lines() {
@@ -85,16 +82,16 @@ fn the_same_seed_makes_the_same_bytes_and_keeps_its_word() {
         assert!(one.contains_key(&format!("robots/{name}.toml")));
         assert!(one.contains_key(&format!("{name}/recording.toml")));
     }
-    refuse(
+    assert_refused(
         folder.path(),
         &["--cases", "1", "--make-only", "--out", "one"],
         "one: the folder is not empty; give a new folder",
     );
 }
 
-/// One case from beginning to end, and again by its labels.
+/// One new case from start to end, then the same case again from its labels.
 #[test]
-fn a_trial_is_held_and_scored() {
+fn a_trial_and_its_repetition_from_labels_have_the_same_scores() {
     let folder = tempfile::tempdir().unwrap();
     let held = ["trial", "--cases", "1", "--seed", "9", "--limit-s", "120"];
     let output = slipstream(
@@ -135,8 +132,9 @@ fn a_trial_is_held_and_scored() {
     }
 }
 
-/// A program that answers to everything with `answer`, in the form of `slipstream diagnose`.
-fn answering(folder: &Path, answer: &str) {
+/// Writes a shell script with the arguments of `slipstream diagnose` that runs `answer`, and a case without
+/// effects.
+fn write_program(folder: &Path, answer: &str) {
     let script = format!("#!/bin/sh\n[ \"$5\" = --json ] || exit 3\n{answer}\n");
     let path = folder.join("program");
     std::fs::write(&path, script).unwrap();
@@ -162,10 +160,10 @@ const WITH: [&str; 7] = [
 ];
 
 #[test]
-fn answers_are_scored_whoever_gives_them() {
+fn answers_of_another_program_are_scored() {
     let folder = tempfile::tempdir().unwrap();
     let outcome = |answer: &str, limit: &str| {
-        answering(folder.path(), answer);
+        write_program(folder.path(), answer);
         let output = slipstream(folder.path(), &[&WITH[..], &["--limit-s", limit]].concat());
         assert!(
             output.status.success(),
@@ -174,27 +172,27 @@ fn answers_are_scored_whoever_gives_them() {
         );
         read_json(&folder.path().join("trial.json"))["each"][0].clone()
     };
-    let fine = outcome("echo '{\"verdict\": \"match\"}' > \"$6\"", "60");
-    assert_eq!(fine["outcome"], "exact");
+    let exact = outcome("echo '{\"verdict\": \"match\"}' > \"$6\"", "60");
+    assert_eq!(exact["outcome"], "exact");
     let alarm = outcome("echo '{\"verdict\": \"unexplained\"}' > \"$6\"", "60");
     assert_eq!(alarm["outcome"], "false_alarm");
-    let mute = outcome("echo 'no idea' >&2; exit 1", "60");
-    assert_eq!(mute["outcome"], "failed");
-    assert!(mute["remarks"][0].as_str().unwrap().contains("no idea"));
+    let failed = outcome("echo 'no idea' >&2; exit 1", "60");
+    assert_eq!(failed["outcome"], "failed");
+    assert!(failed["remarks"][0].as_str().unwrap().contains("no idea"));
     let slow = outcome("exec sleep 60", "1");
     assert_eq!(slow["remarks"][0], "no answer in 1 s");
-    // it sees the recording and the model, and no label
-    let seen = outcome(
+    // The program sees the recording and the model, but no label.
+    let isolated = outcome(
         "[ \"$(ls)\" = \"recording\nrobot.toml\nwords.txt\" ] || { ls >&2; exit 1; }\necho '{\"verdict\": \"match\"}' > \"$6\"",
         "60",
     );
-    assert_eq!(seen["outcome"], "exact", "{seen}");
+    assert_eq!(isolated["outcome"], "exact", "{isolated}");
 }
 
 #[test]
 fn an_interrupted_diagnosis_leaves_no_scores() {
     let folder = tempfile::tempdir().unwrap();
-    answering(folder.path(), "exec sleep 60");
+    write_program(folder.path(), "exec sleep 60");
     let mut child = command(folder.path(), &WITH).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(500));
     let interrupt = Command::new("kill")
@@ -207,42 +205,42 @@ fn an_interrupted_diagnosis_leaves_no_scores() {
 }
 
 #[test]
-fn what_cannot_be_used_is_said_in_one_line() {
+fn invalid_input_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let labels = "[a]\nverdict = \"perhaps\"\nrobot_toml = \"a.toml\"\n";
     std::fs::write(folder.path().join("labels.toml"), labels).unwrap();
-    refuse(
+    assert_refused(
         folder.path(),
         &["--labels", "labels.toml"],
         "labels.toml:2: ",
     );
     let labels = "[a]\nverdict = \"match\"\nrobot_toml = \"a.toml\"\n";
     std::fs::write(folder.path().join("labels.toml"), labels).unwrap();
-    refuse(
+    assert_refused(
         folder.path(),
         &["--labels", "labels.toml"],
         "labels stand beside the folders",
     );
-    refuse(
+    assert_refused(
         folder.path(),
         &["--labels", "labels.toml", "--only", "b"],
         "--only b: is no case of",
     );
-    refuse(
+    assert_refused(
         folder.path(),
         &["--labels", "nowhere.toml"],
         "nowhere.toml: ",
     );
-    refuse(
+    assert_refused(
         folder.path(),
         &["--without", "gravity"],
         "--without gravity: is not an effect",
     );
 }
 
-/// Interrupted while cases are made: exit code 130, and no folder.
+/// An interruption while cases are made: exit code 130, and no folder.
 #[test]
-fn an_interruption_leaves_nothing() {
+fn an_interruption_while_making_cases_leaves_no_files() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["trial", "--cases", "500", "--make-only", "--out", "never"];
     let mut child = command(folder.path(), &arguments).spawn().unwrap();

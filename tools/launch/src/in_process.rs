@@ -195,7 +195,7 @@ impl<R: Recorder> Recorder for Shared<R> {
     }
 }
 
-/// Runs an experiment and returns the summary that a run as processes has, recorded to `out` if given.
+/// Runs an experiment and returns the same summary as a run as processes; records it to `out`, if given.
 ///
 /// # Errors
 /// As [`run`], and when the recording cannot be written.

@@ -1,10 +1,7 @@
-//! The loops do not allocate once they run: the cores not at all; on the bus iceoryx2 0.10 takes one
-//! small block for each sample that is sent, gives it back at once, and that is all.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! No allocation in the loops. The cores do not allocate at all after the first steps. Over shared memory,
+//! iceoryx2 0.10 allocates one small block for each sample that is sent and frees it at once; nothing else
+//! allocates.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -43,11 +40,12 @@ fn experiment(duration_s: f64) -> Experiment {
     }
 }
 
+/// Number of allocations of this thread during `work`.
 fn allocations(work: impl FnOnce()) -> u64 {
     allocation_counter::measure(work).count_total
 }
 
-/// Twenty times as long, not one allocation more: plant, controllers and links.
+/// A run that is twenty times as long does not allocate more: plant, controllers and links.
 #[test]
 fn the_cores_do_not_allocate() {
     let count = |duration_s| {
@@ -55,11 +53,11 @@ fn the_cores_do_not_allocate() {
         allocations(|| drop(run(&experiment, true).unwrap()))
     };
     let short = count(1.0);
-    assert!(short > 0, "the counter counts");
+    assert!(short > 0, "the counter does not count");
     assert_eq!(count(20.0), short);
 }
 
-/// Nor does the trace of them, at its finest.
+/// The same with the trace at its most detailed level.
 #[test]
 fn the_trace_does_not_allocate() {
     let _tracing = trace::begin("run", EnvFilter::new("trace"));
@@ -67,33 +65,33 @@ fn the_trace_does_not_allocate() {
         let experiment = experiment(duration_s);
         allocations(|| drop(run(&experiment, true).unwrap()))
     };
-    // what is told for the first time is registered; some of it only late in a run
+    // A trace point is registered when it is first reached, for some late in a run.
     count(20.0);
     assert_eq!(count(20.0), count(1.0));
 }
 
-/// LockstepLink over real shared memory, plant and agents in threads of one process.
+/// A run in lockstep over shared memory, with plant and agents in threads of one process.
 #[test]
-fn the_bus_allocates_one_block_a_sample() {
-    const WARM: i64 = 200;
+fn shared_memory_links_allocate_one_block_per_sample() {
+    const WARM_UP_ROUNDS: i64 = 200;
     const ROUNDS: i64 = 2_000;
     let experiment = experiment(1000.0);
     let schedule = experiment.settings.schedule();
-    let (place, _alive) =
+    let (directory, _lock) =
         RunDirectory::create(0xa110_0000 | std::process::id() & 0xf_ffff).unwrap();
     let robots = experiment.settings.robots.count;
-    WakePage::create(&place.wake_page(), robots as usize).unwrap();
-    let open = || Rc::new(WakePage::open(&place.wake_page()).unwrap());
+    WakePage::create(&directory.wake_page(), robots as usize).unwrap();
+    let open = || Rc::new(WakePage::open(&directory.wake_page()).unwrap());
     let wake_page = open();
-    let services = Services::join(&place, &experiment, "plant").unwrap();
+    let services = Services::join(&directory, &experiment, "plant").unwrap();
     let kept = services.create_all().unwrap();
     let counted = AtomicU64::new(0);
     std::thread::scope(|scope| {
         for robot in 0..robots {
-            let (place, experiment, open, counted) = (&place, &experiment, &open, &counted);
+            let (directory, experiment, open, counted) = (&directory, &experiment, &open, &counted);
             scope.spawn(move || {
                 let wake_page = open();
-                let services = Services::join(place, experiment, "agent").unwrap();
+                let services = Services::join(directory, experiment, "agent").unwrap();
                 let mut end =
                     AgentEndpoint::new(&services, Rc::clone(&wake_page), Parent::now(), robot)
                         .unwrap();
@@ -109,7 +107,7 @@ fn the_bus_allocates_one_block_a_sample() {
                         end.answer(command).unwrap();
                     }
                 };
-                answer(WARM);
+                answer(WARM_UP_ROUNDS);
                 counted.fetch_add(allocations(|| answer(ROUNDS)), Ordering::Relaxed);
             });
         }
@@ -118,20 +116,20 @@ fn the_bus_allocates_one_block_a_sample() {
         let encoders = vec![Encoders::default(); robots as usize];
         let mut commands = vec![TorqueCommand::default(); robots as usize];
         let mut now_ns = 0;
-        let mut rounds = |many: i64| {
-            for _ in 0..many {
+        let mut rounds = |count: i64| {
+            for _ in 0..count {
                 end.round(now_ns, &encoders, &mut commands).unwrap();
                 now_ns = schedule.next_after(now_ns);
             }
         };
-        rounds(WARM);
+        rounds(WARM_UP_ROUNDS);
         counted.fetch_add(allocations(|| rounds(ROUNDS)), Ordering::Relaxed);
         wake_page.advance(Stage::Over);
     });
     drop(kept);
-    place.remove().unwrap();
+    directory.remove().unwrap();
     let counted = counted.into_inner();
-    // A sample from the plant and from each agent in a round, and a position now and then.
+    // In each round the plant and every agent send one sample. Positions are less than a tenth of that.
     let samples = u64::try_from(ROUNDS).unwrap() * u64::from(1 + robots);
     assert!(
         counted <= samples + samples / 10,

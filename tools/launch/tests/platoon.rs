@@ -1,9 +1,5 @@
-//! The paper's experiments, run in one process: what its controller must bring about.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! The paper's experiments in one process: slip, torque limits, formation, delay, ring protocol, watchdog.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use slipstream_bus::experiment::{Protocol, TorqueLimit};
 use slipstream_bus::record::{EventKind, Fate, Record};
@@ -41,10 +37,10 @@ fn slip_s(reports: &Reports) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Section 4: with limited torque the wheels hold; without they slip, and the encoders say more
-/// than was driven.
+/// Section 4: with a torque limit the wheels do not slip. Without it they do, and the odometry reads more than
+/// the true distance.
 #[test]
-fn limiting_the_torque_ends_the_slip() {
+fn the_torque_limit_prevents_slip() {
     for protocol in [Protocol::Ring, Protocol::Periodic] {
         for delay_s in [0.0, 0.1] {
             let with = |limit| {
@@ -56,20 +52,20 @@ fn limiting_the_torque_ends_the_slip() {
             };
             let free = with(TorqueLimit::None);
             assert!(slip_s(&free) > 0.2, "{protocol:?} {delay_s}");
-            let believed_m = free.agents[0].final_odometry[0];
-            assert!(believed_m > free.plant.robots[0].final_true[0] + 0.02);
+            let odometry_m = free.agents[0].final_odometry[0];
+            assert!(odometry_m > free.plant.robots[0].final_true[0] + 0.02);
             for limit in [TorqueLimit::Inner, TorqueLimit::Outer] {
                 let slip = slip_s(&with(limit));
                 assert!(slip == 0.0, "{limit:?} {protocol:?} {delay_s}: {slip}");
             }
-            // It has to feel the slip once to know the floor.
+            // The adaptive limit estimates the friction from slip, so that some slip remains.
             let adaptive = slip_s(&with(TorqueLimit::Adaptive));
             assert!(adaptive > 0.0 && adaptive < slip_s(&free), "{adaptive}");
         }
     }
 }
 
-/// The robots drive the profile's 4.302 m and stand 0.6096 m apart at the end.
+/// The robots drive the 4.302 m of the profile and stop 0.6096 m apart.
 #[test]
 fn the_platoon_arrives_in_formation() {
     let reports = platoon(|s| s.control.torque_limit = TorqueLimit::Inner);
@@ -87,9 +83,9 @@ fn the_platoon_arrives_in_formation() {
     assert_eq!(reports.plant.robots[0].max_spacing_error_m, None);
 }
 
-/// Later positions: larger corrections and spacing errors (the paper's point on delay).
+/// Delayed positions cause larger corrections and larger spacing errors (the paper's result on delay).
 #[test]
-fn delay_costs_spacing() {
+fn spacing_error_grows_with_delay() {
     let error = |delay_s| {
         let reports = platoon(|s| s.links.delay_s = delay_s);
         reports.plant.robots[1].max_spacing_error_m.unwrap()
@@ -98,8 +94,7 @@ fn delay_costs_spacing() {
     assert!(errors[0] < errors[1] && errors[1] < errors[2], "{errors:?}");
 }
 
-/// A platoon that drives a curve keeps its shape: the reference lies on the path that the one ahead
-/// drove, not behind its back.
+/// In a curve, the reference of a follower lies on the path of the robot ahead, not straight behind that robot.
 #[test]
 fn a_turning_platoon_follows_the_path() {
     let reports = platoon(|s| {
@@ -110,7 +105,7 @@ fn a_turning_platoon_follows_the_path() {
         s.links.protocol = Protocol::Periodic;
         s.duration_s = 20.0;
     });
-    // From 5 s on the front robot drives a circle of 1 m; the others must be on it too.
+    // From 5 s on the front robot drives a circle of radius 1 m; the others must be on the same circle.
     let poses: Vec<[f64; 3]> = reports
         .plant
         .robots
@@ -132,19 +127,20 @@ fn a_turning_platoon_follows_the_path() {
     }
 }
 
-/// Section 3: 0.13 N m slips and the encoders run ahead; cut to Eq. 11 they agree with the truth.
+/// Section 3: at 0.13 N m the wheels slip and the odometry runs ahead; limited by Eq. 11 it agrees with the
+/// true position.
 #[test]
-fn the_single_robot_shows_what_the_limit_does() {
+fn the_limit_keeps_odometry_and_truth_together() {
     let gap_m = |limit| {
         let experiment = experiment(Settings::single(), |s| s.control.torque_limit = limit);
         let reports = run(&experiment, false).unwrap();
         assert!((reports.plant.duration_s - 2.0).abs() < 1e-12);
-        let [believed, driven] = [
+        let [odometry_m, true_m] = [
             reports.agents[0].final_odometry[0],
             reports.plant.robots[0].final_true[0],
         ];
-        assert!(driven > 0.5);
-        (believed - driven, slip_s(&reports))
+        assert!(true_m > 0.5);
+        (odometry_m - true_m, slip_s(&reports))
     };
     let (free, slip) = gap_m(TorqueLimit::None);
     assert!(free > 0.05 && slip > 0.5, "{free} {slip}");
@@ -158,10 +154,10 @@ fn records(change: impl Fn(&mut Settings)) -> Vec<Record> {
         .1
 }
 
-/// Section 4: a robot sends after it received. With a delay of two outer ticks a turn of three
+/// Section 4: a robot sends after it has received. With a delay of two outer ticks, one token round of three
 /// robots takes six ticks.
 #[test]
-fn the_ring_goes_round_in_order() {
+fn ring_messages_are_sent_in_order() {
     let records = records(|s| {
         s.links.delay_s = 0.1;
         s.duration_s = 2.0;
@@ -177,8 +173,9 @@ fn the_ring_goes_round_in_order() {
     assert_eq!(sent, expected);
 }
 
+/// A ring whose message is lost is restarted by timeout.
 #[test]
-fn a_ring_that_lost_its_message_is_started_anew() {
+fn a_ring_with_a_lost_message_is_restarted() {
     let records = records(|s| {
         s.links.loss = 0.3;
         s.duration_s = 10.0;
@@ -193,7 +190,7 @@ fn a_ring_that_lost_its_message_is_started_anew() {
         )
     });
     assert!(restarts.count() > 3);
-    // Restarts or not, there is one message under way at a time: nothing is ever stale.
+    // At most one message is in flight even after restarts, so that no message is ever stale.
     let stale = |record: &&Record| {
         matches!(
             record,
@@ -206,9 +203,9 @@ fn a_ring_that_lost_its_message_is_started_anew() {
     assert_eq!(records.iter().filter(stale).count(), 0);
 }
 
-/// Without fresh positions a follower slows down at the rate that its key says, and stands.
+/// Without new positions the watchdog brakes a follower to a stop.
 #[test]
-fn the_watchdog_stops_a_follower_that_hears_nothing() {
+fn the_watchdog_stops_a_follower_without_positions() {
     let records = records(|s| {
         s.links.protocol = Protocol::Periodic;
         s.links.loss = 0.999_999;

@@ -1,9 +1,6 @@
 //! A study of communication delay: independent of the number of threads and shards, and each point
 //! equal to its single runs.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::sync::atomic::AtomicBool;
 

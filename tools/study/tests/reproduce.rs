@@ -1,9 +1,5 @@
 //! The paper's experiments: expected results, and the completeness of the comparison.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use slipstream_study::reproduce::{Comparison, Extension, PaperRuns, Row, page, reproduce};
 

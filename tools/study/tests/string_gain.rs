@@ -1,9 +1,6 @@
 //! String gain: the linear model's frequency response against a simulated platoon whose front robot's
 //! speed oscillates at one frequency.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::f64::consts::TAU;
 

@@ -40,7 +40,7 @@ fn summary(report: &TrialReport) -> String {
     } = report;
     let [median, longest] = report.seconds;
     format!(
-        "{cases} cases, {nulls} of them with nothing concealed: {exact} exact, {missed} missed, \
+        "{cases} cases, {nulls} of them without a concealed effect: {exact} exact, {missed} missed, \
          {wrong} wrong, {false_alarms} false alarms, {failed} without an answer. A diagnosis took \
          {median:.1} s (median), at most {longest:.1} s."
     )

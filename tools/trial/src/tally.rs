@@ -15,7 +15,7 @@ pub struct TrialReport {
     pub format: u32,
     /// Number of cases.
     pub cases: usize,
-    /// Number of cases with nothing concealed.
+    /// Number of cases without a concealed effect.
     pub nulls: usize,
     /// Cases graded exact.
     pub exact: usize,

@@ -1,9 +1,5 @@
 //! Two independent simulators agree on every effect. A disagreement is a fault of one of them.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot};

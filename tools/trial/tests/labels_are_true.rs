@@ -1,10 +1,6 @@
 //! Labels are true: `sim` with the labelled effect reproduces the recording up to noise, and without it
 //! does not.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::recording::{Robot, Wheels};

@@ -3,11 +3,7 @@
 //! `SLIPSTREAM_PRACTICE` names their folder (`../shared/practice` beside the repository if it is not set).
 //! The test fails if the variable names a folder without labels; without the variable and without the
 //! folder it prints that it was skipped.
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 use std::path::{Path, PathBuf};
 

@@ -6,8 +6,8 @@ use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 
-use crate::lockstep::series;
-use crate::myself;
+use crate::lockstep::time_rounds;
+use crate::spawn_self;
 
 /// Events of the plant: a round begins, the run is over.
 const ROUND: usize = 0;
@@ -64,11 +64,11 @@ pub(crate) fn measure(robots: u32) -> f64 {
     let done: Listener<Ipc> = events.done.listener_builder().create().unwrap();
     let root = folder.path().to_str().unwrap();
     let agents: Vec<_> = (0..robots)
-        .map(|_| myself(&["event-agent", root, &robots.to_string()]))
+        .map(|_| spawn_self(&["event-agent", root, &robots.to_string()]))
         .collect();
     // Every agent answers once when it listens.
     await_answers(&done, robots.into());
-    let time = series(robots, || {
+    let time = time_rounds(robots, || {
         start
             .notify_with_custom_event_id(EventId::new(ROUND))
             .unwrap();

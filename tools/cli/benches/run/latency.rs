@@ -1,4 +1,4 @@
-//! A position message from one process to another, one way: half of a round trip, by ways.
+//! One-way latency of a position message between two processes (half of a round trip), for four transports.
 
 use std::os::unix::net::UnixDatagram;
 use std::path::Path;
@@ -15,70 +15,72 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::WakePage;
 use slipstream_launch::{Request, resolve};
 
-use crate::myself;
+use crate::spawn_self;
 
 const ROUND_TRIPS: usize = 20_000;
 
-/// A way to the other process and back.
-trait Way {
+/// Sends numbers to the other process and receives its answers.
+trait Transport {
     fn send(&mut self, k: u32);
     /// Waits for the next message.
     fn receive(&mut self) -> u32;
 }
 
-/// The table.
+/// Measures and prints the table.
 pub(crate) fn measure() {
-    println!("\nA position message one way (µs): p50, p99, p99.9");
-    raw();
+    println!("\nPosition message, one way (µs): p50, p99, p99.9");
+    wake_page();
     iceoryx();
-    ours();
+    run_links();
     datagram();
 }
 
-fn table(name: &str, way: &mut impl Way) {
+/// Measures round trips and prints one row.
+fn measure_row(name: &str, transport: &mut impl Transport) {
     let mut times: Vec<f64> = (0..ROUND_TRIPS)
         .map(|_| {
             let begin = Instant::now();
-            way.send(1);
-            way.receive();
+            transport.send(1);
+            transport.receive();
             begin.elapsed().as_secs_f64() * 1e6 / 2.0
         })
         .collect();
-    way.send(0);
+    transport.send(0);
     times.sort_by(f64::total_cmp);
     let [p50, p99, p999] = [0.5, 0.99, 0.999].map(|p| times[(p * ROUND_TRIPS as f64) as usize]);
     println!("{name:>38} {p50:8.2} {p99:8.2} {p999:8.2}");
 }
 
-fn answer(way: &mut impl Way) {
+/// Sends back every number until 0 arrives.
+fn answer_all(transport: &mut impl Transport) {
     loop {
-        let k = way.receive();
+        let k = transport.receive();
         if k == 0 {
             return;
         }
-        way.send(k);
+        transport.send(k);
     }
 }
 
-/// Plays the other process.
-pub(crate) fn echo(way: &str, path: &Path) {
-    match way {
-        "raw" => answer(&mut Raw::new(path, 1)),
-        "iceoryx2" => answer(&mut Iceoryx::new(path, "b", "a")),
-        "ours" => answer(&mut Ours::new(path, 1)),
-        _ => answer(&mut Datagram::new(path, "b", "a")),
+/// Runs the other process.
+pub(crate) fn echo(name: &str, path: &Path) {
+    match name {
+        "wake-page" => answer_all(&mut Page::new(path, 1)),
+        "iceoryx2" => answer_all(&mut Iceoryx::new(path, "b", "a")),
+        "run-links" => answer_all(&mut RunLinks::new(path, 1)),
+        _ => answer_all(&mut Datagram::new(path, "b", "a")),
     }
 }
 
-/// Sixty-four bytes in a page that both have mapped, polled.
-struct Raw {
+/// 64 bytes in a page that both processes have mapped, polled.
+struct Page {
     wake_page: WakePage,
     side: usize,
     sent: u64,
     seen: u64,
 }
 
-impl Raw {
+impl Page {
     fn new(page: &Path, side: usize) -> Self {
         let wake_page = WakePage::open(page).unwrap();
         wake_page.signal_ready();
@@ -91,7 +93,7 @@ impl Raw {
     }
 }
 
-impl Way for Raw {
+impl Transport for Page {
     fn send(&mut self, k: u32) {
         self.sent += 1;
         self.wake_page
@@ -111,18 +113,18 @@ impl Way for Raw {
     }
 }
 
-fn raw() {
+fn wake_page() {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let page = folder.path().join("wake_page");
     let wake_page = WakePage::create(&page, 2).unwrap();
-    let mut child = myself(&["echo", "raw", page.to_str().unwrap()]);
-    let mut way = Raw::new(&page, 0);
+    let mut child = spawn_self(&["echo", "wake-page", page.to_str().unwrap()]);
+    let mut transport = Page::new(&page, 0);
     while !wake_page.wait_ready(2, std::time::Duration::from_secs(10)) {}
-    table("raw shared memory, polled", &mut way);
+    measure_row("shared memory page, polled", &mut transport);
     child.wait().unwrap();
 }
 
-/// iceoryx2 as it comes, polled.
+/// iceoryx2 with its default settings, polled.
 struct Iceoryx {
     publisher: iceoryx2::port::publisher::Publisher<ipc::Service, WirePosition, ()>,
     subscriber: iceoryx2::port::subscriber::Subscriber<ipc::Service, WirePosition, ()>,
@@ -155,7 +157,7 @@ impl Iceoryx {
     }
 }
 
-impl Way for Iceoryx {
+impl Transport for Iceoryx {
     fn send(&mut self, k: u32) {
         let position = Position {
             seq: k,
@@ -176,9 +178,9 @@ impl Way for Iceoryx {
 
 fn iceoryx() {
     let root = tempfile::tempdir_in("/dev/shm").unwrap();
-    let mut way = Iceoryx::new(root.path(), "a", "b");
-    let mut child = myself(&["echo", "iceoryx2", root.path().to_str().unwrap()]);
-    table("iceoryx2, polled", &mut way);
+    let mut transport = Iceoryx::new(root.path(), "a", "b");
+    let mut child = spawn_self(&["echo", "iceoryx2", root.path().to_str().unwrap()]);
+    measure_row("iceoryx2, polled", &mut transport);
     child.wait().unwrap();
     for entry in std::fs::read_dir("/dev/shm").unwrap().flatten() {
         if entry
@@ -192,12 +194,12 @@ fn iceoryx() {
 }
 
 /// The links of a run of two robots.
-struct Ours {
+struct RunLinks {
     end: AgentEndpoint,
     _joined: JoinedRun,
 }
 
-impl Ours {
+impl RunLinks {
     fn new(folder: &Path, robot: u32) -> Self {
         let joined = JoinedRun::new(folder).unwrap();
         let services = joined.services("agent").unwrap();
@@ -211,7 +213,7 @@ impl Ours {
     }
 }
 
-impl Way for Ours {
+impl Transport for RunLinks {
     fn send(&mut self, k: u32) {
         let mut position = Position {
             seq: k,
@@ -231,31 +233,31 @@ impl Way for Ours {
     }
 }
 
-fn ours() {
+fn run_links() {
     let request = Request {
         robots: Some(2),
         ..Request::default()
     };
     let experiment = resolve(&request).unwrap().experiment;
-    let (place, _alive) = RunDirectory::create(0xbe0c_1000).unwrap();
+    let (directory, _lock) = RunDirectory::create(0xbe0c_1000).unwrap();
     std::fs::write(
-        place.experiment(),
+        directory.experiment(),
         postcard::to_allocvec(&experiment).unwrap(),
     )
     .unwrap();
-    let wake_page = WakePage::create(&place.wake_page(), 2).unwrap();
-    let services = Services::join(&place, &experiment, "plant").unwrap();
-    let _kept = services.create_all().unwrap();
+    let wake_page = WakePage::create(&directory.wake_page(), 2).unwrap();
+    let services = Services::join(&directory, &experiment, "plant").unwrap();
+    let _services_kept_open = services.create_all().unwrap();
     wake_page.advance(slipstream_ipc::wake_page::Stage::Services);
-    let mut child = myself(&["echo", "ours", place.folder().to_str().unwrap()]);
-    let mut way = Ours::new(place.folder(), 0);
+    let mut child = spawn_self(&["echo", "run-links", directory.folder().to_str().unwrap()]);
+    let mut transport = RunLinks::new(directory.folder(), 0);
     while !wake_page.wait_ready(2, std::time::Duration::from_secs(10)) {}
-    table("ours, polled", &mut way);
+    measure_row("links of a run, polled", &mut transport);
     child.wait().unwrap();
-    place.remove().unwrap();
+    directory.remove().unwrap();
 }
 
-/// A Unix datagram socket, which also wakes the receiver.
+/// A Unix datagram socket, which wakes the waiting receiver.
 struct Datagram {
     socket: UnixDatagram,
     other: std::path::PathBuf,
@@ -271,7 +273,7 @@ impl Datagram {
     }
 }
 
-impl Way for Datagram {
+impl Transport for Datagram {
     fn send(&mut self, k: u32) {
         let mut bytes = [0; size_of::<Position>()];
         bytes[..4].copy_from_slice(&k.to_le_bytes());
@@ -287,8 +289,8 @@ impl Way for Datagram {
 
 fn datagram() {
     let folder = tempfile::tempdir().unwrap();
-    let mut way = Datagram::new(folder.path(), "a", "b");
-    let mut child = myself(&["echo", "datagram", folder.path().to_str().unwrap()]);
-    table("Unix datagram, woken", &mut way);
+    let mut transport = Datagram::new(folder.path(), "a", "b");
+    let mut child = spawn_self(&["echo", "datagram", folder.path().to_str().unwrap()]);
+    measure_row("Unix datagram, blocking", &mut transport);
     child.wait().unwrap();
 }

@@ -1,4 +1,4 @@
-//! A wake-up and an answer in lockstep, beside a raw loop of shared memory and futex.
+//! Lockstep: time for one wake-up and one answer, compared with a minimal loop over shared memory and futex.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -13,37 +13,35 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Stage, WakePage};
 use slipstream_launch::{Request, resolve};
 
-use crate::{best, events, myself};
+use crate::{best, events, spawn_self};
 
 const ROUNDS: u32 = 600;
 const TIMEOUT: Duration = Duration::from_secs(10);
 
-/// The table.
+/// Measures and prints the table.
 pub(crate) fn measure() {
     println!(
-        "Lockstep: a wake-up and an answer (µs): raw shared memory and futex, ours, ratio, \
-         events of iceoryx2"
+        "Lockstep, one wake-up and answer (µs): minimal loop, slipstream, ratio, events of iceoryx2"
     );
     for robots in [1, 3, 10, 30, 100] {
-        // In turns, so that all see the same neighbours on the machine.
-        let turns: Vec<[f64; 3]> = (0..3)
-            .map(|_| [raw(robots), ours(robots), events::measure(robots)])
+        // Alternating, so that other work on the machine affects all alike.
+        let rows: Vec<[f64; 3]> = (0..3)
+            .map(|_| [minimal(robots), slipstream(robots), events::measure(robots)])
             .collect();
-        let [raw, ours, events] = [0, 1, 2].map(|way| {
-            turns
-                .iter()
-                .map(|turn| turn[way])
+        let [minimal, slipstream, events] = [0, 1, 2].map(|column| {
+            rows.iter()
+                .map(|row| row[column])
                 .fold(f64::INFINITY, f64::min)
         });
         println!(
-            "{robots:>6} {raw:8.2} {ours:8.2} {:8.2} {events:8.2}",
-            ours / raw
+            "{robots:>6} {minimal:8.2} {slipstream:8.2} {:8.2} {events:8.2}",
+            slipstream / minimal
         );
     }
 }
 
-/// Microseconds for each agent in a round; the best of some series.
-pub(crate) fn series(robots: u32, mut round: impl FnMut()) -> f64 {
+/// Time for each agent in a round (µs), the best of five series.
+pub(crate) fn time_rounds(robots: u32, mut round: impl FnMut()) -> f64 {
     (0..50).for_each(|_| round());
     best(5, |_| {
         let begin = Instant::now();
@@ -52,17 +50,18 @@ pub(crate) fn series(robots: u32, mut round: impl FnMut()) -> f64 {
     })
 }
 
-fn raw(robots: u32) -> f64 {
+/// A minimal plant with minimal agents: wake page, futex and a copied number.
+fn minimal(robots: u32) -> f64 {
     let folder = tempfile::tempdir_in("/dev/shm").unwrap();
     let page = folder.path().join("wake_page");
     let wake_page = WakePage::create(&page, robots as usize).unwrap();
     let page = page.to_str().unwrap();
     let agents: Vec<_> = (0..robots)
-        .map(|robot| myself(&["raw-agent", page, &robot.to_string()]))
+        .map(|robot| spawn_self(&["minimal-agent", page, &robot.to_string()]))
         .collect();
     while !wake_page.wait_ready(robots, TIMEOUT) {}
     let mut epoch = 0;
-    let time = series(robots, || {
+    let time = time_rounds(robots, || {
         epoch += 1;
         wake_page.publish_progress(i64::from(epoch), 0.0, 0.0);
         wake_page.begin_round(epoch);
@@ -81,8 +80,8 @@ fn raw(robots: u32) -> f64 {
     time
 }
 
-/// Answers with a copy of the data.
-pub(crate) fn raw_agent(page: &Path, robot: &str) {
+/// Agent of the minimal loop: answers with a copy of the data.
+pub(crate) fn minimal_agent(page: &Path, robot: &str) {
     let robot: usize = robot.parse().unwrap();
     let wake_page = WakePage::open(page).unwrap();
     wake_page.signal_ready();
@@ -97,42 +96,43 @@ pub(crate) fn raw_agent(page: &Path, robot: &str) {
     }
 }
 
-fn ours(robots: u32) -> f64 {
+/// The links of a run, without physics and controllers.
+fn slipstream(robots: u32) -> f64 {
     let request = Request {
         robots: Some(robots),
         ..Request::default()
     };
     let experiment = resolve(&request).unwrap().experiment;
-    let (place, _alive) = RunDirectory::create(0xbe0c_0000 + robots).unwrap();
+    let (directory, _lock) = RunDirectory::create(0xbe0c_0000 + robots).unwrap();
     std::fs::write(
-        place.experiment(),
+        directory.experiment(),
         postcard::to_allocvec(&experiment).unwrap(),
     )
     .unwrap();
-    let wake_page = Rc::new(WakePage::create(&place.wake_page(), robots as usize).unwrap());
-    let folder = place.folder().to_str().unwrap();
+    let wake_page = Rc::new(WakePage::create(&directory.wake_page(), robots as usize).unwrap());
+    let folder = directory.folder().to_str().unwrap();
     let agents: Vec<_> = (0..robots)
-        .map(|robot| myself(&["bus-agent", folder, &robot.to_string()]))
+        .map(|robot| spawn_self(&["link-agent", folder, &robot.to_string()]))
         .collect();
-    let services = Services::join(&place, &experiment, "plant").unwrap();
-    let kept = services.create_all().unwrap();
+    let services = Services::join(&directory, &experiment, "plant").unwrap();
+    let services_kept_open = services.create_all().unwrap();
     wake_page.advance(Stage::Services);
     let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
     end.await_ready(robots).unwrap();
-    drop(kept);
+    drop(services_kept_open);
     let encoders = vec![Encoders::default(); robots as usize];
     let mut commands = vec![TorqueCommand::default(); robots as usize];
-    let time = series(robots, || end.round(0, &encoders, &mut commands).unwrap());
+    let time = time_rounds(robots, || end.round(0, &encoders, &mut commands).unwrap());
     wake_page.advance(Stage::Over);
     agents
         .into_iter()
         .for_each(|mut agent| assert!(agent.wait().unwrap().success()));
-    place.remove().unwrap();
+    directory.remove().unwrap();
     time
 }
 
-/// Answers without a controller.
-pub(crate) fn bus_agent(folder: &Path, robot: &str) {
+/// Agent with the links of a run: answers without a controller.
+pub(crate) fn link_agent(folder: &Path, robot: &str) {
     let robot: u32 = robot.parse().unwrap();
     let joined = JoinedRun::new(folder).unwrap();
     let services = joined.services("agent").unwrap();

@@ -1,9 +1,9 @@
-//! What a run costs, beside the least that the machine allows: `just bench`.
+//! Benchmarks of a run against a lower bound for the machine: `just bench`.
 //!
-//! Every table is measured by this one program in one go; compare columns, not days.
+//! Compare only numbers of the same table: they are measured together, in one run of this program.
 #![allow(
     clippy::unwrap_used,
-    reason = "a measurement stops at what it does not expect"
+    reason = "a benchmark may stop at the first error"
 )]
 
 mod events;
@@ -22,8 +22,8 @@ use slipstream_launch::{Request, in_process, resolve};
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     match arguments.get(1).map(String::as_str) {
-        Some("raw-agent") => lockstep::raw_agent(Path::new(&arguments[2]), &arguments[3]),
-        Some("bus-agent") => lockstep::bus_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("minimal-agent") => lockstep::minimal_agent(Path::new(&arguments[2]), &arguments[3]),
+        Some("link-agent") => lockstep::link_agent(Path::new(&arguments[2]), &arguments[3]),
         Some("event-agent") => events::agent(Path::new(&arguments[2]), &arguments[3]),
         Some("lockstep") => lockstep::measure(),
         Some("trace") => trace::measure(),
@@ -35,20 +35,21 @@ fn main() {
             real_time_factors();
             deadlines();
             memory();
-            in_one_process();
+            in_process_rate();
             trace::measure();
         }
     }
 }
 
-/// This program in another role.
-fn myself(arguments: &[&str]) -> std::process::Child {
+/// Starts this program in another role.
+fn spawn_self(arguments: &[&str]) -> std::process::Child {
     Command::new(std::env::current_exe().unwrap())
         .args(arguments)
         .spawn()
         .unwrap()
 }
 
+/// Runs `slipstream run` and reads the JSON that it writes.
 fn run(folder: &Path, arguments: &[&str]) -> Value {
     let status = Command::new(env!("CARGO_BIN_EXE_slipstream"))
         .current_dir(folder)
@@ -65,13 +66,13 @@ fn number(result: &Value, key: &str) -> f64 {
     result[key].as_f64().unwrap()
 }
 
-/// The best of some: what the machine can do when it is let.
-fn best(times: u32, measure: impl FnMut(u32) -> f64) -> f64 {
-    (0..times).map(measure).fold(f64::INFINITY, f64::min)
+/// The smallest of several measurements, which other work on the machine disturbs least.
+fn best(count: u32, measure: impl FnMut(u32) -> f64) -> f64 {
+    (0..count).map(measure).fold(f64::INFINITY, f64::min)
 }
 
 fn start_up() {
-    println!("\nStart-up until everybody is connected, and a run of 1 ms from launch to end (ms)");
+    println!("\nStart-up until all processes are connected; whole run of 1 ms (ms)");
     let folder = tempfile::tempdir().unwrap();
     for robots in ["3", "10", "100"] {
         let measure = |key: &str| {
@@ -89,7 +90,7 @@ fn start_up() {
 }
 
 fn real_time_factors() {
-    println!("\nReal-time factor of the platoon, loop alone: recorded, not recorded");
+    println!("\nReal-time factor of the simulation loop, platoon: with recording, without");
     let folder = tempfile::tempdir().unwrap();
     for robots in ["3", "10", "100"] {
         let factor = |more: &[&str]| {
@@ -104,11 +105,11 @@ fn real_time_factors() {
     }
 }
 
-/// The plant's loop of 1 kHz on the wall clock, beside a bare loop that only sleeps.
+/// The plant's loop of 1 kHz on the wall clock, compared with a loop that only sleeps.
 fn deadlines() {
     const SECONDS: i64 = 15;
     println!(
-        "\nWall clock, {SECONDS} s at 1 kHz: steps missed, latest wake-up (ms), real-time scheduling"
+        "\nWall clock, {SECONDS} s at 1 kHz: missed steps, latest wake-up (ms), real-time scheduling"
     );
     let folder = tempfile::tempdir().unwrap();
     let duration = format!("duration_s={SECONDS}");
@@ -119,7 +120,7 @@ fn deadlines() {
         number(plant, "latest_s") * 1e3,
     );
     println!(
-        "  ours {missed:6} {latest_ms:8.2} {}",
+        " plant {missed:6} {latest_ms:8.2} {}",
         result["real_time"]["fifo"]
     );
     let missed: u64 = result["deadlines"]
@@ -130,7 +131,7 @@ fn deadlines() {
         .map(|loops| loops["missed"].as_u64().unwrap())
         .sum();
     println!("agents {missed:6}");
-    // In a thread of its own, which alone becomes a real-time one.
+    // In a thread of its own, so that only this thread gets real-time scheduling.
     let (deadlines, fifo) = std::thread::spawn(move || {
         let fifo = RealTime::request(30).fifo;
         let clock = WallClock::new(Monotonic::now());
@@ -145,12 +146,12 @@ fn deadlines() {
     .join()
     .unwrap();
     let latest_ms = deadlines.latest_ns as f64 / 1e6;
-    println!("  bare {:6} {latest_ms:8.2} {fifo}", deadlines.missed);
+    println!(" sleep {:6} {latest_ms:8.2} {fifo}", deadlines.missed);
 }
 
-/// Memory of the plant and of an agent, from the system, in the middle of a run.
+/// Memory of the plant and of an agent during a run, from /proc.
 fn memory() {
-    println!("\nMemory, resident and of its own (MB): plant, agent");
+    println!("\nMemory, [resident, anonymous] (MB): plant, agent");
     let folder = tempfile::tempdir().unwrap();
     for robots in ["3", "100"] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_slipstream"))
@@ -172,6 +173,7 @@ fn memory() {
     }
 }
 
+/// A memory size from /proc/PID/status (MB).
 fn mb(pid: &str, key: &str) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap();
     let line = status.lines().find(|line| line.starts_with(key)).unwrap();
@@ -183,8 +185,8 @@ fn mb(pid: &str, key: &str) -> f64 {
         / 1024.0
 }
 
-fn in_one_process() {
-    println!("\nRuns of 15 s in one process, a second of one core: with state hash, without");
+fn in_process_rate() {
+    println!("\nRuns of 15 s in one process, per second on one core: with state hash, without");
     let experiment = resolve(&Request::default()).unwrap().experiment;
     let rate = |hashing| {
         1.0 / best(20, |_| {

@@ -1,36 +1,38 @@
-//! Figures of a diagnosis: residuals, intervals, missing force, path.
+//! Figures of a diagnosis: residuals, intervals of the findings, missing force, path.
 
 use slipstream_diagnose::{Against, Answer, Figures, Finding, MissingForce, Paths, Residuals};
 use slipstream_report::{Chart, Line, Page, PictureError, Row, Timeline, Track};
 
-use super::points::{kept, level, means};
-use super::text::number;
+use super::points::{binned_means, finite_points, rms};
+use super::text::format_number;
 
-/// Names and colours of the lines.
+/// Name and colour of the lines for the nominal model.
 pub(super) const NOMINAL: (&str, usize) = ("nominal model", 1);
+/// Name and colour of the lines for the improved model.
 pub(super) const FOUND: (&str, usize) = ("improved model", 0);
+/// Name and colour of the positions that the camera measured.
 const CAMERA: (&str, usize) = ("camera", 5);
 
-/// Root mean square (standard deviations) below which residuals are mostly noise and drawn as dots.
+/// Residuals with a root mean square (standard deviations) below this are mostly noise and drawn as dots.
 const NOISE_RMS: f64 = 3.0;
 
-/// Ratio of the residuals before and after from which on those after get a figure of their own.
+/// The residuals of the improved model get a second, enlarged figure if they are smaller by this factor.
 const ENLARGE_RATIO: f64 = 4.0;
 
 pub(super) fn add_residuals(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     page.subsection("Residuals before and after");
     page.paragraph(
         "Simulated minus measured, in sensor standard deviations, over the windows of the fit (5 s each, \
-         with a free initial state). Noise stays within about ±3.",
+         with free initial states). Noise stays within about ±3.",
     );
     for residuals in &figures.residuals {
-        add_channel(page, residuals, &of_run(figures, residuals.run))?;
+        add_channel(page, residuals, &recording_label(figures, residuals.run))?;
     }
     Ok(())
 }
 
-/// Which recording, where there are several.
-fn of_run(figures: &Figures, run: usize) -> String {
+/// Number of the recording for captions, if there are several.
+fn recording_label(figures: &Figures, run: usize) -> String {
     if figures.spans_s.len() > 1 {
         format!(", recording {}", run + 1)
     } else {
@@ -40,29 +42,32 @@ fn of_run(figures: &Figures, run: usize) -> String {
 
 fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), PictureError> {
     let channel = residuals.channel;
-    let [before, after] = [level(&residuals.before), level(&residuals.after)];
+    let [before, after] = [rms(&residuals.before), rms(&residuals.after)];
     let axis = format!("{channel} (standard deviations)");
-    let same = residuals.after.is_empty();
+    let unchanged = residuals.after.is_empty();
     let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
-    // Noise drawn as a line would fill the figure.
-    let nominal = if same && before < NOISE_RMS {
+    // A line through noise would fill the figure.
+    let nominal = if unchanged && before < NOISE_RMS {
         nominal.dots()
     } else {
         nominal
     };
     let mut chart = Chart::new("t (s)", axis.clone()).line(nominal);
-    if !same {
+    if !unchanged {
         chart = chart.line(Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1));
     }
-    let caption = if same {
-        format!("{channel}{run}: root mean square {}.", number(before))
+    let caption = if unchanged {
+        format!(
+            "{channel}{run}: root mean square {}.",
+            format_number(before)
+        )
     } else {
-        let [before, after] = [before, after].map(number);
+        let [before, after] = [before, after].map(format_number);
         format!("{channel}{run}: root mean square {before} before, {after} after.")
     };
     page.figure(&chart.svg()?, &caption);
-    if !same && before > ENLARGE_RATIO * after {
-        let line = Line::new(FOUND.0, kept(&residuals.after))
+    if !unchanged && before > ENLARGE_RATIO * after {
+        let line = Line::new(FOUND.0, finite_points(&residuals.after))
             .dots()
             .colour(FOUND.1);
         let chart = Chart::new("t (s)", axis).line(line);
@@ -81,7 +86,11 @@ pub(super) fn add_timeline(
 ) -> Result<(), PictureError> {
     let own = |finding: &&Finding| finding.robot == figures.robot;
     let own: Vec<&Finding> = answer.findings.iter().filter(own).collect();
-    let mut rows: Vec<Row> = own.iter().enumerate().map(|(i, _)| row(&own, i)).collect();
+    let mut rows: Vec<Row> = own
+        .iter()
+        .enumerate()
+        .map(|(i, _)| finding_row(&own, i))
+        .collect();
     if rows.is_empty() {
         return Ok(());
     }
@@ -91,23 +100,23 @@ pub(super) fn add_timeline(
         .iter()
         .map(|[from, to]| (*from, *to))
         .collect();
-    rows.push(row_of("recorded", &spans));
+    rows.push(timeline_row("recorded", &spans));
     page.figure(
         &Timeline::new("t (s)", rows).svg()?,
-        "Intervals in which each finding acts, and their total length.",
+        "Intervals in which each finding acts, with their total length.",
     );
     Ok(())
 }
 
-/// The row of the `i`th finding; those of one name are counted.
-fn row(findings: &[&Finding], i: usize) -> Row {
+/// Row of the `i`th finding. Findings of the same effect are numbered.
+fn finding_row(findings: &[&Finding], i: usize) -> Row {
     let finding = findings[i];
-    let like = |other: &&&Finding| other.effect == finding.effect;
-    let name = if findings.iter().filter(like).count() > 1 {
+    let same_effect = |other: &&&Finding| other.effect == finding.effect;
+    let name = if findings.iter().filter(same_effect).count() > 1 {
         format!(
             "{} {}",
             finding.effect,
-            findings[..=i].iter().filter(like).count()
+            findings[..=i].iter().filter(same_effect).count()
         )
     } else {
         finding.effect.clone()
@@ -118,15 +127,15 @@ fn row(findings: &[&Finding], i: usize) -> Row {
         .iter()
         .map(|[a, b]| (*a, *b))
         .collect();
-    row_of(&name, &spans)
+    timeline_row(&name, &spans)
 }
 
-fn row_of(name: &str, spans: &[(f64, f64)]) -> Row {
+fn timeline_row(name: &str, spans: &[(f64, f64)]) -> Row {
     let sum: f64 = spans.iter().map(|(from, to)| to - from).sum();
     Row {
         name: name.to_owned(),
         spans: spans.to_vec(),
-        note: format!("{} s", number(sum)),
+        note: format!("{} s", format_number(sum)),
     }
 }
 
@@ -139,7 +148,7 @@ pub(super) fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), Pictu
          instead. Curves over time are means over 0.25 s without outliers.",
     );
     for force in &figures.forces {
-        add_over_time(page, force, &of_run(figures, force.run))?;
+        add_over_time(page, force, &recording_label(figures, force.run))?;
     }
     for against in &figures.against {
         add_against(page, against)?;
@@ -165,18 +174,18 @@ fn add_over_time(page: &mut Page, force: &MissingForce, run: &str) -> Result<(),
 fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
     let mut chart = Chart::new(against.variable.clone(), against.quantity.clone());
     let dots = |name: &str, points: &[(f64, f64)], colour: usize| {
-        Line::new(name, kept(points)).dots().colour(colour)
+        Line::new(name, finite_points(points)).dots().colour(colour)
     };
     if against.curve.is_empty() && against.after.is_empty() {
-        chart = chart
-            .line(dots("measured", &against.before, 4))
-            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1));
+        chart = chart.line(dots("measured", &against.before, 4)).line(
+            Line::new("mean, nominal model", binned_means(&against.before)).colour(NOMINAL.1),
+        );
     } else if against.curve.is_empty() {
         chart = chart
             .line(dots(NOMINAL.0, &against.before, 4))
-            .line(Line::new("mean, nominal model", means(&against.before)).colour(NOMINAL.1))
+            .line(Line::new("mean, nominal model", binned_means(&against.before)).colour(NOMINAL.1))
             .line(
-                Line::new("mean, improved model", means(&against.after))
+                Line::new("mean, improved model", binned_means(&against.after))
                     .dashed()
                     .colour(FOUND.1),
             );
@@ -202,7 +211,7 @@ fn add_against(page: &mut Page, against: &Against) -> Result<(), PictureError> {
 
 pub(super) fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     for path in &figures.paths {
-        page.subsection(&format!("Path{}", of_run(figures, path.run)));
+        page.subsection(&format!("Path{}", recording_label(figures, path.run)));
         page.figure(
             &track(path).svg()?,
             "Windows of 5 s: the initial state is fitted to the first half second, the rest is simulated \

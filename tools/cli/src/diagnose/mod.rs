@@ -16,19 +16,19 @@ use slipstream_recording::robot_toml;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file;
-use crate::print::{complain, say};
+use crate::print::{eprint_line, print_line};
 use crate::progress;
 
 /// Find what a robot model lacks, from a recording
 ///
-/// Prints where model and recording differ, which effects of the catalogue the model lacks, their
-/// parameters and 95 % intervals; or that nothing is missing; or that something is missing that the
-/// catalogue does not hold, and what it depends on.
+/// Prints one of three verdicts. Explained: effects of the catalogue that the model lacks, with
+/// parameters, 95 % intervals, and when they act. Match: the model lacks nothing. Unexplained: a
+/// difference that no effect of the catalogue explains, and what it depends on.
 ///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file; several are runs of the same machines
+    /// Folder with recording.toml, or an MCAP file; several are taken as runs of the same robots
     #[arg(required = true)]
     recording: Vec<PathBuf>,
     /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
@@ -40,13 +40,13 @@ pub(crate) struct Arguments {
     /// Write a page with the answer and its figures
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Write the model with the found effects added (several robots: FILE.NAME.toml each)
+    /// Write the model with the effects that were found (several robots: one FILE.NAME.toml each)
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
-    /// Ignore everything measured from A to B seconds
+    /// Ignore measurements between A and B seconds; may be repeated
     #[arg(long, value_name = "A:B", value_parser = time_span)]
     exclude_time: Vec<[f64; 2]>,
-    /// Leave an effect out of the catalogue
+    /// Leave an effect out of the catalogue; may be repeated
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
 }
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     for path in &arguments.recording {
         let import = slipstream_recording::read(path)?;
         for warning in &import.warnings {
-            complain!("{warning}");
+            eprint_line!("{warning}");
         }
         recordings.push(import.recording);
     }
@@ -78,9 +78,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         excluded_s: &arguments.exclude_time,
         progress: &|step| line.set_message(step.to_owned()),
     };
-    let done = examine(&request, arguments.report.is_some());
+    let result = run_diagnosis(&request, arguments.report.is_some());
     line.finish_and_clear();
-    let (answer, improved, figures) = done?;
+    let (answer, improved, figures) = result?;
     if let Some(file) = &arguments.json {
         output_file::write_json(file, &answer)?;
     }
@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             output_file::write(&file, &robot_toml::to_text(model))?;
         }
     }
-    say(&answer);
+    print_answer(&answer);
     Ok(Exit::Done)
 }
 
@@ -116,8 +116,8 @@ fn time_span(text: &str) -> Result<[f64; 2], String> {
         .ok_or_else(|| "give two times in seconds, such as 12.5:14".to_owned())
 }
 
-/// The diagnosis, with figures if a page is written.
-fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, InputError> {
+/// Runs the diagnosis; computes figures only for a page.
+fn run_diagnosis(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, InputError> {
     if with_figures {
         return diagnose_with_figures(request);
     }
@@ -125,27 +125,36 @@ fn examine(request: &Request<'_>, with_figures: bool) -> Result<Illustrated, Inp
     Ok((answer, improved, Vec::new()))
 }
 
-fn say(answer: &Answer) {
-    let held = &answer.held_out;
-    say!("{}.", text::verdict(answer.verdict));
+fn print_answer(answer: &Answer) {
+    let held_out = &answer.held_out;
+    print_line!("{}.", text::verdict(answer.verdict));
     for warning in &answer.warnings {
-        say!("Warning: {}.", text::warning(warning));
+        print_line!("Warning: {}.", text::warning(warning));
     }
     for finding in &answer.findings {
-        say!("\n{}", finding.statement);
+        print_line!("\n{}", finding.statement);
     }
-    let said = |shape: &str| {
+    let is_stated = |shape: &str| {
         answer
             .findings
             .iter()
             .any(|f| f.shape.as_deref() == Some(shape))
     };
-    for left in answer.unexplained.iter().filter(|left| !said(&left.shape)) {
-        say!("\nRobot {}, {}: {}", left.robot, left.channel, left.shape);
+    for difference in answer
+        .unexplained
+        .iter()
+        .filter(|difference| !is_stated(&difference.shape))
+    {
+        print_line!(
+            "\nRobot {}, {}: {}",
+            difference.robot,
+            difference.channel,
+            difference.shape
+        );
     }
-    say!(
+    print_line!(
         "\nPrediction error over 5 s: {:.2} sensor standard deviations before, {:.2} after (noise alone: 1).",
-        held.nrmse_before,
-        held.nrmse_after
+        held_out.nrmse_before,
+        held_out.nrmse_after
     );
 }

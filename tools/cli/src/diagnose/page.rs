@@ -6,7 +6,7 @@ use slipstream_diagnose::{
 use slipstream_report::{Page, PictureError};
 
 use super::charts::{FOUND, NOMINAL, add_forces, add_paths, add_residuals, add_timeline};
-use super::text::{number, verdict, warning};
+use super::text::{format_number, verdict, warning};
 use crate::command_line::command_line;
 
 /// The whole page.
@@ -18,7 +18,7 @@ pub(super) fn page(
     let mut page = Page::new(&format!("Diagnosis of {name}"), &command_line());
     add_answer(&mut page, answer);
     let found = |own: &Figures| answer.findings.iter().any(|f| f.robot == own.robot);
-    // robots with findings first
+    // Robots with findings come first.
     let (with, without): (Vec<&Figures>, Vec<&Figures>) =
         figures.iter().partition(|own| found(own));
     for own in with.into_iter().chain(without) {
@@ -31,14 +31,14 @@ pub(super) fn page(
         add_forces(&mut page, own)?;
         add_paths(&mut page, own)?;
         add_parameters(&mut page, answer, own);
-        add_held_out(&mut page, answer, own);
+        add_prediction_errors(&mut page, answer, own);
         add_limits(&mut page, own);
-        add_look_alikes(&mut page, answer, own);
+        add_confused_effects(&mut page, answer, own);
     }
     Ok(page.end())
 }
 
-/// The first screen.
+/// Adds verdict, warnings, findings and prediction error.
 fn add_answer(page: &mut Page, answer: &Answer) {
     page.section(verdict(answer.verdict));
     for what in &answer.warnings {
@@ -47,16 +47,20 @@ fn add_answer(page: &mut Page, answer: &Answer) {
     for finding in &answer.findings {
         page.paragraph(&finding.statement);
     }
-    let said = |shape: &str| {
+    let is_stated = |shape: &str| {
         answer
             .findings
             .iter()
             .any(|f| f.shape.as_deref() == Some(shape))
     };
-    for left in answer.unexplained.iter().filter(|left| !said(&left.shape)) {
+    for difference in answer
+        .unexplained
+        .iter()
+        .filter(|difference| !is_stated(&difference.shape))
+    {
         page.paragraph(&format!(
             "Robot {}, {}: {}.",
-            left.robot, left.channel, left.shape
+            difference.robot, difference.channel, difference.shape
         ));
     }
     let [before, after] = [answer.held_out.nrmse_before, answer.held_out.nrmse_after];
@@ -101,10 +105,10 @@ fn add_parameters(page: &mut Page, answer: &Answer, figures: &Figures) {
 }
 
 fn parameter_row(finding: &Finding, parameter: &ParameterEstimate) -> Vec<String> {
-    let or_none = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
-    let between = match parameter.ci95 {
+    let or_none = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), format_number);
+    let interval = match parameter.ci95 {
         Some([low, high]) if low.is_finite() && high.is_finite() => {
-            format!("{} to {}", number(low), number(high))
+            format!("{} to {}", format_number(low), format_number(high))
         }
         Some(_) => "not determined by this recording".to_owned(),
         None => "–".to_owned(),
@@ -119,11 +123,11 @@ fn parameter_row(finding: &Finding, parameter: &ParameterEstimate) -> Vec<String
         parameter.unit.clone(),
         or_none(parameter.nominal),
         estimate,
-        between,
+        interval,
     ]
 }
 
-fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
+fn add_prediction_errors(page: &mut Page, answer: &Answer, figures: &Figures) {
     page.subsection("Prediction error over 5 s by channel");
     page.paragraph(
         "The initial state of each window is fitted to its first half second; the rest is simulated from \
@@ -137,8 +141,8 @@ fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
     let rows = own.map(|c| {
         vec![
             c.channel.clone(),
-            number(c.nrmse_before),
-            number(c.nrmse_after),
+            format_number(c.nrmse_before),
+            format_number(c.nrmse_after),
         ]
     });
     let rows: Vec<Vec<String>> = rows.collect();
@@ -146,12 +150,12 @@ fn add_held_out(page: &mut Page, answer: &Answer, figures: &Figures) {
 }
 
 fn add_limits(page: &mut Page, figures: &Figures) {
-    page.subsection("Effects ruled out, and down to which size");
+    page.subsection("Effects ruled out, with limits on their size");
     page.paragraph(
-        "No other effect of the catalogue is larger than this. At this size, its parameter would differ \
-         from zero by 4.5 standard deviations beside the findings; for thresholds it is the smallest \
-         tried value that the recording refutes. Effects that could still be large come first. The \
-         limits account for sensor noise, not for other errors of the simulation.",
+        "No other effect of the catalogue is larger than its limit. At the limit, and with the findings in \
+         the model, its parameter would differ from zero by 4.5 standard deviations; for a threshold, the \
+         limit is the smallest tested value that the recording contradicts. Effects that could still be \
+         large come first. The limits account for sensor noise, not for other errors of the simulation.",
     );
     let known = figures
         .limits
@@ -181,41 +185,43 @@ fn ruled_out(limit: &Limit, size: f64) -> String {
     } else {
         format!(" {}", limit.unit)
     };
-    let size = number(size);
+    let size = format_number(size);
     match limit.seen {
         Seen::Above => format!("above {size}{unit}"),
         Seen::Below => format!("below {size}{unit}"),
-        Seen::Around(nothing) => format!("further than {size}{unit} from {}", number(nothing)),
+        Seen::Around(nothing) => {
+            format!("further than {size}{unit} from {}", format_number(nothing))
+        }
     }
 }
 
-fn add_look_alikes(page: &mut Page, answer: &Answer, figures: &Figures) {
-    page.subsection("Effects that cannot be told apart, and the experiment that would");
+fn add_confused_effects(page: &mut Page, answer: &Answer, figures: &Figures) {
+    page.subsection("Effects that cannot be told apart, and an experiment that distinguishes them");
     let mut rows: Vec<Vec<String>> = Vec::new();
     for finding in answer.findings.iter().filter(|f| f.robot == figures.robot) {
-        for twin in &finding.confused_with {
-            let both = format!("{} or {twin}", finding.effect);
-            rows.push(vec![both, manoeuvre(&[&finding.effect, twin])]);
+        for other in &finding.confused_with {
+            let both = format!("{} or {other}", finding.effect);
+            rows.push(vec![both, manoeuvre(&[&finding.effect, other])]);
         }
     }
-    let mut blind: Vec<String> = Vec::new();
+    let mut unobservable: Vec<String> = Vec::new();
     for limit in figures.limits.iter().filter(|limit| limit.size.is_none()) {
         let effect = effect_of(limit);
-        if !blind.contains(&effect) {
+        if !unobservable.contains(&effect) {
             rows.push(vec![
-                format!("{effect}: not observable here"),
+                format!("{effect}: not observable in this recording"),
                 manoeuvre(&[limit.effect]),
             ]);
-            blind.push(effect);
+            unobservable.push(effect);
         }
     }
     if rows.is_empty() {
-        page.paragraph("None: each finding differs from every other effect of the catalogue, and every other effect would have been observed.");
+        page.paragraph("None: the recording distinguishes each finding from every other effect of the catalogue, and would have shown every other effect.");
     } else {
         page.table(&["effects", "experiment"], &rows);
     }
     page.paragraph(
-        "Pushes and friction patches are searched for only where no other effect brings the residuals to \
-         noise. Link delays need the recordings of both robots.",
+        "Pushes and friction patches are searched for only if no other effect reduces the residuals to noise. \
+         Link delays can be found only with the recordings of both robots.",
     );
 }

@@ -15,15 +15,15 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
     }
 }
 
-/// A property of a recording that weakens the answer, in one line.
+/// A warning about a recording, in one line.
 pub(super) fn warning(warning: &Warning) -> String {
     let robot = warning.robot.as_deref().unwrap_or("all robots");
     let (name, what, remedy) = (&warning.recording, &warning.statement, &warning.remedy);
     format!("{name}, {robot}: {what}; {remedy}")
 }
 
-/// A number with four significant digits.
-pub(super) fn number(value: f64) -> String {
+/// A number with four significant digits; a dash if it is not finite.
+pub(super) fn format_number(value: f64) -> String {
     if !value.is_finite() {
         return "–".to_owned();
     }
@@ -31,17 +31,17 @@ pub(super) fn number(value: f64) -> String {
     if size != 0.0 && !(1e-4..1e6).contains(&size) {
         return format!("{value:.2e}");
     }
-    let before = if size >= 1.0 {
+    let integer_digits = if size >= 1.0 {
         size.log10().floor() as usize + 1
     } else {
         0
     };
-    let after = if before > 0 {
-        4_usize.saturating_sub(before)
+    let decimals = if integer_digits > 0 {
+        4_usize.saturating_sub(integer_digits)
     } else {
-        leading(size) + 4
+        leading_zeros(size) + 4
     };
-    let text = format!("{value:.after$}");
+    let text = format!("{value:.decimals$}");
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
@@ -50,7 +50,7 @@ pub(super) fn number(value: f64) -> String {
 }
 
 /// Number of zeros between the decimal point and the first significant digit.
-fn leading(size: f64) -> usize {
+fn leading_zeros(size: f64) -> usize {
     if size == 0.0 {
         0
     } else {
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_keep_four_digits() {
+    fn numbers_have_four_significant_digits() {
         for (value, text) in [
             (0.0, "0"),
             (0.236_14, "0.2361"),
@@ -75,7 +75,7 @@ mod tests {
             (120.0, "120"),
             (f64::INFINITY, "–"),
         ] {
-            assert_eq!(number(value), text);
+            assert_eq!(format_number(value), text);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `slipstream trace`: latency of positions, stage by stage.
+//! `slipstream trace`: latency of position messages, stage by stage.
 
 mod page;
 mod table;
@@ -10,7 +10,7 @@ use slipstream_trace::Reading;
 
 use crate::exit::{Error, Exit};
 use crate::output_file;
-use crate::print::{self, complain};
+use crate::print::{self, eprint_line};
 
 /// Show the latency of each link, stage by stage, from the encoder sample to the applied torque
 ///
@@ -19,7 +19,7 @@ use crate::print::{self, complain};
 pub(crate) struct Arguments {
     /// MCAP file written by `slipstream run`
     recording: PathBuf,
-    /// Show which stages differ from another run
+    /// Compare with another run and show which stages differ
     #[arg(long, value_name = "OTHER")]
     against: Option<PathBuf>,
     /// Write the answer as JSON
@@ -78,7 +78,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
 fn read(recording: &Path) -> Result<Reading, Error> {
     let reading = slipstream_trace::read(recording)?;
     for warning in &reading.warnings {
-        complain!("{warning}");
+        eprint_line!("{warning}");
     }
     Ok(reading)
 }

@@ -1,4 +1,4 @@
-//! Latency tables on the terminal.
+//! Tables of the latency for the terminal.
 
 use std::fmt::Write as _;
 
@@ -34,13 +34,13 @@ pub(super) fn table(answer: &Answer) -> String {
     for figures in &answer.loops {
         let (process, name, ticks) = (&figures.process, &figures.name, figures.ticks);
         let counts = [(figures.missed, "missed"), (figures.left_out, "skipped")];
-        let told = counts.into_iter().filter(|(count, _)| *count > 0);
-        let told: String = told
+        let nonzero = counts.into_iter().filter(|(count, _)| *count > 0);
+        let counts: String = nonzero
             .map(|(count, what)| format!(", {count} {what}"))
             .collect();
         row(
             &mut text,
-            &format!("  {process} {name}: {ticks}{told}"),
+            &format!("  {process} {name}: {ticks}{counts}"),
             &figures.late,
         );
         if let Some(jitter) = figures.jitter.filter(|jitter| jitter.max_s > 0.0) {
@@ -101,8 +101,9 @@ pub(super) fn unused(incomplete: &Incomplete) -> String {
         (incomplete.receiver_died, "whose receiver died"),
         (incomplete.untold, "with missing records"),
     ];
-    let told = counts.into_iter().filter(|(count, _)| *count > 0);
-    told.map(|(count, what)| format!(", {count} {what}"))
+    let nonzero = counts.into_iter().filter(|(count, _)| *count > 0);
+    nonzero
+        .map(|(count, what)| format!(", {count} {what}"))
         .collect()
 }
 

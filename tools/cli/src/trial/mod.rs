@@ -1,4 +1,4 @@
-//! `slipstream trial`: scores the diagnosis on cases whose truth is concealed from it.
+//! `slipstream trial`: a blind test that scores the diagnosis on recordings with known effects.
 
 mod text;
 
@@ -21,16 +21,15 @@ use slipstream_trial::tally::{TrialReport, tally};
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file::{write, write_json};
-use crate::print::say;
+use crate::print::print_line;
 use crate::progress;
 
-/// Score the diagnosis on recordings whose truth is concealed from it
+/// Score the diagnosis in a blind test, on recordings with known effects
 ///
 /// Cases are drawn from the seed and simulated by a second simulator that shares no code with the
-/// plant. Before anything is diagnosed, recordings and a commitment to every label (SHA-256) are
-/// written. Each case is diagnosed in a process of its own that gets only the recording and the
-/// nominal model. Then the labels are opened, checked against the commitments, and the answers are
-/// scored.
+/// plant. Before anything is diagnosed, the recordings and a commitment to every label (SHA-256) are
+/// written. Each case is diagnosed in its own process, which gets only the recording and the nominal
+/// model. Then the labels are opened and checked against the commitments, and the answers are scored.
 ///
 /// Example: slipstream trial --cases 200 --seed 1 --json trial.json --out trial
 #[derive(Debug, Args)]
@@ -46,28 +45,28 @@ pub(crate) struct Arguments {
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "labels")]
     seed: u64,
-    /// Cases to make: drawn at random, or every effect at several sizes
-    #[arg(long, value_enum, default_value_t = Which::Sealed, conflicts_with = "labels")]
-    plan: Which,
-    /// Only cases that conceal this effect
+    /// How the cases are chosen
+    #[arg(long, value_enum, default_value_t = PlanKind::Sealed, conflicts_with = "labels")]
+    plan: PlanKind,
+    /// Only cases with this effect
     #[arg(long, value_name = "EFFECT", conflicts_with = "labels")]
     effect: Option<String>,
-    /// Write recordings, models and labels, and diagnose nothing
+    /// Write recordings, models and labels, but diagnose nothing
     #[arg(long, requires = "out", conflicts_with_all = ["labels", "json", "report"])]
     make_only: bool,
-    /// New folder for recordings, commitments and, at the end, labels
+    /// New folder for the recordings, commitments and, at the end, labels [default: a temporary one]
     #[arg(long, value_name = "FOLDER", conflicts_with = "labels")]
     out: Option<PathBuf>,
-    /// Labels of recordings made elsewhere, in the folder of these recordings
+    /// Score existing recordings instead: their labels, in the folder of the recordings
     #[arg(long, value_name = "FILE.toml")]
     labels: Option<PathBuf>,
-    /// Only these cases of the labels
+    /// Only these cases of the labels, separated by commas
     #[arg(long, value_name = "CASE", value_delimiter = ',', requires = "labels")]
     only: Vec<String>,
-    /// Leave an effect out of the catalogue of every diagnosis
+    /// Leave an effect out of the catalogue of every diagnosis; may be repeated
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
-    /// Score another program, called as `PROGRAM diagnose …`
+    /// Score another program, called as PROGRAM diagnose … [default: slipstream]
     #[arg(long, value_name = "PROGRAM")]
     with: Option<PathBuf>,
     /// Time limit of one diagnosis (s)
@@ -81,11 +80,12 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
+/// How the cases of a trial are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Which {
-    /// `--cases` cases drawn from the seed
+enum PlanKind {
+    /// N cases drawn at random from the seed
     Sealed,
-    /// Every effect at three sizes, nulls, pairs, and physics outside the vocabulary
+    /// Every effect at three sizes, pairs of effects, no effect, and physics outside the vocabulary
     Battery,
 }
 
@@ -100,10 +100,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
-    let stop = listen()?;
+    let stop = interrupt_flag()?;
     let report = match &arguments.labels {
-        Some(file) => labelled(arguments, file, &stop)?,
-        None => match drawn(arguments, &stop)? {
+        Some(file) => score_existing(arguments, file, &stop)?,
+        None => match score_new(arguments, &stop)? {
             Some(report) => report,
             None => return Ok(Exit::Done),
         },
@@ -116,35 +116,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             .map_err(|error| Error::Failed(error.to_string()))?;
         write(file, &page)?;
     }
-    text::say(&report);
+    text::print_report(&report);
     Ok(Exit::Done)
 }
 
-/// A trial of recordings made elsewhere.
-fn labelled(arguments: &Arguments, file: &Path, stop: &AtomicBool) -> Result<TrialReport, Error> {
-    let labels = chosen(label::read(file)?, &arguments.only, file)?;
+/// A trial of existing recordings with labels.
+fn score_existing(
+    arguments: &Arguments,
+    file: &Path,
+    stop: &AtomicBool,
+) -> Result<TrialReport, Error> {
+    let labels = select(label::read(file)?, &arguments.only, file)?;
     let folder = file.parent().unwrap_or(Path::new("."));
     let questions = questions(&labels, &arguments.without);
-    let answers = answers(arguments, folder, &questions, stop)?;
+    let answers = diagnose_cases(arguments, folder, &questions, stop)?;
     Ok(tally(score(&labels, &questions, answers), Vec::new()))
 }
 
-/// A trial of cases drawn here; nothing where they are only made.
-fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>, Error> {
+/// A trial of new cases; `None` if they are only made and not diagnosed.
+fn score_new(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>, Error> {
     let plan = match arguments.plan {
-        Which::Sealed => Plan::sealed(arguments.cases, arguments.seed),
-        Which::Battery => Plan::battery(arguments.seed),
+        PlanKind::Sealed => Plan::sealed(arguments.cases, arguments.seed),
+        PlanKind::Battery => Plan::battery(arguments.seed),
     };
     let plan = match &arguments.effect {
         Some(id) => plan.with_effect(id),
         None => plan,
     };
-    let passing = tempfile::tempdir()
-        .map_err(|error| Error::Failed(format!("a temporary folder: {error}")))?;
+    let temporary = tempfile::tempdir()
+        .map_err(|error| Error::Failed(format!("failed to create a temporary folder: {error}")))?;
     let folder = arguments
         .out
         .clone()
-        .unwrap_or_else(|| passing.path().join("trial"));
+        .unwrap_or_else(|| temporary.path().join("trial"));
     let bar = progress::bar(plan.cases().count(), "made");
     let trial = SealedTrial::make(&plan, &folder, || {
         bar.inc(1);
@@ -158,7 +162,7 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>
     let trial = trial?;
     if arguments.make_only {
         let labels = trial.open()?;
-        say!(
+        print_line!(
             "{} cases with their labels: {}",
             labels.len(),
             folder.display()
@@ -166,7 +170,7 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>
         return Ok(None);
     }
     let questions = trial.questions(&arguments.without);
-    let answers = answers(arguments, &folder, &questions, stop)?;
+    let answers = diagnose_cases(arguments, &folder, &questions, stop)?;
     let labels = trial.open()?;
     Ok(Some(tally(
         score(&labels, &questions, answers),
@@ -174,19 +178,23 @@ fn drawn(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialReport>
     )))
 }
 
-fn answers(
+/// Diagnoses every case and returns the answers in order.
+fn diagnose_cases(
     arguments: &Arguments,
     folder: &Path,
     questions: &[Question],
     stop: &AtomicBool,
 ) -> Result<Vec<slipstream_trial::diagnosis_process::DiagnosisRun>, Error> {
     let program = match &arguments.with {
-        // the diagnosis works in another folder
+        // The diagnosis runs in another folder.
         Some(program) => std::path::absolute(program),
         None => std::env::current_exe(),
     };
-    let program =
-        program.map_err(|error| Error::Failed(format!("the program that diagnoses: {error}")))?;
+    let program = program.map_err(|error| {
+        Error::Failed(format!(
+            "failed to find the program that diagnoses: {error}"
+        ))
+    })?;
     let program = DiagnosisProgram {
         program: &program,
         limit: Duration::from_secs(arguments.limit_s),
@@ -194,14 +202,15 @@ fn answers(
     };
     let bar = progress::bar(questions.len(), "diagnosed");
     let answers = diagnose_all(&program, folder, questions, |question, run| {
-        bar.suspend(|| text::say_answer(question, run));
+        bar.suspend(|| text::print_answer(question, run));
         bar.inc(1);
     });
     bar.finish_and_clear();
     Ok(answers?)
 }
 
-fn chosen(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, TrialError> {
+/// The labels of the cases in `only`; all if it is empty.
+fn select(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, TrialError> {
     if let Some(name) = only.iter().find(|name| !labels.contains_key(*name)) {
         return Err(InputError::new(
             format!("--only {name}"),
@@ -214,12 +223,12 @@ fn chosen(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, Tr
     Ok(labels)
 }
 
-/// A flag that Ctrl-C sets.
-fn listen() -> Result<Arc<AtomicBool>, Error> {
+/// A flag that SIGINT and SIGTERM set.
+fn interrupt_flag() -> Result<Arc<AtomicBool>, Error> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|error| Error::Failed(format!("cannot listen to signals: {error}")))?;
+            .map_err(|error| Error::Failed(format!("failed to listen for signals: {error}")))?;
     }
     Ok(stop)
 }

@@ -1,14 +1,14 @@
 //! Results of a trial on the terminal.
 
-use crate::print::say;
+use crate::print::print_line;
 use slipstream_trial::diagnosis_process::DiagnosisRun;
 use slipstream_trial::grade::TrialGrade;
 use slipstream_trial::protocol::Question;
 use slipstream_trial::tally::{ScoredCase, TrialReport};
 
-/// One answer, before its label is opened.
-pub(super) fn say_answer(question: &Question, run: &DiagnosisRun) {
-    let said = match &run.answer {
+/// Prints one answer, before its label is opened.
+pub(super) fn print_answer(question: &Question, run: &DiagnosisRun) {
+    let summary = match &run.answer {
         Ok(answer) if answer.findings.is_empty() => format!("{:?}", answer.verdict).to_lowercase(),
         Ok(answer) => {
             let names = answer.findings.iter();
@@ -19,17 +19,17 @@ pub(super) fn say_answer(question: &Question, run: &DiagnosisRun) {
         }
         Err(why) => why.clone(),
     };
-    say!("{}  {:6.1} s  {said}", question.name, run.seconds);
+    print_line!("{}  {:6.1} s  {summary}", question.name, run.seconds);
 }
 
-/// The scores.
-pub(super) fn say(report: &TrialReport) {
-    say!("");
+/// Prints the scores of all cases.
+pub(super) fn print_report(report: &TrialReport) {
+    print_line!("");
     for entry in &report.each {
-        say_case(entry);
+        print_case(entry);
     }
-    say!(
-        "\n{} cases, {} of them with nothing concealed",
+    print_line!(
+        "\n{} cases, {} of them without a concealed effect",
         report.cases,
         report.nulls
     );
@@ -39,46 +39,46 @@ pub(super) fn say(report: &TrialReport) {
             .iter()
             .filter(|entry| entry.score.grade == outcome)
             .count();
-        say!("  {:<12} {count}", outcome.name().replace('_', " "));
+        print_line!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
     for (kind, outcomes) in report.kinds.iter().filter(|(kind, _)| !kind.is_empty()) {
         let counts = outcomes
             .iter()
             .map(|(name, count)| format!("{count} {}", name.replace('_', " ")));
-        say!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
+        print_line!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
     }
-    let figure = |what: &str, value: Option<f64>| {
+    let print_figure = |what: &str, value: Option<f64>| {
         if let Some(value) = value {
-            say!("{what} {value:.4}");
+            print_line!("{what} {value:.4}");
         }
     };
-    figure(
-        "share of 95 % intervals that hold the truth:",
+    print_figure(
+        "fraction of 95 % intervals that contain the truth:",
         report.coverage95,
     );
-    figure(
-        "parameter error over the stated deviation (rms):",
+    print_figure(
+        "parameter error / stated standard deviation (rms):",
         report.error_over_stated,
     );
-    figure(
-        "parameter error over the least possible deviation (rms):",
+    print_figure(
+        "parameter error / Cramér-Rao bound (rms):",
         report.error_over_least,
     );
-    figure(
-        "parameter error in proportion (median):",
+    print_figure(
+        "relative parameter error (median):",
         report.median_relative_error,
     );
-    figure(
-        "prediction error after over before (median):",
+    print_figure(
+        "prediction error after / before (median):",
         report.held_out_ratio,
     );
-    let [median, most] = report.seconds;
-    say!("time for one diagnosis: {median:.1} s (median), {most:.1} s (most)");
+    let [median, max] = report.seconds;
+    print_line!("time for one diagnosis: {median:.1} s (median), {max:.1} s (maximum)");
     if !report.detection.is_empty() {
-        say!("\nsize, in nats    effects   named   look-alike   missed");
+        print_line!("\nsize (nats)      effects   named   look-alike   missed");
         for step in &report.detection {
-            say!(
-                "from {:<12.0}{:6}{:9}{:11}{:10}",
+            print_line!(
+                "from {:<12.0}{:7}{:8}{:13}{:9}",
                 step.from_gain,
                 step.effects,
                 step.named,
@@ -89,14 +89,15 @@ pub(super) fn say(report: &TrialReport) {
     }
 }
 
-fn say_case(entry: &ScoredCase) {
+/// Prints grade, matched effects and remarks of one case.
+fn print_case(entry: &ScoredCase) {
     let (name, outcome) = (&entry.case, entry.score.grade.name().replace('_', " "));
     let pairs = entry.score.pairs.iter();
     let pairs: Vec<String> = pairs
-        .map(|[truth, said]| format!("{truth} → {said}"))
+        .map(|[truth, answer]| format!("{truth} → {answer}"))
         .collect();
-    say!("{name}  {outcome:<12} {}", pairs.join(", "));
+    print_line!("{name}  {outcome:<12} {}", pairs.join(", "));
     for remark in &entry.score.remarks {
-        say!("    {remark}");
+        print_line!("    {remark}");
     }
 }

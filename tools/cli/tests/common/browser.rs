@@ -1,4 +1,4 @@
-//! A headless Chromium, driven over its DevTools pipe.
+//! A headless Chromium, controlled with the DevTools protocol over a pipe.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use serde_json::{Value, json};
 
-const NAMES: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+const PROGRAMS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 const FLAGS: &str = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run \
      --disable-background-networking --disable-component-update --disable-sync \
      --window-size=1200,900 --remote-debugging-pipe";
@@ -14,26 +14,29 @@ const FLAGS: &str = "--headless --no-sandbox --disable-gpu --disable-quic --no-f
 /// A browser with one page.
 pub(crate) struct Browser {
     child: Child,
-    to: ChildStdin,
-    from: BufReader<ChildStdout>,
+    input: ChildStdin,
+    output: BufReader<ChildStdout>,
     session: Value,
     calls: u64,
-    /// What the console showed as an error since the page was opened.
+    /// Errors on the console since the page was opened.
     errors: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// Starts it; `None` if none is installed ([`super::skipped`]).
+    /// Starts a browser; `None` if none is installed ([`super::skipped`]).
     pub(crate) fn start() -> Option<Self> {
-        let answers = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
-        let Some(name) = NAMES.iter().find(answers) else {
-            super::skipped(&format!("no Chromium is installed ({})", NAMES.join(", ")));
+        let is_installed = |name: &&&str| Command::new(name).arg("--version").output().is_ok();
+        let Some(name) = PROGRAMS.iter().find(is_installed) else {
+            super::skipped(&format!(
+                "no Chromium is installed ({})",
+                PROGRAMS.join(", ")
+            ));
             return None;
         };
         let profile = tempfile::tempdir().unwrap();
         let folder = profile.path().display();
-        // The pipe's ends are the file descriptors 3 and 4.
+        // The browser reads from file descriptor 3 and writes to 4.
         let line = format!(
             "exec {name} {FLAGS} --user-data-dir={folder} about:blank 3<&0 4>&1 </dev/null >/dev/null"
         );
@@ -45,8 +48,8 @@ impl Browser {
             .spawn()
             .unwrap();
         let mut browser = Self {
-            to: child.stdin.take().unwrap(),
-            from: BufReader::new(child.stdout.take().unwrap()),
+            input: child.stdin.take().unwrap(),
+            output: BufReader::new(child.stdout.take().unwrap()),
             child,
             session: Value::Null,
             calls: 0,
@@ -62,12 +65,12 @@ impl Browser {
         Some(browser)
     }
 
-    /// Opens a file and waits until it is loaded. What its console shows as errors.
+    /// Opens a file, waits until it is loaded and returns the errors on its console.
     pub(crate) fn open_file(&mut self, path: &Path) -> Vec<String> {
         self.open(&format!("file://{}", path.display()))
     }
 
-    /// Opens an address likewise.
+    /// Opens an address, waits until it is loaded and returns the errors on its console.
     pub(crate) fn open(&mut self, address: &str) -> Vec<String> {
         self.errors.clear();
         let answer = self.call("Page.navigate", json!({"url": address}));
@@ -76,7 +79,7 @@ impl Browser {
         std::mem::take(&mut self.errors)
     }
 
-    /// The value of an expression of JavaScript in the page.
+    /// Evaluates a JavaScript expression in the page.
     pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
         let arguments =
             json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
@@ -92,8 +95,10 @@ impl Browser {
         if !self.session.is_null() {
             message["sessionId"] = self.session.clone();
         }
-        self.to.write_all(message.to_string().as_bytes()).unwrap();
-        self.to.write_all(&[0]).unwrap();
+        self.input
+            .write_all(message.to_string().as_bytes())
+            .unwrap();
+        self.input.write_all(&[0]).unwrap();
         loop {
             let answer = self.next_message();
             if answer["id"] == id {
@@ -105,18 +110,18 @@ impl Browser {
 
     fn next_message(&mut self) -> Value {
         let mut bytes = Vec::new();
-        self.from.read_until(0, &mut bytes).unwrap();
-        assert_eq!(bytes.pop(), Some(0), "the browser has gone");
+        self.output.read_until(0, &mut bytes).unwrap();
+        assert_eq!(bytes.pop(), Some(0), "the browser has ended");
         let message: Value = serde_json::from_slice(&bytes).unwrap();
-        let told = &message["params"];
+        let params = &message["params"];
         let error = match message["method"].as_str() {
             Some("Runtime.exceptionThrown") => true,
-            Some("Log.entryAdded") => told["entry"]["level"] == "error",
-            Some("Runtime.consoleAPICalled") => told["type"] == "error",
+            Some("Log.entryAdded") => params["entry"]["level"] == "error",
+            Some("Runtime.consoleAPICalled") => params["type"] == "error",
             _ => false,
         };
         if error {
-            self.errors.push(told.to_string());
+            self.errors.push(params.to_string());
         }
         message
     }

@@ -1,10 +1,6 @@
-//! What the tests of real processes share.
-#![allow(dead_code, reason = "each test file uses its part")]
-#![allow(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test stops at what it does not expect"
-)]
+//! Helpers for tests of the command line: run `slipstream`, watch its processes, read its output.
+#![allow(dead_code, reason = "no test file uses every helper")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 pub(crate) mod browser;
 
@@ -16,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// Says that a test is skipped because a program is missing.
+/// Prints that a test is skipped because a program is missing.
 ///
 /// # Panics
 /// If `CI` is set: there a skipped test is a failure.
@@ -25,7 +21,7 @@ pub(crate) fn skipped(reason: &str) {
     eprintln!("SKIPPED: {reason}");
 }
 
-/// `slipstream run` with these arguments, in a folder.
+/// The command `slipstream` with these arguments, in a folder.
 pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipstream"));
     command
@@ -38,18 +34,18 @@ pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// Runs to the end.
+/// Runs `slipstream` to its end.
 pub(crate) fn slipstream(folder: &Path, arguments: &[&str]) -> Output {
     command(folder, arguments).output().unwrap()
 }
 
-/// Runs to a good end and reads the JSON.
+/// Runs `slipstream run`, which must succeed, and reads the JSON that it writes.
 pub(crate) fn run_json(folder: &Path, arguments: &[&str]) -> Value {
     let mut all = vec!["run", "--json", "result.json"];
     all.extend(arguments);
     let output = slipstream(folder, &all);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{arguments:?}: {words}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {stderr}");
     read_json(&folder.join("result.json"))
 }
 
@@ -57,11 +53,11 @@ pub(crate) fn read_json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// A process of a run, as the system shows it.
+/// A process of a run, read from /proc.
 #[derive(Debug, Clone)]
 pub(crate) struct Role {
     pub(crate) pid: u32,
-    /// The arguments, the role first.
+    /// The arguments; the first is the role.
     pub(crate) arguments: Vec<String>,
 }
 
@@ -71,7 +67,7 @@ impl Role {
         &self.arguments[0]
     }
 
-    /// The run's folder.
+    /// The run directory.
     pub(crate) fn folder(&self) -> &str {
         let at = self
             .arguments
@@ -82,7 +78,7 @@ impl Role {
     }
 }
 
-/// The direct children of a launcher.
+/// The child processes of a launcher.
 pub(crate) fn roles(launcher: u32) -> Vec<Role> {
     let path = format!("/proc/{launcher}/task/{launcher}/children");
     let pids = std::fs::read_to_string(path).unwrap_or_default();
@@ -103,15 +99,15 @@ pub(crate) fn roles(launcher: u32) -> Vec<Role> {
     pids.split_whitespace().filter_map(role).collect()
 }
 
-/// Whether a process exists and is no zombie.
-pub(crate) fn lives(pid: u32) -> bool {
+/// Whether a process exists and is not a zombie.
+pub(crate) fn is_alive(pid: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     stat.rsplit(')')
         .next()
-        .is_some_and(|rest| !rest.is_empty() && !rest.starts_with(" Z"))
+        .is_some_and(|state| !state.is_empty() && !state.starts_with(" Z"))
 }
 
-/// What there is in shared memory of the run in `folder`.
+/// Files in /dev/shm that belong to the run in `folder`.
 pub(crate) fn shared_memory(folder: &str) -> Vec<String> {
     let name = folder.rsplit('/').next().unwrap();
     let entries = std::fs::read_dir("/dev/shm").unwrap();
@@ -120,7 +116,10 @@ pub(crate) fn shared_memory(folder: &str) -> Vec<String> {
     names.filter(|other| other.contains(name)).collect()
 }
 
-/// Waits until `done` says so; says how long it took, or panics after `limit`.
+/// Waits until `done` returns true and returns how long that took.
+///
+/// # Panics
+/// After `limit`.
 pub(crate) fn wait_for(what: &str, limit: Duration, mut done: impl FnMut() -> bool) -> Duration {
     let begin = Instant::now();
     while !done() {
@@ -133,32 +132,32 @@ pub(crate) fn wait_for(what: &str, limit: Duration, mut done: impl FnMut() -> bo
     begin.elapsed()
 }
 
-/// Two threads that never rest, until dropped.
+/// Two threads that spin until the value is dropped.
 pub(crate) struct Load {
-    rest: Arc<AtomicBool>,
+    stop: Arc<AtomicBool>,
     threads: Vec<std::thread::JoinHandle<()>>,
 }
 
 impl Load {
     pub(crate) fn new() -> Self {
-        let rest = Arc::new(AtomicBool::new(false));
+        let stop = Arc::new(AtomicBool::new(false));
         let threads = (0..2)
             .map(|_| {
-                let rest = Arc::clone(&rest);
+                let stop = Arc::clone(&stop);
                 std::thread::spawn(move || {
-                    while !rest.load(Ordering::Relaxed) {
+                    while !stop.load(Ordering::Relaxed) {
                         std::hint::spin_loop();
                     }
                 })
             })
             .collect();
-        Self { rest, threads }
+        Self { stop, threads }
     }
 }
 
 impl Drop for Load {
     fn drop(&mut self) {
-        self.rest.store(true, Ordering::Relaxed);
+        self.stop.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
             let _ = thread.join();
         }

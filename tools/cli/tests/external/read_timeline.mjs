@@ -1,10 +1,10 @@
-// What the trace engine of the browser's developer tools understands of a timeline, as JSON.
-// Arguments: the folder with the package, the timeline.
+// Reads a timeline with the trace engine of Chromium's developer tools; prints its processes and arrows as JSON.
+// Arguments: folder with the package, timeline.
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const [folder, timeline] = process.argv.slice(2);
-// The engine is made for a browser.
+// The engine expects these globals of a browser.
 globalThis.window = globalThis;
 globalThis.DOMRect = class {};
 const entry = `${folder}/node_modules/@paulirish/trace_engine/models/trace/trace.js`;

@@ -71,7 +71,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
         Some(_) => trace_files::begin(&resolved.experiment, "launcher")?,
         None => None,
     };
-    let mut signals = signals::listen().map_err(system("listen to signals"))?;
+    let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let begin = Instant::now();
     let mut run = Run::prepare(resolved, options)?;
     run.start().map_err(system("start the processes"))?;
@@ -170,7 +170,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Kills what has not ended in time after a stop. The recorder has twice the time.
+    /// Kills processes that have not ended in time after a stop. The recorder gets twice the time.
     fn kill_overdue(&self) {
         let overdue =
             |since: Option<Instant>, timeout| since.is_some_and(|t| t.elapsed() > timeout);
@@ -209,7 +209,8 @@ impl<'a> Run<'a> {
         Ok(ended.map(|(&index, _)| index).collect())
     }
 
-    /// Handles the end of a child: nothing if it was planned, else stop, continue or restart.
+    /// Handles the end of a child: a planned end needs nothing; after a failure the run stops, continues, or
+    /// restarts the agent.
     fn after_end(&mut self, index: usize) -> std::io::Result<()> {
         let role = self.children[index].role;
         if role == Role::Recorder {
@@ -245,7 +246,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Keeps the first reason.
+    /// Sets the status to failed; the first reason is kept.
     fn fail(&mut self, reason: String) {
         if self.status == RunStatus::Done {
             self.status = RunStatus::Failed(reason);

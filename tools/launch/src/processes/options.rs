@@ -26,7 +26,7 @@ pub enum LaunchError {
     System {
         /// The step.
         step: &'static str,
-        /// What the operating system said.
+        /// The error of the operating system.
         error: std::io::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! Checks of system limits before a run starts: when a limit is hit later, the error does not name it.
+//! Checks of system limits before a run starts, because errors in a running process would not name the limit.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use slipstream_bus::InputError;
@@ -25,10 +25,12 @@ pub(crate) fn check(robots: u32) -> Result<(), InputError> {
         };
         let enough = limit.maximum.is_none_or(|maximum| maximum >= descriptors);
         if !enough || setrlimit(Resource::Nofile, raised).is_err() {
-            let most = limit.maximum.unwrap_or_default();
+            let allowed = limit.maximum.unwrap_or_default();
             return Err(InputError::new(
                 "ulimit -n",
-                format!("{robots} robots need {descriptors} file descriptors, {most} are allowed"),
+                format!(
+                    "{robots} robots need {descriptors} file descriptors, {allowed} are allowed"
+                ),
                 format!("raise it (ulimit -n {descriptors}), or run fewer robots or --in-process"),
             ));
         }

@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::run_directory::RunDirectory;
 
-/// Writes the report of the process `name`. It appears under its name only when it is complete.
+/// Writes the report of the process `name`. The file is complete as soon as it has its final name.
 ///
 /// # Errors
 /// When it cannot be written, unless the launcher has already removed the directory.

@@ -80,7 +80,7 @@ pub fn play(arguments: &[OsString]) -> bool {
     let filter = match membership.trace.then(trace::filter).transpose() {
         Ok(filter) => filter,
         Err(problem) => {
-            complain(&role, &format!("{}: {problem}", trace::VARIABLE));
+            print_problem(&role, &format!("{}: {problem}", trace::VARIABLE));
             return false;
         }
     };
@@ -92,14 +92,14 @@ pub fn play(arguments: &[OsString]) -> bool {
     match played {
         Ok(()) | Err(BusError::Stopped) => true,
         Err(error) => {
-            complain(&role, &error.to_string());
+            print_problem(&role, &error.to_string());
             false
         }
     }
 }
 
 /// Prints a problem. Standard error may be closed.
-fn complain(role: &RoleArguments, problem: &str) {
+fn print_problem(role: &RoleArguments, problem: &str) {
     let _ = writeln!(std::io::stderr(), "slipstream {}: {problem}", role.name());
 }
 

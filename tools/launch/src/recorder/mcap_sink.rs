@@ -11,10 +11,11 @@ use slipstream_bus::{Experiment, RobotModel, trace};
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{
-    Attachment, Fate as Ending, PositionRecord, RunHeader, RunWriter, WheelContact,
+    Attachment, Fate as DeliveryStatus, PositionRecord, RunHeader, RunWriter, WheelContact,
 };
 
-/// Writes the records of a run to an MCAP file. The first failure ends the writing and is returned at the end.
+/// Writes the records of a run to an MCAP file. After the first failure nothing more is
+/// written; [`McapSink::finish`] returns it.
 pub struct McapSink {
     writer: RunWriter<BufWriter<File>>,
     failure: Option<slipstream_recording::Error>,
@@ -45,7 +46,7 @@ impl McapSink {
         keys: &str,
     ) -> slipstream_recording::Result<Self> {
         let mut writer = RunWriter::create(path, &about(experiment, keys))?;
-        // Even a run that dies at once leaves a file that describes it.
+        // So that the file describes the run even if the run dies at once.
         writer.flush()?;
         Ok(Self {
             writer,
@@ -65,10 +66,10 @@ impl McapSink {
     /// Flushes the file.
     pub fn flush(&mut self) {
         let result = self.writer.flush();
-        self.keep(result);
+        self.keep_failure(result);
     }
 
-    /// Writes the rest and closes the file. Returns the number of records in it.
+    /// Writes the messages still in flight and closes the file. Returns the number of records in it.
     ///
     /// # Errors
     /// The first failure of the whole recording.
@@ -85,7 +86,8 @@ impl McapSink {
         Ok(self.records)
     }
 
-    fn keep(&mut self, result: slipstream_recording::Result<()>) {
+    /// Keeps the first failure.
+    fn keep_failure(&mut self, result: slipstream_recording::Result<()>) {
         if let Err(error) = result {
             self.failure.get_or_insert(error);
         }
@@ -198,9 +200,9 @@ impl McapSink {
         };
         let name = |robot: RobotIndex| self.names.get(robot as usize).map_or("?", String::as_str);
         let fate = match message.arrived {
-            Some(None) => Ending::Lost,
-            Some(Some(t_received_ns)) if message.taken => Ending::Arrived { t_received_ns },
-            _ => Ending::InFlight,
+            Some(None) => DeliveryStatus::Lost,
+            Some(Some(t_received_ns)) if message.taken => DeliveryStatus::Arrived { t_received_ns },
+            _ => DeliveryStatus::InFlight,
         };
         let record = PositionRecord {
             sender: name(position.from),
@@ -213,7 +215,7 @@ impl McapSink {
             velocity: Some([position.v_m_s, position.w_rad_s]),
         };
         let result = self.writer.write_position(&record);
-        self.keep(result);
+        self.keep_failure(result);
     }
 }
 
@@ -222,7 +224,7 @@ impl Recorder for McapSink {
         if self.failure.is_none() {
             self.records += 1;
             let result = self.write(record);
-            self.keep(result);
+            self.keep_failure(result);
         }
     }
 
@@ -233,7 +235,7 @@ impl Recorder for McapSink {
             self.trace.push(trace::FORMAT);
             self.trace.extend_from_slice(bytes);
             let result = self.writer.write_trace(t_ns, &self.trace);
-            self.keep(result);
+            self.keep_failure(result);
         }
     }
 }

@@ -8,16 +8,17 @@ use slipstream_ipc::record_pipe::Entry;
 
 use super::mcap_sink::McapSink;
 
-/// A source that is silent this long no longer holds up the others.
+/// A source that sends nothing for this long is no longer waited for.
 pub(super) const SILENCE: Duration = Duration::from_millis(300);
 
-/// Records of several sources, each in order of time, on their way into one file.
+/// Merges the records of several sources, each in order of time, into one file.
 pub(super) struct Merge {
     pub(super) sink: McapSink,
     /// Time of the last record of each source (ns).
     reached_ns: Vec<i64>,
-    /// Time of its source (ns), number of its source, record.
+    /// Records not yet written: latest time of the source (ns), number of the source, record.
     waiting: Vec<(i64, usize, Pending)>,
+    /// When records were last released.
     released: Instant,
 }
 
@@ -28,7 +29,7 @@ enum Pending {
 }
 
 impl Merge {
-    /// A merge of so many sources. With 0 every record is written at once.
+    /// A merge of `sources` sources. With 0, every record is written as it comes.
     pub(super) fn new(sources: usize, sink: McapSink) -> Self {
         Self {
             sink,

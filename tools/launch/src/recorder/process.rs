@@ -21,6 +21,7 @@ use crate::run_files::read_keys;
 const IDLE_SLEEP: Duration = Duration::from_millis(1);
 /// Interval at which the file is flushed.
 const FLUSH_INTERVAL: Duration = Duration::from_millis(250);
+
 /// Final report of the recorder.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct RecorderOutcome {

@@ -76,14 +76,14 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
 
 /// A built-in experiment, or a file applied to the built-in experiment that it names as its base.
 fn base(experiment: Option<&str>) -> Result<KeyTree, InputError> {
-    let asked = experiment.unwrap_or("platoon");
-    if let Some(tree) = KeyTree::built_in(asked)? {
+    let name_or_path = experiment.unwrap_or("platoon");
+    if let Some(tree) = KeyTree::built_in(name_or_path)? {
         return Ok(tree);
     }
-    let path = Path::new(asked);
+    let path = Path::new(name_or_path);
     let text = std::fs::read_to_string(path).map_err(|error| {
         let remedy = format!("give a file, or one of {}", BUILT_IN.join(", "));
-        InputError::new(asked, format!("cannot be read: {error}"), remedy)
+        InputError::new(name_or_path, format!("cannot be read: {error}"), remedy)
     })?;
     let file = keys::File::parse(path, &text)?;
     let name = file.base().unwrap_or("platoon");
@@ -115,7 +115,7 @@ mod tests {
 
     use super::*;
 
-    /// The files say what is assumed; what the code takes where nobody says anything is the same.
+    /// The defaults in the code equal the values in the files of the experiments.
     #[test]
     fn the_papers_files_hold_the_defaults() {
         for (name, settings) in [

@@ -15,7 +15,7 @@ use super::request::{Assumption, Origin};
 pub const BUILT_IN: [&str; 5] = ["platoon", "single", "circle", "figure_eight", "lane_change"];
 
 /// Files of the experiments of the paper.
-const PAPERS: [(&str, &str); 2] = [
+const PAPER_FILES: [(&str, &str); 2] = [
     ("platoon", include_str!("../../experiments/platoon.toml")),
     ("single", include_str!("../../experiments/single.toml")),
 ];
@@ -35,7 +35,7 @@ impl KeyTree {
         let Some(mut tree) = Self::plain(name) else {
             return Ok(None);
         };
-        for (_, text) in PAPERS.iter().filter(|(paper, _)| *paper == name) {
+        for (_, text) in PAPER_FILES.iter().filter(|(paper, _)| *paper == name) {
             let file = keys::File::parse(Path::new(name), text)?;
             for (key, value, _) in file.keys() {
                 tree.set(&key, value, &Origin::BuiltIn(name.to_owned()))?;
@@ -107,11 +107,11 @@ impl KeyTree {
             let remedy = self.suggest(key);
             InputError::new(place(), format!("{key} is not a key"), remedy)
         })?;
-        let value = keys::fit(before, value).map_err(|wanted| {
+        let value = keys::fit(before, value).map_err(|expected| {
             InputError::new(
                 place(),
-                format!("{key} is not a {wanted}"),
-                format!("give a {wanted}"),
+                format!("{key} is not a {expected}"),
+                format!("give a {expected}"),
             )
         })?;
         let mut table = self.table.clone();
@@ -139,7 +139,7 @@ impl KeyTree {
             .map_err(|error| InputError::new(&self.base, error.message(), "correct the experiment"))
     }
 
-    /// What to do about a key that does not exist.
+    /// Remedy for a key that does not exist.
     fn suggest(&self, key: &str) -> String {
         match keys::nearest(&self.table, key) {
             Some(near) => format!("did you mean {near}? --dry-run lists all keys"),

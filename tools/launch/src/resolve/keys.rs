@@ -26,7 +26,7 @@ const ASSUMPTIONS: &str = "assumptions";
 impl File {
     /// Parses the text of an experiment.
     pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, InputError> {
-        let unusable = |error: toml::de::Error| {
+        let invalid = |error: toml::de::Error| {
             let line = error.span().map_or(1, |span| line_at(text, span.start));
             let problem = error
                 .message()
@@ -41,8 +41,8 @@ impl File {
                 "correct the line",
             )
         };
-        let table: Table = text.parse().map_err(unusable)?;
-        let spanned = DeTable::parse(text).map_err(unusable)?;
+        let table: Table = text.parse().map_err(invalid)?;
+        let spanned = DeTable::parse(text).map_err(invalid)?;
         let mut lines = Vec::new();
         gather(spanned.get_ref(), "", text, &mut lines);
         lines.sort_by_key(|&(_, line)| line);

@@ -1,4 +1,4 @@
-//! The robots of an experiment: their models are read, and checked by building plant and controllers.
+//! The robots of an experiment: reads their models and checks them by building plant and controllers.
 
 use std::path::{Path, PathBuf};
 

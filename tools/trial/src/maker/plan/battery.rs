@@ -101,7 +101,7 @@ fn outside() -> Vec<CaseSpec> {
     outside.chain(withheld).collect()
 }
 
-/// Cases with nothing concealed.
+/// Cases without a concealed effect.
 fn nulls() -> Vec<CaseSpec> {
     let mut specs = Vec::new();
     for style in [Style::Lively, Style::Cruise, Style::Wild] {
