@@ -19,6 +19,11 @@ const NOISE_RMS: f64 = 3.0;
 /// The residuals of the improved model get a second, enlarged figure if they are smaller by this factor.
 const ENLARGE_RATIO: f64 = 4.0;
 
+/// A line through points, with name and colour of a kind.
+fn line((name, colour): (&str, usize), points: &[(f64, f64)]) -> Line {
+    Line::new(name, points.iter().copied()).colour(colour)
+}
+
 pub(super) fn add_residuals(page: &mut Page, figures: &Figures) -> Result<(), PictureError> {
     page.subsection("Residuals before and after");
     page.paragraph(
@@ -45,7 +50,7 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     let [before, after] = [rms(&residuals.before), rms(&residuals.after)];
     let axis = format!("{channel} (standard deviations)");
     let unchanged = residuals.after.is_empty();
-    let nominal = Line::new(NOMINAL.0, residuals.before.iter().copied()).colour(NOMINAL.1);
+    let nominal = line(NOMINAL, &residuals.before);
     // A line through noise would fill the figure.
     let nominal = if unchanged && before < NOISE_RMS {
         nominal.dots()
@@ -54,7 +59,7 @@ fn add_channel(page: &mut Page, residuals: &Residuals, run: &str) -> Result<(), 
     };
     let mut chart = Chart::new("t (s)", axis.clone()).line(nominal);
     if !unchanged {
-        chart = chart.line(Line::new(FOUND.0, residuals.after.iter().copied()).colour(FOUND.1));
+        chart = chart.line(line(FOUND, &residuals.after));
     }
     let caption = if unchanged {
         format!(
@@ -157,9 +162,6 @@ pub(super) fn add_forces(page: &mut Page, figures: &Figures) -> Result<(), Pictu
 }
 
 fn add_over_time(page: &mut Page, force: &MissingForce, run: &str) -> Result<(), PictureError> {
-    let line = |(name, colour): (&str, usize), points: &[(f64, f64)]| {
-        Line::new(name, points.iter().copied()).colour(colour)
-    };
     let mut chart = Chart::new("t (s)", force.quantity.clone()).line(line(NOMINAL, &force.before));
     if !force.after.is_empty() {
         chart = chart.line(line(FOUND, &force.after));
@@ -222,9 +224,6 @@ pub(super) fn add_paths(page: &mut Page, figures: &Figures) -> Result<(), Pictur
 }
 
 fn track(path: &Paths) -> Track {
-    let line = |(name, colour): (&str, usize), points: &[(f64, f64)]| {
-        Line::new(name, points.iter().copied()).colour(colour)
-    };
     let track = Track::new()
         .line(line(CAMERA, &path.camera).dots())
         .line(line(NOMINAL, &path.before).dashed());

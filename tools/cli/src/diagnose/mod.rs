@@ -134,17 +134,7 @@ fn print_answer(answer: &Answer) {
     for finding in &answer.findings {
         print_line!("\n{}", finding.statement);
     }
-    let is_stated = |shape: &str| {
-        answer
-            .findings
-            .iter()
-            .any(|f| f.shape.as_deref() == Some(shape))
-    };
-    for difference in answer
-        .unexplained
-        .iter()
-        .filter(|difference| !is_stated(&difference.shape))
-    {
+    for difference in text::unstated(answer) {
         print_line!(
             "\nRobot {}, {}: {}",
             difference.robot,

@@ -6,7 +6,7 @@ use slipstream_diagnose::{
 use slipstream_report::{Page, PictureError};
 
 use super::charts::{FOUND, NOMINAL, add_forces, add_paths, add_residuals, add_timeline};
-use super::text::{format_number, verdict, warning};
+use super::text::{format_number, unstated, verdict, warning};
 use crate::command_line::command_line;
 
 /// The whole page.
@@ -47,17 +47,7 @@ fn add_answer(page: &mut Page, answer: &Answer) {
     for finding in &answer.findings {
         page.paragraph(&finding.statement);
     }
-    let is_stated = |shape: &str| {
-        answer
-            .findings
-            .iter()
-            .any(|f| f.shape.as_deref() == Some(shape))
-    };
-    for difference in answer
-        .unexplained
-        .iter()
-        .filter(|difference| !is_stated(&difference.shape))
-    {
+    for difference in unstated(answer) {
         page.paragraph(&format!(
             "Robot {}, {}: {}.",
             difference.robot, difference.channel, difference.shape

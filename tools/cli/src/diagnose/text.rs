@@ -1,6 +1,6 @@
-//! Texts of a diagnosis: verdict, warnings, numbers.
+//! Texts of a diagnosis: verdict, warnings, differences, numbers.
 
-use slipstream_diagnose::{Verdict, Warning};
+use slipstream_diagnose::{Answer, Unexplained, Verdict, Warning};
 
 /// The verdict as a sentence.
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
@@ -20,6 +20,16 @@ pub(super) fn warning(warning: &Warning) -> String {
     let robot = warning.robot.as_deref().unwrap_or("all robots");
     let (name, what, remedy) = (&warning.recording, &warning.statement, &warning.remedy);
     format!("{name}, {robot}: {what}; {remedy}")
+}
+
+/// The unexplained differences that no finding states already.
+pub(super) fn unstated(answer: &Answer) -> impl Iterator<Item = &Unexplained> {
+    let is_stated = |shape: &str| {
+        let mut findings = answer.findings.iter();
+        findings.any(|finding| finding.shape.as_deref() == Some(shape))
+    };
+    let differences = answer.unexplained.iter();
+    differences.filter(move |difference| !is_stated(&difference.shape))
 }
 
 /// A number with four significant digits; a dash if it is not finite.
