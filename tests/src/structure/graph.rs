@@ -96,7 +96,7 @@ fn collect(
 }
 
 impl Structure {
-    /// Groups of files that import each other in a circle, largest first (Tarjan 1972).
+    /// Groups of files that import each other in a circle (strongly connected components), largest first.
     pub fn circles(&self) -> Vec<Vec<String>> {
         let names: Vec<&String> = self.files.keys().collect();
         let index = |name: &String| names.binary_search(&name).ok();
