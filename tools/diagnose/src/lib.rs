@@ -263,14 +263,11 @@ fn bench(
                 "give one with --robot robot.toml",
             )
         })?;
-    let constants = slipstream_sim::Robot::new(&model)
-        .map_err(|error| InputError::new(error.place, error.problem, error.remedy))?;
+    let constants = slipstream_sim::Robot::new(&model)?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {
         let mut track = Track::new(recording, robot, &model, block)?;
-        constants
-            .accepts(track.kind())
-            .map_err(|error| InputError::new(error.place, error.problem, error.remedy))?;
+        constants.accepts(track.kind())?;
         track.leave_out(request.excluded_s);
         track.thin(ROWS);
         tracks.push(track);

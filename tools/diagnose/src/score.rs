@@ -1,4 +1,4 @@
-//! Prediction error in the form of the contract: the state at a window's start fitted to its first
+//! Prediction error (`held_out` of the answer): the state at a window's start fitted to its first
 //! half second, then simulated open loop.
 
 use rayon::prelude::*;
