@@ -1,6 +1,7 @@
 //! Sealed trials of the diagnosis: cases are simulated, concealed, diagnosed, revealed and scored.
 //!
-//! [`maker`] draws and simulates cases with a simulator that is independent of the diagnosis;
+//! [`maker`] draws cases and simulates them, by a simulator that is independent of the diagnosis wherever it
+//! knows the effect;
 //! [`sealed_trial`] writes recordings and commitments before anything is diagnosed; [`protocol`]
 //! diagnoses every case in a process of its own and scores the answers against the labels; [`grade`]
 //! grades one answer, [`tally`] sums up.

@@ -83,9 +83,7 @@ impl Plant {
                 let [from, to] = slips;
                 next.stuck[at] || from[0] * to[0] + from[1] * to[1] < 0.0
             }
-            ContactKind::Wheel(i) if !next.stuck[at] => self
-                .friction(state, i)
-                .is_some_and(|[mu_static, mu_kinetic]| mu_static > mu_kinetic),
+            ContactKind::Wheel(i) if !next.stuck[at] => self.weakens(state, i),
             _ => false,
         };
         let outside = &self.physics.outside;

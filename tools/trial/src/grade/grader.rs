@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
+use slipstream_sim::effects::{Role, find};
+
 use super::score::{CaseScore, ParameterScore, TrialGrade};
 use crate::answer::{DiagnosisAnswer, ReportedFinding, ReportedParameter};
 use crate::intervals::overlap;
@@ -230,7 +232,7 @@ impl<'a> Grader<'a> {
             return;
         };
         // For directions, whole turns that bring the estimate nearest to the truth.
-        let turn = nearest_turn(&reported.name, truth, estimate);
+        let turn = nearest_turn(&concealed.effect, &reported.name, truth, estimate);
         let error = estimate + turn - truth;
         let interval = reported.interval();
         let covered = interval.map(|[low, high]| low <= truth - turn && truth - turn <= high);
@@ -311,9 +313,9 @@ fn distance(concealed: &ConcealedEffect, finding: &ReportedFinding) -> f64 {
 
 /// Whole turns (rad) to add to an estimated direction so that it is nearest to the truth; 0 for other
 /// parameters.
-fn nearest_turn(name: &str, truth: f64, estimate: f64) -> f64 {
-    let turns = matches!(name, "direction_rad" | "downhill_rad" | "yaw_rad");
-    if turns {
+fn nearest_turn(effect: &str, name: &str, truth: f64, estimate: f64) -> f64 {
+    let parameter = find(effect).and_then(|info| info.parameter(name));
+    if parameter.is_some_and(|parameter| parameter.role == Role::Direction) {
         ((truth - estimate) / TAU).round() * TAU
     } else {
         0.0

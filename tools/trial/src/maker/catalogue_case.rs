@@ -113,17 +113,12 @@ fn simulate(scene: &Scene) -> Result<SimulatedRobot, String> {
     let desired = desired_twists(scene.style, scene.duration_s, &mut random(1));
     let times = sample_times(scene.duration_s, [true, true, scene.imu], &mut random(2));
     let mut phases = random(3);
-    let mut commands = Commands {
-        quantity: scene.command_kind.quantity(),
-        rows: Vec::new(),
-    };
     let mut truth = Truth::new(Sensors::new(&[], [0.0; 2]), times);
     let mut state = robot.start([0.0; 3]);
     let mut t_s = 0.0;
     for k in 0..desired.len() {
         let torque = open_loop(scene.command_kind, &desired, k, &nominal);
         truth.commands.push(torque);
-        commands.rows.push((t_s, torque));
         let [right_nm, left_nm] = torque;
         let command = Command::Torque { right_nm, left_nm };
         let until_s = (k + 1) as f64 * COMMAND_PERIOD_S;
@@ -136,6 +131,11 @@ fn simulate(scene: &Scene) -> Result<SimulatedRobot, String> {
             sample(&robot, &state, t_s, &mut truth);
         }
     }
+    // Only predictions by the second simulator read these commands; the recording has those of `truth`.
+    let commands = Commands {
+        quantity: scene.command_kind.quantity(),
+        rows: Vec::new(),
+    };
     Ok(SimulatedRobot {
         commands,
         truth,
@@ -174,7 +174,6 @@ fn measured(robot: &Robot, state: &PlantState, stamp_s: f64) -> State {
     let [along, across, yaw_rate] = robot.measured_inertial(state);
     let mut measured = State::at(robot.measured_pose(state.pose()));
     measured.t_s = stamp_s;
-    measured.wheel = state.wheel_angle();
     measured.motor = robot.measured_angle(state);
     measured.acceleration = [along, across];
     measured.velocity[2] = yaw_rate;

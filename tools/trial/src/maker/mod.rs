@@ -1,4 +1,5 @@
-//! Makes cases: scenes are drawn from a seed, simulated by a second simulator, recorded and labelled.
+//! Makes cases: scenes are drawn from a seed, simulated by a second simulator (by `sim` for effects that
+//! only the catalogue has), recorded and labelled.
 
 mod case;
 mod catalogue_case;

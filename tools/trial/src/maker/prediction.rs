@@ -60,10 +60,9 @@ pub(crate) struct Windows<'a> {
 impl<'a> Windows<'a> {
     /// The windows of robot `i` of a scene.
     pub(crate) fn new(scene: &Scene, i: usize, robot_run: &'a SimulatedRobot) -> Self {
-        let encoder = scene.nominal.encoder.as_ref();
         Self {
             robot_run,
-            counts: encoder.map_or(1856.0, |encoder| f64::from(encoder.counts_per_rev)),
+            counts: scene.counts_per_rev(),
             camera: scene.robots[i].camera,
         }
     }

@@ -41,7 +41,7 @@ fn robot(scene: &Scene, i: usize, robot_run: &SimulatedRobot) -> Robot {
     let mut robot = Robot::named(Scene::name(i));
     robot.encoder_counts_per_rev = counts;
     robot.command = Some(command(scene.command_kind, &robot_run.truth.commands));
-    robot.wheels = Some(wheels(robot_run, f64::from(counts.unwrap_or(1856))));
+    robot.wheels = Some(wheels(robot_run, scene.counts_per_rev()));
     if camera != Camera::Absent {
         robot.pose = Some(pose(robot_run, camera, &mut random(1)));
         robot.noise = Noise {

@@ -82,8 +82,7 @@ impl Robot {
 
     fn new_controller(&self, scene: &Scene) -> Controller {
         let body = &scene.nominal.robot;
-        let encoder = scene.nominal.encoder.as_ref();
-        let counts_per_rev = f64::from(encoder.map_or(1856, |encoder| encoder.counts_per_rev));
+        let counts_per_rev = scene.counts_per_rev();
         let geometry = [
             body.wheel_radius_m,
             body.half_track_m,

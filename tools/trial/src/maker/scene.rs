@@ -83,6 +83,12 @@ impl Scene {
         model
     }
 
+    /// Encoder counts per turn of a wheel; 1856 where the nominal model has none.
+    pub(crate) fn counts_per_rev(&self) -> f64 {
+        let encoder = self.nominal.encoder.as_ref();
+        f64::from(encoder.map_or(1856, |encoder| encoder.counts_per_rev))
+    }
+
     /// The true parameters of robot `i`.
     ///
     /// # Errors

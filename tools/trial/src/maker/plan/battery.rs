@@ -1,7 +1,7 @@
-//! The battery: every effect at several sizes, nulls, pairs, effects outside the vocabulary, other steps
-//! and random disturbances.
+//! The battery: every effect at several sizes, nulls, pairs, effects outside the vocabulary, other steps,
+//! random disturbances, and effects that only the catalogue has.
 
-use super::case_spec::{CATALOGUE_ONLY, CaseSpec, PAIRED, WITHHELD};
+use super::case_spec::{CaseSpec, PAIRED, WITHHELD};
 use crate::maker::draw_effect::{OUTSIDE_KINDS, VOCABULARY};
 use crate::maker::manoeuvre::{CommandKind, Style};
 use crate::maker::scene::Control;
@@ -30,7 +30,8 @@ pub(super) fn battery() -> Vec<CaseSpec> {
     .concat()
 }
 
-/// Every effect at two sizes that occur on robots, and at two near the detection limit.
+/// Every effect at two sizes that occur on robots and, unless it is a threshold, at two near the detection
+/// limit.
 fn sized() -> Vec<CaseSpec> {
     let sizes = |id: &&'static str| {
         let id: &'static str = id;
@@ -64,8 +65,8 @@ fn catalogue_only() -> Vec<CaseSpec> {
         .filter(|info| !VOCABULARY.contains(&info.id) && info.site != ModelSite::Link);
     new.flat_map(|info| {
         [0.0, 1.0].map(|size| CaseSpec {
-            size: Some(size),
-            ..CaseSpec::new(CATALOGUE_ONLY, &[info.id])
+            by_sim: Some(size),
+            ..CaseSpec::new("catalogue", &[info.id])
         })
     })
     .collect()

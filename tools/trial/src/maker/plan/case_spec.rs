@@ -8,7 +8,7 @@ use crate::maker::scene::Control;
 pub(super) struct CaseSpec {
     /// Kind of case, for the label.
     pub(super) kind: String,
-    /// Concealed effects of the vocabulary.
+    /// Concealed effects.
     pub(super) effects: Vec<&'static str>,
     /// Size of the effects, from 0 to 1.
     pub(super) size: Option<f64>,
@@ -16,6 +16,8 @@ pub(super) struct CaseSpec {
     pub(super) deviations: Option<f64>,
     /// Index of the effect outside the vocabulary; `None`: none.
     pub(super) outside: Option<usize>,
+    /// Size from 0 to 1 of an effect that `sim` simulates; `None`: the second simulator.
+    pub(super) by_sim: Option<f64>,
     /// The effect is removed from the catalogue of the diagnosis.
     pub(super) withheld: bool,
     /// Driving style.
@@ -39,6 +41,7 @@ impl CaseSpec {
             size: None,
             deviations: None,
             outside: None,
+            by_sim: None,
             withheld: false,
             style: None,
             control: None,
@@ -53,9 +56,6 @@ impl CaseSpec {
         self.effects.iter().any(|id| any.contains(id))
     }
 }
-
-/// Kind of the cases that the plant itself simulates.
-pub(super) const CATALOGUE_ONLY: &str = "catalogue";
 
 /// Effects of which any two or three can be combined on any robot.
 pub(super) const PAIRED: [&str; 22] = [

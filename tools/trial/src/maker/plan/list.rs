@@ -1,7 +1,7 @@
 //! A plan, and how one of its cases is made.
 
 use super::battery::battery;
-use super::case_spec::{CATALOGUE_ONLY, CaseSpec};
+use super::case_spec::CaseSpec;
 use super::draw_scene::draw_scene;
 use super::sealed::sealed;
 use crate::label::{ConcealedEffect, Label};
@@ -46,8 +46,8 @@ impl Plan {
         }
     }
 
-    /// The battery: every effect at four sizes, nulls, pairs, effects outside the vocabulary, other steps and
-    /// random disturbances.
+    /// The battery: every effect at several sizes, nulls, pairs, effects outside the vocabulary, other steps,
+    /// random disturbances, and effects that only the catalogue has.
     pub fn battery(seed: u64) -> Self {
         Self {
             seed,
@@ -83,8 +83,7 @@ impl PlannedCase {
     /// # Errors
     /// A model that cannot be simulated.
     pub fn make(&self) -> Result<MadeCase, String> {
-        if let (CATALOGUE_ONLY, [id]) = (self.spec.kind.as_str(), self.spec.effects.as_slice()) {
-            let size = self.spec.size.unwrap_or(0.5);
+        if let (Some(size), [id]) = (self.spec.by_sim, self.spec.effects.as_slice()) {
             return catalogue_case::make(id, size, &self.spec.kind, self.seed, &self.name);
         }
         let min_gain_nats = if self.spec.size.is_some() {
@@ -175,8 +174,8 @@ mod tests {
     #[test]
     fn the_plant_simulates_any_effect_of_the_catalogue() {
         let spec = CaseSpec {
-            size: Some(1.0),
-            ..CaseSpec::new(CATALOGUE_ONLY, &["yaw_scrub"])
+            by_sim: Some(1.0),
+            ..CaseSpec::new("catalogue", &["yaw_scrub"])
         };
         let plan = Plan {
             seed: 1,
