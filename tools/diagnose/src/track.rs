@@ -341,9 +341,7 @@ fn commands(robot: &Recorded) -> Option<Vec<(f64, Command)>> {
 /// rounding, or what the rows themselves show.
 fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
     let stream = robot.wheels.as_ref()?;
-    let counts = robot
-        .encoder_counts_per_rev
-        .or_else(|| model.encoder.as_ref().map(|e| e.counts_per_rev));
+    let counts = robot.counts_per_rev(Some(model));
     let (sensor, rounding, pairs): (_, _, Vec<[f64; 2]>) = match &stream.values {
         WheelStream::Ticks { right, left } => {
             let tick = TAU / f64::from(counts?);

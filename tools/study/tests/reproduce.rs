@@ -39,7 +39,7 @@ fn every_row_is_present_with_a_note() {
     for row in &comparison.rows {
         assert!(!row.note.is_empty(), "{}", row.quantity);
         for name in &row.depends_on {
-            let mut assumed = comparison.assumptions.iter().map(|one| &one.name);
+            let mut assumed = comparison.assumptions.iter().map(|one| &one.assumed.name);
             assert!(assumed.any(|assumed| assumed == name), "{name}");
         }
     }

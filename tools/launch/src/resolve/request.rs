@@ -36,7 +36,7 @@ pub struct Resolved {
 }
 
 /// An assumption: something unknown, the value taken for it, and the reason.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Assumption {
     /// Its name.
     pub name: String,

@@ -89,8 +89,7 @@ fn gaps(robot: &Robot, model: Option<&RobotModel>) -> Vec<String> {
         .wheels
         .as_ref()
         .is_some_and(|s| matches!(s.values, Wheels::Ticks { .. }));
-    let has_counts = robot.encoder_counts_per_rev.is_some()
-        || model.is_some_and(|model| model.encoder.is_some());
+    let has_counts = robot.counts_per_rev(model).is_some();
     let has_yaw = robot
         .pose
         .as_ref()

@@ -86,11 +86,7 @@ pub(super) fn windows_of(robot: &Robot, model: Option<&RobotModel>, window_s: f6
         add_pose(pose, &edges, &mut windows);
     }
     if let Some(wheels) = &robot.wheels {
-        let encoder = model.and_then(|model| model.encoder.as_ref());
-        let counts_per_rev = robot
-            .encoder_counts_per_rev
-            .or(encoder.map(|encoder| encoder.counts_per_rev));
-        add_wheels(wheels, counts_per_rev, &edges, &mut windows);
+        add_wheels(wheels, robot.counts_per_rev(model), &edges, &mut windows);
     }
     if let Some(imu) = &robot.imu
         && let Some(gz) = &imu.values.gz_rad_s

@@ -91,10 +91,7 @@ impl<'a> CsvFile<'a> {
         let columns = self.header[skip..].iter().zip(known);
         columns
             .filter(|(_, known)| known.is_none())
-            .map(|(name, _)| UnknownColumn {
-                name: name.clone(),
-                cells: Vec::new(),
-            })
+            .map(|(name, _)| UnknownColumn::named(name))
             .collect()
     }
 

@@ -124,14 +124,7 @@ fn read_stream(path: &Path, robot: &mut Robot, warnings: &mut Vec<String>) -> Re
         .map_err(|(problem, remedy)| InputError::file(path, problem, remedy).at(1))?;
     file.warn_of_unknown(1, &known, warnings);
 
-    let mut table = Table {
-        t_s: Vec::new(),
-        columns: present
-            .iter()
-            .map(|name| (*name, Cells::new(name)))
-            .collect(),
-        unknown: file.unknown_columns(1, &known),
-    };
+    let mut table = Table::new(&present, file.unknown_columns(1, &known));
     while file.next_row()? {
         let t_s = file.time(0, table.t_s.last().copied())?;
         table.t_s.push(t_s);

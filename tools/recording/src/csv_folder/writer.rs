@@ -11,6 +11,7 @@ use crate::error::{Error, Result, write_error};
 use crate::recording::{Links, Recording, RoundTrips, UnknownColumn};
 use crate::table::{
     CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
+    number_at,
 };
 use crate::toml_files::{recording_toml, robot_toml};
 
@@ -72,7 +73,7 @@ fn write_stream(csv: &mut Csv, table: &TableView<'_>) -> csv::Result<()> {
         for (_, cells) in &table.columns {
             match cells {
                 CellsView::Numbers(numbers) => {
-                    write_number(csv, &mut cell, numbers.get(i).copied().unwrap_or(f64::NAN))?;
+                    write_number(csv, &mut cell, number_at(numbers, i))?;
                 }
                 CellsView::Counts(counts) => {
                     cell.clear();

@@ -134,9 +134,5 @@ impl RoundTripsBuilder {
 }
 
 fn empty_columns(names: &[String]) -> Vec<UnknownColumn> {
-    let column = |name: &String| UnknownColumn {
-        name: name.clone(),
-        cells: Vec::new(),
-    };
-    names.iter().map(column).collect()
+    names.iter().map(UnknownColumn::named).collect()
 }

@@ -40,19 +40,12 @@ impl StreamBuilder {
             known.push(column);
         }
         ColumnSet::choose(kind, &known).map_err(|(problem, _)| problem)?;
-        let unknown = unknown.iter().map(|name| UnknownColumn {
-            name: name.clone(),
-            cells: Vec::new(),
-        });
+        let unknown = unknown.iter().map(UnknownColumn::named).collect();
         Ok(Self {
             robot: robot.to_owned(),
             kind,
             selector: MessageSelector::default(),
-            table: Table {
-                t_s: Vec::new(),
-                columns: known.iter().map(|name| (*name, Cells::new(name))).collect(),
-                unknown: unknown.collect(),
-            },
+            table: Table::new(&known, unknown),
         })
     }
 

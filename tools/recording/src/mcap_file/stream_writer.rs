@@ -19,6 +19,7 @@ use crate::ros2::position::{Fate, PositionRecord};
 use crate::ros2::time::{is_whole_ns, ns_from_s};
 use crate::table::{
     CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
+    number_at,
 };
 use crate::topics::{self, StreamMetadata, robot_topic};
 
@@ -298,9 +299,4 @@ fn unknown_cells(unknown: &[UnknownColumn], row: usize) -> impl Iterator<Item = 
     unknown
         .iter()
         .map(move |column| column.cells.get(row).cloned().unwrap_or_default())
-}
-
-/// The number in a row; NaN if there is none.
-fn number_at(numbers: &[f64], row: usize) -> f64 {
-    numbers.get(row).copied().unwrap_or(f64::NAN)
 }

@@ -1,5 +1,7 @@
 //! One robot of a recording: its streams and the description of its sensors.
 
+use slipstream_bus::RobotModel;
+
 use super::streams::{Command, Imu, Motor, Odometry, Pose, Stream, Wheels};
 
 /// The streams of one robot and the description of its sensors.
@@ -75,6 +77,12 @@ impl Robot {
             name: name.into(),
             ..Self::default()
         }
+    }
+
+    /// Encoder counts per turn of a wheel: those of the recording, else those of the model.
+    pub fn counts_per_rev(&self, model: Option<&RobotModel>) -> Option<u32> {
+        self.encoder_counts_per_rev
+            .or_else(|| Some(model?.encoder.as_ref()?.counts_per_rev))
     }
 }
 

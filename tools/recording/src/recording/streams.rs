@@ -32,6 +32,16 @@ pub struct UnknownColumn {
     pub cells: Vec<String>,
 }
 
+impl UnknownColumn {
+    /// A column without cells.
+    pub(crate) fn named(name: impl Into<String>) -> Self {
+        Self {
+            name: name.into(),
+            cells: Vec::new(),
+        }
+    }
+}
+
 /// Commands to the actuators.
 #[derive(Debug, Clone)]
 pub enum Command {

@@ -45,6 +45,11 @@ impl Cells {
     }
 }
 
+/// The number in a row; NaN if there is none.
+pub(crate) fn number_at(numbers: &[f64], row: usize) -> f64 {
+    numbers.get(row).copied().unwrap_or(f64::NAN)
+}
+
 /// An infinite number in a message counts as an empty cell, as NaN does.
 pub(crate) fn finite_or_nan(number: f64) -> f64 {
     if number.is_finite() { number } else { f64::NAN }

@@ -5,7 +5,7 @@ use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
 /// A stream being read: owned columns by name.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Table {
     /// Time of each row (s).
     pub(crate) t_s: Vec<f64>,
@@ -16,6 +16,18 @@ pub(crate) struct Table {
 }
 
 impl Table {
+    /// A table without rows, with these columns of the format and these others.
+    pub(crate) fn new(columns: &[&'static str], unknown: Vec<UnknownColumn>) -> Self {
+        Self {
+            t_s: Vec::new(),
+            columns: columns
+                .iter()
+                .map(|name| (*name, Cells::new(name)))
+                .collect(),
+            unknown,
+        }
+    }
+
     /// Removes a column.
     fn take(&mut self, name: &str) -> Option<Cells> {
         let at = self.columns.iter().position(|(known, _)| *known == name)?;

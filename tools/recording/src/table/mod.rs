@@ -9,7 +9,7 @@ mod kind;
 mod links;
 mod view;
 
-pub(crate) use cells::{Cells, CellsView, finite_or_nan};
+pub(crate) use cells::{Cells, CellsView, finite_or_nan, number_at};
 pub(crate) use columns::Table;
 pub(crate) use kind::ColumnSet;
 pub use kind::StreamKind;

@@ -1,6 +1,6 @@
 //! A stream being written, as a table of columns.
 
-use super::cells::CellsView;
+use super::cells::{CellsView, number_at};
 use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
@@ -34,7 +34,7 @@ impl<'a> TableView<'a> {
     /// The number in column `i`; NaN if the cell is empty or does not exist.
     pub(crate) fn number(&self, i: usize, row: usize) -> f64 {
         match self.columns.get(i) {
-            Some((_, CellsView::Numbers(cells))) => cells.get(row).copied().unwrap_or(f64::NAN),
+            Some((_, CellsView::Numbers(cells))) => number_at(cells, row),
             Some((_, CellsView::Counts(_))) => {
                 self.count(i, row).map_or(f64::NAN, |count| count as f64)
             }

@@ -1,7 +1,6 @@
 //! What the paper leaves open, as the files of its experiments assume it.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use slipstream_launch::{Request, resolve};
@@ -13,12 +12,9 @@ use crate::StudyError;
 pub struct Assumption {
     /// The experiment whose file makes the assumption.
     pub experiment: Cow<'static, str>,
-    /// Name of the assumption.
-    pub name: String,
-    /// The keys that hold the assumed values, with these as TOML.
-    pub keys: BTreeMap<String, String>,
-    /// Why this value.
-    pub reason: String,
+    /// Name, keys with the assumed values, and reason.
+    #[serde(flatten)]
+    pub assumed: slipstream_launch::Assumption,
 }
 
 /// The assumptions in the files of the paper's experiments.
@@ -35,9 +31,7 @@ pub fn assumptions() -> Result<Vec<Assumption>, StudyError> {
         let assumed = resolve(&request)?.assumptions.into_iter();
         all.extend(assumed.map(|assumed| Assumption {
             experiment: experiment.into(),
-            name: assumed.name,
-            keys: assumed.keys,
-            reason: assumed.reason,
+            assumed,
         }));
     }
     Ok(all)

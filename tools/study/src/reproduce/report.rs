@@ -60,9 +60,10 @@ pub fn page(reproduction: &Reproduction, command: &str) -> Result<String, StudyE
 
 fn assumption_cells(assumption: &Assumption) -> Vec<String> {
     let key = |(key, value): (&String, &String)| format!("{key} = {value}");
-    let keys: Vec<String> = assumption.keys.iter().map(key).collect();
+    let assumed = &assumption.assumed;
+    let keys: Vec<String> = assumed.keys.iter().map(key).collect();
     let experiment = assumption.experiment.to_string();
-    let (name, reason) = (assumption.name.clone(), assumption.reason.clone());
+    let (name, reason) = (assumed.name.clone(), assumed.reason.clone());
     vec![experiment, name, keys.join(", "), reason]
 }
 
