@@ -2,8 +2,8 @@
 //!
 //! Replaces the paper's PI speed loops; the paper names a controller with dynamics and traction
 //! forces as future work (section 5). The law inverts the robot's dynamics without slip (Eq. 3):
-//! from the commanded accelerations to traction forces, limits these to the friction circles of the
-//! wheels, and computes the torques that produce them. The outer loop stays that of the paper (Eq.
+//! from the commanded accelerations to traction forces, limits these by the friction of the wheels,
+//! and computes the torques that produce them. The outer loop stays that of the paper (Eq.
 //! 12).
 
 use crate::geometry::{Dynamics, Geometry};
@@ -119,7 +119,9 @@ impl<'a> InverseDynamics<'a> {
         self.centripetal + self.dynamics.m_r * self.geometry.d * yaw
     }
 
-    /// Traction forces nearest to the command inside the friction circles of the wheels.
+    /// Traction forces within what the lateral force leaves of the friction; their difference, in
+    /// braking their sum, comes first. Braking may use half of the friction in any case, even beyond
+    /// the friction circles.
     fn within_friction(&self, command: &AccelerationCommand, friction: f64) -> TractionForces {
         let [forward, yaw] = command.acceleration;
         let normal_n = normal_forces_n(self.dynamics, self.geometry, self.twist);
@@ -246,7 +248,7 @@ mod tests {
         }
     }
 
-    /// For any command the forces on the floor stay inside the friction circles.
+    /// Except for braking in a turn, the forces on the floor stay inside the friction circles.
     #[test]
     fn the_forces_stay_inside_the_friction_circles() {
         let (geometry, dynamics) = robot();

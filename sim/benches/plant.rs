@@ -15,10 +15,6 @@ fn main() {
     divan::main();
 }
 
-fn slipping() -> RobotModel {
-    RobotModel::paper_with_slip()
-}
-
 /// Torques that drive and turn the robot back and forth, for 0.3 s each.
 fn torque<S: Scalar>(k: u32, size_nm: f64) -> Command<S> {
     let signs = [[1.0, 0.9], [-0.9, -1.0], [1.0, -1.0], [-1.0, 1.0]][(k / 300 % 4) as usize];
@@ -54,17 +50,17 @@ fn one_ideal(bencher: Bencher<'_, '_>) {
 
 #[divan::bench(name = "1 robot, rolling within friction")]
 fn one_rolling(bencher: Bencher<'_, '_>) {
-    measure::<f64>(bencher, &slipping(), 0.02);
+    measure::<f64>(bencher, &RobotModel::paper_with_slip(), 0.02);
 }
 
 #[divan::bench(name = "1 robot, slipping and sticking")]
 fn one_slipping(bencher: Bencher<'_, '_>) {
-    measure::<f64>(bencher, &slipping(), 0.13);
+    measure::<f64>(bencher, &RobotModel::paper_with_slip(), 0.13);
 }
 
 #[divan::bench(name = "1 robot, slipping all the time")]
 fn one_sliding(bencher: Bencher<'_, '_>) {
-    let robot = Robot::new(&slipping()).unwrap();
+    let robot = Robot::new(&RobotModel::paper_with_slip()).unwrap();
     let torque = Command::Torque {
         right_nm: 0.13,
         left_nm: 0.129,
@@ -82,12 +78,12 @@ fn one_sliding(bencher: Bencher<'_, '_>) {
 
 #[divan::bench(name = "1 robot, slipping and sticking, 8 derivatives at once")]
 fn one_slipping_dual(bencher: Bencher<'_, '_>) {
-    measure::<DualSVec64<8>>(bencher, &slipping(), 0.13);
+    measure::<DualSVec64<8>>(bencher, &RobotModel::paper_with_slip(), 0.13);
 }
 
 #[divan::bench(name = "1 robot, rolling, 8 derivatives at once")]
 fn one_rolling_dual(bencher: Bencher<'_, '_>) {
-    measure::<DualSVec64<8>>(bencher, &slipping(), 0.02);
+    measure::<DualSVec64<8>>(bencher, &RobotModel::paper_with_slip(), 0.02);
 }
 
 fn hundred(bencher: Bencher<'_, '_>, model: &RobotModel, size_nm: f64) {
@@ -118,10 +114,10 @@ fn hundred_ideal(bencher: Bencher<'_, '_>) {
 
 #[divan::bench(name = "100 robots, rolling within friction")]
 fn hundred_rolling(bencher: Bencher<'_, '_>) {
-    hundred(bencher, &slipping(), 0.02);
+    hundred(bencher, &RobotModel::paper_with_slip(), 0.02);
 }
 
 #[divan::bench(name = "100 robots, slipping and sticking")]
 fn hundred_slipping(bencher: Bencher<'_, '_>) {
-    hundred(bencher, &slipping(), 0.13);
+    hundred(bencher, &RobotModel::paper_with_slip(), 0.13);
 }

@@ -88,10 +88,8 @@ impl Agent {
 
     /// Receives a position of the predecessor, newer than all before, at the outer tick `now_ns`.
     pub fn receive(&mut self, position: &Position, now_ns: i64) {
-        if self.reference.follows() {
-            self.reference.receive(position);
-            self.watchdog.reset(now_ns);
-        }
+        self.reference.receive(position);
+        self.watchdog.reset(now_ns);
     }
 
     /// One tick of the outer loop: odometry, reference, Eq. 12, set-points of the wheel speeds.

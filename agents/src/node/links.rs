@@ -134,7 +134,7 @@ impl Outgoing {
         match (self.protocol, robot, self.last_sent_ns) {
             (Protocol::Periodic, _, _) | (Protocol::Ring, 0, None) => Some(0),
             (Protocol::Ring, 0, Some(last_sent_ns)) => {
-                let returned = fresh.is_some_and(|link| link.token_round == self.token_round);
+                let returned = incoming.is_some_and(|incoming| self.has_returned(incoming));
                 let overdue = now_ns - last_sent_ns >= self.timeout_ns;
                 (returned || overdue).then_some(self.token_round + 1)
             }
@@ -144,8 +144,12 @@ impl Outgoing {
 
     /// Whether the front robot starts a new token round although the last one has not returned.
     pub(super) fn restarts_ring(&self, robot: RobotIndex, incoming: &Incoming) -> bool {
-        let returned = incoming.fresh && incoming.token_round == self.token_round;
-        robot == 0 && self.last_sent_ns.is_some() && !returned
+        robot == 0 && self.last_sent_ns.is_some() && !self.has_returned(incoming)
+    }
+
+    /// Whether a fresh position of the last token round has arrived.
+    fn has_returned(&self, incoming: &Incoming) -> bool {
+        incoming.fresh && incoming.token_round == self.token_round
     }
 
     /// Counts a position that was sent for a token round at the outer tick `now_ns`.

@@ -4,7 +4,8 @@
 //! M a = F + Jᵀ λ with J a = 0 for the active rows gives a = A F, where A is M⁻¹ projected on the
 //! motions that these rows leave free, and λ = Λ F. In the body frame the mass matrix of Eq. 3 and
 //! every row of the contact Jacobian are constants of the robot, so that A and Λ change only with
-//! the active set.
+//! the active set, the gears, the kind of command and, with damping, the length of the step
+//! ([`DynamicsKey`](crate::robot::mode::DynamicsKey)).
 
 use crate::parts::friction_constraints::{
     ConstraintSet, JACOBIAN_ROWS, LONGITUDINAL_LEFT, LONGITUDINAL_RIGHT,

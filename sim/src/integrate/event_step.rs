@@ -152,7 +152,7 @@ fn step_at_limit<S: Scalar>(
     state.mode.frictional = frictional;
 }
 
-/// Sets the wheel speeds to a speed command, which they follow without delay. Wheels with friction
+/// Sets the wheel speeds to the output of the actuators for a speed command. Wheels with friction
 /// slip by the jump; with wheels that cannot slide the whole robot jumps.
 fn jump_to_speed<S: Scalar>(robot: &Robot<S>, state: &mut State<S>, segment: &Segment<S>) {
     let actuation = actuation(robot, state, segment);

@@ -58,9 +58,10 @@ pub(super) fn friction_jacobian<S: Scalar>(
         let own = own.map(|entry| S::constant(entry.value()));
         *jacobian.get_or_insert_with(Matrix::zeros) += own;
     }
+    let jacobian = jacobian?;
     // each bisection divides the squared excess by four
     let bisections = (0.5 * excess.log2()).ceil().max(1.0);
-    jacobian.map(|jacobian| StiffFriction {
+    Some(StiffFriction {
         jacobian,
         bisections: bisections as u32,
     })

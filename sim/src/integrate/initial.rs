@@ -39,7 +39,7 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// Sets delay and lag of `state` to their steady state under `command`.
-    pub fn set_steady_command(&self, state: &mut State<S>, command: &Command<S>) {
+    fn set_steady_command(&self, state: &mut State<S>, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
         if self.actuator.delay_s.is_some() {
             state.history.reset(command);

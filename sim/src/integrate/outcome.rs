@@ -20,6 +20,7 @@ pub(crate) enum StepOutcome<S> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Event<S> {
     /// The margin at the step's start and end: positive before the event, negative after it.
+    /// The depth in a patch that a wheel enters rises instead.
     pub(crate) margins: [S; 2],
     /// Sliding constraints that come to rest.
     pub(crate) stopped: ConstraintSet,

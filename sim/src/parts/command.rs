@@ -20,7 +20,8 @@ pub enum Command<S = f64> {
         /// Left motor (V).
         left_v: S,
     },
-    /// Speeds of the wheels, reached exactly and at once.
+    /// Speeds of the wheels, followed exactly and without motor dynamics; effects on the command act
+    /// first.
     Speed {
         /// Right wheel (rad/s).
         right_rad_s: S,
@@ -28,7 +29,7 @@ pub enum Command<S = f64> {
         left_rad_s: S,
     },
     /// Twist of the robot, turned into wheel speeds (v ± b w) / r by the nominal b and r, which are
-    /// reached exactly and at once.
+    /// followed as those of `Speed`.
     Twist {
         /// Forward speed (m/s).
         v_m_s: S,

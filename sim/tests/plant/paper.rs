@@ -1,6 +1,6 @@
 //! Quantities printed in the paper, recomputed: which agree, and why others do not.
 
-use crate::support::{STEP_S, assert_near, drive, robot, torque};
+use crate::support::{STEP_S, assert_near, drive, robot, torque, with_friction};
 use slipstream_bus::RobotModel;
 use slipstream_sim::GRAVITY_M_S2;
 
@@ -97,8 +97,7 @@ fn recomputed_quantities() {
 /// The plant agrees with the table: its wheels break away at these torques, with this acceleration.
 #[test]
 fn the_plant_breaks_away_at_the_computed_torque() {
-    let slip = [("friction_static", MU), ("friction_kinetic", MU)];
-    let plain = RobotModel::default().with("wheel_slip", &slip);
+    let plain = with_friction(MU);
     let transfer = plain.clone().with("load_transfer", &[("com_height_m", H)]);
     for (model, row) in [(plain, 0), (transfer, 1)] {
         let limit = table()[row].computed;

@@ -1,7 +1,7 @@
 //! Fast path for sliding: Heun's method with kinetic friction at both wheels, written out in
 //! components where the general step multiplies matrices.
 //!
-//! The step equals that of [`crate::Robot::step`]; it is declined where a wheel is close to
+//! The step equals that of [`crate::Robot::step`] up to rounding; it is declined where a wheel is close to
 //! sticking, the direction of its slip turns fast, or it lifts off.
 
 use crate::dynamics::constrained::ConstrainedDynamics;
