@@ -15,4 +15,4 @@ pub mod trace;
 pub mod wake_page;
 mod wire;
 
-pub use wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
+pub use wire::WirePosition;

@@ -98,7 +98,7 @@ impl Services {
     }
 
     /// The communication topology.
-    pub fn topology(&self) -> Topology {
+    pub(crate) fn topology(&self) -> Topology {
         self.topology
     }
 
@@ -108,13 +108,13 @@ impl Services {
     }
 
     /// Number of robots.
-    pub fn robots(&self) -> usize {
+    pub(crate) fn robots(&self) -> usize {
         self.robots
     }
 
     /// Number of processes that receive a position of `robot`: every robot whose predecessor is in
     /// the same group.
-    pub fn position_receivers(&self, robot: RobotIndex) -> usize {
+    pub(crate) fn position_receivers(&self, robot: RobotIndex) -> usize {
         let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
         let first = robot / GROUP_SIZE * GROUP_SIZE;
         let group = first..(first + GROUP_SIZE).min(robots);

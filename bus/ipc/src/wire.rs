@@ -9,7 +9,7 @@ use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
 #[type_name("slipstream.Encoders.1")]
 #[repr(C)]
-pub struct WireEncoders {
+pub(crate) struct WireEncoders {
     sampled_ns: i64,
     counts: [i64; 2],
 }
@@ -18,20 +18,20 @@ pub struct WireEncoders {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
 #[type_name("slipstream.WorldHeader.1")]
 #[repr(C)]
-pub struct WorldHeader {
+pub(crate) struct WorldHeader {
     /// The instant of the sample (ns).
-    pub now_ns: i64,
+    pub(crate) now_ns: i64,
     /// The lockstep round that the sample belongs to; 0 on the wall clock.
-    pub epoch: u32,
+    pub(crate) epoch: u32,
     /// Padding.
-    pub reserved: u32,
+    pub(crate) reserved: u32,
 }
 
 /// [`TorqueCommand`], agent to plant.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
 #[type_name("slipstream.Torque.1")]
 #[repr(C)]
-pub struct WireTorque {
+pub(crate) struct WireTorque {
     robot: u32,
     epoch: u32,
     tick_ns: i64,

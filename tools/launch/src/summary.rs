@@ -59,7 +59,7 @@ pub struct RunSummary {
     pub recording: Option<PathBuf>,
     /// Number of records that did not reach the recording.
     pub lost_records: u64,
-    /// How it ended.
+    /// How it ended. Not part of the JSON: a summary that is read back has `Done`.
     #[serde(skip)]
     pub status: RunStatus,
 }

@@ -10,7 +10,7 @@ use slipstream_agents::Node;
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::transport::LockstepLink;
-use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
+use slipstream_bus::{Experiment, RobotModel, Settings};
 use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint};
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
@@ -26,18 +26,7 @@ fn experiment(duration_s: f64) -> Experiment {
     settings.links.delay_s = 0.08;
     settings.links.jitter_s = 0.05;
     settings.links.loss = 0.1;
-    let robots = (0..settings.robots.count)
-        .map(|index| RobotSetup {
-            name: format!("r{}", index + 1),
-            model: RobotModel::paper_with_slip(),
-            pose: settings.start_pose(index),
-        })
-        .collect();
-    Experiment {
-        settings,
-        robots,
-        half_round_trips_ns: Vec::new(),
-    }
+    Experiment::new(settings, &RobotModel::paper_with_slip())
 }
 
 /// Number of allocations of this thread during `work`.

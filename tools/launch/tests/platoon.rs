@@ -3,25 +3,14 @@
 
 use slipstream_bus::experiment::{Protocol, TorqueLimit};
 use slipstream_bus::record::{EventKind, Fate, Record};
-use slipstream_bus::{Experiment, RobotModel, RobotSetup, Settings};
+use slipstream_bus::{Experiment, RobotModel, Settings};
 use slipstream_launch::Reports;
 use slipstream_launch::in_process::{run, run_recorded};
 
 fn experiment(mut settings: Settings, change: impl Fn(&mut Settings)) -> Experiment {
     change(&mut settings);
     settings.validate().unwrap();
-    let robots = (0..settings.robots.count)
-        .map(|index| RobotSetup {
-            name: format!("r{}", index + 1),
-            model: RobotModel::paper_with_slip(),
-            pose: settings.start_pose(index),
-        })
-        .collect();
-    Experiment {
-        settings,
-        robots,
-        half_round_trips_ns: Vec::new(),
-    }
+    Experiment::new(settings, &RobotModel::paper_with_slip())
 }
 
 fn platoon(change: impl Fn(&mut Settings)) -> Reports {

@@ -36,7 +36,8 @@ pub(crate) fn plotting_area_px(height_px: u32) -> [u32; 2] {
     ]
 }
 
-type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+pub(crate) type Axes<'a, 'b> =
+    ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 impl Plot<'_> {
     /// The figure as SVG text.

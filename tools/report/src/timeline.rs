@@ -3,12 +3,12 @@
 use std::ops::Range;
 
 use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::axis::{limits, tick_label};
 use crate::error::{DrawError, PictureError};
+use crate::plot::Axes;
 use crate::style::{COLOURS, FONT_PX, WIDTH_PX, text_width_px};
 
 /// Height of a row (pixels).
@@ -17,8 +17,6 @@ const ROW_PX: u32 = 26;
 const AXIS_PX: u32 = 64;
 /// Space beside a name or a note (pixels).
 const GAP_PX: u32 = 10;
-
-type Axes<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// Intervals as bars, one row for each thing, over one time axis.
 #[derive(Debug, Clone)]
@@ -85,7 +83,7 @@ impl Timeline {
                 .x_desc(self.x.as_str())
                 .draw()?;
             self.draw_bars(&mut chart, rows)?;
-            self.draw_texts(&area, chart.plotting_area().get_pixel_range())?;
+            self.draw_texts(&area, rows, chart.plotting_area().get_pixel_range())?;
             area.present()?;
         }
         Ok(svg)
@@ -111,11 +109,11 @@ impl Timeline {
     fn draw_texts(
         &self,
         area: &DrawingArea<SVGBackend<'_>, Shift>,
+        rows: u32,
         (x_px, y_px): (Range<i32>, Range<i32>),
     ) -> Result<(), DrawError> {
-        let rows = i32::try_from(self.rows.len()).unwrap_or(1).max(1);
         for (row, i) in self.rows.iter().zip(0_i32..) {
-            let y = y_px.start + (2 * i + 1) * (y_px.end - y_px.start) / (2 * rows);
+            let y = y_px.start + (2 * i + 1) * (y_px.end - y_px.start) / (2 * rows.cast_signed());
             let text = |side| {
                 let font = ("sans-serif", FONT_PX).into_font().color(&BLACK);
                 font.pos(Pos::new(side, VPos::Center))

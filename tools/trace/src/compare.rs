@@ -1,4 +1,5 @@
-//! Welch's comparison of two runs: which stage's mean latency differs.
+//! Comparison of two runs: which stage's mean latency differs (normal interval for large samples, variances
+//! not pooled).
 //!
 //! Means are compared because they add up along the chain, which percentiles do not. The interval
 //! assumes that the messages of a run are independent of each other.

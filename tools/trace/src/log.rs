@@ -79,6 +79,12 @@ pub(crate) struct Inner {
     pub(crate) done_ns: i64,
 }
 
+/// Keeps the earliest time (ns) of each tick.
+fn keep_first(times: &mut BTreeMap<Tick, i64>, tick: Tick, t_ns: i64) {
+    let first = times.entry(tick).or_insert(t_ns);
+    *first = t_ns.min(*first);
+}
+
 impl Log {
     /// A log of these steps, given in any order.
     pub fn new(steps: impl IntoIterator<Item = Step>) -> Self {
@@ -96,30 +102,6 @@ impl Log {
 
     /// Adds a step.
     pub fn take(&mut self, step: Step) {
-        match step {
-            Step::Sent { .. } | Step::Arrived { .. } | Step::Taken { .. } => {
-                self.take_message(step)
-            }
-            Step::Outer { .. } | Step::Inner { .. } | Step::Applied { .. } => self.take_tick(step),
-            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
-            Step::Deadline {
-                robot,
-                of,
-                due_ns,
-                began_ns,
-                done_ns,
-                missed,
-            } => {
-                let key = (robot, of);
-                let times_ns = [due_ns, began_ns, done_ns];
-                self.deadlines.entry(key).or_default().push(times_ns);
-                *self.missed.entry(key).or_default() += u64::from(missed);
-            }
-        }
-    }
-
-    /// Adds a step of a message on its link.
-    fn take_message(&mut self, step: Step) {
         match step {
             Step::Sent {
                 from,
@@ -155,13 +137,6 @@ impl Log {
             } => {
                 self.taken.insert((from, seq), (tick_ns, fate));
             }
-            _ => {}
-        }
-    }
-
-    /// Adds a tick, or the application of its torque.
-    fn take_tick(&mut self, step: Step) {
-        match step {
             Step::Outer {
                 robot,
                 due_ns,
@@ -185,19 +160,28 @@ impl Log {
             } => {
                 let tick = Inner { began_ns, done_ns };
                 self.inner.insert((robot, due_ns), tick);
-                let first = self.first_inner.entry((robot, outer_ns)).or_insert(due_ns);
-                *first = due_ns.min(*first);
+                keep_first(&mut self.first_inner, (robot, outer_ns), due_ns);
             }
             Step::Applied {
                 robot,
                 tick_ns,
                 taken_ns,
-            } => {
-                let first = self.applied.entry((robot, tick_ns)).or_insert(taken_ns);
-                *first = taken_ns.min(*first);
-            }
-            _ => {}
+            } => keep_first(&mut self.applied, (robot, tick_ns), taken_ns),
+            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
+            Step::Deadline {
+                robot,
+                of,
+                due_ns,
+                began_ns,
+                done_ns,
+                missed,
+            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
         }
+    }
+
+    fn take_deadline(&mut self, key: LoopKey, times_ns: [i64; 3], missed: bool) {
+        self.deadlines.entry(key).or_default().push(times_ns);
+        *self.missed.entry(key).or_default() += u64::from(missed);
     }
 
     /// The robot that each robot receives messages from.

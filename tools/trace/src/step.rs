@@ -140,8 +140,6 @@ impl Step {
         robot_of: impl Fn(&str) -> Option<RobotIndex>,
     ) -> Option<Self> {
         match &*record.name {
-            "sent" | "arrived" | "taken" => Self::of_message(record),
-            "outer" | "inner" | "applied" | "died" => Self::of_robot(record),
             "deadline" => Some(Self::Deadline {
                 robot: robot_of(&record.process),
                 of: Loop::named(record.text("of")?)?,
@@ -150,7 +148,7 @@ impl Step {
                 done_ns: record.int("done_ns")?,
                 missed: record.field("missed") == Some(&Value::Bool(true)),
             }),
-            _ => None,
+            _ => Self::of_message(record).or_else(|| Self::of_robot(record)),
         }
     }
 

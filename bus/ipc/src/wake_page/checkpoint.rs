@@ -18,8 +18,8 @@ impl WakePage {
             .store(writing.wrapping_add(1), Ordering::SeqCst);
     }
 
-    /// Agent: the checkpoint of its predecessor; `None` if there is none or the predecessor died
-    /// while writing it.
+    /// Agent: the checkpoint that an earlier agent of this robot left; `None` if there is none or
+    /// that agent died while writing it.
     pub fn checkpoint(&self, robot: usize) -> Option<[u64; CHECKPOINT_WORDS]> {
         let slot = self.mapping.slot(robot);
         let version = slot.version.load(Ordering::SeqCst);

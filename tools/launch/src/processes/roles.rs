@@ -58,15 +58,13 @@ struct Membership {
     trace: bool,
 }
 
-/// First arguments that name a role.
-const NAMES: [&str; 3] = ["plant", "agent", "recorder"];
-
 /// Whether the arguments are those of a process of a run.
 pub fn is_role(arguments: &[OsString]) -> bool {
+    let roles = [Role::Plant, Role::Agent(0), Role::Recorder];
     arguments
         .get(1)
         .and_then(|name| name.to_str())
-        .is_some_and(|name| NAMES.contains(&name))
+        .is_some_and(|name| roles.iter().any(|role| role.argument() == name))
 }
 
 /// Runs the process that the arguments describe to its end. Returns whether it wrote a report.

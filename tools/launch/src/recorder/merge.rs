@@ -1,4 +1,4 @@
-//! K-way merge by time: the file does not depend on which process ran when.
+//! Merge by time, with a reorder buffer and a low watermark: the file does not depend on which process ran when.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

@@ -34,12 +34,8 @@ impl File {
                 .next()
                 .unwrap_or_default()
                 .to_owned();
-            let place = format!("{}:{line}", path.display());
-            InputError::new(
-                place,
-                format!("is not valid TOML: {problem}"),
-                "correct the line",
-            )
+            let problem = format!("is not valid TOML: {problem}");
+            InputError::file(path, problem, "correct the line").at(line as u64)
         };
         let table: Table = text.parse().map_err(invalid)?;
         let spanned = DeTable::parse(text).map_err(invalid)?;
@@ -178,7 +174,8 @@ pub(crate) fn leaves(table: &Table) -> Vec<(String, &Value)> {
     found
 }
 
-/// The key closest to a misspelt one by Levenshtein distance, if the distance is at most 3.
+/// The key closest to a misspelt one by Levenshtein distance (of the whole key, or of its last part
+/// plus 1), if that is at most 3.
 pub(crate) fn nearest(table: &Table, key: &str) -> Option<String> {
     let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
     let distance = |candidate: &str| {

@@ -23,13 +23,7 @@ pub(super) fn robots(
         "" => RobotModel::paper_with_slip(),
         path => read_model(&tree.path("robots.model", path))?,
     };
-    let mut robots: Vec<RobotSetup> = (0..settings.robots.count)
-        .map(|index| RobotSetup {
-            name: robot_name(index),
-            model: all.clone(),
-            pose: settings.start_pose(index),
-        })
-        .collect();
+    let mut robots = Experiment::new(settings.clone(), &all).robots;
     for (name, path) in models {
         let Some(name) = name else {
             continue;

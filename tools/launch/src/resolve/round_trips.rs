@@ -10,13 +10,12 @@ use slipstream_bus::time::ns_from_s;
 /// # Errors
 /// A file that cannot be read, has no column `rtt_ms`, no rows, or an invalid value.
 pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
-    let file = path.display();
     let unreadable = |error: csv::Error| {
-        let line = error
-            .position()
-            .map_or(String::new(), |at| format!(":{}", at.line()));
         let remedy = "give a CSV file with the columns seq and rtt_ms";
-        InputError::new(format!("{file}{line}"), error.to_string(), remedy)
+        InputError {
+            line: error.position().map(csv::Position::line),
+            ..InputError::file(path, error.to_string(), remedy)
+        }
     };
     let mut reader = csv::Reader::from_path(path).map_err(unreadable)?;
     let head = reader.headers().map_err(unreadable)?;
@@ -24,11 +23,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
         .iter()
         .position(|name| name.trim() == "rtt_ms")
         .ok_or_else(|| {
-            InputError::new(
-                format!("{file}:1"),
-                "has no column rtt_ms",
-                "name the column rtt_ms",
-            )
+            InputError::file(path, "has no column rtt_ms", "name the column rtt_ms").at(1)
         })?;
     let mut rows = Vec::new();
     for row in reader.records() {
@@ -40,19 +35,19 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
                 Ok(rtt_ms) if rtt_ms.is_finite() && rtt_ms >= 0.0 => Some(ns_from_s(rtt_ms / 2e3)),
                 _ => {
                     let line = row.position().map_or(0, csv::Position::line);
-                    return Err(InputError::new(
-                        format!("{file}:{line}"),
-                        format!("rtt_ms is {cell}"),
-                        "give milliseconds, 0 or more; leave the cell empty for a lost message",
-                    ));
+                    let remedy =
+                        "give milliseconds, 0 or more; leave the cell empty for a lost message";
+                    return Err(
+                        InputError::file(path, format!("rtt_ms is {cell}"), remedy).at(line)
+                    );
                 }
             },
         };
         rows.push(half);
     }
     if rows.is_empty() {
-        return Err(InputError::new(
-            file.to_string(),
+        return Err(InputError::file(
+            path,
             "has no rows",
             "give at least one measured round trip",
         ));
