@@ -45,6 +45,9 @@ pub(crate) enum Error {
     /// The input cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// An output path cannot be used.
+    #[error(transparent)]
+    UnusableOutput(RecordingError),
     /// The command failed.
     #[error("{0}")]
     Failed(String),
@@ -95,9 +98,8 @@ impl From<RecordingError> for Error {
     fn from(error: RecordingError) -> Self {
         match error {
             RecordingError::Input(error) => Self::Input(error),
-            RecordingError::Write { .. } | RecordingError::WriteMcap { .. } => {
-                Self::Failed(error.to_string())
-            }
+            unusable if unusable.is_unusable_path() => Self::UnusableOutput(unusable),
+            other => Self::Failed(other.to_string()),
         }
     }
 }
@@ -106,7 +108,7 @@ impl Error {
     /// The exit code of this error.
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Input(_) => Exit::InvalidInput,
+            Self::Input(_) | Self::UnusableOutput(_) => Exit::InvalidInput,
             Self::Failed(_) => Exit::Failed,
             Self::Interrupted(_) => Exit::Interrupted,
         }

@@ -1,5 +1,6 @@
 //! Errors: input that cannot be used, and output that cannot be written.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
@@ -11,12 +12,12 @@ pub enum Error {
     #[error(transparent)]
     Input(#[from] InputError),
     /// The operating system did not write a file or folder.
-    #[error("{}: {source}; check the path and the free space", path.display())]
+    #[error("{}: cannot be written: {}", path.display(), cause(source))]
     Write {
         /// The file or folder.
         path: PathBuf,
         /// The error of the operating system.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The MCAP library failed to write.
     #[error("{}: {message}; check the path and the free space", path.display())]
@@ -31,8 +32,22 @@ pub enum Error {
 /// Result of reading or writing a recording or a model.
 pub type Result<T> = std::result::Result<T, Error>;
 
+/// What the operating system refused, and the remedy.
+fn cause(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::StorageFull => "no space left; free some, or write elsewhere".to_owned(),
+        io::ErrorKind::QuotaExceeded => {
+            "no space left within the quota; free some, or write elsewhere".to_owned()
+        }
+        io::ErrorKind::FileTooLarge => {
+            "no space left below the file-size limit; raise it (ulimit -f)".to_owned()
+        }
+        _ => format!("{error}; give another file"),
+    }
+}
+
 /// Converts an I/O error into [`Error::Write`] for `path`.
-pub(crate) fn write_error(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
+pub(crate) fn write_error(path: &Path) -> impl FnOnce(io::Error) -> Error {
     let path = path.to_owned();
     move |source| Error::Write { path, source }
 }

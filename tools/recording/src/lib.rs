@@ -64,6 +64,7 @@ mod foreign_bag;
 mod import;
 mod mcap_file;
 mod open;
+pub mod output;
 pub mod recording;
 mod ros2;
 pub mod run_writer;

@@ -2,7 +2,7 @@
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{FlockOperation, flock};
@@ -11,8 +11,8 @@ use rustix::fs::{FlockOperation, flock};
 pub const SHARED_MEMORY: &str = "/dev/shm";
 /// Begin of the names of all runs.
 pub(super) const NAME_PREFIX: &str = "slipstream-";
-/// Begin of the name of a folder that is not complete yet.
-pub(super) const INCOMPLETE_PREFIX: &str = "making-";
+/// Begin of the name of the lock of a run whose folder does not exist yet.
+pub(super) const LOCK_PREFIX: &str = "lock-";
 /// Name of the lock file in the folder.
 pub(super) const LOCK_FILE: &str = "alive";
 
@@ -35,16 +35,21 @@ impl RunDirectory {
     /// The folder or its lock cannot be created.
     pub fn create(identity: u32) -> io::Result<(Self, RunLock)> {
         let name = format!("{NAME_PREFIX}{identity:08x}");
-        // Created under another name and renamed when it has its lock: nobody sees it without one.
-        let incomplete = Path::new(SHARED_MEMORY).join(format!("{INCOMPLETE_PREFIX}{name}"));
-        DirBuilder::new().mode(0o700).create(&incomplete)?;
+        // The lock comes first and moves into the folder: at no time is there a folder of a live
+        // run whose lock is not held.
+        let outside = Path::new(SHARED_MEMORY).join(format!("{LOCK_PREFIX}{name}"));
         let folder = Path::new(SHARED_MEMORY).join(name);
-        let locked = create_lock(&incomplete)
-            .and_then(|lock| fs::rename(&incomplete, &folder).map(|()| lock));
-        match locked {
-            Ok(lock) => Ok((Self { folder }, lock)),
+        let lock = create_lock(&outside)?;
+        let created = DirBuilder::new()
+            .mode(0o700)
+            .create(&folder)
+            .and_then(|()| fs::rename(&outside, folder.join(LOCK_FILE)));
+        match created {
+            Ok(()) => Ok((Self { folder }, lock)),
             Err(error) => {
-                let _ = fs::remove_dir_all(&incomplete);
+                let _ = fs::remove_file(&outside);
+                // Fails if the folder is that of another run, which is not empty.
+                let _ = fs::remove_dir(&folder);
                 Err(error)
             }
         }
@@ -82,28 +87,62 @@ impl RunDirectory {
         format!("{}_", name.to_string_lossy())
     }
 
-    /// Removes the folder and all shared memory segments of the run.
+    /// Removes the folder and all shared memory segments of the run. Files that another user put
+    /// beside them stay.
     ///
     /// # Errors
-    /// A file cannot be removed.
+    /// A file of this user cannot be removed; the others are removed.
     pub fn remove(&self) -> io::Result<()> {
+        let mut result = Ok(());
+        for path in self.segments()? {
+            if is_own(&path) {
+                result = result.and(remove_path(&path));
+            }
+        }
+        result.and(remove_path(&self.folder))
+    }
+
+    /// Files with the names of this run's shared memory that belong to another user, who may have
+    /// put them there to disturb it.
+    ///
+    /// # Errors
+    /// The shared memory cannot be listed.
+    pub fn planted(&self) -> io::Result<Vec<PathBuf>> {
+        let mut paths = self.segments()?;
+        paths.retain(|path| !is_own(path));
+        Ok(paths)
+    }
+
+    fn segments(&self) -> io::Result<Vec<PathBuf>> {
         let prefix = self.prefix();
+        let mut paths = Vec::new();
         for entry in fs::read_dir(SHARED_MEMORY)? {
             let entry = entry?;
             if entry.file_name().to_string_lossy().starts_with(&prefix) {
-                remove_path(&entry.path())?;
+                paths.push(entry.path());
             }
         }
-        remove_path(&self.folder)
+        Ok(paths)
     }
 }
 
+/// Whether a path itself, not what a link points to, belongs to the user of this process. One that
+/// has vanished does.
+fn is_own(path: &Path) -> bool {
+    let user = rustix::process::geteuid().as_raw();
+    fs::symlink_metadata(path).map_or(true, |metadata| metadata.uid() == user)
+}
+
 /// Creates the lock of a new run and takes it.
-fn create_lock(folder: &Path) -> io::Result<RunLock> {
+fn create_lock(path: &Path) -> io::Result<RunLock> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true).mode(0o600);
-    let file = options.open(folder.join(LOCK_FILE))?;
+    let file = options.open(path)?;
     flock(&file, FlockOperation::NonBlockingLockShared)?;
+    if file.metadata()?.nlink() == 0 {
+        // Another process took it for a leftover before it was locked.
+        return Err(io::Error::other("was removed by another process; try again"));
+    }
     Ok(RunLock { _file: file })
 }
 

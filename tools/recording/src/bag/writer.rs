@@ -4,8 +4,7 @@
 //! complete chunks and at most one truncated chunk.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use mcap::records::MessageHeader;
@@ -31,14 +30,6 @@ pub(crate) struct BagWriter<W: Write> {
     buffer: Vec<u8>,
     /// Number of messages written to each channel so far, by channel id.
     sequence: Vec<u32>,
-}
-
-impl BagWriter<BufWriter<File>> {
-    /// Creates a file, replacing an existing one.
-    pub(crate) fn create(path: &Path) -> Result<Self> {
-        let file = File::create(path).map_err(write_error(path))?;
-        Self::new(BufWriter::new(file), path)
-    }
 }
 
 impl<W: Write> BagWriter<W> {
@@ -91,7 +82,10 @@ impl<W: Write> BagWriter<W> {
         t_ns: i64,
         message: &T,
     ) -> Result<()> {
-        cdr::encode(message, &mut self.buffer).map_err(|e| mcap_error(&self.path, e))?;
+        cdr::encode(message, &mut self.buffer).map_err(|e| Error::WriteMcap {
+            path: self.path.clone(),
+            message: e.to_string(),
+        })?;
         let log_time = u64::try_from(t_ns).unwrap_or(0);
         let mut header = MessageHeader {
             channel_id: channel.0,
@@ -148,9 +142,12 @@ impl<W: Write> BagWriter<W> {
 }
 
 /// Converts an error of the MCAP library.
-fn mcap_error(path: &Path, error: impl ToString) -> Error {
-    Error::WriteMcap {
-        path: path.to_owned(),
-        message: error.to_string(),
+fn mcap_error(path: &Path, error: mcap::McapError) -> Error {
+    match error {
+        mcap::McapError::Io(source) => write_error(path)(source),
+        other => Error::WriteMcap {
+            path: path.to_owned(),
+            message: other.to_string(),
+        },
     }
 }

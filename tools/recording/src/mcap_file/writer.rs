@@ -8,6 +8,7 @@ use std::path::Path;
 use super::stream_writer::StreamWriter;
 use crate::bag::BagWriter;
 use crate::error::Result;
+use crate::output::OutputFile;
 use crate::recording::Recording;
 use crate::table::{StreamKind, TableView};
 use crate::toml_files::{recording_toml, robot_toml};
@@ -18,7 +19,7 @@ use crate::topics;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_mcap(recording: &Recording, path: &Path) -> Result<()> {
-    write(recording, BagWriter::create(path)?).map(|_| ())
+    write(recording, BagWriter::new(OutputFile::create(path)?, path)?)?.finish()
 }
 
 /// Writes a recording as MCAP to `sink` and returns it. `path` is used in errors only.

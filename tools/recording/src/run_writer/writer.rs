@@ -16,6 +16,7 @@ use super::contact::WheelContact;
 use super::header::RunHeader;
 use crate::bag::BagWriter;
 use crate::error::Result;
+use crate::output::lock_recording;
 use crate::ros2::compose::{WORLD, header, imu, joint_state, odometry};
 use crate::ros2::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
 use crate::ros2::position::PositionRecord;
@@ -29,12 +30,13 @@ pub struct RunWriter<W: Write> {
 }
 
 impl RunWriter<BufWriter<File>> {
-    /// Creates a file, replacing an existing one, and writes the header.
+    /// Creates a file, replacing an existing one, locks it, and writes the header.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// If the file cannot be written, or another run is recording to it.
     pub fn create(path: &Path, header: &RunHeader) -> Result<Self> {
-        Self::start(BagWriter::create(path)?, header)
+        let file = lock_recording(path)?;
+        Self::to_sink(BufWriter::new(file), path, header)
     }
 }
 

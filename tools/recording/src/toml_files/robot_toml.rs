@@ -27,7 +27,8 @@ use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Motor, Parameter, Ro
 use toml::de::DeValue;
 
 use super::document::{Entry, Section, TomlFile, read_text};
-use crate::error::{Result, write_error};
+use crate::error::Result;
+use crate::output::write_file;
 
 /// Keys of the root table.
 const TOP_KEYS: [&str; 5] = ["format", "robot", "motor", "encoder", "effects"];
@@ -166,7 +167,7 @@ fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, InputErr
 /// # Errors
 /// If the file cannot be written.
 pub fn write(model: &RobotModel, path: &Path) -> Result<()> {
-    std::fs::write(path, to_text(model)).map_err(write_error(path))
+    write_file(path, to_text(model).as_bytes())
 }
 
 /// The model as the text of a `robot.toml`. Parsing it gives the same model bit for bit.

@@ -1,0 +1,253 @@
+//! Output files: written beside their name and moved there once they are whole.
+//!
+//! An interruption, a full disk or a second program never leaves part of a file under its final
+//! name. The recording of a run is the exception: it grows under its name, so that it can be read
+//! if the run dies, and is locked while it grows ([`lock_recording`]).
+
+use std::collections::BTreeSet;
+use std::fs::{File, Permissions, TryLockError};
+use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, Result, write_error};
+
+/// Begin of the names of files that are not whole yet.
+const PREFIX: &str = ".slipstream-";
+
+/// Files of this process that are not whole yet.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// A file that is being written. It gets its name in [`OutputFile::finish`]; dropped before, it
+/// vanishes.
+#[derive(Debug)]
+pub struct OutputFile {
+    /// The name, for errors.
+    path: PathBuf,
+    /// The name without symbolic links.
+    target: PathBuf,
+    sink: Sink,
+}
+
+#[derive(Debug)]
+enum Sink {
+    /// A new file beside the target.
+    Beside(BufWriter<NamedTempFile>),
+    /// A device or a pipe, such as /dev/stdout.
+    Direct(BufWriter<File>),
+}
+
+/// Writes a whole file.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(content).map_err(write_error(path))?;
+    file.finish()
+}
+
+impl OutputFile {
+    /// Begins a file that will be called `path`.
+    ///
+    /// # Errors
+    /// [`Error::Write`]: the file cannot be created, or a run is recording to it.
+    pub fn create(path: &Path) -> Result<Self> {
+        Self::begin(path).map_err(write_error(path))
+    }
+
+    fn begin(path: &Path) -> io::Result<Self> {
+        // follow symbolic links
+        let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let sink = if target.exists() && !target.is_file() {
+            Sink::Direct(BufWriter::new(File::options().write(true).open(path)?))
+        } else {
+            refuse_recording_in_progress(&target)?;
+            let beside = tempfile::Builder::new()
+                .prefix(PREFIX)
+                .permissions(Permissions::from_mode(0o666))
+                .tempfile_in(folder(&target))?;
+            unfinished(|paths| paths.insert(beside.path().to_owned()));
+            Sink::Beside(BufWriter::new(beside))
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            target,
+            sink,
+        })
+    }
+
+    /// Writes what is buffered and gives the file its name.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; the file vanishes.
+    pub fn finish(mut self) -> Result<()> {
+        self.persist().map_err(write_error(&self.path))
+    }
+
+    fn persist(&mut self) -> io::Result<()> {
+        self.flush()?;
+        if let Sink::Beside(beside) = &self.sink {
+            refuse_recording_in_progress(&self.target)?;
+            std::fs::rename(beside.get_ref().path(), &self.target)?;
+        }
+        Ok(())
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.sink {
+            Sink::Beside(file) => file.write(bytes),
+            Sink::Direct(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.sink {
+            Sink::Beside(file) => file.flush(),
+            Sink::Direct(file) => file.flush(),
+        }
+    }
+}
+
+impl Drop for OutputFile {
+    fn drop(&mut self) {
+        if let Sink::Beside(beside) = &self.sink {
+            unfinished(|paths| paths.remove(beside.get_ref().path()));
+        }
+    }
+}
+
+/// Removes the files of this process that are not whole yet. For a process that ends without
+/// dropping them, after a signal.
+pub fn remove_unfinished() {
+    unfinished(|paths| {
+        for path in std::mem::take(paths) {
+            // It may just have got its name.
+            let _ = std::fs::remove_file(path);
+        }
+    });
+}
+
+fn unfinished<T>(access: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
+    access(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Opens the recording of a run, empties it, and locks it until the returned file and its
+/// duplicates are closed.
+///
+/// # Errors
+/// [`Error::Write`]: it cannot be opened, or another run is recording to it.
+pub fn lock_recording(path: &Path) -> Result<File> {
+    let open = || {
+        let file = File::options()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)?;
+        if file.metadata()?.is_file() {
+            lock(file.try_lock())?;
+            file.set_len(0)?;
+        }
+        Ok(file)
+    };
+    open().map_err(write_error(path))
+}
+
+fn refuse_recording_in_progress(path: &Path) -> io::Result<()> {
+    match File::open(path) {
+        Ok(file) => lock(file.try_lock_shared()),
+        // It does not exist yet, or its owner alone may read it.
+        Err(_) => Ok(()),
+    }
+}
+
+fn lock(result: std::result::Result<(), TryLockError>) -> io::Result<()> {
+    match result {
+        Err(TryLockError::WouldBlock) => Err(io::Error::new(
+            io::ErrorKind::ResourceBusy,
+            "another run is recording to it",
+        )),
+        // The file system knows no locks.
+        Err(TryLockError::Error(_)) | Ok(()) => Ok(()),
+    }
+}
+
+fn folder(path: &Path) -> PathBuf {
+    let parent = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty());
+    parent.map_or_else(|| PathBuf::from("."), Path::to_owned)
+}
+
+impl Error {
+    /// Whether the path itself is unusable, so that the user has to give another one. Otherwise
+    /// the work failed, as on a full disk.
+    pub fn is_unusable_path(&self) -> bool {
+        use io::ErrorKind::{
+            InvalidFilename, IsADirectory, NotADirectory, NotFound, PermissionDenied,
+            ReadOnlyFilesystem, ResourceBusy,
+        };
+        matches!(self, Self::Write { source, .. } if matches!(
+            source.kind(),
+            InvalidFilename | IsADirectory | NotADirectory | NotFound | PermissionDenied
+                | ReadOnlyFilesystem | ResourceBusy
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.collect()
+    }
+
+    #[test]
+    fn a_file_is_replaced_when_the_new_one_is_whole() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("answer.json");
+        write_file(&path, b"one").unwrap();
+        let mut second = OutputFile::create(&path).unwrap();
+        second.write_all(b"two").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        second.finish().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"two");
+        assert_eq!(names(scratch.path()), ["answer.json"]);
+    }
+
+    #[test]
+    fn a_file_that_is_not_finished_vanishes() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("answer.json");
+        drop(OutputFile::create(&path).unwrap());
+        assert_eq!(names(scratch.path()), [""; 0]);
+        let kept = OutputFile::create(&path).unwrap();
+        remove_unfinished();
+        assert_eq!(names(scratch.path()), [""; 0]);
+        drop(kept);
+    }
+
+    #[test]
+    fn a_recording_in_progress_is_neither_recorded_to_nor_replaced() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("run.mcap");
+        let run = lock_recording(&path).unwrap();
+        let duplicate = run.try_clone().unwrap();
+        drop(run);
+        let second = lock_recording(&path).unwrap_err();
+        assert!(second.to_string().contains("another run"), "{second}");
+        assert!(second.is_unusable_path());
+        assert!(write_file(&path, b"import").is_err());
+        drop(duplicate);
+        lock_recording(&path).unwrap();
+    }
+}
