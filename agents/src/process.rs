@@ -8,19 +8,19 @@ use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, Schedule};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::{AgentEndpoint, await_stage};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
-use slipstream_ipc::wake_page::Stage;
+use slipstream_ipc::wake_page::{Member, Stage};
 
 use crate::node::{Node, NodeReport};
 
 /// Real-time priority of an agent. That of the plant is higher.
 const PRIORITY: u8 = 20;
-/// Number of ticks between two checks whether the launcher is alive.
-const TICKS_PER_PARENT_CHECK: u64 = 16;
+/// Number of ticks between two checks whether the launcher lives.
+const TICKS_PER_LAUNCHER_CHECK: u64 = 16;
 
 /// What the process of an agent reports at its end.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -53,11 +53,12 @@ struct Process {
 /// The process cannot join the run.
 pub fn run(
     folder: &Path,
+    launcher: Parent,
     robot: RobotIndex,
     rejoins: bool,
     recording: bool,
 ) -> Result<AgentOutcome, BusError> {
-    let joined = JoinedRun::new(folder)?;
+    let joined = JoinedRun::new(folder, Member::Agent(robot as usize), launcher)?;
     let mut node = Node::new(&joined.experiment, robot).map_err(|error| BusError::Failed {
         what: robot_name(robot),
         reason: error.to_string(),
@@ -70,7 +71,7 @@ pub fn run(
         }
     }
     let wake_page = Rc::clone(&joined.wake_page);
-    let endpoint = AgentEndpoint::new(&services, Rc::clone(&wake_page), joined.parent, robot)?;
+    let endpoint = AgentEndpoint::new(&services, joined.presence.clone(), robot)?;
     let records = RecordSender::new(&services, wake_page, robot + 1, AGENT_CHUNK, recording)?;
     joined.wake_page.signal_ready();
     let lockstep = services.lockstep();
@@ -114,7 +115,7 @@ impl Process {
     /// Runs on the wall clock.
     fn run_wall_clock(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
         let real_time = RealTime::request(PRIORITY);
-        await_stage(&self.joined.wake_page, Stage::Running, self.joined.parent)?;
+        self.joined.presence.await_stage(Stage::Running)?;
         let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page.start_ns()));
         self.endpoint.use_clock(clock);
         trace::use_clock(clock);
@@ -126,9 +127,26 @@ impl Process {
                 kind: EventKind::Rejoined,
             });
         }
-        let mut deadlines = ["outer", "inner"].map(Deadlines::of);
+        let mut deadlines = self.deadlines(rejoins.then(|| clock.now_ns()));
         let ended = self.run_ticks(clock, &mut deadlines);
         self.finish(ended, Some(deadlines), real_time)
+    }
+
+    /// The deadline counts at the start. For an agent that replaces another at `rejoins_ns`, those that
+    /// the other left, and what was missed since.
+    fn deadlines(&self, rejoins_ns: Option<i64>) -> [Deadlines; 2] {
+        let names = ["outer", "inner"];
+        let Some(now_ns) = rejoins_ns else {
+            return names.map(Deadlines::of);
+        };
+        let left = self.joined.wake_page.deadlines(self.member());
+        let schedule = self.joined.experiment.settings.schedule();
+        let periods_ns = [schedule.outer_ns, schedule.inner_ns];
+        std::array::from_fn(|i| Deadlines::from_shared(names[i], left[i], now_ns, periods_ns[i]))
+    }
+
+    fn member(&self) -> Member {
+        Member::Agent(self.robot as usize)
     }
 
     /// Runs every tick at its deadline until the run is over.
@@ -146,13 +164,13 @@ impl Process {
             0
         };
         for ticks in 0u64.. {
-            clock.sleep_until(tick_ns);
+            self.joined.presence.sleep_until(clock, tick_ns);
             let began_ns = clock.now_ns();
             if self.joined.wake_page.stage() >= Stage::Over {
                 return Ok(());
             }
-            if ticks.is_multiple_of(TICKS_PER_PARENT_CHECK) && self.joined.parent.is_gone() {
-                return Err(BusError::Stopped);
+            if ticks.is_multiple_of(TICKS_PER_LAUNCHER_CHECK) {
+                self.joined.presence.check_launcher()?;
             }
             if let Some(newest) = self.endpoint.newest_encoders()? {
                 encoders = newest;
@@ -170,8 +188,18 @@ impl Process {
             self.records.flush_if_due();
             count(deadlines, due, schedule, [tick_ns, began_ns, done_ns]);
             tick_ns = self.next_tick(schedule, tick_ns, clock.now_ns(), deadlines);
+            self.show(deadlines, tick_ns - 1);
         }
         Ok(())
+    }
+
+    /// Shows that the agent lives, and its deadlines until `counted_ns`.
+    fn show(&self, deadlines: &[Deadlines; 2], counted_ns: i64) {
+        let counts = deadlines.map(|counts| counts.to_shared(counted_ns));
+        self.joined
+            .wake_page
+            .publish_deadlines(self.member(), &counts);
+        self.joined.presence.show();
     }
 
     /// The next tick (ns). Skips ticks that are overdue by a whole period instead of catching up.

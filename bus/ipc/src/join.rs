@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::experiment::Experiment;
 use slipstream_bus::transport::BusError;
 
-use crate::endpoints::{Parent, await_stage};
+use crate::endpoints::{Parent, Presence};
 use crate::run_directory::{RunDirectory, RunLock};
 use crate::services::Services;
-use crate::wake_page::{Stage, WakePage};
+use crate::wake_page::{Member, Stage, WakePage};
 
 /// A run that this process has joined.
 #[derive(Debug)]
@@ -19,8 +19,8 @@ pub struct JoinedRun {
     pub experiment: Experiment,
     /// The wake-up page.
     pub wake_page: Rc<WakePage>,
-    /// The launcher.
-    pub parent: Parent,
+    /// The presence of this process.
+    pub presence: Presence,
     /// The directory of the run.
     pub directory: RunDirectory,
     _lock: RunLock,
@@ -48,12 +48,12 @@ impl From<Result<(), BusError>> for ProcessStatus {
 }
 
 impl JoinedRun {
-    /// Joins the run in `folder`: takes its lock, reads the experiment, opens the wake-up page.
+    /// Joins the run in `folder` as `member`: takes its lock, reads the experiment, opens the wake-up
+    /// page.
     ///
     /// # Errors
     /// There is no live run in the folder, or one of its files cannot be read.
-    pub fn new(folder: &Path) -> Result<Self, BusError> {
-        let parent = Parent::now();
+    pub fn new(folder: &Path, member: Member, parent: Parent) -> Result<Self, BusError> {
         let failed = |what: PathBuf| {
             move |error: std::io::Error| BusError::Failed {
                 what: what.display().to_string(),
@@ -66,11 +66,11 @@ impl JoinedRun {
         let experiment =
             postcard::from_bytes(&bytes).map_err(|e| BusError::failed("experiment", e))?;
         let path = directory.wake_page();
-        let wake_page = WakePage::open(&path).map_err(failed(path))?;
+        let wake_page = Rc::new(WakePage::open(&path).map_err(failed(path))?);
         Ok(Self {
             experiment,
-            wake_page: Rc::new(wake_page),
-            parent,
+            presence: Presence::new(Rc::clone(&wake_page), member, parent),
+            wake_page,
             directory,
             _lock: lock,
         })
@@ -82,7 +82,7 @@ impl JoinedRun {
     /// # Errors
     /// The run is stopped first, or the services cannot be opened.
     pub fn services(&self, name: &str) -> Result<Services, BusError> {
-        await_stage(&self.wake_page, Stage::Services, self.parent)?;
+        self.presence.await_stage(Stage::Services)?;
         Services::join(&self.directory, &self.experiment, name)
     }
 }

@@ -21,8 +21,9 @@ use crate::wire::{WireEncoders, WirePosition, WireTorque, WorldHeader};
 
 /// Number of robots that share a service for their positions.
 const GROUP_SIZE: u32 = 8;
-/// Number of chunks of records from one process that can wait for the recorder.
-const RECORD_CHUNKS: usize = 16;
+/// Number of chunks of records from one process that can wait for the recorder: 3 s of them on the
+/// wall clock, longer than a recorder may be silent before it counts as hung.
+const RECORD_CHUNKS: usize = 32;
 /// Size of a chunk of records from an agent (bytes).
 pub const AGENT_CHUNK: usize = 4 << 10;
 /// Size of a chunk of records from the plant (bytes).
@@ -65,6 +66,9 @@ impl Services {
             .config(&config)
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<Ipc>()
+            .map_err(|e| BusError::failed("shared memory", e))?;
+        directory
+            .close_to_others()
             .map_err(|e| BusError::failed("shared memory", e))?;
         Ok(Self {
             node,

@@ -11,12 +11,12 @@ use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 use slipstream_bus::{Experiment, RobotModel, Settings};
-use slipstream_ipc::endpoints::{AgentEndpoint, LockstepRound, Parent, PlantEndpoint, await_stage};
+use slipstream_ipc::endpoints::{AgentEndpoint, LockstepRound, Parent, PlantEndpoint, Presence};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::{Entry, RecordReceiver, RecordSender};
 use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY};
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 
 /// A run of the default platoon, as the launcher prepares it.
 struct Run {
@@ -73,10 +73,11 @@ impl Run {
     ) -> ScopedJoinHandle<'scope, T> {
         scope.spawn(move || {
             let _end_on_panic = EndOnPanic(self.wake_page());
-            let joined = JoinedRun::new(self.directory.folder()).unwrap();
+            let (folder, member) = (self.directory.folder(), Member::Agent(robot as usize));
+            let joined = JoinedRun::new(folder, member, Parent::now()).unwrap();
             let services = joined.services("agent").unwrap();
-            let wake_page = Rc::clone(&joined.wake_page);
-            let endpoint = AgentEndpoint::new(&services, wake_page, joined.parent, robot).unwrap();
+            let presence = joined.presence.clone();
+            let endpoint = AgentEndpoint::new(&services, presence, robot).unwrap();
             joined.wake_page.signal_ready();
             work(endpoint)
         })
@@ -89,8 +90,8 @@ impl Run {
         let services = Services::join(&self.directory, &self.experiment, "plant").unwrap();
         let _factories = services.create_all().unwrap();
         wake_page.advance(Stage::Services);
-        let mut plant =
-            PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
+        let presence = Presence::new(Rc::clone(&wake_page), Member::Plant, Parent::now());
+        let mut plant = PlantEndpoint::new(&services, presence).unwrap();
         plant.await_ready(self.robots()).unwrap();
         let result = work(&mut plant);
         wake_page.advance(Stage::Over);
@@ -254,7 +255,8 @@ fn a_stopped_run_ends_every_wait() {
     });
     let page = WakePage::create(&run.directory.folder().join("other_page"), 1).unwrap();
     page.stop();
-    let waited = await_stage(&page, Stage::Services, Parent::now());
+    let presence = Presence::new(Rc::new(page), Member::Plant, Parent::now());
+    let waited = presence.await_stage(Stage::Services);
     assert_eq!(waited, Err(BusError::Stopped));
     run.remove();
 }

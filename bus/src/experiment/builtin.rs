@@ -31,6 +31,7 @@ impl Default for Settings {
             seed: 1,
             clock: Clock::Virtual,
             on_death: OnDeath::Stop,
+            watchdog_s: 2.0,
             robots: Robots {
                 count: 3,
                 model: String::new(),

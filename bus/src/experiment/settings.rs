@@ -24,6 +24,9 @@ pub struct Settings {
     pub clock: Clock,
     /// Reaction to the death of a process.
     pub on_death: OnDeath,
+    /// A process that shows no sign of life for this long hangs, and is ended as by a death (s of
+    /// wall time, on both clocks).
+    pub watchdog_s: f64,
     /// Number of robots and their model.
     pub robots: Robots,
     /// Coordination of the formation.

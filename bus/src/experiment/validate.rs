@@ -7,6 +7,8 @@ use crate::time::ns_from_s;
 
 /// Largest number of robots of a run.
 const MAX_ROBOTS: u32 = 10_000;
+/// Shortest time after which a silent process counts as hung (s).
+const MIN_WATCHDOG_S: f64 = 0.5;
 /// Longest duration of a run (s).
 const MAX_DURATION_S: f64 = 1e6;
 
@@ -43,6 +45,18 @@ impl Settings {
         if self.robots.count == 0 || self.robots.count > MAX_ROBOTS {
             let problem = format!("is {}", self.robots.count);
             return invalid("robots.count", problem, format!("give 1 to {MAX_ROBOTS}"));
+        }
+        positive("watchdog_s", self.watchdog_s)?;
+        if self.watchdog_s < MIN_WATCHDOG_S {
+            let problem = format!(
+                "is {}, shorter than a busy machine may hold up a process",
+                self.watchdog_s
+            );
+            return invalid(
+                "watchdog_s",
+                problem,
+                format!("give at least {MIN_WATCHDOG_S}"),
+            );
         }
         if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {
             let problem = "needs the wall clock: in lockstep every process waits for all others";

@@ -15,6 +15,9 @@ use crate::{Command, World};
 pub trait Progress {
     /// Called after every round of the agents, at true time `now_ns` (ns).
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer);
+
+    /// Called after every step of the plant.
+    fn stepped(&mut self) {}
 }
 
 impl Progress for () {
@@ -61,6 +64,7 @@ pub fn lockstep(
         world.step(next_ns - now_ns, &commands);
         observer.step(world, next_ns - now_ns, recorder);
         record_sensors(world, robots, recorder);
+        progress.stepped();
         now_ns = next_ns;
     }
     read_encoders(world, now_ns, &mut encoders);

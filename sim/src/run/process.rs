@@ -9,11 +9,11 @@ use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::PlantEndpoint;
+use slipstream_ipc::endpoints::{Parent, PlantEndpoint, Presence};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage};
 
 use super::lockstep::{Progress, applied, command, lockstep, read_encoders, record_sensors};
 use super::observer::{Observer, PlantReport};
@@ -49,9 +49,9 @@ pub struct PlantOutcome {
 /// # Errors
 /// When the process cannot join the run or a robot model is invalid. Errors after that are in
 /// [`PlantOutcome::ended`].
-pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
+pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutcome, BusError> {
     let begin = std::time::Instant::now();
-    let joined = JoinedRun::new(folder)?;
+    let joined = JoinedRun::new(folder, Member::Plant, launcher)?;
     let experiment = &joined.experiment;
     let mut world = world(experiment).map_err(|error| BusError::Failed {
         what: "robot".to_owned(),
@@ -61,7 +61,7 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let kept = services.create_all()?;
     joined.wake_page.advance(Stage::Services);
     let wake_page = Rc::clone(&joined.wake_page);
-    let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), joined.parent)?;
+    let mut end = PlantEndpoint::new(&services, joined.presence.clone())?;
     let mut records = RecordSender::new(&services, wake_page, 0, PLANT_CHUNK, recording)?;
     end.await_ready(experiment.settings.robots.count + u32::from(recording))?;
     drop(kept);
@@ -72,7 +72,7 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
     let mut deadlines = Deadlines::default();
     let (ended, real_time) = if services.lockstep() {
         joined.wake_page.advance(Stage::Running);
-        let mut publisher = ProgressPublisher(&joined.wake_page);
+        let mut publisher = ProgressPublisher(&joined.presence);
         let ended = lockstep(
             experiment,
             &mut world,
@@ -87,7 +87,7 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
         let mut run = WallClockLoop {
             end: &end,
             records: &mut records,
-            wake_page: &joined.wake_page,
+            presence: &joined.presence,
         };
         (
             run.run(experiment, &mut world, &mut observer, &mut deadlines),
@@ -108,12 +108,17 @@ pub fn run(folder: &Path, recording: bool) -> Result<PlantOutcome, BusError> {
 }
 
 /// Publishes the progress of the run on the wake-up page.
-struct ProgressPublisher<'a>(&'a WakePage);
+struct ProgressPublisher<'a>(&'a Presence);
 
 impl Progress for ProgressPublisher<'_> {
     fn at(&mut self, now_ns: i64, world: &World, observer: &Observer) {
         let (speed_m_s, spacing_error_m) = observer.progress(world);
-        self.0.publish_progress(now_ns, speed_m_s, spacing_error_m);
+        let wake_page = self.0.wake_page();
+        wake_page.publish_progress(now_ns, speed_m_s, spacing_error_m);
+    }
+
+    fn stepped(&mut self) {
+        self.0.show();
     }
 }
 
@@ -121,7 +126,7 @@ impl Progress for ProgressPublisher<'_> {
 struct WallClockLoop<'a> {
     end: &'a PlantEndpoint,
     records: &'a mut RecordSender,
-    wake_page: &'a WakePage,
+    presence: &'a Presence,
 }
 
 impl WallClockLoop<'_> {
@@ -142,13 +147,14 @@ impl WallClockLoop<'_> {
         self.end.publish(0, &encoders)?;
         let start = Monotonic::now().plus_ns(START_DELAY_NS);
         let clock = WallClock::new(start);
-        self.wake_page.set_start_ns(start.to_shared());
-        self.wake_page.advance(Stage::Running);
+        let wake_page = self.presence.wake_page();
+        wake_page.set_start_ns(start.to_shared());
+        wake_page.advance(Stage::Running);
         while world.time_ns() < end_ns {
             // The step that starts at `now_ns` is computed when its end is due.
             let now_ns = world.time_ns();
             let next_ns = (now_ns + step_ns).min(end_ns);
-            clock.sleep_until(next_ns);
+            self.presence.sleep_until(clock, next_ns);
             let began_ns = clock.now_ns();
             self.end.check_running()?;
             actuators.receive(self.end, now_ns, clock, self.records)?;
@@ -157,9 +163,10 @@ impl WallClockLoop<'_> {
             self.end.publish(next_ns, &encoders)?;
             observer.step(world, next_ns - now_ns, self.records);
             record_sensors(world, encoders.len(), self.records);
-            ProgressPublisher(self.wake_page).at(next_ns, world, observer);
+            ProgressPublisher(self.presence).at(next_ns, world, observer);
             self.records.flush_if_due();
             deadlines.count(next_ns, began_ns, clock.now_ns(), step_ns);
+            wake_page.publish_deadlines(Member::Plant, &[deadlines.to_shared(next_ns)]);
         }
         Ok(())
     }

@@ -60,6 +60,7 @@ impl From<LaunchError> for Error {
     fn from(error: LaunchError) -> Self {
         match error {
             LaunchError::Input(error) => Self::Input(error),
+            LaunchError::Recording(error) => error.into(),
             other @ LaunchError::System { .. } => Self::Failed(other.to_string()),
         }
     }
@@ -69,6 +70,7 @@ impl From<RunError> for Error {
     fn from(error: RunError) -> Self {
         match error {
             RunError::Input(error) => Self::Input(error),
+            RunError::Recording(error) => error.into(),
             other => Self::Failed(other.to_string()),
         }
     }

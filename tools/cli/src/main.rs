@@ -10,6 +10,7 @@ mod effects;
 mod exit;
 mod export;
 mod import;
+mod interrupt;
 mod models;
 mod output_file;
 mod print;
@@ -25,8 +26,9 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use slipstream_launch::processes::roles;
 
-use crate::exit::Exit;
+use crate::exit::{Error, Exit};
 use crate::print::eprint_line;
 
 /// Simulate differential-drive robots in formation, measure latency, and find what a robot model lacks
@@ -58,37 +60,54 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    run().unwrap_or_else(report).into()
+}
+
+fn report(error: Error) -> Exit {
+    eprint_line!("slipstream: {error}");
+    error.exit()
+}
+
+fn run() -> Result<Exit, Error> {
+    interrupt::catch_file_size_limit()?;
     let arguments: Vec<OsString> = std::env::args_os().collect();
-    if slipstream_launch::processes::roles::is_role(&arguments) {
-        let report_written = slipstream_launch::processes::roles::play(&arguments);
-        return if report_written {
-            Exit::Done.into()
+    if roles::is_role(&arguments) {
+        let report_written = roles::play(&arguments);
+        return Ok(if report_written {
+            Exit::Done
         } else {
-            Exit::Failed.into()
-        };
+            Exit::Failed
+        });
     }
-    let result = match Arguments::parse().command {
-        None => run::run(&run::Arguments::default()),
-        Some(Command::Run(arguments)) => run::run(&arguments),
-        Some(Command::Check(arguments)) => check::run(&arguments),
-        Some(Command::Compare(arguments)) => compare::run(&arguments),
-        Some(Command::Import(arguments)) => import::run(&arguments),
-        Some(Command::Export(arguments)) => export::run(&arguments),
-        Some(Command::Diagnose(arguments)) => diagnose::run(&arguments),
-        Some(Command::Effects(arguments)) => effects::run(&arguments),
-        Some(Command::Trace(arguments)) => trace::run(&arguments),
-        Some(Command::Reproduce(arguments)) => reproduce::run(&arguments),
-        Some(Command::Study(arguments)) => study::run(&arguments),
-        Some(Command::Trial(arguments)) => trial::run(&arguments),
-        Some(Command::Completions(arguments)) => {
-            completions::run(&arguments, &mut Arguments::command())
+    let command = Arguments::parse().command;
+    let command = command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
+    if !command.finishes_after_a_signal() {
+        interrupt::end_at_once()?;
+    }
+    match command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
+        Command::Diagnose(arguments) => diagnose::run(&arguments),
+        Command::Effects(arguments) => effects::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
+        Command::Trial(arguments) => trial::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments, &mut Arguments::command()),
+        Command::Clean => clean::run(),
+    }
+}
+
+impl Command {
+    /// Whether the command catches signals itself: it has processes to stop or results to keep.
+    fn finishes_after_a_signal(&self) -> bool {
+        match self {
+            Self::Run(arguments) => !arguments.in_process(),
+            Self::Study(_) | Self::Trial(_) => true,
+            _ => false,
         }
-        Some(Command::Clean) => clean::run(),
-    };
-    result
-        .unwrap_or_else(|error| {
-            eprint_line!("slipstream: {error}");
-            error.exit()
-        })
-        .into()
+    }
 }

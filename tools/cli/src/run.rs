@@ -10,6 +10,7 @@ use slipstream_launch::{
 };
 
 use crate::exit::{Error, Exit};
+use crate::output_file;
 use crate::print::{self, eprint_line};
 use crate::summary;
 
@@ -72,14 +73,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         arguments.run_processes(&resolved)?
     };
     if let Some(path) = &arguments.json {
-        run.write_json(path).map_err(|error| {
-            let place = format!("--json {}", path.display());
-            InputError::new(
-                place,
-                format!("cannot be written: {error}"),
-                "give another file",
-            )
-        })?;
+        output_file::write_json(path, &run)?;
     }
     print::out(format_args!(
         "{}",
@@ -88,14 +82,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     Ok(match run.status {
         RunStatus::Done => Exit::Done,
         RunStatus::Interrupted => Exit::Interrupted,
-        RunStatus::Failed(reason) => {
-            eprint_line!("slipstream: {reason}");
-            Exit::Failed
-        }
+        RunStatus::Failed(_) => Exit::Failed,
     })
 }
 
 impl Arguments {
+    /// Whether the run has no processes of its own.
+    pub(crate) fn in_process(&self) -> bool {
+        self.in_process
+    }
+
     fn request(&self) -> Result<Request, InputError> {
         let pair = |text: &String| {
             let (key, value) = text.split_once('=').ok_or_else(|| {
@@ -133,6 +129,7 @@ impl Arguments {
             program,
             out: self.out(resolved),
             live: std::io::stderr().is_terminal(),
+            notice: |text| eprint_line!("slipstream: {text}"),
         };
         Ok(processes::run(resolved, &options)?)
     }

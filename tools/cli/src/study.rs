@@ -1,16 +1,13 @@
 //! `slipstream study`: parameter studies, many runs on all cores.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
 use slipstream_study::delay::{self, Grid, Shard, Study};
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::interrupt;
 use crate::output_file::{write, write_json};
 use crate::print::print_line;
 
@@ -100,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
                 .shard
                 .as_deref()
                 .map_or(Ok(Shard::WHOLE), str::parse)?;
-            let stop = interrupt_flag()?;
+            let stop = interrupt::stop_flag()?;
             let study = delay::study(&delay.grid(), shard, delay.output.threads(), &stop)?;
             delay.output.write(&study)
         }
@@ -113,18 +110,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             merge.output.write(&study)
         }
     }
-}
-
-/// A flag that SIGINT and SIGTERM set; the second signal ends the program.
-fn interrupt_flag() -> Result<Arc<AtomicBool>, Error> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        let code = 128 + signal;
-        let twice = flag::register_conditional_shutdown(signal, code, Arc::clone(&stop));
-        let once = twice.and_then(|_| flag::register(signal, Arc::clone(&stop)));
-        once.map_err(|error| Error::Failed(format!("failed to listen for signals: {error}")))?;
-    }
-    Ok(stop)
 }
 
 impl Delay {
@@ -149,16 +134,24 @@ impl Output {
     }
 
     fn write(&self, study: &Study) -> Result<Exit, Error> {
-        if let Some(path) = &self.json {
-            write_json(path, study)?;
+        // What an interrupted study has never replaces the results of a whole one.
+        let path = |path: &PathBuf| match study.interrupted {
+            true => interrupted_path(path),
+            false => path.clone(),
+        };
+        if let Some(file) = self.json.as_ref().map(path) {
+            write_json(&file, study)?;
         }
-        if let Some(path) = &self.report {
-            write(path, &delay::page(study, &command_line())?)?;
+        if let Some(file) = self.report.as_ref().map(path) {
+            write(&file, &delay::page(study, &command_line())?)?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
         print_line!("{} points, {runs} runs", study.points.len());
         if study.interrupted {
             print_line!("Interrupted: the remaining points are missing.");
+            for file in self.json.iter().chain(&self.report) {
+                print_line!("{}", interrupted_path(file).display());
+            }
             return Ok(Exit::Interrupted);
         }
         for answer in &study.answers {
@@ -166,4 +159,10 @@ impl Output {
         }
         Ok(Exit::Done)
     }
+}
+
+/// `delay.json` becomes `delay.interrupted.json`.
+fn interrupted_path(path: &Path) -> PathBuf {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_extension(format!("interrupted.{extension}"))
 }

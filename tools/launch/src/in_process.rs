@@ -13,9 +13,10 @@ use slipstream_bus::time::Schedule;
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::trace;
+use slipstream_recording::output::lock_recording;
 use slipstream_sim::run::{Observer, PlantReport, lockstep, world};
 
-use crate::recorder::{McapSink, trace_files};
+use crate::recorder::{self, McapSink, trace_files};
 use crate::resolve::Resolved;
 use crate::summary::{ProcessReports, RunSummary};
 
@@ -205,7 +206,9 @@ pub fn summary(resolved: &Resolved, out: Option<&Path>) -> Result<RunSummary, Ru
     let reports = match out {
         None => run(experiment, true)?,
         Some(out) => {
-            let sink = McapSink::create(out, experiment, &resolved.to_toml())?;
+            let keys = resolved.to_toml();
+            let file = lock_recording(out, &recorder::begin(experiment, &keys, out)?)?;
+            let sink = McapSink::new(file, out, experiment, &keys)?;
             let _tracing = trace_files::begin(experiment, "run")?;
             let (reports, mut sink) = run_recorded(experiment, true, sink)?;
             trace::drain(|t_ns, bytes| sink.trace(t_ns, bytes));

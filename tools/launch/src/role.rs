@@ -1,6 +1,7 @@
 //! Roles of the processes of a run.
 
 use slipstream_bus::message::{RobotIndex, robot_name};
+use slipstream_ipc::wake_page::Member;
 
 /// What a process of a run does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,15 @@ impl Role {
             Self::Plant => "plant",
             Self::Agent(_) => "agent",
             Self::Recorder => "recorder",
+        }
+    }
+
+    /// The process on the wake-up page.
+    pub(crate) fn member(self) -> Member {
+        match self {
+            Self::Plant => Member::Plant,
+            Self::Agent(robot) => Member::Agent(robot as usize),
+            Self::Recorder => Member::Recorder,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Summary of a run, and its JSON (schema: `tools/cli/schemas/run.schema.json`).
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use slipstream_agents::NodeReport;
@@ -163,7 +163,7 @@ impl RunSummary {
         }
     }
 
-    /// Adds what the processes report about time: lost records, wall time, deadlines.
+    /// Adds what the processes report about time: lost records, wall time.
     pub(crate) fn add_timing(
         &mut self,
         plant: Option<&PlantOutcome>,
@@ -179,28 +179,6 @@ impl RunSummary {
             let least = all.fold(plant.real_time, RealTime::both);
             self.real_time = plant.deadlines.map(|_| least);
         }
-        let step = plant.and_then(|plant| plant.deadlines);
-        self.deadlines
-            .extend(step.map(|d| DeadlineSummary::new("plant", "step", &d)));
-        for (robot, agent) in (0..).zip(agents) {
-            if let Some([outer, inner]) = agent.as_ref().and_then(|agent| agent.deadlines) {
-                let name = robot_name(robot);
-                self.deadlines
-                    .push(DeadlineSummary::new(&name, "outer", &outer));
-                self.deadlines
-                    .push(DeadlineSummary::new(&name, "inner", &inner));
-            }
-        }
-    }
-
-    /// Writes the JSON.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
-    pub fn write_json(&self, path: &Path) -> std::io::Result<()> {
-        let mut text = serde_json::to_string_pretty(self).map_err(std::io::Error::other)?;
-        text.push('\n');
-        std::fs::write(path, text)
     }
 }
 
@@ -215,7 +193,7 @@ impl Process {
 }
 
 impl DeadlineSummary {
-    fn new(process: &str, name: &str, deadlines: &Deadlines) -> Self {
+    pub(crate) fn new(process: &str, name: &str, deadlines: &Deadlines) -> Self {
         Self {
             process: process.to_owned(),
             name: name.to_owned(),

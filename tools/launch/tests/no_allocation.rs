@@ -11,11 +11,11 @@ use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::NoRecorder;
 use slipstream_bus::transport::LockstepLink;
 use slipstream_bus::{Experiment, RobotModel, Settings};
-use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint, Presence};
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
 use slipstream_ipc::trace::{self, EnvFilter};
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_launch::in_process::run;
 
 fn experiment(duration_s: f64) -> Experiment {
@@ -81,9 +81,9 @@ fn shared_memory_links_allocate_one_block_per_sample() {
             scope.spawn(move || {
                 let wake_page = open();
                 let services = Services::join(directory, experiment, "agent").unwrap();
-                let mut end =
-                    AgentEndpoint::new(&services, Rc::clone(&wake_page), Parent::now(), robot)
-                        .unwrap();
+                let member = Member::Agent(robot as usize);
+                let presence = Presence::new(Rc::clone(&wake_page), member, Parent::now());
+                let mut end = AgentEndpoint::new(&services, presence, robot).unwrap();
                 let mut node = Node::new(experiment, robot).unwrap();
                 wake_page.signal_ready();
                 let mut answer = |rounds: i64| {
@@ -100,7 +100,8 @@ fn shared_memory_links_allocate_one_block_per_sample() {
                 counted.fetch_add(allocations(|| answer(ROUNDS)), Ordering::Relaxed);
             });
         }
-        let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
+        let presence = Presence::new(Rc::clone(&wake_page), Member::Plant, Parent::now());
+        let mut end = PlantEndpoint::new(&services, presence).unwrap();
         end.await_ready(robots).unwrap();
         let encoders = vec![Encoders::default(); robots as usize];
         let mut commands = vec![TorqueCommand::default(); robots as usize];

@@ -5,19 +5,20 @@
 //! if the run dies, and is locked while it grows ([`lock_recording`]).
 
 use std::collections::BTreeSet;
-use std::fs::{File, Permissions, TryLockError};
+use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, Write};
-use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result, write_error};
 
 /// Begin of the names of files that are not whole yet.
 const PREFIX: &str = ".slipstream-";
 
+/// Number of files that were begun.
+static FILES: AtomicU64 = AtomicU64::new(0);
 /// Files of this process that are not whole yet.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -35,7 +36,7 @@ pub struct OutputFile {
 #[derive(Debug)]
 enum Sink {
     /// A new file beside the target.
-    Beside(BufWriter<NamedTempFile>),
+    Beside(BufWriter<File>, Beside),
     /// A device or a pipe, such as /dev/stdout.
     Direct(BufWriter<File>),
 }
@@ -66,12 +67,8 @@ impl OutputFile {
             Sink::Direct(BufWriter::new(File::options().write(true).open(path)?))
         } else {
             refuse_recording_in_progress(&target)?;
-            let beside = tempfile::Builder::new()
-                .prefix(PREFIX)
-                .permissions(Permissions::from_mode(0o666))
-                .tempfile_in(folder(&target))?;
-            unfinished(|paths| paths.insert(beside.path().to_owned()));
-            Sink::Beside(BufWriter::new(beside))
+            let (file, beside) = Beside::create(&target)?;
+            Sink::Beside(BufWriter::new(file), beside)
         };
         Ok(Self {
             path: path.to_owned(),
@@ -90,9 +87,9 @@ impl OutputFile {
 
     fn persist(&mut self) -> io::Result<()> {
         self.flush()?;
-        if let Sink::Beside(beside) = &self.sink {
+        if let Sink::Beside(_, beside) = &self.sink {
             refuse_recording_in_progress(&self.target)?;
-            std::fs::rename(beside.get_ref().path(), &self.target)?;
+            std::fs::rename(&beside.path, &self.target)?;
         }
         Ok(())
     }
@@ -101,24 +98,51 @@ impl OutputFile {
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.sink {
-            Sink::Beside(file) => file.write(bytes),
+            Sink::Beside(file, _) => file.write(bytes),
             Sink::Direct(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match &mut self.sink {
-            Sink::Beside(file) => file.flush(),
+            Sink::Beside(file, _) => file.flush(),
             Sink::Direct(file) => file.flush(),
         }
     }
 }
 
-impl Drop for OutputFile {
-    fn drop(&mut self) {
-        if let Sink::Beside(beside) = &self.sink {
-            unfinished(|paths| paths.remove(beside.get_ref().path()));
+/// The name of a file that is not whole yet. Dropped, the name vanishes.
+#[derive(Debug)]
+struct Beside {
+    path: PathBuf,
+}
+
+impl Beside {
+    /// Creates a new file in the folder of `target`.
+    fn create(target: &Path) -> io::Result<(File, Self)> {
+        let folder = folder(target);
+        loop {
+            let number = FILES.fetch_add(1, Ordering::Relaxed);
+            let path = folder.join(format!("{PREFIX}{}-{number}", std::process::id()));
+            let mut options = File::options();
+            match options.read(true).write(true).create_new(true).open(&path) {
+                // Left by a process that was killed.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                opened => {
+                    let file = opened?;
+                    unfinished(|paths| paths.insert(path.clone()));
+                    return Ok((file, Self { path }));
+                }
+            }
         }
+    }
+}
+
+impl Drop for Beside {
+    fn drop(&mut self) {
+        // It may have got its final name.
+        let _ = std::fs::remove_file(&self.path);
+        unfinished(|paths| paths.remove(&self.path));
     }
 }
 
@@ -137,26 +161,47 @@ fn unfinished<T>(access: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     access(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Opens the recording of a run, empties it, and locks it until the returned file and its
-/// duplicates are closed.
+/// Begins the recording of a run: a file with the bytes `begun` that is locked until it and its
+/// duplicates are closed. Its cursor is at 0, for a writer that writes the same bytes first. At no
+/// time is there a file under the name that is not a recording.
 ///
 /// # Errors
-/// [`Error::Write`]: it cannot be opened, or another run is recording to it.
-pub fn lock_recording(path: &Path) -> Result<File> {
-    let open = || {
-        let file = File::options()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)?;
-        if file.metadata()?.is_file() {
-            lock(file.try_lock())?;
-            file.set_len(0)?;
-        }
-        Ok(file)
+/// [`Error::Write`]: it cannot be opened or written, or another run is recording to it.
+pub fn lock_recording(path: &Path, begun: &[u8]) -> Result<File> {
+    let create = || match create_recording(path, begun) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => reuse_recording(path, begun),
+        other => other,
     };
-    open().map_err(write_error(path))
+    create().map_err(write_error(path))
+}
+
+/// Creates a file that gets its name when it is locked and has content.
+fn create_recording(path: &Path, begun: &[u8]) -> io::Result<File> {
+    if path.symlink_metadata().is_ok() {
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
+    let (file, beside) = Beside::create(path)?;
+    lock(file.try_lock())?;
+    file.write_all_at(begun, 0)?;
+    match std::fs::hard_link(&beside.path, path) {
+        // A file system without links.
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+            std::fs::rename(&beside.path, path)?;
+        }
+        linked => linked?,
+    }
+    Ok(file)
+}
+
+/// Opens an earlier recording, which the new one replaces, or a device.
+fn reuse_recording(path: &Path, begun: &[u8]) -> io::Result<File> {
+    let file = File::options().read(true).write(true).open(path)?;
+    if file.metadata()?.is_file() {
+        lock(file.try_lock())?;
+        file.write_all_at(begun, 0)?;
+        file.set_len(begun.len() as u64)?;
+    }
+    Ok(file)
 }
 
 fn refuse_recording_in_progress(path: &Path) -> io::Result<()> {
@@ -240,14 +285,17 @@ mod tests {
     fn a_recording_in_progress_is_neither_recorded_to_nor_replaced() {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("run.mcap");
-        let run = lock_recording(&path).unwrap();
+        let run = lock_recording(&path, b"begin").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"begin");
         let duplicate = run.try_clone().unwrap();
         drop(run);
-        let second = lock_recording(&path).unwrap_err();
+        let second = lock_recording(&path, b"other").unwrap_err();
         assert!(second.to_string().contains("another run"), "{second}");
         assert!(second.is_unusable_path());
         assert!(write_file(&path, b"import").is_err());
         drop(duplicate);
-        lock_recording(&path).unwrap();
+        let mut third = lock_recording(&path, b"third").unwrap();
+        third.write_all(b"third run").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"third run");
     }
 }

@@ -45,6 +45,37 @@ impl Deadlines {
         tracing::debug!(name: "deadline", t_ns = due_ns, of, began_ns, done_ns, missed);
     }
 
+    /// The counts as words of shared memory; `due_ns` is the time up to which ticks are counted.
+    pub fn to_shared(self, due_ns: i64) -> [i64; 4] {
+        let count = |count: u64| i64::try_from(count).unwrap_or(i64::MAX);
+        [
+            count(self.ticks),
+            count(self.missed),
+            self.latest_ns,
+            due_ns,
+        ]
+    }
+
+    /// The counts of the loop `name` that a process left behind in shared memory. Ticks that were due
+    /// after the counted ones and before `now_ns` count as missed.
+    pub fn from_shared(
+        name: &'static str,
+        [ticks, missed, latest_ns, due_ns]: [i64; 4],
+        now_ns: i64,
+        period_ns: i64,
+    ) -> Self {
+        let count = |count: i64| u64::try_from(count).unwrap_or(0);
+        let due_until = |at_ns: i64| at_ns.div_euclid(period_ns.max(1));
+        let counted_ns = if ticks == 0 { -1 } else { due_ns };
+        let silent = count(due_until(now_ns - 1) - due_until(counted_ns));
+        Self {
+            name,
+            ticks: count(ticks) + silent,
+            missed: count(missed) + silent,
+            latest_ns,
+        }
+    }
+
     /// Counts skipped ticks.
     pub fn skip(&mut self, ticks: u64) {
         self.ticks += ticks;
@@ -58,6 +89,19 @@ impl Deadlines {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_silent_process_left_out_is_missed() {
+        let mut deadlines = Deadlines::of("inner");
+        deadlines.count(0, 1, 2, 20);
+        deadlines.count(20, 21, 22, 20);
+        let restored =
+            |now_ns| Deadlines::from_shared("inner", deadlines.to_shared(20), now_ns, 20);
+        assert_eq!(restored(39), deadlines);
+        assert_eq!((restored(61).ticks, restored(61).missed), (4, 2));
+        let never = Deadlines::from_shared("inner", [0; 4], 45, 20);
+        assert_eq!((never.ticks, never.missed), (3, 3), "due at 0, 20 and 40");
+    }
 
     #[test]
     fn a_deadline_is_missed_once_the_next_tick_is_due() {

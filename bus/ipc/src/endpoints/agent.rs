@@ -1,22 +1,19 @@
 //! Endpoint of an agent: receives encoders, sends torque commands, answers the lockstep.
 
-use std::rc::Rc;
-
 use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
 
 use super::links::LinkEndpoints;
-use super::waiting::{POLL_INTERVAL, Parent};
+use super::waiting::{POLL_INTERVAL, Presence};
 use crate::clock::WallClock;
 use crate::services::{CommandPublisher, Services, WorldSubscriber};
-use crate::wake_page::{Stage, WakePage};
+use crate::wake_page::Stage;
 use crate::wire::WorldHeader;
 
 /// An agent's ports.
 #[derive(Debug)]
 pub struct AgentEndpoint {
-    wake_page: Rc<WakePage>,
-    parent: Parent,
+    presence: Presence,
     robot: RobotIndex,
     world: WorldSubscriber,
     commands: CommandPublisher,
@@ -40,13 +37,11 @@ impl AgentEndpoint {
     /// A port cannot be created.
     pub fn new(
         services: &Services,
-        wake_page: Rc<WakePage>,
-        parent: Parent,
+        presence: Presence,
         robot: RobotIndex,
     ) -> Result<Self, BusError> {
         Ok(Self {
-            wake_page,
-            parent,
+            presence,
             robot,
             world: services.world_subscriber()?,
             commands: services.command_publisher()?,
@@ -71,16 +66,19 @@ impl AgentEndpoint {
     /// [`BusError::Stopped`] if the launcher is gone; another error if the transport failed.
     pub fn next_round(&mut self) -> Result<Option<LockstepRound>, BusError> {
         loop {
-            if let Some(epoch) = self.wake_page.wait_round(self.epoch, POLL_INTERVAL) {
+            let round = self
+                .presence
+                .wake_page()
+                .wait_round(self.epoch, POLL_INTERVAL);
+            self.presence.show();
+            if let Some(epoch) = round {
                 self.epoch = epoch;
                 break;
             }
-            if self.wake_page.stage() >= Stage::Over {
+            if self.presence.wake_page().stage() >= Stage::Over {
                 return Ok(None);
             }
-            if self.parent.is_gone() {
-                return Err(BusError::Stopped);
-            }
+            self.presence.check_launcher()?;
         }
         let Some((header, encoders)) = self.poll_encoders()? else {
             return Err(BusError::failed("world", "a round without encoders"));
@@ -109,7 +107,9 @@ impl AgentEndpoint {
                 what: "command".to_owned(),
             });
         }
-        self.wake_page.answer(self.robot as usize, self.epoch);
+        self.presence
+            .wake_page()
+            .answer(self.robot as usize, self.epoch);
         Ok(())
     }
 

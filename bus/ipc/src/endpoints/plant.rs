@@ -1,12 +1,11 @@
 //! Endpoint of the plant: publishes encoders, receives torque commands, leads the lockstep.
 
-use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use slipstream_bus::message::{Encoders, TorqueCommand, robot_name};
 use slipstream_bus::transport::{BusError, LockstepLink};
 
-use super::waiting::{POLL_INTERVAL, Parent, check_running};
+use super::waiting::{POLL_INTERVAL, Presence};
 use crate::services::{CommandSubscriber, Services, WorldPublisher};
 use crate::wake_page::WakePage;
 use crate::wire::{WireEncoders, WorldHeader};
@@ -19,8 +18,7 @@ const ROUNDS_PER_PARENT_CHECK: u32 = 64;
 /// The plant's ports.
 #[derive(Debug)]
 pub struct PlantEndpoint {
-    wake_page: Rc<WakePage>,
-    parent: Parent,
+    presence: Presence,
     world: WorldPublisher,
     commands: CommandSubscriber,
     robots: usize,
@@ -33,14 +31,9 @@ impl PlantEndpoint {
     ///
     /// # Errors
     /// A port cannot be created.
-    pub fn new(
-        services: &Services,
-        wake_page: Rc<WakePage>,
-        parent: Parent,
-    ) -> Result<Self, BusError> {
+    pub fn new(services: &Services, presence: Presence) -> Result<Self, BusError> {
         Ok(Self {
-            wake_page,
-            parent,
+            presence,
             world: services.world_publisher()?,
             commands: services.command_subscriber()?,
             robots: services.robots(),
@@ -59,7 +52,7 @@ impl PlantEndpoint {
     /// # Errors
     /// [`BusError::Stopped`] if the run is stopped first or the launcher is gone.
     pub fn await_ready(&self, processes: u32) -> Result<(), BusError> {
-        while !self.wake_page.wait_ready(processes, POLL_INTERVAL) {
+        while !self.wake_page().wait_ready(processes, POLL_INTERVAL) {
             self.check_running()?;
         }
         Ok(())
@@ -100,17 +93,21 @@ impl PlantEndpoint {
         Ok(())
     }
 
-    /// Checks that the run goes on.
+    /// Checks that the run goes on, and shows that the plant lives.
     ///
     /// # Errors
     /// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone.
     pub fn check_running(&self) -> Result<(), BusError> {
-        check_running(&self.wake_page, self.parent)
+        self.presence.check()
+    }
+
+    fn wake_page(&self) -> &WakePage {
+        self.presence.wake_page()
     }
 
     fn await_answers(&self) -> Result<(), BusError> {
         let begin = Instant::now();
-        while !self.wake_page.wait_answers(POLL_INTERVAL) {
+        while !self.wake_page().wait_answers(POLL_INTERVAL) {
             self.check_running()?;
             if begin.elapsed() > self.answer_timeout {
                 return Err(self.no_answer());
@@ -121,7 +118,7 @@ impl PlantEndpoint {
 
     /// The error that names the first robot without an answer.
     fn no_answer(&self) -> BusError {
-        let robot = self.wake_page.first_unanswered(self.epoch).unwrap_or(0);
+        let robot = self.wake_page().first_unanswered(self.epoch).unwrap_or(0);
         BusError::NoAnswer {
             robot: robot_name(u32::try_from(robot).unwrap_or(0)),
         }
@@ -135,18 +132,20 @@ impl LockstepLink for PlantEndpoint {
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
-        if self.wake_page.stopping()
-            || (self.epoch.is_multiple_of(ROUNDS_PER_PARENT_CHECK) && self.parent.is_gone())
-        {
+        if self.epoch.is_multiple_of(ROUNDS_PER_PARENT_CHECK) {
+            self.presence.check_launcher()?;
+        }
+        if self.wake_page().stopping() {
             return Err(BusError::Stopped);
         }
+        self.presence.show();
         self.epoch = self.epoch.wrapping_add(1).max(1);
         if self.publish(now_ns, encoders)? < self.robots {
             return Err(BusError::QueueFull {
                 what: "world".to_owned(),
             });
         }
-        self.wake_page.begin_round(self.epoch);
+        self.wake_page().begin_round(self.epoch);
         self.await_answers()?;
         let mut answers = 0;
         self.drain_commands(|command| {

@@ -1,46 +1,90 @@
-//! Bounded waiting: a wait ends when the run is stopped or the launcher is gone.
+//! A process's presence in a run: it shows that it lives, and waits only while the run goes on and
+//! its launcher lives.
 
+use std::rc::Rc;
 use std::time::Duration;
 
-use rustix::process::{Pid, getppid};
 use slipstream_bus::transport::BusError;
 
-use crate::wake_page::{Stage, WakePage};
+use super::parent::Parent;
+use crate::clock::WallClock;
+use crate::wake_page::{Member, Stage, WakePage};
 
-/// Interval at which a waiting process checks whether the others are alive.
+/// Interval at which a waiting process shows that it lives and checks whether the others do.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The parent process, that is the launcher.
-#[derive(Debug, Clone, Copy)]
-pub struct Parent(Option<Pid>);
+const POLL_INTERVAL_NS: i64 = POLL_INTERVAL.as_nanos() as i64;
 
-impl Parent {
-    /// The current parent. To be called at the start of the process, before the launcher can end.
-    pub fn now() -> Self {
-        Self(getppid())
-    }
-
-    /// Whether the launcher is gone, so that the process has another parent.
-    pub fn is_gone(self) -> bool {
-        getppid() != self.0
-    }
+/// The presence of this process in a run.
+#[derive(Debug, Clone)]
+pub struct Presence {
+    wake_page: Rc<WakePage>,
+    member: Member,
+    parent: Parent,
 }
 
-/// Waits until the run has reached `stage`.
-///
-/// # Errors
-/// [`BusError::Stopped`] if the run is stopped first or the launcher is gone.
-pub fn await_stage(wake_page: &WakePage, stage: Stage, parent: Parent) -> Result<(), BusError> {
-    while !wake_page.wait_stage(stage, POLL_INTERVAL) {
-        check_running(wake_page, parent)?;
+impl Presence {
+    /// The presence of this process as `member`.
+    pub fn new(wake_page: Rc<WakePage>, member: Member, parent: Parent) -> Self {
+        let presence = Self {
+            wake_page,
+            member,
+            parent,
+        };
+        presence.show();
+        presence
     }
-    Ok(())
-}
 
-/// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone.
-pub(super) fn check_running(wake_page: &WakePage, parent: Parent) -> Result<(), BusError> {
-    if wake_page.stopping() || parent.is_gone() {
-        return Err(BusError::Stopped);
+    /// The wake-up page of the run.
+    pub fn wake_page(&self) -> &WakePage {
+        &self.wake_page
     }
-    Ok(())
+
+    /// Shows that the process lives. To be called more often than every `watchdog_s` of wall time.
+    pub fn show(&self) {
+        self.wake_page.beat(self.member);
+    }
+
+    /// Shows that the process lives, and checks that the run goes on.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone.
+    pub fn check(&self) -> Result<(), BusError> {
+        self.show();
+        if self.wake_page.stopping() {
+            return Err(BusError::Stopped);
+        }
+        self.check_launcher()
+    }
+
+    /// Checks that the launcher lives.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if it is gone.
+    pub fn check_launcher(&self) -> Result<(), BusError> {
+        if self.parent.is_gone() {
+            return Err(BusError::Stopped);
+        }
+        Ok(())
+    }
+
+    /// Sleeps until the time of the run is `deadline_ns`.
+    pub fn sleep_until(&self, clock: WallClock, deadline_ns: i64) {
+        while clock.now_ns() < deadline_ns - POLL_INTERVAL_NS {
+            clock.sleep_until(clock.now_ns() + POLL_INTERVAL_NS);
+            self.show();
+        }
+        clock.sleep_until(deadline_ns);
+    }
+
+    /// Waits until the run has reached `stage`.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run is stopped first or the launcher is gone.
+    pub fn await_stage(&self, stage: Stage) -> Result<(), BusError> {
+        while !self.wake_page.wait_stage(stage, POLL_INTERVAL) {
+            self.check()?;
+        }
+        Ok(())
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{FlockOperation, flock};
@@ -113,6 +113,24 @@ impl RunDirectory {
         Ok(paths)
     }
 
+    /// Takes from other users what the library grants them on the shared memory of the run: iceoryx2
+    /// makes the file that counts its nodes writable by everybody.
+    ///
+    /// # Errors
+    /// The shared memory cannot be listed.
+    pub(crate) fn close_to_others(&self) -> io::Result<()> {
+        for path in self.segments()? {
+            let open = fs::symlink_metadata(&path).is_ok_and(|metadata| {
+                metadata.is_file() && metadata.permissions().mode() & 0o077 != 0
+            });
+            if open && is_own(&path) {
+                // It may have been removed just now.
+                let _ = fs::set_permissions(&path, fs::Permissions::from_mode(0o600));
+            }
+        }
+        Ok(())
+    }
+
     fn segments(&self) -> io::Result<Vec<PathBuf>> {
         let prefix = self.prefix();
         let mut paths = Vec::new();
@@ -141,7 +159,9 @@ fn create_lock(path: &Path) -> io::Result<RunLock> {
     flock(&file, FlockOperation::NonBlockingLockShared)?;
     if file.metadata()?.nlink() == 0 {
         // Another process took it for a leftover before it was locked.
-        return Err(io::Error::other("was removed by another process; try again"));
+        return Err(io::Error::other(
+            "was removed by another process; try again",
+        ));
     }
     Ok(RunLock { _file: file })
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use rustix::fs::{CWD, FlockOperation, Mode, OFlags, flock, openat};
 use rustix::io::Errno;
@@ -85,6 +85,8 @@ fn is_locked(names: &[&str]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::super::directory::RunDirectory;
     use super::*;
 
@@ -132,7 +134,11 @@ mod tests {
         let lock = folder.join(LOCK_FILE);
         let pipe = rustix::fs::FileType::Fifo;
         rustix::fs::mknodat(CWD, &lock, pipe, Mode::RWXU, 0).unwrap();
-        assert_eq!(of_run(identity).len(), 1, "this line would wait for a writer");
+        assert_eq!(
+            of_run(identity).len(),
+            1,
+            "this line would wait for a writer"
+        );
         fs::remove_file(&lock).unwrap();
         let target = tempfile::NamedTempFile::new().unwrap();
         target.as_file().lock().unwrap();

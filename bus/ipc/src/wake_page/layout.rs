@@ -7,13 +7,17 @@ use std::path::Path;
 use std::sync::atomic::{AtomicI64, AtomicU32, AtomicU64, Ordering};
 
 use memmap2::{MmapOptions, MmapRaw};
+use rustix::fs::{FallocateFlags, fallocate};
 
 /// Identifies the layout. It changes with the layout, so that builds with different layouts do not
 /// share a page.
-const MAGIC: u32 = 0x5350_0001;
+const MAGIC: u32 = 0x5350_0002;
 
 /// Number of words of an agent's checkpoint.
 pub const CHECKPOINT_WORDS: usize = 6;
+
+/// Number of words of the deadline counts of one loop.
+pub const DEADLINE_WORDS: usize = 4;
 
 /// A word on its own cache line, so that processes waiting for different words do not disturb each
 /// other.
@@ -35,10 +39,33 @@ pub(super) struct Header {
     pub(super) start_ns: AtomicI64,
     pub(super) speed_bits: AtomicU64,
     pub(super) spacing_bits: AtomicU64,
+    /// Signs of life and deadline counts of the plant.
+    pub(super) plant: CacheLine<Signs<1>>,
+    /// Signs of life of the recorder.
+    pub(super) recorder: CacheLine<Signs<0>>,
     pub(super) stage: CacheLine<AtomicU32>,
     pub(super) ready: CacheLine<AtomicU32>,
     pub(super) epoch: CacheLine<AtomicU32>,
     pub(super) answers: CacheLine<AtomicU32>,
+}
+
+/// What a process shows of itself, for the launcher: that it lives, and how it kept the deadlines of
+/// its loops.
+#[derive(Debug)]
+#[repr(C)]
+pub(super) struct Signs<const LOOPS: usize> {
+    /// Counts up while the process makes progress.
+    pub(super) beats: AtomicU32,
+    pub(super) deadlines: [[AtomicI64; DEADLINE_WORDS]; LOOPS],
+}
+
+impl<const LOOPS: usize> Default for Signs<LOOPS> {
+    fn default() -> Self {
+        Self {
+            beats: AtomicU32::default(),
+            deadlines: std::array::from_fn(|_| Default::default()),
+        }
+    }
 }
 
 /// The state of one agent. It survives the agent's death.
@@ -51,6 +78,8 @@ pub(super) struct Slot {
     pub(super) version: AtomicU32,
     /// Number of deaths of the agent.
     pub(super) deaths: AtomicU32,
+    /// Signs of life, and deadline counts of outer and inner loop.
+    pub(super) signs: Signs<2>,
     pub(super) checkpoint: [AtomicU64; CHECKPOINT_WORDS],
 }
 
@@ -70,7 +99,9 @@ impl Mapping {
             .create_new(true)
             .mode(0o600)
             .open(path)?;
-        file.set_len(size(robots) as u64)?;
+        // Reserves the memory now: a write to a page that the system cannot provide ends the process
+        // with SIGBUS.
+        fallocate(&file, FallocateFlags::empty(), 0, size(robots) as u64)?;
         let mapping = Self::map(&file, robots)?;
         let robots = u32::try_from(robots).map_err(io::Error::other)?;
         mapping.header().robots.store(robots, Ordering::Relaxed);

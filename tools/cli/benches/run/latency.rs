@@ -12,7 +12,7 @@ use slipstream_ipc::endpoints::{AgentEndpoint, Parent};
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
-use slipstream_ipc::wake_page::WakePage;
+use slipstream_ipc::wake_page::{Member, WakePage};
 use slipstream_launch::{Request, resolve};
 
 use crate::spawn_self;
@@ -201,10 +201,10 @@ struct RunLinks {
 
 impl RunLinks {
     fn new(folder: &Path, robot: u32) -> Self {
-        let joined = JoinedRun::new(folder).unwrap();
+        let member = Member::Agent(robot as usize);
+        let joined = JoinedRun::new(folder, member, Parent::now()).unwrap();
         let services = joined.services("agent").unwrap();
-        let wake_page = std::rc::Rc::clone(&joined.wake_page);
-        let end = AgentEndpoint::new(&services, wake_page, Parent::now(), robot).unwrap();
+        let end = AgentEndpoint::new(&services, joined.presence.clone(), robot).unwrap();
         joined.wake_page.signal_ready();
         Self {
             end,

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::transport::LockstepLink;
-use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint};
+use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint, Presence};
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_launch::{Request, resolve};
 
 use crate::{best, events, spawn_self};
@@ -117,7 +117,8 @@ fn slipstream(robots: u32) -> f64 {
     let services = Services::join(&directory, &experiment, "plant").unwrap();
     let services_kept_open = services.create_all().unwrap();
     wake_page.advance(Stage::Services);
-    let mut end = PlantEndpoint::new(&services, Rc::clone(&wake_page), Parent::now()).unwrap();
+    let presence = Presence::new(Rc::clone(&wake_page), Member::Plant, Parent::now());
+    let mut end = PlantEndpoint::new(&services, presence).unwrap();
     end.await_ready(robots).unwrap();
     drop(services_kept_open);
     let encoders = vec![Encoders::default(); robots as usize];
@@ -134,15 +135,9 @@ fn slipstream(robots: u32) -> f64 {
 /// Agent with the links of a run: answers without a controller.
 pub(crate) fn link_agent(folder: &Path, robot: &str) {
     let robot: u32 = robot.parse().unwrap();
-    let joined = JoinedRun::new(folder).unwrap();
+    let joined = JoinedRun::new(folder, Member::Agent(robot as usize), Parent::now()).unwrap();
     let services = joined.services("agent").unwrap();
-    let mut end = AgentEndpoint::new(
-        &services,
-        Rc::clone(&joined.wake_page),
-        joined.parent,
-        robot,
-    )
-    .unwrap();
+    let mut end = AgentEndpoint::new(&services, joined.presence.clone(), robot).unwrap();
     joined.wake_page.signal_ready();
     while end.next_round().unwrap().is_some() {
         end.answer(TorqueCommand {

@@ -3,12 +3,10 @@
 mod text;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use signal_hook::consts::{SIGINT, SIGTERM};
 use slipstream_bus::InputError;
 use slipstream_trial::TrialError;
 use slipstream_trial::diagnosis_process::DiagnosisProgram;
@@ -20,6 +18,7 @@ use slipstream_trial::tally::{TrialReport, tally};
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::interrupt;
 use crate::output_file::{write, write_json};
 use crate::print::print_line;
 use crate::progress;
@@ -100,7 +99,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
-    let stop = interrupt_flag()?;
+    let stop = interrupt::stop_flag()?;
     let report = match &arguments.labels {
         Some(file) => score_existing(arguments, file, &stop)?,
         None => match score_new(arguments, &stop)? {
@@ -221,14 +220,4 @@ fn select(mut labels: Labels, only: &[String], file: &Path) -> Result<Labels, Tr
     }
     labels.retain(|name, _| only.is_empty() || only.contains(name));
     Ok(labels)
-}
-
-/// A flag that SIGINT and SIGTERM set.
-fn interrupt_flag() -> Result<Arc<AtomicBool>, Error> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))
-            .map_err(|error| Error::Failed(format!("failed to listen for signals: {error}")))?;
-    }
-    Ok(stop)
 }

@@ -1,9 +1,12 @@
 //! One child process of a run: how it is started, and why it ended.
 
-use std::os::fd::OwnedFd;
+use std::fs::File;
+use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
 
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use slipstream_agents::process::AgentOutcome;
 use slipstream_ipc::join::ProcessStatus;
@@ -12,6 +15,7 @@ use slipstream_sim::run::process::PlantOutcome;
 
 use super::options::Options;
 use super::report;
+use super::silence::Silence;
 use crate::recorder::RecorderOutcome;
 use crate::role::Role;
 use crate::summary::Process;
@@ -27,6 +31,10 @@ pub(super) struct ChildProcess {
     pub(super) status: Option<ExitStatus>,
     /// How often an agent of this robot was restarted before.
     pub(super) restarts: u32,
+    /// How long it has shown no sign of life.
+    pub(super) silence: Silence,
+    /// Why the launcher killed it: a verb, and what follows the time.
+    killed_for: Option<(&'static str, String)>,
 }
 
 /// What a child is started with.
@@ -36,6 +44,8 @@ pub(super) struct Start<'a> {
     pub(super) directory: &'a RunDirectory,
     /// The recording holds a trace.
     pub(super) trace: bool,
+    /// The recording, open and locked.
+    pub(super) recording: Option<&'a File>,
 }
 
 impl ChildProcess {
@@ -45,7 +55,9 @@ impl ChildProcess {
         command
             .arg(role.argument())
             .arg("--run")
-            .arg(start.directory.folder());
+            .arg(start.directory.folder())
+            .arg("--launcher")
+            .arg(std::process::id().to_string());
         if let Role::Agent(robot) = role {
             command.arg("--robot").arg(robot.to_string());
         }
@@ -61,13 +73,22 @@ impl ChildProcess {
                 command.arg("--out").arg(out);
             }
         }
+        // The recorder writes to the file that the launcher opened, and so shares its lock.
+        let stdin = match start.recording {
+            Some(file) if role == Role::Recorder => file.try_clone()?.into(),
+            _ => Stdio::null(),
+        };
         // A process group of its own: Ctrl-C reaches the launcher alone.
-        command
-            .process_group(0)
-            .stdin(Stdio::null())
-            .stdout(Stdio::null());
-        let child = command.spawn()?;
-        let pidfd = pidfd_open(Pid::from_child(&child), PidfdFlags::empty())?;
+        command.process_group(0).stdin(stdin).stdout(Stdio::null());
+        let mut child = command.spawn()?;
+        let pidfd = match pidfd_open(Pid::from_child(&child), PidfdFlags::empty()) {
+            Ok(pidfd) => pidfd,
+            Err(error) => {
+                let _ = child.kill();
+                let _ = child.wait();
+                return Err(error.into());
+            }
+        };
         tracing::info!(name: "started", role = role.argument(), robot = role.robot(), pid = child.id());
         Ok(Self {
             role,
@@ -75,6 +96,8 @@ impl ChildProcess {
             pidfd,
             status: None,
             restarts,
+            silence: Silence::new(Instant::now()),
+            killed_for: None,
         })
     }
 
@@ -95,11 +118,43 @@ impl ChildProcess {
         Ok(status)
     }
 
-    /// Sends SIGKILL if it still runs.
-    pub(super) fn kill(&self) {
-        if self.is_running() {
+    /// Waits for its end, at most for `timeout`. Returns whether it has ended: a process that waits
+    /// for a dead disk cannot be killed.
+    pub(super) fn wait_for(&mut self, timeout: Duration) -> bool {
+        let timeout = Timespec::try_from(timeout).ok();
+        let mut fds = [PollFd::from_borrowed_fd(self.pidfd.as_fd(), PollFlags::IN)];
+        let ended = matches!(poll(&mut fds, timeout.as_ref()), Ok(1..));
+        ended && self.wait().is_ok()
+    }
+
+    /// Sends SIGKILL if it still runs. What the process did is said as `verb`, time of the run,
+    /// `details`.
+    pub(super) fn kill(&mut self, verb: &'static str, details: impl Into<String>) {
+        if self.is_running() && self.killed_for.is_none() {
+            self.killed_for = Some((verb, details.into()));
             // It may have ended just now.
             let _ = kill_process(Pid::from_child(&self.child), Signal::KILL);
+        }
+    }
+
+    /// Whether the launcher killed it.
+    pub(super) fn was_killed(&self) -> bool {
+        self.killed_for.is_some()
+    }
+
+    /// What the process does, by the operating system: for one that hangs.
+    pub(super) fn state(&self) -> &'static str {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.child.id()));
+        let stat = stat.unwrap_or_default();
+        match stat
+            .rsplit(") ")
+            .next()
+            .and_then(|rest| rest.chars().next())
+        {
+            Some('T' | 't') => "it was stopped by a signal or a debugger",
+            Some('D') => "it waits for a disk or another device",
+            Some('R') => "it computes without an end, or gets no processor time",
+            _ => "it waits",
         }
     }
 
@@ -107,9 +162,15 @@ impl ChildProcess {
     pub(super) fn failure(&self, directory: &RunDirectory, time_s: f64) -> Option<String> {
         let status = self.status?;
         let (name, pid) = (self.role.name(), self.child.id());
-        if let Some(signal) = status.signal() {
+        if let Some((verb, details)) = &self.killed_for {
             return Some(format!(
-                "{name} (pid {pid}) was killed by signal {signal} at {time_s:.3} s"
+                "{name} (pid {pid}) {verb} at {time_s:.3} s{details}"
+            ));
+        }
+        if let Some(signal) = status.signal() {
+            let cause = likely_cause(signal);
+            return Some(format!(
+                "{name} (pid {pid}) was killed by signal {signal}{cause} at {time_s:.3} s"
             ));
         }
         if !status.success() {
@@ -128,5 +189,16 @@ impl ChildProcess {
             Some(ProcessStatus::Failed(reason)) => Some(format!("{name} (pid {pid}): {reason}")),
             _ => None,
         }
+    }
+}
+
+/// The likely cause of a signal, in brackets.
+fn likely_cause(signal: i32) -> &'static str {
+    match Signal::from_named_raw(signal) {
+        Some(Signal::BUS) => " (SIGBUS, as when /dev/shm is full or a file in it was cut)",
+        Some(Signal::KILL) => " (SIGKILL, by hand or by the system for want of memory)",
+        Some(Signal::SEGV) => " (SIGSEGV)",
+        Some(Signal::ABORT) => " (SIGABRT)",
+        _ => "",
     }
 }

@@ -1,38 +1,38 @@
 //! The launcher: starts the processes of a run, watches them, stops them and removes what they share.
 
-use std::io::{Read, Write as _};
+use std::fs::File;
+use std::io::Read;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::{Clock, OnDeath};
-use slipstream_bus::message::robot_name;
 use slipstream_bus::time::s_from_ns;
-use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY};
+use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY, leftovers};
 use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Stage, WakePage};
-use slipstream_sim::run::process::PlantOutcome;
+use slipstream_recording::output::lock_recording;
 
 use super::child::{ChildProcess, Start};
 use super::options::{LaunchError, Options};
 use super::progress_line::ProgressLine;
-use super::{preflight, report, signals};
+use super::{preflight, signals};
+use crate::recorder;
 use crate::recorder::trace_files::{self, save_trace};
 use crate::resolve::Resolved;
 use crate::role::Role;
 use crate::run_files;
-use crate::summary::{Process, ProcessReports, RunStatus, RunSummary};
+use crate::summary::{Process, RunStatus, RunSummary};
 
 /// Longest wait between two updates of the progress line.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
-/// Processes still alive this long after a stop are killed.
-const STOP_TIMEOUT: Duration = Duration::from_millis(800);
-/// Time that the recorder has to write the rest after the others have ended.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(30);
+/// Time that a killed process has to vanish.
+const KILL_TIMEOUT: Duration = Duration::from_secs(1);
+/// Number of names that are tried for the run.
+const NAMES: u32 = 3;
 /// Largest number of restarts of one robot's agent.
 const MAX_RESTARTS: u32 = 10;
 
@@ -41,19 +41,25 @@ fn system(step: &'static str) -> impl FnOnce(std::io::Error) -> LaunchError {
 }
 
 /// A run in progress. Dropping it kills every process and removes what they share.
-struct Run<'a> {
-    resolved: &'a Resolved,
-    options: &'a Options,
-    directory: RunDirectory,
-    wake_page: WakePage,
-    children: Vec<ChildProcess>,
+pub(super) struct Run<'a> {
+    pub(super) resolved: &'a Resolved,
+    pub(super) options: &'a Options,
+    pub(super) directory: RunDirectory,
+    pub(super) wake_page: WakePage,
+    pub(super) children: Vec<ChildProcess>,
     /// All processes that were ever started.
-    processes: Vec<Process>,
-    status: RunStatus,
+    pub(super) processes: Vec<Process>,
+    pub(super) status: RunStatus,
+    /// What went wrong and has not been said yet.
+    notices: Vec<String>,
     /// When a stop was requested before the planned end.
-    stopped: Option<Instant>,
+    pub(super) stopped: Option<Instant>,
+    /// When the plant had made its last step.
+    pub(super) over: Option<Instant>,
     /// When the last process but the recorder ended.
-    drained: Option<Instant>,
+    pub(super) drained: Option<Instant>,
+    /// The recording, locked while it is open.
+    recording: Option<File>,
     _lock: RunLock,
 }
 
@@ -64,36 +70,49 @@ struct Run<'a> {
 pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchError> {
     let settings = &resolved.experiment.settings;
     preflight::check(settings.robots.count)?;
-    if let Some(out) = &options.out {
-        check_writable(out)?;
-    }
+    let begin_recording = |out: &PathBuf| {
+        let begun = recorder::begin(&resolved.experiment, &resolved.to_toml(), out)?;
+        lock_recording(out, &begun)
+    };
+    let recording = options.out.as_ref().map(begin_recording).transpose()?;
     let _tracing = match options.out {
         Some(_) => trace_files::begin(&resolved.experiment, "launcher")?,
         None => None,
     };
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let begin = Instant::now();
-    let mut run = Run::prepare(resolved, options)?;
+    let mut run = Run::prepare(resolved, options, recording)?;
     run.start().map_err(system("start the processes"))?;
     let progress = ProgressLine::new(options.live, settings);
     while run.children.iter().any(ChildProcess::is_running) {
         run.wait(&mut signals)
             .map_err(system("wait for the processes"))?;
+        for notice in run.notices.drain(..) {
+            progress.suspend(|| (options.notice)(&notice));
+        }
         progress.draw(&run.wake_page);
     }
     progress.clear();
     let mut summary = run.summarise();
     summary.wall_s = begin.elapsed().as_secs_f64();
+    run.notices
+        .drain(..)
+        .for_each(|notice| (options.notice)(&notice));
     Ok(summary)
 }
 
 impl<'a> Run<'a> {
-    fn prepare(resolved: &'a Resolved, options: &'a Options) -> Result<Self, LaunchError> {
+    fn prepare(
+        resolved: &'a Resolved,
+        options: &'a Options,
+        recording: Option<File>,
+    ) -> Result<Self, LaunchError> {
         let unwritable = |error: std::io::Error| {
             let remedy = "check its permissions and free space (slipstream clean)";
             InputError::new(SHARED_MEMORY, format!("cannot be written: {error}"), remedy)
         };
-        let (directory, lock) = RunDirectory::create(rand::random()).map_err(unwritable)?;
+        remove_leftovers();
+        let (directory, lock) = create_directory().map_err(unwritable)?;
         let files = run_files::write(&directory, &resolved.experiment, &resolved.to_toml());
         let robots = resolved.experiment.robots.len();
         let wake_page = files.and_then(|()| WakePage::create(&directory.wake_page(), robots));
@@ -112,8 +131,11 @@ impl<'a> Run<'a> {
             children: Vec::new(),
             processes: Vec::new(),
             status: RunStatus::Done,
+            notices: Vec::new(),
             stopped: None,
+            over: None,
             drained: None,
+            recording,
             _lock: lock,
         })
     }
@@ -135,6 +157,7 @@ impl<'a> Run<'a> {
             options: self.options,
             directory: &self.directory,
             trace: self.resolved.experiment.settings.recording.trace,
+            recording: self.recording.as_ref(),
         };
         let child = ChildProcess::spawn(start, role, restarts)?;
         self.processes.push(child.describe());
@@ -148,7 +171,7 @@ impl<'a> Run<'a> {
         let mut buffer = [0; 16];
         if matches!(signals.read(&mut buffer), Ok(1..)) {
             if self.status == RunStatus::Interrupted {
-                self.kill_all();
+                self.kill_all(", because the run was interrupted twice");
             }
             self.status = RunStatus::Interrupted;
             self.stop();
@@ -166,22 +189,11 @@ impl<'a> Run<'a> {
             save_trace(self.directory.folder(), "launcher");
             self.wake_page.advance(Stage::Drained);
         }
-        self.kill_overdue();
-        Ok(())
-    }
-
-    /// Kills processes that have not ended in time after a stop. The recorder gets twice the time.
-    fn kill_overdue(&self) {
-        let overdue =
-            |since: Option<Instant>, timeout| since.is_some_and(|t| t.elapsed() > timeout);
-        let timeout = if self.drained.is_some() {
-            2 * STOP_TIMEOUT
-        } else {
-            STOP_TIMEOUT
-        };
-        if overdue(self.stopped, timeout) || overdue(self.drained, WRITE_TIMEOUT) {
-            self.kill_all();
+        if self.over.is_none() && self.wake_page.stage() >= Stage::Over {
+            self.over = Some(Instant::now());
         }
+        self.kill_hanging();
+        Ok(())
     }
 
     /// The children that have ended since the last call.
@@ -220,7 +232,10 @@ impl<'a> Run<'a> {
         let Some(reason) = self.children[index].failure(&self.directory, time_s) else {
             return Ok(());
         };
-        self.fail(reason);
+        // What fails because the run stops is not worth a sentence; what hangs is.
+        if self.stopped.is_none() || self.children[index].was_killed() {
+            self.fail(reason + &self.planted());
+        }
         if role != Role::Recorder {
             let robot = role.robot().map(|robot| robot as usize);
             self.wake_page.count_death(robot);
@@ -246,11 +261,21 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Sets the status to failed; the first reason is kept.
-    fn fail(&mut self, reason: String) {
+    /// Says why the run fails. The first reason becomes its status.
+    pub(super) fn fail(&mut self, reason: String) {
+        self.notices.push(reason.clone());
         if self.status == RunStatus::Done {
             self.status = RunStatus::Failed(reason);
         }
+    }
+
+    /// What another user put among the files of the run, as the end of a sentence.
+    fn planted(&self) -> String {
+        let planted = self.directory.planted().unwrap_or_default();
+        planted.first().map_or_else(String::new, |path| {
+            let path = path.display();
+            format!("; another user has put {path} there: start the run again")
+        })
     }
 
     fn stop(&mut self) {
@@ -258,65 +283,50 @@ impl<'a> Run<'a> {
         self.wake_page.stop();
     }
 
-    fn kill_all(&self) {
-        self.children.iter().for_each(ChildProcess::kill);
-    }
-
-    /// Assembles the summary from the final reports of the processes.
-    fn summarise(&mut self) -> RunSummary {
-        let robots = self.resolved.experiment.settings.robots.count;
-        let plant: Option<PlantOutcome> = report::read(&self.directory, &Role::Plant.name());
-        let agents: Vec<Option<AgentOutcome>> = (0..robots)
-            .map(|robot| report::read(&self.directory, &robot_name(robot)))
-            .collect();
-        let reports = ProcessReports {
-            plant: plant.as_ref().map(|plant| plant.report.clone()),
-            agents: agents
-                .iter()
-                .map(|agent| agent.as_ref().map(|a| a.report))
-                .collect(),
-        };
-        let mut summary = RunSummary::new(&self.resolved.experiment, &reports);
-        summary.processes = std::mem::take(&mut self.processes);
-        summary.recording = self.options.out.clone().filter(|out| out.exists());
-        summary.status = self.status.clone();
-        if plant.is_none() {
-            summary.duration_s = s_from_ns(self.wake_page.progress().0);
+    fn kill_all(&mut self, reason: &str) {
+        for child in &mut self.children {
+            child.kill("was killed", reason);
         }
-        summary.add_timing(plant.as_ref(), &agents);
-        summary
     }
 }
 
 impl Drop for Run<'_> {
     fn drop(&mut self) {
-        self.kill_all();
+        self.kill_all("");
         for child in &mut self.children {
-            let _ = child.wait();
+            if child.is_running() && !child.wait_for(KILL_TIMEOUT) {
+                let name = child.role.name();
+                (self.options.notice)(&format!("{name} cannot be killed: {}", child.state()));
+            }
         }
         if let Err(error) = self.directory.remove() {
             let folder = self.directory.folder().display();
-            // Standard error may be closed.
-            let _ = writeln!(
-                std::io::stderr(),
+            (self.options.notice)(&format!(
                 "{folder}: {error}; remove it with slipstream clean"
-            );
+            ));
         }
     }
 }
 
-/// Checks that the recording can be written, before anything is started.
-fn check_writable(out: &Path) -> Result<(), InputError> {
-    let opened = std::fs::OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(out);
-    opened.map(drop).map_err(|error| {
-        let place = format!("--out {}", out.display());
-        InputError::new(
-            place,
-            format!("cannot be written: {error}"),
-            "give another file",
-        )
-    })
+/// Removes what dead runs left behind.
+fn remove_leftovers() {
+    for run in leftovers().unwrap_or_default() {
+        if !run.foreign {
+            tracing::info!(name: "removed", files = run.paths.len());
+            // What stays is listed by `slipstream clean`.
+            let _ = run.remove();
+        }
+    }
+}
+
+/// Creates the directory of the run under a name that no other run has.
+fn create_directory() -> std::io::Result<(RunDirectory, RunLock)> {
+    let mut result = RunDirectory::create(rand::random());
+    for _ in 1..NAMES {
+        if result.is_ok() {
+            break;
+        }
+        result = RunDirectory::create(rand::random());
+    }
+    result
 }

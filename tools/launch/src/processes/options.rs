@@ -13,6 +13,8 @@ pub struct Options {
     pub out: Option<PathBuf>,
     /// Draw a progress line on standard error.
     pub live: bool,
+    /// Says what went wrong, as soon as it has.
+    pub notice: fn(&str),
 }
 
 /// Why a run could not be started.
@@ -21,6 +23,9 @@ pub enum LaunchError {
     /// The input or the system does not meet the requirements.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    Recording(#[from] slipstream_recording::Error),
     /// The operating system refused a step.
     #[error("failed to {step}: {error}")]
     System {

@@ -45,6 +45,11 @@ impl ProgressLine {
         ));
     }
 
+    /// Prints something above the line.
+    pub(super) fn suspend(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
+    }
+
     /// Removes the line.
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();

@@ -5,8 +5,10 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, Parser};
+use serde::Serialize;
 use slipstream_agents::process as agent;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::endpoints::Parent;
 use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
 
@@ -50,12 +52,21 @@ struct Membership {
     /// The run directory.
     #[arg(long)]
     run: PathBuf,
+    /// Process id of the launcher.
+    #[arg(long)]
+    launcher: u32,
     /// The run is recorded.
     #[arg(long)]
     recording: bool,
     /// The recording holds a trace.
     #[arg(long)]
     trace: bool,
+}
+
+impl Membership {
+    fn launcher(&self) -> Parent {
+        Parent::of_id(self.launcher)
+    }
 }
 
 /// Whether the arguments are those of a process of a run.
@@ -75,6 +86,10 @@ pub fn play(arguments: &[OsString]) -> bool {
         Err(error) => error.exit(),
     };
     let membership = role.membership();
+    if let Err(error) = membership.launcher().watch() {
+        print_problem(&role, &format!("failed to watch the launcher: {error}"));
+        return false;
+    }
     let filter = match membership.trace.then(trace::filter).transpose() {
         Ok(filter) => filter,
         Err(problem) => {
@@ -103,24 +118,20 @@ fn print_problem(role: &RoleArguments, problem: &str) {
 
 impl RoleArguments {
     fn play(&self) -> Result<(), BusError> {
+        let membership = self.membership();
+        let (run, recording) = (&membership.run, membership.recording);
+        let launcher = membership.launcher();
         match self {
-            Self::Plant(Membership { run, recording, .. }) => {
-                report::write(run, &self.name(), &plant::run(run, *recording)?)
+            Self::Plant(_) => self.report(&plant::run(run, launcher, recording)?),
+            Self::Agent { robot, rejoins, .. } => {
+                self.report(&agent::run(run, launcher, *robot, *rejoins, recording)?)
             }
-            Self::Agent {
-                membership: Membership { run, recording, .. },
-                robot,
-                rejoins,
-            } => report::write(
-                run,
-                &self.name(),
-                &agent::run(run, *robot, *rejoins, *recording)?,
-            ),
-            Self::Recorder {
-                membership: Membership { run, .. },
-                out,
-            } => report::write(run, &self.name(), &recorder::process::run(run, out)?),
+            Self::Recorder { out, .. } => self.report(&recorder::process::run(run, launcher, out)?),
         }
+    }
+
+    fn report(&self, outcome: &impl Serialize) -> Result<(), BusError> {
+        report::write(&self.membership().run, &self.name(), outcome)
     }
 
     fn membership(&self) -> &Membership {

@@ -36,16 +36,18 @@ struct MessageInFlight {
 }
 
 impl McapSink {
-    /// Creates the file. `keys`: the resolved experiment as TOML.
+    /// Begins the recording in `file`, which is called `path`. `keys`: the resolved experiment as TOML.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn create(
+    pub fn new(
+        file: File,
         path: &Path,
         experiment: &Experiment,
         keys: &str,
     ) -> slipstream_recording::Result<Self> {
-        let mut writer = RunWriter::create(path, &about(experiment, keys))?;
+        let header = about(experiment, keys);
+        let mut writer = RunWriter::to_sink(BufWriter::new(file), path, &header)?;
         // So that the file describes the run even if the run dies at once.
         writer.flush()?;
         Ok(Self {
@@ -61,6 +63,11 @@ impl McapSink {
             records: 0,
             trace: Vec::new(),
         })
+    }
+
+    /// Why nothing more is written, if something failed.
+    pub fn failure(&self) -> Option<&slipstream_recording::Error> {
+        self.failure.as_ref()
     }
 
     /// Flushes the file.
@@ -238,6 +245,18 @@ impl Recorder for McapSink {
             self.keep_failure(result);
         }
     }
+}
+
+/// The first bytes of the recording of a run in the file `path`: it is described before it begins.
+///
+/// # Errors
+/// When they cannot be written to memory.
+pub(crate) fn begin(
+    experiment: &Experiment,
+    keys: &str,
+    path: &Path,
+) -> slipstream_recording::Result<Vec<u8>> {
+    RunWriter::to_sink(Vec::new(), path, &about(experiment, keys))?.into_begin()
 }
 
 /// Description of the run at its start.

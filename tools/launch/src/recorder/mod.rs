@@ -6,4 +6,5 @@ pub(crate) mod process;
 pub(crate) mod trace_files;
 
 pub use mcap_sink::McapSink;
+pub(crate) use mcap_sink::begin;
 pub use process::RecorderOutcome;

@@ -1,16 +1,19 @@
 //! Process of the recorder: receives records and writes them to the recording until all other
 //! processes have ended, however they end.
 
+use std::fs::File;
+use std::os::fd::AsFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use slipstream_bus::experiment::Clock;
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::endpoints::Parent;
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::record_pipe::RecordReceiver;
 use slipstream_ipc::trace;
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 
 use super::mcap_sink::McapSink;
 use super::merge::{Merge, SILENCE};
@@ -31,18 +34,28 @@ pub struct RecorderOutcome {
     pub failure: Option<String>,
 }
 
-/// Records the run in `folder` to `out` until all other processes have ended.
+/// Records the run in `folder` until all other processes have ended, or the file cannot be written.
+/// Standard input is the file, open and locked; `out` is its name.
 ///
 /// # Errors
-/// When it cannot join the run or create the file.
-pub(crate) fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError> {
-    let joined = JoinedRun::new(folder)?;
+/// When it cannot join the run or begin the file.
+pub(crate) fn run(
+    folder: &Path,
+    launcher: Parent,
+    out: &Path,
+) -> Result<RecorderOutcome, BusError> {
+    let joined = JoinedRun::new(folder, Member::Recorder, launcher)?;
     let failed = |e: slipstream_recording::Error| BusError::Failed {
         what: "recording".to_owned(),
         reason: e.to_string(),
     };
     let keys = read_keys(&joined.directory);
-    let sink = McapSink::create(out, &joined.experiment, &keys).map_err(failed)?;
+    let file = std::io::stdin().as_fd().try_clone_to_owned();
+    let file = File::from(file.map_err(|error| BusError::Failed {
+        what: out.display().to_string(),
+        reason: error.to_string(),
+    })?);
+    let sink = McapSink::new(file, out, &joined.experiment, &keys).map_err(failed)?;
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
     joined.wake_page.signal_ready();
@@ -54,8 +67,10 @@ pub(crate) fn run(folder: &Path, out: &Path) -> Result<RecorderOutcome, BusError
         .err()
         .map(|error| error.to_string());
     for trace in read_traces(&joined.directory) {
+        joined.presence.show();
         trace::chunks(&trace, |t_ns, bytes| merge.sink.trace(t_ns, bytes));
     }
+    joined.presence.show();
     Ok(match merge.finish() {
         Ok(records) => RecorderOutcome { records, failure },
         Err(error) => RecorderOutcome {
@@ -104,7 +119,8 @@ fn receive_all(
     loop {
         // Read before the queue is found empty, because nothing can arrive after it. If the launcher
         // is gone, nobody sets the stage; then silence ends the recording.
-        let orphaned = joined.parent.is_gone() && received.elapsed() > SILENCE;
+        let orphaned = received.elapsed() > SILENCE && joined.presence.check_launcher().is_err();
+        joined.presence.show();
         let last = joined.wake_page.stage() >= Stage::Drained || orphaned;
         let mut idle = true;
         trace::set_virtual_time(joined.wake_page.progress().0);
@@ -119,7 +135,9 @@ fn receive_all(
             merge.sink.flush();
             flushed = Instant::now();
         }
-        if idle && last {
+        // A full disk: the run is told now, not at its end.
+        let failed = merge.sink.failure().is_some();
+        if failed || (idle && last) {
             return Ok(());
         }
         if idle {

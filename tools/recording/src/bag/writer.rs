@@ -132,6 +132,12 @@ impl<W: Write> BagWriter<W> {
         self.file.flush().map_err(|e| mcap_error(&self.path, e))
     }
 
+    /// Returns the sink without closing the file.
+    pub(crate) fn into_begin(mut self) -> Result<W> {
+        self.flush()?;
+        Ok(self.file.into_inner().into_inner())
+    }
+
     /// Writes the index and closes the file.
     pub(crate) fn finish(mut self) -> Result<W> {
         self.file.finish().map_err(|e| mcap_error(&self.path, e))?;

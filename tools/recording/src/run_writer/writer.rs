@@ -35,7 +35,8 @@ impl RunWriter<BufWriter<File>> {
     /// # Errors
     /// If the file cannot be written, or another run is recording to it.
     pub fn create(path: &Path, header: &RunHeader) -> Result<Self> {
-        let file = lock_recording(path)?;
+        let begun = RunWriter::to_sink(Vec::new(), path, header)?.into_begin()?;
+        let file = lock_recording(path, &begun)?;
         Self::to_sink(BufWriter::new(file), path, header)
     }
 }
@@ -68,6 +69,14 @@ impl<W: Write> RunWriter<W> {
             bag,
             channels: Channels::new(robots.map(|robot| robot.name.clone())),
         })
+    }
+
+    /// What was written so far, of a file that is not finished.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn into_begin(self) -> Result<W> {
+        self.bag.into_begin()
     }
 
     /// Commanded torques (N m).

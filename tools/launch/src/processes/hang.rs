@@ -1,0 +1,74 @@
+//! Ends processes that hang: those that show no sign of life, and those that do not end when they
+//! should. The launcher never waits for ever.
+
+use std::time::{Duration, Instant};
+
+use slipstream_ipc::wake_page::Stage;
+
+use super::launcher::Run;
+use crate::role::Role;
+
+/// Time to end after a stop.
+const STOP_TIMEOUT: Duration = Duration::from_millis(800);
+/// Time to end after the plant's last step, and for the recorder to write the rest after all others
+/// have ended.
+const END_TIMEOUT: Duration = Duration::from_secs(30);
+/// Time that the start of one more process takes on a slow machine.
+const START_TIME: Duration = Duration::from_millis(50);
+
+impl Run<'_> {
+    /// Kills the processes that hang. Their ends are handled like any other death.
+    pub(super) fn kill_hanging(&mut self) {
+        let now = Instant::now();
+        let deadline = self.end_timeout();
+        for index in 0..self.children.len() {
+            let child = &self.children[index];
+            if !child.is_running() || child.was_killed() {
+                continue;
+            }
+            let limit = self.longest_silence(child.role);
+            let beats = self.wake_page.beats(child.role.member());
+            let child = &mut self.children[index];
+            let silent = child.silence.look(beats, now);
+            if silent > limit {
+                let sign = format!("no sign of life for {:.1} s", silent.as_secs_f64());
+                child.kill(
+                    "hangs",
+                    format!(": {sign}, {}; it was killed", child.state()),
+                );
+            } else if let Some((since, timeout)) = deadline
+                && now.duration_since(since) > timeout
+            {
+                let sign = format!("it did not end within {} s", timeout.as_secs_f64());
+                child.kill(
+                    "hangs",
+                    format!(": {sign}, {}; it was killed", child.state()),
+                );
+            }
+        }
+    }
+
+    /// From when on, and after how much time, every process should have ended. `None` while the run
+    /// goes on.
+    fn end_timeout(&self) -> Option<(Instant, Duration)> {
+        let stopped = self.stopped.map(|since| match self.drained {
+            // The recorder gets twice the time.
+            Some(_) => (since, 2 * STOP_TIMEOUT),
+            None => (since, STOP_TIMEOUT),
+        });
+        let ended = self.drained.or(self.over);
+        stopped.or(ended.map(|since| (since, END_TIMEOUT)))
+    }
+
+    /// How long a process may show no sign of life.
+    fn longest_silence(&self, role: Role) -> Duration {
+        let settings = &self.resolved.experiment.settings;
+        let watchdog = Duration::from_secs_f64(settings.watchdog_s);
+        match (self.wake_page.stage(), role) {
+            (Stage::Starting | Stage::Services, _) => watchdog + START_TIME * settings.robots.count,
+            // It writes what is left, without an end in between.
+            (Stage::Drained, Role::Recorder) => watchdog.max(END_TIMEOUT),
+            _ => watchdog,
+        }
+    }
+}
