@@ -30,7 +30,10 @@ fn write_text(out: &mut String, run: &RunSummary, experiment: &Experiment) -> st
     if run.lost_records > 0 {
         writeln!(out, "  {} records are missing from it.", run.lost_records)?;
     }
-    suggestion(out, experiment)
+    match run.status {
+        RunStatus::Done => suggestion(out, experiment),
+        RunStatus::Failed(_) | RunStatus::Interrupted => Ok(()),
+    }
 }
 
 fn headline(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {

@@ -1,54 +1,24 @@
-//! `kill -9` at random times, each process in turn: a run never hangs, names the process that died, keeps
-//! its recording readable and leaves nothing in shared memory.
+//! `kill -9` at random moments, each process in turn: a run never hangs, names the process that died, keeps
+//! its recording readable, and leaves neither processes nor, after the next run, files.
 //!
-//! `SLIPSTREAM_KILLS` is the number of kills (100 in `just kill`).
+//! `SLIPSTREAM_KILLS` is the number of kills (1000 in `just kill`).
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
 use std::path::Path;
-use std::process::Child;
 use std::time::{Duration, Instant};
 
+use common::faults::{
+    LONG_RUN, assert_recording, children_of, count, dead_runs, process, random_time, signal, start,
+};
 use common::{Role, command, is_alive, roles, shared_memory, slipstream, wait_for};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 
-/// A run that lasts longer than any test.
-const RUN: [&str; 6] = [
-    "run",
-    "--set",
-    "duration_s=100000",
-    "--out",
-    "killed.mcap",
-    "--seed=3",
-];
 /// Longest time from a death to the end of the run.
-const LIMIT: Duration = Duration::from_secs(2);
-const VICTIMS: [&str; 4] = ["agent", "plant", "recorder", "launcher"];
-
-fn kill(pid: u32, signal: Signal) {
-    let pid = Pid::from_raw(i32::try_from(pid).unwrap()).unwrap();
-    kill_process(pid, signal).unwrap();
-}
-
-/// Starts a run, waits until all processes run and data is recorded, and then for `after`.
-fn start(folder: &Path, arguments: &[&str], after: Duration) -> (Child, Vec<Role>) {
-    let child = command(folder, arguments).spawn().unwrap();
-    let mut processes = Vec::new();
-    wait_for("start", Duration::from_secs(20), || {
-        processes = roles(child.id());
-        let recording = std::fs::metadata(folder.join("killed.mcap")).map_or(0, |m| m.len());
-        processes.len() == 5 && recording > 0
-    });
-    std::thread::sleep(after);
-    (child, processes)
-}
-
-fn assert_recording(folder: &Path) {
-    let path = folder.join("killed.mcap");
-    let import = slipstream_recording::read(&path).unwrap();
-    assert_eq!(import.recording.robots.len(), 3);
-}
+const LIMIT: Duration = Duration::from_secs(3);
+/// The victims, each killed in a running run and while its run starts.
+const VICTIMS: [&str; 4] = ["r1", "plant", "recorder", "launcher"];
 
 fn assert_nothing_left(processes: &[Role]) {
     for role in processes {
@@ -58,68 +28,91 @@ fn assert_nothing_left(processes: &[Role]) {
     assert!(left.is_empty(), "{left:?}");
 }
 
-/// Kills one process of a run and checks what is left.
-fn kill_one(victim: &str, after: Duration) {
+/// Kills one process of a run that goes on, and checks what is left.
+fn kill_running(victim: &str) {
     let folder = tempfile::tempdir().unwrap();
-    let (launcher, processes) = start(folder.path(), &RUN, after);
+    let (launcher, processes) = start(folder.path(), &LONG_RUN);
+    std::thread::sleep(random_time(Duration::from_millis(500)));
     if victim == "launcher" {
-        return kill_launcher(folder.path(), launcher, &processes);
+        kill_launcher(folder.path(), launcher);
+        return assert_nothing_left(&processes);
     }
-    let pid = processes
-        .iter()
-        .find(|role| role.name() == victim)
-        .unwrap()
-        .pid;
-    let begin = Instant::now();
-    kill(pid, Signal::KILL);
-    let output = launcher.wait_with_output().unwrap();
-    assert!(begin.elapsed() < LIMIT, "{victim}: {:?}", begin.elapsed());
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(1), "{victim}: {stderr}");
-    let name = if victim == "agent" { "r1" } else { victim };
-    assert!(
-        stderr.contains(&format!("{name} (pid {pid}) was killed by signal 9")),
-        "{stderr}"
-    );
+    let pid = process(&processes, victim).pid;
+    signal(pid, Signal::KILL);
+    assert_death_is_said(launcher, victim, pid);
     assert_recording(folder.path());
     assert_nothing_left(&processes);
 }
 
-fn kill_launcher(folder: &Path, mut launcher: Child, processes: &[Role]) {
-    kill(launcher.id(), Signal::KILL);
-    launcher.wait().unwrap();
-    wait_for("end of the roles", LIMIT, || {
-        !processes.iter().any(|role| is_alive(role.pid))
+/// Kills one process while its run starts, at most 20 ms after it began, and checks what is left.
+fn kill_starting(victim: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    let launcher = command(folder.path(), &LONG_RUN).spawn().unwrap();
+    let (id, after) = (launcher.id(), random_time(Duration::from_millis(20)));
+    if victim == "launcher" {
+        std::thread::sleep(after);
+        return kill_launcher(folder.path(), launcher);
+    }
+    let named = |role: &Role| role.name() == if victim == "r1" { "agent" } else { victim };
+    let mut pid = None;
+    wait_for("start", Duration::from_secs(20), || {
+        pid = roles(id).into_iter().find(named).map(|role| role.pid);
+        pid.is_some()
     });
-    assert!(slipstream(folder, &["clean"]).status.success());
+    std::thread::sleep(after);
+    signal(pid.unwrap(), Signal::KILL);
+    assert_death_is_said(launcher, victim, pid.unwrap());
+    assert_recording(folder.path());
+    assert_eq!(children_of(id), [0; 0]);
+}
+
+fn assert_death_is_said(launcher: std::process::Child, victim: &str, pid: u32) {
+    let begin = Instant::now();
+    let output = launcher.wait_with_output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    let taken = begin.elapsed();
+    assert!(taken < LIMIT, "{victim}: {taken:?}: {stderr}");
+    assert_eq!(output.status.code(), Some(1), "{victim}: {stderr}");
+    let said = format!("{victim} (pid {pid}) was killed by signal 9");
+    assert!(stderr.contains(&said), "{said}: {stderr}");
+}
+
+/// Kills the launcher. Its processes end, and the next run removes its files.
+fn kill_launcher(folder: &Path, mut launcher: std::process::Child) {
+    signal(launcher.id(), Signal::KILL);
+    launcher.wait().unwrap();
+    wait_for("end of the processes", LIMIT, || {
+        children_of(launcher.id()).is_empty()
+    });
     assert_recording(folder);
-    assert_nothing_left(processes);
+    let next = ["run", "--no-recording", "--set", "duration_s=0.1"];
+    assert!(slipstream(folder, &next).status.success());
+    assert_eq!(dead_runs(), [""; 0]);
 }
 
 #[test]
 fn a_killed_process_ends_the_run_and_leaves_nothing_behind() {
-    let kills = std::env::var("SLIPSTREAM_KILLS")
-        .ok()
-        .and_then(|n| n.parse().ok())
-        .unwrap_or(8);
-    // The clock is random enough for kill times that differ from run to run.
-    for k in 0..kills {
-        let nanos = std::time::SystemTime::UNIX_EPOCH
-            .elapsed()
-            .unwrap()
-            .subsec_nanos();
-        let after = Duration::from_millis(u64::from(nanos) % 500);
-        kill_one(VICTIMS[k % VICTIMS.len()], after);
+    for k in 0..count("SLIPSTREAM_KILLS", 16) {
+        let victim = VICTIMS[k % VICTIMS.len()];
+        if (k / VICTIMS.len()).is_multiple_of(2) {
+            kill_running(victim);
+        } else {
+            kill_starting(victim);
+        }
+        if (k + 1).is_multiple_of(100) {
+            eprintln!("{} processes killed", k + 1);
+        }
     }
 }
 
 #[test]
 fn an_interrupted_run_ends_cleanly_and_keeps_its_recording() {
-    for signal in [Signal::INT, Signal::TERM] {
+    for sent in [Signal::INT, Signal::TERM] {
         let folder = tempfile::tempdir().unwrap();
-        let (launcher, processes) = start(folder.path(), &RUN, Duration::from_millis(300));
+        let (launcher, processes) = start(folder.path(), &LONG_RUN);
+        std::thread::sleep(Duration::from_millis(300));
         let begin = Instant::now();
-        kill(launcher.id(), signal);
+        signal(launcher.id(), sent);
         let output = launcher.wait_with_output().unwrap();
         assert!(begin.elapsed() < LIMIT, "{:?}", begin.elapsed());
         assert_eq!(output.status.code(), Some(130));
@@ -155,9 +148,9 @@ fn two_concurrent_runs_do_not_interact() {
 #[test]
 fn the_summary_lists_exactly_the_processes_of_the_run() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = [&RUN[..], &["--json", "result.json"]].concat();
-    let (launcher, processes) = start(folder.path(), &arguments, Duration::from_millis(100));
-    kill(launcher.id(), Signal::INT);
+    let arguments = [&LONG_RUN[..], &["--json", "result.json"]].concat();
+    let (launcher, processes) = start(folder.path(), &arguments);
+    signal(launcher.id(), Signal::INT);
     launcher.wait_with_output().unwrap();
     let result = common::read_json(&folder.path().join("result.json"));
     let mut listed: Vec<u64> = result["processes"]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 pub(crate) mod browser;
+pub(crate) mod faults;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

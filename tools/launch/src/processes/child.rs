@@ -174,7 +174,10 @@ impl ChildProcess {
             ));
         }
         if !status.success() {
-            return Some(format!("{name} (pid {pid}) failed at {time_s:.3} s"));
+            return Some(match report::read_failure(directory, &name) {
+                Some(reason) => format!("{name} (pid {pid}): {reason}"),
+                None => format!("{name} (pid {pid}) failed at {time_s:.3} s"),
+            });
         }
         let ended = match self.role {
             Role::Plant => report::read(directory, &name).map(|plant: PlantOutcome| plant.ended),

@@ -54,6 +54,8 @@ pub(super) struct Run<'a> {
     notices: Vec<String>,
     /// When a stop was requested before the planned end.
     pub(super) stopped: Option<Instant>,
+    /// Whether all processes were connected when the stop was requested.
+    stopped_running: bool,
     /// When the plant had made its last step.
     pub(super) over: Option<Instant>,
     /// When the last process but the recorder ended.
@@ -133,6 +135,7 @@ impl<'a> Run<'a> {
             status: RunStatus::Done,
             notices: Vec::new(),
             stopped: None,
+            stopped_running: false,
             over: None,
             drained: None,
             recording,
@@ -232,8 +235,10 @@ impl<'a> Run<'a> {
         let Some(reason) = self.children[index].failure(&self.directory, time_s) else {
             return Ok(());
         };
-        // What fails because the run stops is not worth a sentence; what hangs is.
-        if self.stopped.is_none() || self.children[index].was_killed() {
+        // What fails because the run stops is not worth a sentence. What hangs is, unless it was still
+        // waiting for the others to start.
+        let hung = self.stopped_running && self.children[index].was_killed();
+        if self.stopped.is_none() || hung {
             self.fail(reason + &self.planted());
         }
         if role != Role::Recorder {
@@ -279,7 +284,10 @@ impl<'a> Run<'a> {
     }
 
     fn stop(&mut self) {
-        self.stopped.get_or_insert(Instant::now());
+        if self.stopped.is_none() {
+            self.stopped = Some(Instant::now());
+            self.stopped_running = self.wake_page.stage() >= Stage::Running;
+        }
         self.wake_page.stop();
     }
 

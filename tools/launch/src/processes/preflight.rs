@@ -36,6 +36,16 @@ pub(crate) fn check(robots: u32) -> Result<(), InputError> {
         }
     }
     let bytes = need(SHARED_BYTES);
+    if let Some(limit) = getrlimit(Resource::Fsize).current
+        && limit < bytes
+    {
+        let [need, limit] = [bytes, limit].map(|bytes| bytes >> 10);
+        return Err(InputError::new(
+            "ulimit -f",
+            format!("{robots} robots need files of {need} KiB, {limit} KiB are allowed"),
+            "raise it (ulimit -f unlimited), or run --in-process",
+        ));
+    }
     let free = rustix::fs::statvfs(SHARED_MEMORY).map_err(|error| {
         let remedy = "mount a tmpfs there, or run --in-process";
         InputError::new(

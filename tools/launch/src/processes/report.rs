@@ -23,6 +23,23 @@ pub(super) fn write(folder: &Path, name: &str, report: &impl Serialize) -> Resul
     }
 }
 
+/// Writes why the process `name` could not do its work.
+///
+/// # Errors
+/// As [`write`].
+pub(super) fn write_failure(folder: &Path, name: &str, reason: &str) -> Result<(), BusError> {
+    write(folder, &failure_of(name), &reason)
+}
+
+/// Why the process `name` could not do its work, if it said so.
+pub(super) fn read_failure(directory: &RunDirectory, name: &str) -> Option<String> {
+    read(directory, &failure_of(name))
+}
+
+fn failure_of(name: &str) -> String {
+    format!("failure-{name}")
+}
+
 /// Reads the report of the process `name`; `None` if it ended without one.
 pub(super) fn read<T: DeserializeOwned>(directory: &RunDirectory, name: &str) -> Option<T> {
     let bytes = std::fs::read(directory.folder().join(format!("report-{name}"))).ok()?;

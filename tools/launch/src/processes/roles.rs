@@ -87,13 +87,13 @@ pub fn play(arguments: &[OsString]) -> bool {
     };
     let membership = role.membership();
     if let Err(error) = membership.launcher().watch() {
-        print_problem(&role, &format!("failed to watch the launcher: {error}"));
+        leave_problem(&role, &format!("failed to watch the launcher: {error}"));
         return false;
     }
     let filter = match membership.trace.then(trace::filter).transpose() {
         Ok(filter) => filter,
         Err(problem) => {
-            print_problem(&role, &format!("{}: {problem}", trace::VARIABLE));
+            leave_problem(&role, &format!("{}: {problem}", trace::VARIABLE));
             return false;
         }
     };
@@ -105,9 +105,17 @@ pub fn play(arguments: &[OsString]) -> bool {
     match played {
         Ok(()) | Err(BusError::Stopped) => true,
         Err(error) => {
-            print_problem(&role, &error.to_string());
+            leave_problem(&role, &error.to_string());
             false
         }
+    }
+}
+
+/// Leaves a problem for the launcher, which prints it.
+fn leave_problem(role: &RoleArguments, problem: &str) {
+    let folder = &role.membership().run;
+    if report::write_failure(folder, &role.name(), problem).is_err() {
+        print_problem(role, problem);
     }
 }
 

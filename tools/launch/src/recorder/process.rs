@@ -45,17 +45,18 @@ pub(crate) fn run(
     out: &Path,
 ) -> Result<RecorderOutcome, BusError> {
     let joined = JoinedRun::new(folder, Member::Recorder, launcher)?;
-    let failed = |e: slipstream_recording::Error| BusError::Failed {
-        what: "recording".to_owned(),
-        reason: e.to_string(),
-    };
     let keys = read_keys(&joined.directory);
     let file = std::io::stdin().as_fd().try_clone_to_owned();
-    let file = File::from(file.map_err(|error| BusError::Failed {
-        what: out.display().to_string(),
-        reason: error.to_string(),
-    })?);
-    let sink = McapSink::new(file, out, &joined.experiment, &keys).map_err(failed)?;
+    let file = File::from(file.map_err(|e| BusError::failed("recording", e))?);
+    let sink = match McapSink::new(file, out, &joined.experiment, &keys) {
+        Ok(sink) => sink,
+        Err(error) => {
+            return Ok(RecorderOutcome {
+                records: 0,
+                failure: Some(error.to_string()),
+            });
+        }
+    };
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
     joined.wake_page.signal_ready();
