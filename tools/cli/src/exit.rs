@@ -46,8 +46,8 @@ pub(crate) enum Error {
     #[error(transparent)]
     Input(#[from] InputError),
     /// An output path cannot be used.
-    #[error(transparent)]
-    UnusableOutput(RecordingError),
+    #[error("{0}")]
+    UnusableOutput(String),
     /// The command failed.
     #[error("{0}")]
     Failed(String),
@@ -90,6 +90,7 @@ impl From<TrialError> for Error {
     fn from(error: TrialError) -> Self {
         match error {
             TrialError::Input(error) => Self::Input(error),
+            TrialError::Output(error) => error.into(),
             TrialError::System { .. } => Self::Failed(error.to_string()),
             TrialError::Interrupted => Self::Interrupted(error.to_string()),
         }
@@ -100,13 +101,21 @@ impl From<RecordingError> for Error {
     fn from(error: RecordingError) -> Self {
         match error {
             RecordingError::Input(error) => Self::Input(error),
-            unusable if unusable.is_unusable_path() => Self::UnusableOutput(unusable),
+            unusable if unusable.is_unusable_path() => Self::UnusableOutput(unusable.to_string()),
             other => Self::Failed(other.to_string()),
         }
     }
 }
 
 impl Error {
+    /// The same error, with the argument that gave the path of an output.
+    pub(crate) fn of_argument(self, argument: &str) -> Self {
+        match self {
+            Self::UnusableOutput(error) => Self::UnusableOutput(format!("{argument} {error}")),
+            other => other,
+        }
+    }
+
     /// The exit code of this error.
     pub(crate) fn exit(&self) -> Exit {
         match self {

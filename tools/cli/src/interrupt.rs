@@ -1,7 +1,8 @@
 //! Signals: a command ends within a second of Ctrl-C, with exit code 130 and without partial files.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
@@ -22,28 +23,40 @@ pub(crate) fn catch_file_size_limit() -> Result<(), Error> {
 
 /// From now on the first signal ends the program. For commands that have nothing to finish.
 pub(crate) fn end_at_once() -> Result<(), Error> {
+    on_signal(|_| end())
+}
+
+/// A flag that the first signal sets. The program ends at the second signal, or when `grace` has passed
+/// after the first. For commands that have something to finish.
+pub(crate) fn stop_flag(grace: Option<Duration>) -> Result<Arc<AtomicBool>, Error> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let set = Arc::clone(&stop);
+    on_signal(move |mut signals| {
+        set.store(true, Ordering::Relaxed);
+        match grace {
+            Some(grace) => std::thread::sleep(grace),
+            None => drop(signals.forever().next()),
+        }
+        end();
+    })?;
+    Ok(stop)
+}
+
+/// Calls `act` in a thread of its own after the first signal.
+fn on_signal(act: impl FnOnce(Signals) + Send + 'static) -> Result<(), Error> {
     let mut signals = Signals::new([SIGINT, SIGTERM]).map_err(|error| failed(&error))?;
     std::thread::spawn(move || {
         if signals.forever().next().is_some() {
-            output::remove_unfinished();
-            eprint_line!("slipstream: interrupted");
-            low_level::exit(Exit::Interrupted.code().into());
+            act(signals);
         }
     });
     Ok(())
 }
 
-/// A flag that the first signal sets; the second one ends the program. For commands that have
-/// something to finish.
-pub(crate) fn stop_flag() -> Result<Arc<AtomicBool>, Error> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let code = Exit::Interrupted.code().into();
-    for signal in [SIGINT, SIGTERM] {
-        flag::register_conditional_shutdown(signal, code, Arc::clone(&stop))
-            .and_then(|_| flag::register(signal, Arc::clone(&stop)))
-            .map_err(|error| failed(&error))?;
-    }
-    Ok(stop)
+fn end() {
+    output::remove_unfinished();
+    eprint_line!("slipstream: interrupted");
+    low_level::exit(Exit::Interrupted.code().into());
 }
 
 fn failed(error: &std::io::Error) -> Error {

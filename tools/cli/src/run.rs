@@ -68,17 +68,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         return Ok(Exit::Done);
     }
     let run = if arguments.in_process {
-        arguments.run_in_process(&resolved)?
+        arguments.run_in_process(&resolved)
     } else {
-        arguments.run_processes(&resolved)?
+        arguments.run_processes(&resolved)
     };
-    if let Some(path) = &arguments.json {
-        output_file::write_json(path, &run)?;
-    }
+    let run = run.map_err(|error| error.of_argument("--out"))?;
     print::out(format_args!(
         "{}",
         summary::text(&run, &resolved.experiment)
     ));
+    if let Some(path) = &arguments.json {
+        output_file::write_json(path, &run)?;
+    }
     Ok(match run.status {
         RunStatus::Done => Exit::Done,
         RunStatus::Interrupted => Exit::Interrupted,

@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
                 .shard
                 .as_deref()
                 .map_or(Ok(Shard::WHOLE), str::parse)?;
-            let stop = interrupt::stop_flag()?;
+            let stop = interrupt::stop_flag(None)?;
             let study = delay::study(&delay.grid(), shard, delay.output.threads(), &stop)?;
             delay.output.write(&study)
         }

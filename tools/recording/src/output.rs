@@ -12,6 +12,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use slipstream_bus::InputError;
+
 use crate::error::{Error, Result, write_error};
 
 /// Begin of the names of files that are not whole yet.
@@ -67,7 +69,7 @@ impl OutputFile {
             Sink::Direct(BufWriter::new(File::options().write(true).open(path)?))
         } else {
             refuse_recording_in_progress(&target)?;
-            let (file, beside) = Beside::create(&target)?;
+            let (file, beside) = Beside::file(&target)?;
             Sink::Beside(BufWriter::new(file), beside)
         };
         Ok(Self {
@@ -111,49 +113,121 @@ impl Write for OutputFile {
     }
 }
 
-/// The name of a file that is not whole yet. Dropped, the name vanishes.
+/// A folder that is being written. It gets its name in [`OutputFolder::finish`], or, if an empty folder
+/// has that name, its files do; dropped before, it vanishes with its files.
+#[derive(Debug)]
+pub struct OutputFolder {
+    target: PathBuf,
+    beside: Beside,
+    /// The target exists. The new folder is inside of it, since only there it is sure that files can be
+    /// created and renamed.
+    inside: bool,
+}
+
+impl OutputFolder {
+    /// Begins a folder that will be called `path`. An empty folder of that name may exist.
+    ///
+    /// # Errors
+    /// [`Error::Write`]: the folder cannot be created; [`Error::Input`]: the existing one is not empty.
+    pub fn create(path: &Path) -> Result<Self> {
+        let begin = || -> io::Result<Self> {
+            let inside = path.is_dir();
+            let beside = if inside {
+                path.join("any")
+            } else {
+                std::fs::create_dir_all(folder(path))?;
+                path.to_owned()
+            };
+            let ((), beside) = Beside::create(&beside, |path| std::fs::create_dir(path))?;
+            let target = path.to_owned();
+            Ok(Self {
+                target,
+                beside,
+                inside,
+            })
+        };
+        if std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()) {
+            let problem = "the folder is not empty";
+            return Err(InputError::file(path, problem, "give a new folder").into());
+        }
+        begin().map_err(write_error(path))
+    }
+
+    /// Where the files of the folder are written.
+    pub fn path(&self) -> &Path {
+        &self.beside.path
+    }
+
+    /// Gives the folder its name.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; the folder vanishes.
+    pub fn finish(self) -> Result<()> {
+        self.persist().map_err(write_error(&self.target))
+    }
+
+    fn persist(&self) -> io::Result<()> {
+        if !self.inside {
+            return std::fs::rename(self.path(), &self.target);
+        }
+        for entry in std::fs::read_dir(self.path())? {
+            let entry = entry?;
+            std::fs::rename(entry.path(), self.target.join(entry.file_name()))?;
+        }
+        Ok(())
+    }
+}
+
+/// The name of a file or folder that is not whole yet. Dropped, it vanishes.
 #[derive(Debug)]
 struct Beside {
     path: PathBuf,
 }
 
 impl Beside {
-    /// Creates a new file in the folder of `target`.
-    fn create(target: &Path) -> io::Result<(File, Self)> {
+    /// Creates a file or folder in the folder of `target`.
+    fn create<T>(target: &Path, create: impl Fn(&Path) -> io::Result<T>) -> io::Result<(T, Self)> {
         let folder = folder(target);
         loop {
             let number = FILES.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(format!("{PREFIX}{}-{number}", std::process::id()));
-            let mut options = File::options();
-            match options.read(true).write(true).create_new(true).open(&path) {
+            match create(&path) {
                 // Left by a process that was killed.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
-                opened => {
-                    let file = opened?;
+                created => {
+                    let created = created?;
                     unfinished(|paths| paths.insert(path.clone()));
-                    return Ok((file, Self { path }));
+                    return Ok((created, Self { path }));
                 }
             }
         }
+    }
+
+    /// Creates a file.
+    fn file(target: &Path) -> io::Result<(File, Self)> {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        Self::create(target, |path| options.open(path))
     }
 }
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        // It may have got its final name.
-        let _ = std::fs::remove_file(&self.path);
         unfinished(|paths| paths.remove(&self.path));
+        remove(&self.path);
     }
+}
+
+/// Removes a file or folder, which may have got its final name.
+fn remove(path: &Path) {
+    let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir_all(path));
 }
 
 /// Removes the files of this process that are not whole yet. For a process that ends without
 /// dropping them, after a signal.
 pub fn remove_unfinished() {
     unfinished(|paths| {
-        for path in std::mem::take(paths) {
-            // It may just have got its name.
-            let _ = std::fs::remove_file(path);
-        }
+        std::mem::take(paths).iter().for_each(|path| remove(path));
     });
 }
 
@@ -180,7 +254,7 @@ fn create_recording(path: &Path, begun: &[u8]) -> io::Result<File> {
     if path.symlink_metadata().is_ok() {
         return Err(io::ErrorKind::AlreadyExists.into());
     }
-    let (file, beside) = Beside::create(path)?;
+    let (file, beside) = Beside::file(path)?;
     lock(file.try_lock())?;
     file.write_all_at(begun, 0)?;
     match std::fs::hard_link(&beside.path, path) {
@@ -279,6 +353,21 @@ mod tests {
         remove_unfinished();
         assert_eq!(names(scratch.path()), [""; 0]);
         drop(kept);
+    }
+
+    #[test]
+    fn a_folder_gets_its_name_when_it_is_whole() {
+        let scratch = tempfile::tempdir().unwrap();
+        let path = scratch.path().join("deep/export");
+        drop(OutputFolder::create(&path).unwrap());
+        assert_eq!(names(&scratch.path().join("deep")), [""; 0]);
+        std::fs::create_dir(&path).unwrap();
+        let folder = OutputFolder::create(&path).unwrap();
+        std::fs::write(folder.path().join("file"), "").unwrap();
+        assert!(!path.join("file").exists());
+        folder.finish().unwrap();
+        assert_eq!(names(&path), ["file"]);
+        assert!(matches!(OutputFolder::create(&path), Err(Error::Input(_))));
     }
 
     #[test]

@@ -8,6 +8,9 @@ pub enum TrialError {
     /// An input cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// An output cannot be written.
+    #[error(transparent)]
+    Output(#[from] slipstream_recording::Error),
     /// An operation of the operating system failed.
     #[error("{place}: {source}")]
     System {
@@ -17,7 +20,7 @@ pub enum TrialError {
         source: std::io::Error,
     },
     /// The user interrupted the trial.
-    #[error("interrupted; nothing was written")]
+    #[error("interrupted")]
     Interrupted,
 }
 

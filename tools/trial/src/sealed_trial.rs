@@ -10,6 +10,7 @@
 
 use std::path::{Path, PathBuf};
 
+use slipstream_recording::output::OutputFolder;
 use slipstream_recording::{robot_toml, write_folder};
 
 use crate::TrialError;
@@ -45,13 +46,7 @@ impl SealedTrial {
         folder: &Path,
         mut done: impl FnMut() -> Result<(), TrialError> + Send,
     ) -> Result<Self, TrialError> {
-        require_empty(folder)?;
-        let parent = folder
-            .parent()
-            .filter(|parent| *parent != Path::new(""))
-            .unwrap_or(Path::new("."));
-        std::fs::create_dir_all(parent).map_err(TrialError::system(parent.display()))?;
-        let making = tempfile::tempdir_in(parent).map_err(TrialError::system(parent.display()))?;
+        let making = OutputFolder::create(folder)?;
         let robots = making.path().join("robots");
         std::fs::create_dir(&robots).map_err(TrialError::system(robots.display()))?;
         let mut cases = Vec::new();
@@ -85,10 +80,7 @@ impl SealedTrial {
             &making.path().join("commitments.txt"),
             &lines.collect::<String>(),
         )?;
-        if folder.exists() {
-            std::fs::remove_dir(folder).map_err(TrialError::system(folder.display()))?;
-        }
-        std::fs::rename(making.keep(), folder).map_err(TrialError::system(folder.display()))?;
+        making.finish()?;
         Ok(Self {
             folder: folder.to_owned(),
             cases,
@@ -154,31 +146,11 @@ impl SealedTrial {
     }
 }
 
-fn require_empty(folder: &Path) -> Result<(), TrialError> {
-    let occupied = std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
-    if occupied {
-        let remedy = "give a new folder";
-        return Err(TrialError::input(
-            folder.display(),
-            "the folder is not empty",
-            remedy,
-        ));
-    }
-    Ok(())
-}
-
 fn write(made: &MadeCase, folder: &Path, name: &str) -> Result<(), TrialError> {
     let place = folder.join(name);
-    let failed = |error: slipstream_recording::Error| {
-        TrialError::input(
-            place.display(),
-            error.to_string(),
-            "check the folder and its free space",
-        )
-    };
-    write_folder(&made.recording, &place).map_err(failed)?;
+    write_folder(&made.recording, &place)?;
     let model = folder.join("robots").join(format!("{name}.toml"));
-    robot_toml::write(&made.model, &model).map_err(failed)
+    Ok(robot_toml::write(&made.model, &model)?)
 }
 
 fn text(name: &str, label: &Label) -> Result<String, TrialError> {

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use slipstream_bus::InputError;
+use slipstream_recording::output::OutputFolder;
 use slipstream_trial::TrialError;
 use slipstream_trial::diagnosis_process::DiagnosisProgram;
 use slipstream_trial::label::{self, Labels};
@@ -99,7 +100,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
-    let stop = interrupt::stop_flag()?;
+    // The diagnoses that run are killed at once; a case that is being made is not waited for.
+    let stop = interrupt::stop_flag(Some(Duration::from_millis(500)))?;
     let report = match &arguments.labels {
         Some(file) => score_existing(arguments, file, &stop)?,
         None => match score_new(arguments, &stop)? {
@@ -142,8 +144,8 @@ fn score_new(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialRep
         Some(id) => plan.with_effect(id),
         None => plan,
     };
-    let temporary = tempfile::tempdir()
-        .map_err(|error| Error::Failed(format!("failed to create a temporary folder: {error}")))?;
+    let name = format!("slipstream-trial-{}", std::process::id());
+    let temporary = OutputFolder::create(&std::env::temp_dir().join(name))?;
     let folder = arguments
         .out
         .clone()
