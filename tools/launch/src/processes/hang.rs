@@ -13,8 +13,11 @@ const STOP_TIMEOUT: Duration = Duration::from_millis(800);
 /// Time to end after the plant's last step, and for the recorder to write the rest after all others
 /// have ended.
 const END_TIMEOUT: Duration = Duration::from_secs(30);
-/// Time that the start of one more process takes on a slow machine.
+/// What one more robot adds to these times on a machine with few cores: to start its process, to give it
+/// its turn, and to end it.
 const START_TIME: Duration = Duration::from_millis(50);
+const TURN_TIME: Duration = Duration::from_millis(20);
+const STOP_TIME: Duration = Duration::from_millis(5);
 
 impl Run<'_> {
     /// Kills the processes that hang. Their ends are handled like any other death.
@@ -51,10 +54,11 @@ impl Run<'_> {
     /// From when on, and after how much time, every process should have ended. `None` while the run
     /// goes on.
     fn end_timeout(&self) -> Option<(Instant, Duration)> {
+        let timeout = STOP_TIMEOUT + STOP_TIME * self.resolved.experiment.settings.robots.count;
         let stopped = self.stopped.map(|since| match self.drained {
             // The recorder gets twice the time.
-            Some(_) => (since, 2 * STOP_TIMEOUT),
-            None => (since, STOP_TIMEOUT),
+            Some(_) => (since, 2 * timeout),
+            None => (since, timeout),
         });
         let ended = self.drained.or(self.over);
         stopped.or(ended.map(|since| (since, END_TIMEOUT)))
@@ -68,7 +72,7 @@ impl Run<'_> {
             (Stage::Starting | Stage::Services, _) => watchdog + START_TIME * settings.robots.count,
             // It writes what is left, without an end in between.
             (Stage::Drained, Role::Recorder) => watchdog.max(END_TIMEOUT),
-            _ => watchdog,
+            _ => watchdog + TURN_TIME * settings.robots.count,
         }
     }
 }

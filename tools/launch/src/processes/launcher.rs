@@ -29,6 +29,8 @@ use crate::summary::{Process, RunStatus, RunSummary};
 
 /// Longest wait between two updates of the progress line.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
+/// Largest number of failures that are told one by one.
+const MAX_NOTICES: usize = 5;
 /// Time that a killed process has to vanish.
 const KILL_TIMEOUT: Duration = Duration::from_secs(1);
 /// Number of names that are tried for the run.
@@ -52,6 +54,8 @@ pub(super) struct Run<'a> {
     pub(super) status: RunStatus,
     /// What went wrong and has not been said yet.
     notices: Vec<String>,
+    /// Number of things that went wrong.
+    failures: usize,
     /// When a stop was requested before the planned end.
     pub(super) stopped: Option<Instant>,
     /// Whether all processes were connected when the stop was requested.
@@ -96,6 +100,11 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
     }
     progress.clear();
     let mut summary = run.summarise();
+    if run.failures > MAX_NOTICES {
+        let more = run.failures - MAX_NOTICES;
+        run.notices
+            .push(format!("and {more} more processes failed"));
+    }
     summary.wall_s = begin.elapsed().as_secs_f64();
     run.notices
         .drain(..)
@@ -134,6 +143,7 @@ impl<'a> Run<'a> {
             processes: Vec::new(),
             status: RunStatus::Done,
             notices: Vec::new(),
+            failures: 0,
             stopped: None,
             stopped_running: false,
             over: None,
@@ -268,7 +278,10 @@ impl<'a> Run<'a> {
 
     /// Says why the run fails. The first reason becomes its status.
     pub(super) fn fail(&mut self, reason: String) {
-        self.notices.push(reason.clone());
+        self.failures += 1;
+        if self.failures <= MAX_NOTICES {
+            self.notices.push(reason.clone());
+        }
         if self.status == RunStatus::Done {
             self.status = RunStatus::Failed(reason);
         }
