@@ -14,9 +14,18 @@ structure *OPTIONS:
 bench:
     cargo bench --workspace
 
-# Long form of the kill test: processes killed at random moments, a hundred times.
+# Long form of the kill test: a thousand processes killed at random moments.
 kill:
-    SLIPSTREAM_KILLS=100 cargo test --release -p slipstream --test kill -- --nocapture
+    SLIPSTREAM_KILLS=1000 cargo test --release -p slipstream --test kill -- --nocapture
+
+# Long form of the hang test: each role hung a hundred times. Needs a quiet machine.
+hang:
+    SLIPSTREAM_HANGS=100 cargo test --release -p slipstream --test hang -- --nocapture --test-threads 1
+
+# Long form of the tests that let disk, shared memory, descriptors and memory run out, and that let two runs
+# share one recording.
+full:
+    SLIPSTREAM_FULL=20 cargo test --release -p slipstream --test full -- --nocapture
 
 # Long form of the throughput test: ten million rows in and out.
 large:

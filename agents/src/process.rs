@@ -1,15 +1,15 @@
 //! Process of one agent: runs its node over shared memory, in lockstep or on the wall clock.
 
 use std::path::Path;
-use std::rc::Rc;
 
 use slipstream_bus::message::{Encoders, RobotIndex, robot_name};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, Schedule};
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::{AgentEndpoint, Parent};
+use slipstream_ipc::endpoints::AgentEndpoint;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::presence::Parent;
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
@@ -70,9 +70,9 @@ pub fn run(
             node.resume(checkpoint);
         }
     }
-    let wake_page = Rc::clone(&joined.wake_page);
-    let endpoint = AgentEndpoint::new(&services, joined.presence.clone(), robot)?;
-    let records = RecordSender::new(&services, wake_page, robot + 1, AGENT_CHUNK, recording)?;
+    let presence = joined.presence.clone();
+    let endpoint = AgentEndpoint::new(&services, presence.clone(), robot)?;
+    let records = RecordSender::new(&services, presence, robot + 1, AGENT_CHUNK, recording)?;
     joined.wake_page.signal_ready();
     let lockstep = services.lockstep();
     let mut process = Process {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::experiment::Experiment;
 use slipstream_bus::transport::BusError;
 
-use crate::endpoints::{Parent, Presence};
+use crate::presence::{Parent, Presence};
 use crate::run_directory::{RunDirectory, RunLock};
 use crate::services::Services;
 use crate::wake_page::{Member, Stage, WakePage};

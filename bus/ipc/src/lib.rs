@@ -8,6 +8,7 @@
 pub mod clock;
 pub mod endpoints;
 pub mod join;
+pub mod presence;
 pub mod record_pipe;
 pub mod run_directory;
 pub mod services;

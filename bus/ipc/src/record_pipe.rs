@@ -4,21 +4,18 @@
 //! chunks of the thread's trace. A source sends its chunk when it is full, and after
 //! [`FLUSH_PERIOD`] at the latest.
 
-use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::transport::BusError;
 
+use crate::presence::Presence;
 use crate::services::{RecordPublisher, RecordSubscriber, Services};
 use crate::trace;
-use crate::wake_page::WakePage;
 
 /// Wall time after which a chunk is sent even if it is not full.
 pub const FLUSH_PERIOD: Duration = Duration::from_millis(100);
-/// How long a source in lockstep waits for the recorder while its queue is full.
-const QUEUE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Pause between two attempts to send while the recorder's queue is full.
 const RETRY_PERIOD: Duration = Duration::from_micros(200);
 /// Size of the source number at the begin of a chunk (bytes).
@@ -45,7 +42,7 @@ pub enum Entry<'a> {
 #[derive(Debug)]
 pub struct RecordSender {
     publisher: Option<RecordPublisher>,
-    wake_page: Rc<WakePage>,
+    presence: Presence,
     chunk: Vec<u8>,
     /// Number of bytes of the chunk in use.
     used: usize,
@@ -64,7 +61,7 @@ impl RecordSender {
     /// The port cannot be created.
     pub fn new(
         services: &Services,
-        wake_page: Rc<WakePage>,
+        presence: Presence,
         source: u32,
         chunk_bytes: usize,
         recording: bool,
@@ -76,7 +73,7 @@ impl RecordSender {
         chunk[..SOURCE_BYTES].copy_from_slice(&source.to_le_bytes());
         Ok(Self {
             publisher,
-            wake_page,
+            presence,
             chunk,
             used: SOURCE_BYTES,
             entries: 0,
@@ -131,13 +128,16 @@ impl RecordSender {
         }
     }
 
+    fn recorder_lives(&self) -> bool {
+        !self.presence.wake_page().recorder_gone() && self.presence.check_launcher().is_ok()
+    }
+
     /// Publishes the chunk and returns whether the recorder received it. In lockstep it waits while
-    /// the recorder's queue is full.
+    /// the recorder's queue is full; the launcher ends a recorder that hangs.
     fn deliver(&self) -> bool {
         let Some(publisher) = &self.publisher else {
             return true;
         };
-        let begin = Instant::now();
         loop {
             let sent = publisher
                 .loan_slice_uninit(self.used)
@@ -145,10 +145,8 @@ impl RecordSender {
                 .map(|sample| sample.send());
             match sent {
                 Ok(Ok(1..)) => return true,
-                Ok(Ok(0)) | Err(_) if self.lockstep && !self.wake_page.recorder_gone() => {
-                    if begin.elapsed() > QUEUE_TIMEOUT {
-                        return false;
-                    }
+                Ok(Ok(0)) | Err(_) if self.lockstep && self.recorder_lives() => {
+                    self.presence.show();
                     std::thread::sleep(RETRY_PERIOD);
                 }
                 _ => return false,

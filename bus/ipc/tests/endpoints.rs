@@ -11,8 +11,9 @@ use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
 use slipstream_bus::{Experiment, RobotModel, Settings};
-use slipstream_ipc::endpoints::{AgentEndpoint, LockstepRound, Parent, PlantEndpoint, Presence};
+use slipstream_ipc::endpoints::{AgentEndpoint, LockstepRound, PlantEndpoint};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::presence::{Parent, Presence};
 use slipstream_ipc::record_pipe::{Entry, RecordReceiver, RecordSender};
 use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY};
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
@@ -294,7 +295,14 @@ fn records_reach_the_recorder_in_order_and_with_their_source() {
     let wake_page = Rc::new(run.wake_page());
     let services = Services::join(&run.directory, &run.experiment, "test").unwrap();
     let receiver = RecordReceiver::new(&services).unwrap();
-    let mut sender = RecordSender::new(&services, wake_page, 2, PLANT_CHUNK, true).unwrap();
+    let mut sender = RecordSender::new(
+        &services,
+        Presence::new(wake_page, Member::Agent(1), Parent::now()),
+        2,
+        PLANT_CHUNK,
+        true,
+    )
+    .unwrap();
     let records: Vec<Record> = (0..10)
         .map(|t_ns| Record::Event {
             t_ns,

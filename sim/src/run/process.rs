@@ -1,7 +1,6 @@
 //! Process of the plant: connects the world to shared memory, clock and recorder.
 
 use std::path::Path;
-use std::rc::Rc;
 
 use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};
@@ -9,8 +8,9 @@ use slipstream_bus::record::Recorder;
 use slipstream_bus::time::ns_from_s;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
-use slipstream_ipc::endpoints::{Parent, PlantEndpoint, Presence};
+use slipstream_ipc::endpoints::PlantEndpoint;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::presence::{Parent, Presence};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
@@ -60,9 +60,14 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
     let services = Services::join(&joined.directory, experiment, "plant")?;
     let kept = services.create_all()?;
     joined.wake_page.advance(Stage::Services);
-    let wake_page = Rc::clone(&joined.wake_page);
     let mut end = PlantEndpoint::new(&services, joined.presence.clone())?;
-    let mut records = RecordSender::new(&services, wake_page, 0, PLANT_CHUNK, recording)?;
+    let mut records = RecordSender::new(
+        &services,
+        joined.presence.clone(),
+        0,
+        PLANT_CHUNK,
+        recording,
+    )?;
     end.await_ready(experiment.settings.robots.count + u32::from(recording))?;
     drop(kept);
     let start_up_s = begin.elapsed().as_secs_f64();

@@ -4,8 +4,8 @@ use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
 
 use super::links::LinkEndpoints;
-use super::waiting::{POLL_INTERVAL, Presence};
 use crate::clock::WallClock;
+use crate::presence::{POLL_INTERVAL, Presence};
 use crate::services::{CommandPublisher, Services, WorldSubscriber};
 use crate::wake_page::Stage;
 use crate::wire::WorldHeader;

@@ -3,12 +3,8 @@
 
 mod agent;
 mod links;
-mod parent;
 mod plant;
-mod waiting;
 
 pub use agent::{AgentEndpoint, LockstepRound};
 pub use links::LinkEndpoints;
-pub use parent::Parent;
 pub use plant::PlantEndpoint;
-pub use waiting::Presence;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use slipstream_bus::message::{Encoders, TorqueCommand, robot_name};
 use slipstream_bus::transport::{BusError, LockstepLink};
 
-use super::waiting::{POLL_INTERVAL, Presence};
+use crate::presence::{POLL_INTERVAL, Presence};
 use crate::services::{CommandSubscriber, Services, WorldPublisher};
 use crate::wake_page::WakePage;
 use crate::wire::{WireEncoders, WorldHeader};

@@ -9,6 +9,8 @@ use iceoryx2::prelude::*;
 use crate::lockstep::time_rounds;
 use crate::spawn_self;
 
+/// Begin of the names of all shared memory of this benchmark.
+const PREFIX: &str = "slipevents_";
 /// Events of the plant: a round begins, the run is over.
 const ROUND: usize = 0;
 const OVER: usize = 1;
@@ -26,7 +28,7 @@ impl Events {
     fn open(root: &Path, robots: usize) -> Self {
         set_log_level(LogLevel::Fatal);
         let mut config = Config::default();
-        config.global.prefix = FileName::new(b"slipevents_").unwrap();
+        config.global.prefix = FileName::new(PREFIX.as_bytes()).unwrap();
         let root = iceoryx2::prelude::Path::new(root.to_str().unwrap().as_bytes()).unwrap();
         config.global.set_root_path(&root);
         let node = NodeBuilder::new().config(&config).create::<Ipc>().unwrap();
@@ -80,7 +82,18 @@ pub(crate) fn measure(robots: u32) -> f64 {
     agents
         .into_iter()
         .for_each(|mut agent| assert!(agent.wait().unwrap().success()));
+    drop((start, done, events));
+    remove_segments();
     time
+}
+
+/// Removes the file that iceoryx2 leaves: it counts the nodes of a prefix and outlives them.
+fn remove_segments() {
+    for entry in std::fs::read_dir("/dev/shm").unwrap().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(PREFIX) {
+            std::fs::remove_file(entry.path()).unwrap();
+        }
+    }
 }
 
 /// Answers rounds without data.

@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::transport::LockstepLink;
-use slipstream_ipc::endpoints::{AgentEndpoint, Parent, PlantEndpoint, Presence};
+use slipstream_ipc::endpoints::{AgentEndpoint, PlantEndpoint};
 use slipstream_ipc::join::JoinedRun;
+use slipstream_ipc::presence::{Parent, Presence};
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};

@@ -8,7 +8,7 @@ use clap::{Args, Parser};
 use serde::Serialize;
 use slipstream_agents::process as agent;
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::endpoints::Parent;
+use slipstream_ipc::presence::Parent;
 use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
 

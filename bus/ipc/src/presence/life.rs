@@ -11,7 +11,7 @@ use crate::clock::WallClock;
 use crate::wake_page::{Member, Stage, WakePage};
 
 /// Interval at which a waiting process shows that it lives and checks whether the others do.
-pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(50);
+pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 const POLL_INTERVAL_NS: i64 = POLL_INTERVAL.as_nanos() as i64;
 
