@@ -33,9 +33,12 @@ pub(super) struct ChildProcess {
     pub(super) restarts: u32,
     /// How long it has shown no sign of life.
     pub(super) silence: Silence,
-    /// Why the launcher killed it: a verb, and what follows the time.
-    killed_for: Option<(&'static str, String)>,
+    /// When and why the launcher killed it: a verb, and what follows the time.
+    killed: Option<(Instant, &'static str, String)>,
 }
+
+/// Time that a killed process has to vanish. One that waits for a dead disk cannot be killed.
+const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// What a child is started with.
 #[derive(Debug, Clone, Copy)]
@@ -97,7 +100,7 @@ impl ChildProcess {
             status: None,
             restarts,
             silence: Silence::new(Instant::now()),
-            killed_for: None,
+            killed: None,
         })
     }
 
@@ -118,10 +121,10 @@ impl ChildProcess {
         Ok(status)
     }
 
-    /// Waits for its end, at most for `timeout`. Returns whether it has ended: a process that waits
-    /// for a dead disk cannot be killed.
-    pub(super) fn wait_for(&mut self, timeout: Duration) -> bool {
-        let timeout = Timespec::try_from(timeout).ok();
+    /// Waits for the end of a killed process, at most for [`KILL_TIMEOUT`]. Returns whether it has
+    /// ended.
+    pub(super) fn wait_killed(&mut self) -> bool {
+        let timeout = Timespec::try_from(KILL_TIMEOUT).ok();
         let mut fds = [PollFd::from_borrowed_fd(self.pidfd.as_fd(), PollFlags::IN)];
         let ended = matches!(poll(&mut fds, timeout.as_ref()), Ok(1..));
         ended && self.wait().is_ok()
@@ -130,8 +133,8 @@ impl ChildProcess {
     /// Sends SIGKILL if it still runs. What the process did is said as `verb`, time of the run,
     /// `details`.
     pub(super) fn kill(&mut self, verb: &'static str, details: impl Into<String>) {
-        if self.is_running() && self.killed_for.is_none() {
-            self.killed_for = Some((verb, details.into()));
+        if self.is_running() && self.killed.is_none() {
+            self.killed = Some((Instant::now(), verb, details.into()));
             // It may have ended just now.
             let _ = kill_process(Pid::from_child(&self.child), Signal::KILL);
         }
@@ -139,7 +142,13 @@ impl ChildProcess {
 
     /// Whether the launcher killed it.
     pub(super) fn was_killed(&self) -> bool {
-        self.killed_for.is_some()
+        self.killed.is_some()
+    }
+
+    /// Whether it still runs though it was killed some time ago, so that nobody should wait for it.
+    pub(super) fn is_given_up(&self) -> bool {
+        let late = |(since, ..): &(Instant, _, _)| since.elapsed() > KILL_TIMEOUT;
+        self.is_running() && self.killed.as_ref().is_some_and(late)
     }
 
     /// What the process does, by the operating system: for one that hangs.
@@ -162,7 +171,7 @@ impl ChildProcess {
     pub(super) fn failure(&self, directory: &RunDirectory, time_s: f64) -> Option<String> {
         let status = self.status?;
         let (name, pid) = (self.role.name(), self.child.id());
-        if let Some((verb, details)) = &self.killed_for {
+        if let Some((_, verb, details)) = &self.killed {
             return Some(format!(
                 "{name} (pid {pid}) {verb} at {time_s:.3} s{details}"
             ));

@@ -31,8 +31,6 @@ use crate::summary::{Process, RunStatus, RunSummary};
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Largest number of failures that are told one by one.
 const MAX_NOTICES: usize = 5;
-/// Time that a killed process has to vanish.
-const KILL_TIMEOUT: Duration = Duration::from_secs(1);
 /// Number of names that are tried for the run.
 const NAMES: u32 = 3;
 /// Largest number of restarts of one robot's agent.
@@ -90,7 +88,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
     let mut run = Run::prepare(resolved, options, recording)?;
     run.start().map_err(system("start the processes"))?;
     let progress = ProgressLine::new(options.live, settings);
-    while run.children.iter().any(ChildProcess::is_running) {
+    while run.children.iter().any(is_awaited) {
         run.wait(&mut signals)
             .map_err(system("wait for the processes"))?;
         for notice in run.notices.drain(..) {
@@ -196,7 +194,7 @@ impl<'a> Run<'a> {
             tracing::info!(name: "ended", role = role.argument(), robot = role.robot(), status = %status);
             self.after_end(index)?;
         }
-        let working = |child: &ChildProcess| child.role != Role::Recorder && child.is_running();
+        let working = |child: &ChildProcess| child.role != Role::Recorder && is_awaited(child);
         if self.drained.is_none() && !self.children.iter().any(working) {
             self.drained = Some(Instant::now());
             save_trace(self.directory.folder(), "launcher");
@@ -311,11 +309,16 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Whether the launcher waits for the end of a process.
+fn is_awaited(child: &ChildProcess) -> bool {
+    child.is_running() && !child.is_given_up()
+}
+
 impl Drop for Run<'_> {
     fn drop(&mut self) {
         self.kill_all("");
         for child in &mut self.children {
-            if child.is_running() && !child.wait_for(KILL_TIMEOUT) {
+            if child.is_running() && !child.wait_killed() {
                 let name = child.role.name();
                 (self.options.notice)(&format!("{name} cannot be killed: {}", child.state()));
             }
