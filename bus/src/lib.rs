@@ -19,7 +19,7 @@ mod error;
 pub mod experiment;
 pub mod link;
 pub mod message;
-mod range;
+pub mod range;
 pub mod record;
 pub mod robot;
 pub mod sensors;

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::range::{finite, invalid, not_negative, positive};
+use crate::range::{self, invalid, within};
 
 /// The model of one robot. The default is the paper's robot (Konduri, Torres, Pagilla, section 3),
 /// without wheel slip.
@@ -149,8 +149,8 @@ impl RobotModel {
     /// Checks the given values, each by itself and in combination.
     ///
     /// # Errors
-    /// The first value that is not finite or outside its range. The simulator checks effects,
-    /// because it knows their bounds.
+    /// The first value outside of its [`range`]. The simulator checks effects, because it knows
+    /// their bounds.
     pub fn validate(&self) -> Result<(), InputError> {
         let Body {
             body_mass_kg,
@@ -164,26 +164,39 @@ impl RobotModel {
             com_to_caster_m,
             com_height_m,
         } = self.robot;
-        positive("robot.wheel_radius_m", wheel_radius_m)?;
-        positive("robot.half_track_m", half_track_m)?;
-        if_known(positive, "robot.body_mass_kg", body_mass_kg)?;
-        let body_yaw = body_yaw_inertia_kg_m2;
-        if_known(positive, "robot.body_yaw_inertia_kg_m2", body_yaw)?;
-        if_known(not_negative, "robot.wheel_mass_kg", wheel_mass_kg)?;
-        let wheel_spin = wheel_spin_inertia_kg_m2;
-        if_known(positive, "robot.wheel_spin_inertia_kg_m2", wheel_spin)?;
-        let wheel_yaw = wheel_yaw_inertia_kg_m2;
-        if_known(not_negative, "robot.wheel_yaw_inertia_kg_m2", wheel_yaw)?;
-        if_known(not_negative, "robot.com_height_m", com_height_m)?;
-        if_known(finite, "robot.com_to_axle_m", com_to_axle_m)?;
-        if_known(finite, "robot.com_to_caster_m", com_to_caster_m)?;
+        for (key, value, range) in [
+            ("wheel_radius_m", Some(wheel_radius_m), range::LENGTH_M),
+            ("half_track_m", Some(half_track_m), range::LENGTH_M),
+            ("body_mass_kg", body_mass_kg, range::MASS_KG),
+            (
+                "body_yaw_inertia_kg_m2",
+                body_yaw_inertia_kg_m2,
+                range::INERTIA_KG_M2,
+            ),
+            ("wheel_mass_kg", wheel_mass_kg, range::PART_MASS_KG),
+            (
+                "wheel_spin_inertia_kg_m2",
+                wheel_spin_inertia_kg_m2,
+                range::INERTIA_KG_M2,
+            ),
+            (
+                "wheel_yaw_inertia_kg_m2",
+                wheel_yaw_inertia_kg_m2,
+                range::PART_INERTIA_KG_M2,
+            ),
+            ("com_height_m", com_height_m, range::HEIGHT_M),
+            ("com_to_axle_m", com_to_axle_m, range::OFFSET_M),
+            ("com_to_caster_m", com_to_caster_m, range::OFFSET_M),
+        ] {
+            if let Some(value) = value {
+                within(&format!("robot.{key}"), value, range)?;
+            }
+        }
         if let (Some(d), Some(e)) = (com_to_axle_m, com_to_caster_m) {
             check_caster(d, e)?;
         }
         if let Some(motor) = &self.motor {
-            positive("motor.nominal_voltage_v", motor.nominal_voltage_v)?;
-            positive("motor.no_load_speed_rad_s", motor.no_load_speed_rad_s)?;
-            positive("motor.stall_torque_nm", motor.stall_torque_nm)?;
+            motor.validate()?;
         }
         let encoder = self.encoder.as_ref();
         if encoder.is_some_and(|encoder| encoder.counts_per_rev == 0) {
@@ -191,6 +204,28 @@ impl RobotModel {
             return invalid("encoder.counts_per_rev", "is 0", remedy);
         }
         Ok(())
+    }
+}
+
+impl Motor {
+    fn validate(&self) -> Result<(), InputError> {
+        let Self {
+            nominal_voltage_v,
+            no_load_speed_rad_s,
+            stall_torque_nm,
+        } = *self;
+        let speed = range::MOTOR_SPEED_RAD_S;
+        within(
+            "motor.nominal_voltage_v",
+            nominal_voltage_v,
+            range::VOLTAGE_V,
+        )?;
+        within("motor.no_load_speed_rad_s", no_load_speed_rad_s, speed)?;
+        within(
+            "motor.stall_torque_nm",
+            stall_torque_nm,
+            range::MOTOR_TORQUE_NM,
+        )
     }
 }
 
@@ -203,7 +238,7 @@ fn check_caster(d: f64, e: f64) -> Result<(), InputError> {
             "give a distance of 0 or more, measured backwards from the centre of mass",
         );
     }
-    if e < 0.0 || d + e <= 0.0 {
+    if e < 0.0 || d + e < range::LENGTH_M[0] {
         return invalid(
             "robot.com_to_caster_m",
             format!("is {e}: the caster lies behind the centre of mass or on the axle"),
@@ -211,15 +246,6 @@ fn check_caster(d: f64, e: f64) -> Result<(), InputError> {
         );
     }
     Ok(())
-}
-
-/// Applies a check to a value that is known.
-fn if_known(
-    check: impl Fn(&str, f64) -> Result<(), InputError>,
-    key: &str,
-    value: Option<f64>,
-) -> Result<(), InputError> {
-    value.map_or(Ok(()), |value| check(key, value))
 }
 
 #[cfg(test)]

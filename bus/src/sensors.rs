@@ -3,12 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::InputError;
-use crate::range::within;
-
-/// Sampling rates that a sensor can have (1/s).
-const RATES_HZ: [f64; 2] = [1e-3, 1e5];
-/// Standard deviations that a sensor can have (m, rad, m/s² or rad/s).
-const NOISE: [f64; 2] = [0.0, 1e3];
+use crate::range::{FRACTION, NOISE, RATE_HZ, SENSOR_LATENCY_S, within};
 
 /// The sensors of a robot besides its encoders, which the controller reads at every tick.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -85,11 +80,11 @@ impl Sensors {
             dropout,
         }) = self.camera
         {
-            values.push(("sensors.camera.rate_hz", rate_hz, RATES_HZ));
+            values.push(("sensors.camera.rate_hz", rate_hz, RATE_HZ));
             values.push(("sensors.camera.noise_m", noise_m, NOISE));
             values.push(("sensors.camera.noise_rad", noise_rad, NOISE));
-            values.push(("sensors.camera.latency_s", latency_s, [0.0, 10.0]));
-            values.push(("sensors.camera.dropout", dropout, [0.0, 1.0]));
+            values.push(("sensors.camera.latency_s", latency_s, SENSOR_LATENCY_S));
+            values.push(("sensors.camera.dropout", dropout, FRACTION));
         }
         if let Some(Imu {
             rate_hz,
@@ -97,7 +92,7 @@ impl Sensors {
             noise_rad_s,
         }) = self.imu
         {
-            values.push(("sensors.imu.rate_hz", rate_hz, RATES_HZ));
+            values.push(("sensors.imu.rate_hz", rate_hz, RATE_HZ));
             values.push(("sensors.imu.noise_m_s2", noise_m_s2, NOISE));
             values.push(("sensors.imu.noise_rad_s", noise_rad_s, NOISE));
         }

@@ -1,16 +1,11 @@
 //! Validation of settings: the first value that no run can have, with a remedy.
 
-use super::settings::{Clock, Distribution, Law, OnDeath, Settings, TorqueLimit};
+use super::settings::{Clock, Control, Distribution, Law, OnDeath, Settings, TorqueLimit};
 use crate::error::InputError;
-use crate::range::{finite, invalid, not_negative, positive};
-use crate::time::ns_from_s;
+use crate::range::{self, invalid, within};
 
 /// Largest number of robots of a run.
 const MAX_ROBOTS: u32 = 10_000;
-/// Shortest time after which a silent process counts as hung (s).
-const MIN_WATCHDOG_S: f64 = 0.5;
-/// Longest duration of a run (s).
-const MAX_DURATION_S: f64 = 1e6;
 
 impl Settings {
     /// Checks all values, each by itself and in combination.
@@ -19,12 +14,8 @@ impl Settings {
     /// The first key whose value no run can have.
     pub fn validate(&self) -> Result<(), InputError> {
         self.validate_run()?;
-        positive("formation.spacing_m", self.formation.spacing_m)?;
-        not_negative("formation.start_s", self.formation.start_s)?;
-        self.validate_profile()?;
-        finite("open_loop.torque_nm", self.open_loop.torque_nm)?;
-        not_negative("open_loop.torque_for_s", self.open_loop.torque_for_s)?;
         self.validate_numbers()?;
+        self.validate_profile()?;
         if self.control.law == Law::ComputedTorque
             && self.control.torque_limit == TorqueLimit::Outer
         {
@@ -38,26 +29,12 @@ impl Settings {
 
     /// Duration, number of robots, clock.
     fn validate_run(&self) -> Result<(), InputError> {
-        positive("duration_s", self.duration_s)?;
-        if self.duration_s > MAX_DURATION_S {
-            return invalid("duration_s", "is longer than 11 days", "give at most 1e6");
-        }
+        within("duration_s", self.duration_s, range::DURATION_S)?;
         if self.robots.count == 0 || self.robots.count > MAX_ROBOTS {
             let problem = format!("is {}", self.robots.count);
             return invalid("robots.count", problem, format!("give 1 to {MAX_ROBOTS}"));
         }
-        positive("watchdog_s", self.watchdog_s)?;
-        if self.watchdog_s < MIN_WATCHDOG_S {
-            let problem = format!(
-                "is {}, shorter than a busy machine may hold up a process",
-                self.watchdog_s
-            );
-            return invalid(
-                "watchdog_s",
-                problem,
-                format!("give at least {MIN_WATCHDOG_S}"),
-            );
-        }
+        within("watchdog_s", self.watchdog_s, range::WATCHDOG_S)?;
         if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {
             let problem = "needs the wall clock: in lockstep every process waits for all others";
             let remedy = "add --clock wall, or leave on_death = \"stop\"";
@@ -66,50 +43,43 @@ impl Settings {
         Ok(())
     }
 
-    /// Periods, then numbers of 0 or more, then numbers above 0.
+    /// Numbers that stand by themselves.
     fn validate_numbers(&self) -> Result<(), InputError> {
         let Self {
-            control,
+            formation,
+            open_loop,
             links,
             plant,
+            recording,
             ..
         } = self;
-        for (key, value) in [
-            ("control.outer_period_s", control.outer_period_s),
-            ("control.inner_period_s", control.inner_period_s),
-            ("plant.step_s", plant.step_s),
-            ("recording.state_period_s", self.recording.state_period_s),
-        ] {
-            period(key, value)?;
-        }
-        for (key, value) in [
-            ("control.k_x", control.k_x),
-            ("control.k_y", control.k_y),
-            ("control.k_theta", control.k_theta),
-            ("control.k_i", control.k_i),
-            ("control.watchdog_s", control.watchdog_s),
-            ("links.delay_s", links.delay_s),
-            ("links.jitter_s", links.jitter_s),
-            ("links.ring_timeout_s", links.ring_timeout_s),
-        ] {
-            not_negative(key, value)?;
-        }
-        for (key, value) in [
-            ("control.k_p", control.k_p),
-            ("control.k_v", control.k_v),
-            ("control.torque_max_nm", control.torque_max_nm),
-            ("control.friction", control.friction),
-            ("control.friction_start", control.friction_start),
+        for (key, value, range) in [
+            ("formation.spacing_m", formation.spacing_m, range::LENGTH_M),
+            ("formation.start_s", formation.start_s, range::TIME_S),
+            ("open_loop.torque_nm", open_loop.torque_nm, range::TORQUE_NM),
             (
-                "control.watchdog_deceleration_m_s2",
-                control.watchdog_deceleration_m_s2,
+                "open_loop.torque_for_s",
+                open_loop.torque_for_s,
+                range::TIME_S,
             ),
-            ("control.plant_timeout_s", control.plant_timeout_s),
-            ("plant.command_timeout_s", plant.command_timeout_s),
+            ("links.delay_s", links.delay_s, range::DELAY_S),
+            ("links.jitter_s", links.jitter_s, range::DELAY_S),
+            ("links.ring_timeout_s", links.ring_timeout_s, range::DELAY_S),
+            ("plant.step_s", plant.step_s, range::PERIOD_S),
+            (
+                "plant.command_timeout_s",
+                plant.command_timeout_s,
+                range::TIMEOUT_S,
+            ),
+            (
+                "recording.state_period_s",
+                recording.state_period_s,
+                range::PERIOD_S,
+            ),
         ] {
-            positive(key, value)?;
+            within(key, value, range)?;
         }
-        Ok(())
+        self.control.validate()
     }
 
     fn validate_profile(&self) -> Result<(), InputError> {
@@ -129,12 +99,18 @@ impl Settings {
                 "give increasing times",
             );
         }
-        for (key, column) in [
-            ("profile.times_s", &profile.times_s),
-            ("profile.speeds_m_s", &profile.speeds_m_s),
-            ("profile.yaw_rates_rad_s", &profile.yaw_rates_rad_s),
+        for (key, column, range) in [
+            ("profile.times_s", &profile.times_s, range::TIME_S),
+            ("profile.speeds_m_s", &profile.speeds_m_s, range::SPEED_M_S),
+            (
+                "profile.yaw_rates_rad_s",
+                &profile.yaw_rates_rad_s,
+                range::YAW_RATE_RAD_S,
+            ),
         ] {
-            column.iter().try_for_each(|&value| finite(key, value))?;
+            column
+                .iter()
+                .try_for_each(|&value| within(key, value, range))?;
         }
         Ok(())
     }
@@ -145,7 +121,7 @@ impl Settings {
             let problem = format!("is {}", links.loss);
             return invalid("links.loss", problem, "give a fraction from 0 to below 1");
         }
-        if links.burst != 0.0 && !(1.0..=1e6).contains(&links.burst) {
+        if links.burst != 0.0 && within("links.burst", links.burst, range::BURST).is_err() {
             let problem = format!("is {}", links.burst);
             let remedy = "give the mean length of a loss burst, 1 or more, or 0 for none";
             return invalid("links.burst", problem, remedy);
@@ -167,13 +143,32 @@ impl Settings {
     }
 }
 
-/// Accepts periods from 10 µs to 10 s.
-fn period(key: &str, value: f64) -> Result<(), InputError> {
-    positive(key, value)?;
-    if (10_000..=10_000_000_000).contains(&ns_from_s(value)) {
-        return Ok(());
+impl Control {
+    fn validate(&self) -> Result<(), InputError> {
+        for (key, value, range) in [
+            ("outer_period_s", self.outer_period_s, range::PERIOD_S),
+            ("inner_period_s", self.inner_period_s, range::PERIOD_S),
+            ("k_x", self.k_x, range::GAIN_OR_NONE),
+            ("k_y", self.k_y, range::GAIN_OR_NONE),
+            ("k_theta", self.k_theta, range::GAIN_OR_NONE),
+            ("k_i", self.k_i, range::GAIN_OR_NONE),
+            ("k_p", self.k_p, range::GAIN),
+            ("k_v", self.k_v, range::GAIN),
+            ("torque_max_nm", self.torque_max_nm, range::MOTOR_TORQUE_NM),
+            ("friction", self.friction, range::FRICTION),
+            ("friction_start", self.friction_start, range::FRICTION),
+            ("watchdog_s", self.watchdog_s, range::TIME_S),
+            (
+                "watchdog_deceleration_m_s2",
+                self.watchdog_deceleration_m_s2,
+                range::ACCELERATION_M_S2,
+            ),
+            ("plant_timeout_s", self.plant_timeout_s, range::TIMEOUT_S),
+        ] {
+            within(&format!("control.{key}"), value, range)?;
+        }
+        Ok(())
     }
-    invalid(key, format!("is {value}"), "give 0.00001 to 10")
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The effects that a robot model lists, validated against the catalogue.
 
+use slipstream_bus::range::within;
 use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
 
 use crate::effects::{self, Domain, Info, ParameterInfo, Values};
@@ -82,10 +83,7 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
         })?;
         match (known.domain, value) {
             (Domain::Number { lower, upper, .. }, &Parameter::Number(number)) => {
-                if !(lower..=upper).contains(&number) {
-                    let remedy = format!("give a number from {lower} to {upper} {}", known.unit);
-                    return Err(InputError::new(at, format!("is {number}"), remedy));
-                }
+                within(&at, number, [lower, upper])?;
                 numbers.push((known.name, number));
             }
             (Domain::Text(words), Parameter::Text(word)) => {

@@ -46,7 +46,7 @@ fn errors_name_the_argument() {
     );
     assert_refused(
         &["--set", "links.delay_s=-0.1"],
-        &["--set links.delay_s=-0.1: links.delay_s is -0.1; give 0 or more"],
+        &["--set links.delay_s=-0.1: links.delay_s is -0.1; give a number from 0 to 10000"],
     );
     assert_refused(
         &["--set", "links.dealy_s=0.1"],

@@ -136,8 +136,12 @@ fn write_lossy_cases(folder: &Path) {
         ),
         (
             "robot.toml",
-            "format = 1\n[robot]\nwheel_radius_m = 0.1\nhalf_track_m = 0.30000000000000004\n\
-             [effects]\npush = [{ t_s = 1 }, { t_s = 2.5 }]\n",
+            "format = 1\n[robot]\nbody_mass_kg = 1\nbody_yaw_inertia_kg_m2 = 1e-2\nwheel_mass_kg = 0\n\
+             wheel_spin_inertia_kg_m2 = 1e-3\nwheel_yaw_inertia_kg_m2 = 0\nwheel_radius_m = 0.1\n\
+             half_track_m = 0.30000000000000004\ncom_to_axle_m = 0\ncom_to_caster_m = 0.1\n\
+             com_height_m = 0\n\
+             [effects]\npush = [{ t_s = 1, impulse_n_s = 0.1, direction_rad = 0 }, \
+              { t_s = 2.5, impulse_n_s = 0.2, direction_rad = 3 }]\n",
         ),
         (
             "z/command.csv",

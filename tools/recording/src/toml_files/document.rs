@@ -100,6 +100,21 @@ impl<'a> Section<'a> {
         InputError::file(self.file.path, problem, remedy).at(self.line)
     }
 
+    /// An error about a dotted key below this table, at the line of the deepest part of it that
+    /// the file has.
+    pub(crate) fn error_below(&self, error: &InputError) -> InputError {
+        let problem = format!("{} {}", error.place, error.problem);
+        InputError::file(self.file.path, problem, &error.remedy).at(self.line_of(&error.place))
+    }
+
+    fn line_of(&self, key: &str) -> u64 {
+        let (first, rest) = key.split_once('.').unwrap_or((key, ""));
+        self.get(first).map_or(self.line, |entry| {
+            let section = entry.section();
+            section.map_or(entry.line, |section| section.line_of(rest))
+        })
+    }
+
     /// All keys with their values, in file order.
     pub(crate) fn entries(&self) -> impl Iterator<Item = (&'a str, Entry<'a>)> {
         self.table.iter().map(|(key, value)| {

@@ -24,6 +24,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Motor, Parameter, RobotModel};
+use slipstream_sim::Robot;
 use toml::de::DeValue;
 
 use super::document::{Entry, Section, TomlFile, read_text};
@@ -56,8 +57,8 @@ const MOTOR_KEYS: [&str; 3] = [
 ///
 /// # Errors
 /// If the file cannot be read or is not TOML, if a key is unknown or missing, or if a value has the
-/// wrong type, is not finite or is physically impossible. The names of effects are not checked here;
-/// the simulator does that.
+/// wrong type or is physically impossible. It is the check of the simulator, so that whoever reads a
+/// model refuses what a run refuses.
 pub fn read(path: &Path) -> Result<RobotModel> {
     Ok(parse(&read_text(path)?, path)?)
 }
@@ -83,25 +84,14 @@ pub fn parse(text: &str, path: &Path) -> std::result::Result<RobotModel, InputEr
             .section("encoder")?
             .map(|s| parse_encoder(&s))
             .transpose()?,
-        effects: match root.section("effects")? {
-            Some(section) => parse_effects(&section)?,
+        effects: match root.get("effects") {
+            Some(entry) => parse_effects(&entry)?,
             None => Vec::new(),
         },
     };
-    model.validate().map_err(|error| with_line(&root, &error))?;
+    // The check that a run makes, too.
+    Robot::new(&model).map_err(|error| root.error_below(&error))?;
     Ok(model)
-}
-
-/// Adds the line of the key to an error of [`RobotModel::validate`].
-fn with_line(root: &Section<'_>, error: &InputError) -> InputError {
-    let entry = error.place.split_once('.').and_then(|(table, key)| {
-        let section = root.section(table).ok()??;
-        section.get(key)
-    });
-    match entry {
-        Some(entry) => entry.error(&error.problem, &error.remedy),
-        None => root.error(format!("{} {}", error.place, error.problem), &error.remedy),
-    }
 }
 
 fn parse_body(section: &Section<'_>) -> std::result::Result<Body, InputError> {
@@ -137,7 +127,12 @@ fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, InputErr
 }
 
 /// Parses effects: `id = {…}`, or `id = [{…}, {…}]` for an effect that occurs several times.
-fn parse_effects(section: &Section<'_>) -> std::result::Result<Vec<EffectSpec>, InputError> {
+fn parse_effects(effects: &Entry<'_>) -> std::result::Result<Vec<EffectSpec>, InputError> {
+    if effects.value.is_array() {
+        let remedy = "write a table for each effect, such as [effects.wheel_slip]";
+        return Err(effects.error("is an array", remedy));
+    }
+    let section = effects.section()?;
     let mut effects = Vec::new();
     for (id, entry) in section.entries() {
         for occurrence in entry.elements() {
@@ -308,20 +303,27 @@ mod tests {
 
     #[test]
     fn the_papers_robot_round_trips() {
+        let push = |t_s, impulse_n_s| {
+            [
+                ("t_s", t_s),
+                ("impulse_n_s", impulse_n_s),
+                ("direction_rad", 1.0),
+            ]
+        };
         let model = RobotModel::paper_with_slip()
-            .with("push", &[("t_s", 3.0), ("impulse_n_s", 0.1)])
-            .with("push", &[("t_s", 4.0), ("impulse_n_s", 0.1 + 0.2)]);
+            .with("push", &push(3.0, 0.1))
+            .with("push", &push(4.0, 0.1 + 0.2));
         assert_eq!(parse_text(&to_text(&model)), Ok(model));
     }
 
     #[test]
     fn an_effect_can_have_a_text_parameter() {
         let text = "format = 1\n[robot]\nwheel_radius_m = 1\nhalf_track_m = 2\n\
-                    [effects]\nclock_drift = { rate = 1e-5, stream = \"a \\\"b\\\"\" }\n";
+                    [effects]\nclock_drift = { rate = 1e-5, stream = \"pose\" }\n";
         let model = parse_text(text).unwrap();
         assert_eq!(
             model.effects[0].parameters[1].1,
-            Parameter::Text("a \"b\"".into())
+            Parameter::Text("pose".into())
         );
         assert_eq!(parse_text(&to_text(&model)), Ok(model));
     }
@@ -339,7 +341,24 @@ mod tests {
             ),
             (
                 "format = 1\n[robot]\nwheel_radius_m = -1\nhalf_track_m = 1\n",
-                "robot.toml:3: robot.wheel_radius_m is -1; give 0 or more",
+                "robot.toml:3: robot.wheel_radius_m is -1; give a number from 0.0001 to 1000",
+            ),
+            (
+                &format!("{ok}[effects]\nwheel_radius = {{ right_scale = 1, left_scale = 9 }}\n"),
+                "robot.toml:6: effects.wheel_radius.left_scale is 9; give a number from 0.5 to 2",
+            ),
+            (
+                &format!("{ok}[effects]\npush = {{ t_s = \"x\" }}\n"),
+                "robot.toml:6: effects.push.t_s is \"x\"; give a number",
+            ),
+            (
+                &format!("{ok}[effects]\nice = {{}}\n"),
+                "robot.toml:6: effects.ice is not a known effect; `slipstream effects` lists",
+            ),
+            (
+                &format!("{ok}[[effects]]\nname = \"wheel_slip\"\n"),
+                "robot.toml:5: effects is an array; write a table for each effect, such as \
+                 [effects.wheel_slip]",
             ),
             (
                 "format = 1\n[robot]\nwheel_radius_m = nan\nhalf_track_m = 1\n",
