@@ -124,6 +124,16 @@ impl World {
         self.time_ns
     }
 
+    /// The first robot whose pose, velocity or wheel speeds are no finite numbers, if there is one.
+    pub fn first_not_finite(&self) -> Option<usize> {
+        self.robots.iter().position(|simulated| {
+            let state = &simulated.state;
+            let motion = state.pose().into_iter().chain(state.velocity());
+            let sum: f64 = motion.chain(state.wheel_speed()).sum();
+            !sum.is_finite()
+        })
+    }
+
     /// Number of robots.
     pub fn len(&self) -> usize {
         self.robots.len()

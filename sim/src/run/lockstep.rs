@@ -5,7 +5,7 @@
 use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
-use slipstream_bus::time::ns_from_s;
+use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::transport::{BusError, LockstepLink};
 
 use super::observer::Observer;
@@ -28,8 +28,8 @@ impl Progress for () {
 /// `link` and writing applied torques and sensor samples to `recorder`.
 ///
 /// # Errors
-/// When an agent does not answer or the run is stopped. World and observer then hold the state
-/// reached.
+/// When an agent does not answer, the run is stopped, or a robot's state is no number any more.
+/// World and observer then hold the state reached.
 pub fn lockstep(
     experiment: &Experiment,
     world: &mut World,
@@ -58,6 +58,7 @@ pub fn lockstep(
                 }
             }
             progress.at(now_ns, world, observer);
+            require_finite(experiment, world)?;
         }
         let grid_ns = (now_ns / step_ns + 1) * step_ns;
         let next_ns = grid_ns.min(schedule.next_after(now_ns)).min(end_ns);
@@ -67,8 +68,23 @@ pub fn lockstep(
         progress.stepped();
         now_ns = next_ns;
     }
+    require_finite(experiment, world)?;
     read_encoders(world, now_ns, &mut encoders);
     link.publish_final(now_ns, &encoders)
+}
+
+/// Ends a run whose numbers mean nothing any more.
+pub(super) fn require_finite(experiment: &Experiment, world: &World) -> Result<(), BusError> {
+    world.first_not_finite().map_or(Ok(()), |robot| {
+        Err(BusError::Failed {
+            what: experiment.robots[robot].name.clone(),
+            reason: format!(
+                "its state is no finite number any more at {} s; give a smaller plant.step_s, or \
+                 less extreme values of its model and its control",
+                s_from_ns(world.time_ns())
+            ),
+        })
+    })
 }
 
 /// Reads the encoders of all robots at `now_ns`.
@@ -118,6 +134,65 @@ pub(super) fn record_sensors(world: &mut World, robots: usize, recorder: &mut im
                 acceleration_m_s2,
                 yaw_rate_rad_s,
             });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::record::NoRecorder;
+    use slipstream_bus::{RobotModel, Settings};
+
+    use super::*;
+    use crate::run::world;
+
+    /// Agents that command the same torque in every round (N m).
+    struct Constant(f64);
+
+    impl LockstepLink for Constant {
+        fn round(
+            &mut self,
+            _: i64,
+            _: &[Encoders],
+            commands: &mut [TorqueCommand],
+        ) -> Result<(), BusError> {
+            commands
+                .iter_mut()
+                .for_each(|command| command.torque_nm = [self.0; 2]);
+            Ok(())
+        }
+
+        fn publish_final(&mut self, _: i64, _: &[Encoders]) -> Result<(), BusError> {
+            Ok(())
+        }
+    }
+
+    fn run(torque_nm: f64, duration_s: f64) -> Result<(), BusError> {
+        let mut settings = Settings::single();
+        settings.duration_s = duration_s;
+        let experiment = Experiment::new(settings, &RobotModel::default());
+        let mut world = world(&experiment).unwrap();
+        let mut observer = Observer::new(&experiment, false);
+        let link = &mut Constant(torque_nm);
+        let recorder = &mut NoRecorder;
+        lockstep(
+            &experiment,
+            &mut world,
+            &mut observer,
+            link,
+            recorder,
+            &mut (),
+        )
+    }
+
+    #[test]
+    fn a_state_that_is_no_number_ends_the_run_with_a_sentence() {
+        assert_eq!(run(0.1, 1.0), Ok(()));
+        // At the next round, or at the end of a run that has no other.
+        for (duration_s, at) in [(1.0, "0.02 s"), (0.01, "0.01 s")] {
+            let error = run(f64::NAN, duration_s).unwrap_err().to_string();
+            let expected = format!("r1: its state is no finite number any more at {at}; ");
+            assert!(error.starts_with(&expected), "{error}");
         }
     }
 }

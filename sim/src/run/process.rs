@@ -15,7 +15,9 @@ use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{PLANT_CHUNK, Services};
 use slipstream_ipc::wake_page::{Member, Stage};
 
-use super::lockstep::{Progress, applied, command, lockstep, read_encoders, record_sensors};
+use super::lockstep::{
+    Progress, applied, command, lockstep, read_encoders, record_sensors, require_finite,
+};
 use super::observer::{Observer, PlantReport};
 use super::world;
 use crate::{Command, World};
@@ -169,6 +171,7 @@ impl WallClockLoop<'_> {
             observer.step(world, next_ns - now_ns, self.records);
             record_sensors(world, encoders.len(), self.records);
             ProgressPublisher(self.presence).at(next_ns, world, observer);
+            require_finite(experiment, world)?;
             self.records.flush_if_due();
             deadlines.count(next_ns, began_ns, clock.now_ns(), step_ns);
             wake_page.publish_deadlines(Member::Plant, &[deadlines.to_shared(next_ns)]);
