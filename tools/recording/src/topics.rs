@@ -64,7 +64,8 @@ impl StreamMetadata {
             (COLUMNS_KEY.to_owned(), self.columns.join(",")),
         ]);
         if !self.unknown.is_empty() {
-            metadata.insert(UNKNOWN_KEY.to_owned(), self.unknown.join("\n"));
+            let names: Vec<String> = self.unknown.iter().map(|name| escaped(name)).collect();
+            metadata.insert(UNKNOWN_KEY.to_owned(), names.join("\n"));
         }
         metadata
     }
@@ -76,19 +77,38 @@ impl StreamMetadata {
 
     /// Reads channel metadata; `None` if the channel holds no stream.
     pub(crate) fn from_map(metadata: &BTreeMap<String, String>) -> Option<Self> {
-        let list = |key: &str, separator: char| -> Vec<String> {
-            metadata
-                .get(key)
-                .filter(|list| !list.is_empty())
-                .map(|list| list.split(separator).map(str::to_owned).collect())
-                .unwrap_or_default()
-        };
+        let columns = metadata.get(COLUMNS_KEY).filter(|list| !list.is_empty());
+        // A column without a name is a column, too.
+        let unknown = metadata.get(UNKNOWN_KEY);
         Some(Self {
             stream: metadata.get(STREAM_KEY)?.clone(),
-            columns: list(COLUMNS_KEY, ','),
-            unknown: list(UNKNOWN_KEY, '\n'),
+            columns: columns.map_or_else(Vec::new, |list| {
+                list.split(',').map(str::to_owned).collect()
+            }),
+            unknown: unknown
+                .map_or_else(Vec::new, |list| list.split('\n').map(unescaped).collect()),
         })
     }
+}
+
+/// A column's name without line breaks.
+fn escaped(name: &str) -> String {
+    name.replace('\\', "\\\\").replace('\n', "\\n")
+}
+
+fn unescaped(line: &str) -> String {
+    let mut name = String::with_capacity(line.len());
+    let mut characters = line.chars();
+    while let Some(character) = characters.next() {
+        name.push(match character {
+            '\\' => match characters.next() {
+                Some('n') => '\n',
+                other => other.unwrap_or('\\'),
+            },
+            other => other,
+        });
+    }
+    name
 }
 
 /// Whether a channel only shows a stream that another channel holds.
@@ -99,4 +119,20 @@ pub(crate) fn is_view(metadata: &BTreeMap<String, String>) -> bool {
 /// The topic of a robot's stream, such as `/r1/pose`.
 pub(crate) fn robot_topic(robot: &str, name: &str) -> String {
     format!("/{robot}/{name}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_columns_keep_their_names_whatever_these_are() {
+        for unknown in [vec![], vec![""], vec!["", ""], vec!["a\nb", "\\n", "c\\"]] {
+            let metadata = StreamMetadata {
+                unknown: unknown.into_iter().map(str::to_owned).collect(),
+                ..StreamMetadata::of_robot("r1", StreamKind::Pose, "x_m,y_m")
+            };
+            assert_eq!(StreamMetadata::from_map(&metadata.to_map()), Some(metadata));
+        }
+    }
 }
