@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use slipstream_bus::InputError;
+use slipstream_bus::range::{DELAY_S, within};
 use slipstream_bus::time::ns_from_s;
 
 /// Reads an rtt.csv: half of each round-trip time (ns), `None` for a lost message (empty cell).
@@ -32,11 +33,13 @@ pub(crate) fn read(path: &Path) -> Result<Vec<Option<i64>>, InputError> {
         let half = match cell {
             "" => None,
             cell => match cell.parse::<f64>() {
-                Ok(rtt_ms) if rtt_ms.is_finite() && rtt_ms >= 0.0 => Some(ns_from_s(rtt_ms / 2e3)),
+                Ok(rtt_ms) if within("rtt_ms", rtt_ms / 2e3, DELAY_S).is_ok() => {
+                    Some(ns_from_s(rtt_ms / 2e3))
+                }
                 _ => {
                     let line = row.position().map_or(0, csv::Position::line);
-                    let remedy =
-                        "give milliseconds, 0 or more; leave the cell empty for a lost message";
+                    let remedy = "give milliseconds, 0 to 2e7; leave the cell empty for a lost \
+                                  message";
                     return Err(
                         InputError::file(path, format!("rtt_ms is {cell}"), remedy).at(line)
                     );
