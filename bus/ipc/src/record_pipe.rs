@@ -206,17 +206,28 @@ impl RecordReceiver {
         else {
             return Ok(false);
         };
-        let bytes: &[u8] = sample.payload();
-        let Some((source, mut rest)) = bytes.split_first_chunk::<SOURCE_BYTES>() else {
-            return Err(BusError::failed("records", "a chunk without a source"));
-        };
-        let source = u32::from_le_bytes(*source);
-        while !rest.is_empty() {
-            let (entry, after) = postcard::take_from_bytes::<Entry<'_>>(rest)
-                .map_err(|e| BusError::failed("records", e))?;
-            each(source, entry);
-            rest = after;
-        }
+        decode_chunk(sample.payload(), &mut each)?;
         Ok(true)
     }
+}
+
+/// Calls `each` with the source and every entry of a chunk.
+///
+/// # Errors
+/// The chunk does not decode. `each` has then seen the entries before the damage.
+pub fn decode_chunk<'a>(
+    chunk: &'a [u8],
+    each: &mut impl FnMut(u32, Entry<'a>),
+) -> Result<(), BusError> {
+    let Some((source, mut rest)) = chunk.split_first_chunk::<SOURCE_BYTES>() else {
+        return Err(BusError::failed("records", "a chunk without a source"));
+    };
+    let source = u32::from_le_bytes(*source);
+    while !rest.is_empty() {
+        let (entry, after) =
+            postcard::take_from_bytes(rest).map_err(|e| BusError::failed("records", e))?;
+        each(source, entry);
+        rest = after;
+    }
+    Ok(())
 }

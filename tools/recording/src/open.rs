@@ -1,5 +1,6 @@
 //! Reads a recording of any supported form.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
@@ -7,7 +8,7 @@ use slipstream_bus::InputError;
 use crate::bag::open_file;
 use crate::csv_folder::read_folder;
 use crate::error::Result;
-use crate::foreign_bag::{TopicMap, read_foreign};
+use crate::foreign_bag::{Open, TopicMap, read_foreign};
 use crate::import::Import;
 use crate::mcap_file::read_own;
 
@@ -33,14 +34,27 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
             None => read_folder(path),
         };
     }
-    if map.is_some() {
-        return read_foreign(path, map);
+    read_file(&|| open_file(path), path, map)
+}
+
+/// As [`read_mapped`], from the content of an MCAP file. `path` is used in errors and for the
+/// recording's name only.
+///
+/// # Errors
+/// As [`read_mapped`].
+pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> Result<Import> {
+    read_file(&|| Ok((content, content.len() as u64)), path, map)
+}
+
+/// Reads an MCAP file that `open` opens, as often as needed, with its size (bytes).
+fn read_file<R: Read>(open: &Open<'_, R>, path: &Path, map: Option<&TopicMap>) -> Result<Import> {
+    if map.is_none() {
+        let (source, size) = open()?;
+        if let Some(import) = read_own(source, size, path)? {
+            return Ok(import);
+        }
     }
-    let (source, size) = open_file(path)?;
-    match read_own(source, size, path)? {
-        Some(import) => Ok(import),
-        None => read_foreign(path, None),
-    }
+    read_foreign(open, path, map)
 }
 
 /// The only MCAP file of a folder without `recording.toml`; ROS 2 stores a bag as such a folder,

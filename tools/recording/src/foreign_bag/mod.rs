@@ -6,4 +6,5 @@ mod survey;
 mod topic_map;
 
 pub(crate) use reader::read_foreign;
+pub(crate) use survey::Open;
 pub use topic_map::TopicMap;

@@ -1,12 +1,13 @@
 //! Reader of ROS 2 bags (MCAP) of other robots.
 
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 
 use slipstream_bus::InputError;
 
 use super::guess::guess;
-use super::survey::{Topic, scan, survey};
+use super::survey::{Open, Topic, scan, survey};
 use super::topic_map::TopicMap;
 use crate::bag::{Item, VisitResult};
 use crate::decode::StreamBuilder;
@@ -21,8 +22,12 @@ use crate::ros2::time::s_from_ns;
 /// # Errors
 /// If it is not an MCAP file, if a topic of the map does not exist or cannot provide its stream, or
 /// if the guess finds no stream of a robot.
-pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
-    let topics = survey(path)?;
+pub(crate) fn read_foreign<R: Read>(
+    open: &Open<'_, R>,
+    path: &Path,
+    map: Option<&TopicMap>,
+) -> Result<Import> {
+    let topics = survey(open, path)?;
     let mut warnings = Vec::new();
     let guessed;
     let map = match map {
@@ -37,7 +42,7 @@ pub(crate) fn read_foreign(path: &Path, map: Option<&TopicMap>) -> Result<Import
     let mut streams = open_streams(path, map, &topics)?;
     let start_ns = start_time_ns(map, &topics, &streams);
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let loss = scan(path, &mut |item| {
+    let loss = scan(open, path, &mut |item| {
         let Item::Message {
             channel,
             log_time_ns,

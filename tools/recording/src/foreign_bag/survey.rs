@@ -1,12 +1,13 @@
 //! Survey of a bag: its topics, with the number of messages and the first message of each.
 
 use std::collections::BTreeMap;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
-use crate::bag::{ChannelInfo, Item, Loss, VisitResult, open_file, read_bag};
+use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
 use crate::decode::{MessageSelector, Sample};
 use crate::ros2::MessageType;
 use crate::ros2::cdr::decode;
@@ -33,15 +34,19 @@ pub(super) struct Joints {
     pub(super) has_torques: bool,
 }
 
+/// Opens the bag from its beginning: its reader and its size (bytes). A bag is read twice.
+pub(crate) type Open<'a, R> = dyn Fn() -> Result<(R, u64), InputError> + 'a;
+
 /// Reads a whole bag and calls `visit` with each item.
 ///
 /// # Errors
 /// If it is not an MCAP file or cannot be read.
-pub(super) fn scan(
+pub(super) fn scan<R: Read>(
+    open: &Open<'_, R>,
     path: &Path,
     visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
 ) -> Result<Loss, InputError> {
-    let (source, size) = open_file(path)?;
+    let (source, size) = open()?;
     read_bag(source, size, path, visit)
 }
 
@@ -49,10 +54,10 @@ pub(super) fn scan(
 ///
 /// # Errors
 /// As [`scan`].
-pub(super) fn survey(path: &Path) -> Result<Vec<Topic>, InputError> {
+pub(super) fn survey<R: Read>(open: &Open<'_, R>, path: &Path) -> Result<Vec<Topic>, InputError> {
     let mut topics: Vec<Topic> = Vec::new();
     let mut index_of_channel: BTreeMap<u16, usize> = BTreeMap::new();
-    scan(path, &mut |item| {
+    scan(open, path, &mut |item| {
         let Item::Message {
             id,
             channel,

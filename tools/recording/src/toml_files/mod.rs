@@ -1,7 +1,7 @@
 //! TOML files: a strict reader, the description `recording.toml` and the robot model `robot.toml`.
 
 mod document;
-pub(crate) mod recording_toml;
+pub mod recording_toml;
 pub mod robot_toml;
 
 pub(crate) use document::{Entry, TomlFile, read_text};

@@ -20,7 +20,7 @@ type ParseResult<T> = Result<T, InputError>;
 ///
 /// # Errors
 /// If it is not TOML, or a key of the format has an invalid value.
-pub(crate) fn parse(text: &str, path: &Path, name: &str) -> ParseResult<Recording> {
+pub fn parse(text: &str, path: &Path, name: &str) -> ParseResult<Recording> {
     let file = TomlFile { path, text };
     let table = file.parse()?;
     let root = file.root(&table);
@@ -168,7 +168,7 @@ fn without(table: &Table, known: &[&str]) -> Table {
 }
 
 /// The text of a `recording.toml` for the recording.
-pub(crate) fn to_text(recording: &Recording) -> String {
+pub fn to_text(recording: &Recording) -> String {
     let mut root = Table::new();
     root.insert("format".into(), Value::Integer(1));
     root.insert("name".into(), Value::String(recording.name.clone()));
