@@ -31,9 +31,9 @@ full:
 large:
     cargo test --release -p slipstream-recording --test large -- --include-ignored --nocapture
 
-# Fuzz each reader for five minutes (needs a nightly toolchain and cargo-fuzz).
-fuzz:
-    cd tools/recording/fuzz && for target in $(cargo +nightly fuzz list); do cargo +nightly fuzz run $target -- -max_total_time=300; done
+# Fuzz readers for so many seconds each, beginning with the kept seeds and what earlier runs found (needs a nightly toolchain and cargo-fuzz). OPTIONS of libFuzzer, for example -runs=1000000.
+fuzz TARGETS="" SECONDS="300" *OPTIONS:
+    bash tests/fuzz/run.sh "{{TARGETS}}" {{SECONDS}} {{OPTIONS}}
 
 # Trial of the diagnosis on every effect at several sizes, on nothing, on pairs and on unknown physics: some 170 diagnoses.
 battery:

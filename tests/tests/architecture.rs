@@ -27,7 +27,7 @@ const FLOORS: [&[&str]; 9] = [
     ],
     &["slipstream-study"],
     &["slipstream"],
-    &["slipstream-tests"],
+    &["slipstream-fuzz", "slipstream-tests"],
 ];
 
 fn root() -> PathBuf {
@@ -142,7 +142,12 @@ fn the_table_of_rooms_is_true() {
 #[test]
 fn the_operating_system_is_used_by_transport_and_launcher_alone() {
     let system = ["iceoryx2", "memmap2", "rustix", "thread-priority"];
-    let may = ["slipstream-ipc", "slipstream-launch", "slipstream"];
+    let may = [
+        "slipstream-ipc",
+        "slipstream-launch",
+        "slipstream",
+        "slipstream-fuzz",
+    ];
     for (folder, package) in packages() {
         let uses = system.iter().find(|name| package.crates.contains(**name));
         if let Some(name) = uses {

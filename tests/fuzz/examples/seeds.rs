@@ -1,0 +1,276 @@
+//! Writes the seeds of all fuzz targets into `tests/fuzz/seeds`: small real inputs, from a run of
+//! two robots. Seeds that were found by fuzzing (`found-…`) stay as they are.
+//!
+//!     cargo run -p slipstream-fuzz --example seeds
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "a program for developers, which stops at what it does not expect"
+)]
+
+use std::path::Path;
+
+use mcap::{MessageStream, WriteOptions};
+use serde::Serialize;
+use slipstream_agents::process::AgentOutcome;
+use slipstream_bus::record::{Record, Recorder};
+use slipstream_bus::{Parameter, RobotModel};
+use slipstream_fuzz::{FILES, MAP, SEPARATOR};
+use slipstream_ipc::clock::RealTime;
+use slipstream_ipc::join::ProcessStatus;
+use slipstream_ipc::record_pipe::Entry;
+use slipstream_launch::recorder::RecorderOutcome;
+use slipstream_launch::resolve::BUILT_IN;
+use slipstream_launch::{Request, Resolved, in_process, resolve};
+use slipstream_recording::{
+    TopicMap, read_mapped, read_trace, recording_toml, robot_toml, write_folder,
+};
+use slipstream_sim::effects::{CATALOGUE, Domain};
+use slipstream_sim::run::process::PlantOutcome;
+
+fn main() {
+    let scratch = tempfile::tempdir().unwrap();
+    let run = scratch.path().join("run.mcap");
+    let resolved = short_run();
+    in_process::summary(&resolved, Some(&run)).unwrap();
+    recordings(&run);
+    texts(&run);
+    processes(&resolved, &run);
+}
+
+/// Writes a seed.
+fn seed(target: &str, name: &str, content: &[u8]) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("seeds")
+        .join(target);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join(name), content).unwrap();
+}
+
+/// Two robots for 0.12 s, with all sensors and a lossy link.
+fn short_run() -> Resolved {
+    let set = [
+        ("duration_s", "0.12"),
+        ("formation.start_s", "0"),
+        ("links.protocol", "periodic"),
+        ("links.delay_s", "0.01"),
+        ("links.loss", "0.2"),
+        ("sensors.camera.rate_hz", "30"),
+        ("sensors.imu.rate_hz", "50"),
+    ];
+    let set = set.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    resolve(&Request {
+        robots: Some(2),
+        set: set.to_vec(),
+        ..Request::default()
+    })
+    .unwrap()
+}
+
+fn recordings(run: &Path) {
+    let content = std::fs::read(run).unwrap();
+    seed("mcap", "run", &content);
+    seed("mcap", "run_plain", &plain(&content, false));
+    let import = read_mapped(run, None).unwrap();
+    let folder = run.with_file_name("folder");
+    write_folder(&import.recording, &folder).unwrap();
+    std::fs::write(folder.join("rtt.csv"), "seq,rtt_ms\n1,12.5\n2,\n3,0.75\n").unwrap();
+    let files = FILES.map(|name| std::fs::read(folder.join(name)).unwrap_or_default());
+    seed("csv_folder", "run", &files.join(&SEPARATOR[..]));
+    seed("round_trips", "three", &files[FILES.len() - 1]);
+    let mut own = Vec::new();
+    let with_round_trips = read_mapped(&folder, None).unwrap().recording;
+    own.extend(slipstream_recording::write_mcap_to(&with_round_trips, Vec::new(), run).unwrap());
+    seed("mcap", "folder_plain", &plain(&own, false));
+    seed("bag", "run_plain", &plain(&content, true));
+    let foreign = run.with_file_name("foreign.mcap");
+    std::fs::write(&foreign, plain(&content, true)).unwrap();
+    let guessed = read_mapped(&foreign, None).unwrap().warnings.remove(0);
+    let (_, map) = guessed.split_once('\n').unwrap();
+    seed("topic_map", "guessed", map.as_bytes());
+    let map = TopicMap::parse(MAP, Path::new("map.toml")).unwrap();
+    seed("topic_map", "map", map.to_text().as_bytes());
+}
+
+/// The file without compression, chunks and checksums, which mutations would only damage. As the
+/// bag of another robot: one robot's standard messages under the topics of other drivers.
+fn plain(content: &[u8], foreign: bool) -> Vec<u8> {
+    let options = WriteOptions::new()
+        .compression(None)
+        .use_chunks(false)
+        .profile("ros2");
+    let mut out = std::io::Cursor::new(Vec::new());
+    let mut writer = options.create(&mut out).unwrap();
+    for message in MessageStream::new(content).unwrap() {
+        let mut message = message.unwrap();
+        let mut channel = (*message.channel).clone();
+        let schema = channel.schema.as_ref().map(|schema| schema.name.clone());
+        if foreign {
+            let topic = match schema.as_deref() {
+                Some("geometry_msgs/msg/Twist" | "geometry_msgs/msg/TwistStamped") => "/cmd_vel",
+                Some("nav_msgs/msg/Odometry") => "/odom",
+                Some("sensor_msgs/msg/JointState") => "/joint_states",
+                Some("geometry_msgs/msg/PoseStamped") => "/vicon/robot/pose",
+                Some("sensor_msgs/msg/Imu") => "/imu",
+                _ => continue,
+            };
+            if channel.topic.contains("r2") {
+                continue;
+            }
+            topic.clone_into(&mut channel.topic);
+            channel.metadata.clear();
+        }
+        message.channel = channel.into();
+        writer.write(&message).unwrap();
+    }
+    if !foreign && let Some(summary) = mcap::Summary::read(content).unwrap() {
+        for index in &summary.attachment_indexes {
+            let attachment = mcap::read::attachment(content, index).unwrap();
+            writer.attach(&attachment).unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    drop(writer);
+    out.into_inner()
+}
+
+fn texts(run: &Path) {
+    let recording = read_mapped(run, None).unwrap().recording;
+    seed(
+        "recording_toml",
+        "run",
+        recording_toml::to_text(&recording).as_bytes(),
+    );
+    let paper = RobotModel::paper_with_slip();
+    seed(
+        "robot_toml",
+        "paper",
+        robot_toml::to_text(&paper).as_bytes(),
+    );
+    let all = robot_toml::to_text(&with_all_effects());
+    seed("robot_toml", "effects", all.as_bytes());
+    seed("robot_run", "paper", robot_toml::to_text(&paper).as_bytes());
+    seed("robot_run", "effects", all.as_bytes());
+    for name in BUILT_IN {
+        let resolved = resolve(&Request {
+            experiment: Some(name.to_owned()),
+            ..Request::default()
+        })
+        .unwrap();
+        let text = resolved.to_toml();
+        seed(
+            "experiment_file",
+            name,
+            format!("base = \"{name}\"\n{text}").as_bytes(),
+        );
+        let set = |(key, value, _): &(String, String, _)| format!("{key}={value}\n");
+        let set: String = resolved.keys.iter().map(set).collect();
+        seed("set_arguments", name, set.as_bytes());
+    }
+}
+
+/// The paper's robot with every effect of the catalogue, each at one of its probe values.
+fn with_all_effects() -> RobotModel {
+    let mut model = RobotModel::default();
+    for info in CATALOGUE {
+        let mut spec = slipstream_bus::EffectSpec::new(info.id, &[]);
+        let mut has_alternative = false;
+        for parameter in info.parameters {
+            if parameter.alternative && std::mem::replace(&mut has_alternative, true) {
+                continue;
+            }
+            let value = match parameter.domain {
+                Domain::Number { lower, probes, .. } => {
+                    Parameter::Number(probes.first().copied().unwrap_or(lower))
+                }
+                Domain::Text(words) => Parameter::Text(words[0].to_owned()),
+            };
+            spec.parameters.push((parameter.name.to_owned(), value));
+        }
+        model.effects.push(spec);
+    }
+    model
+}
+
+/// What processes of a run exchange.
+fn processes(resolved: &Resolved, run: &Path) {
+    seed("experiment", "run", &encode(&resolved.experiment));
+    let log = Log::default();
+    let (reports, log) = in_process::run_recorded(&resolved.experiment, true, log).unwrap();
+    let mut chunk = 1_u32.to_le_bytes().to_vec();
+    for (kind, record) in log.0.iter().enumerate() {
+        let bytes = encode(&Entry::Record(*record));
+        seed(
+            "record_chunk",
+            &format!("record-{kind}"),
+            &[&[0; 4], &bytes[..]].concat(),
+        );
+        chunk.extend(bytes);
+    }
+    let mut traces = Vec::new();
+    read_trace(run, &mut |bytes| {
+        traces.push(bytes.to_vec());
+        true
+    })
+    .unwrap();
+    traces.sort_by_key(Vec::len);
+    let longest = traces.pop().unwrap();
+    seed("trace_chunk", "longest", &longest);
+    let bytes = &longest[1..];
+    let length = u32::try_from(bytes.len()).unwrap().to_le_bytes();
+    seed(
+        "trace_buffer",
+        "longest",
+        &[&[0; 8], &length[..], bytes].concat(),
+    );
+    chunk.extend(encode(&Entry::Trace { t_ns: 5, bytes }));
+    seed("record_chunk", "all", &chunk);
+    let plant = PlantOutcome {
+        report: reports.plant,
+        ended: ProcessStatus::Done,
+        deadlines: None,
+        real_time: RealTime::default(),
+        lost_records: 0,
+        start_up_s: 0.1,
+        loop_s: 0.2,
+    };
+    seed("reports", "plant", &[&[0], &encode(&plant)[..]].concat());
+    let agent = AgentOutcome {
+        report: reports.agents.into_iter().next().unwrap(),
+        ended: ProcessStatus::Failed("reason".to_owned()),
+        deadlines: None,
+        real_time: RealTime::default(),
+        lost_records: 0,
+    };
+    seed("reports", "agent", &[&[1], &encode(&agent)[..]].concat());
+    let recorder = RecorderOutcome {
+        records: 7,
+        failure: Some("disk full".to_owned()),
+    };
+    seed(
+        "reports",
+        "recorder",
+        &[&[2], &encode(&recorder)[..]].concat(),
+    );
+}
+
+fn encode(value: &impl Serialize) -> Vec<u8> {
+    postcard::to_allocvec(value).unwrap()
+}
+
+/// The first record of each kind.
+#[derive(Default)]
+struct Log(Vec<Record>);
+
+impl Recorder for Log {
+    fn record(&mut self, record: &Record) {
+        let kind = std::mem::discriminant(record);
+        if self
+            .0
+            .iter()
+            .all(|known| std::mem::discriminant(known) != kind)
+        {
+            self.0.push(*record);
+        }
+    }
+}

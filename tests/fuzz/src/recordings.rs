@@ -1,0 +1,99 @@
+//! Recordings: MCAP files, bags of other robots, folders of CSV files.
+
+use std::path::Path;
+
+use slipstream_recording::{
+    TopicMap, check, read_folder, read_mapped_from, read_mcap_from, write_folder, write_mcap_to,
+};
+
+use crate::one_line::assert_one_line;
+use crate::scratch;
+
+/// An MCAP file of slipstream.
+pub(crate) fn mcap(bytes: &[u8]) {
+    let path = Path::new("fuzz.mcap");
+    let import = match read_mcap_from(bytes, bytes.len() as u64, path) {
+        Ok(import) => import,
+        Err(error) => return assert_one_line(&error),
+    };
+    let written = write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+    let again = read_mcap_from(&written[..], written.len() as u64, path).expect("and read");
+    assert_eq!(again.warnings, Vec::<String>::new());
+    let twice = write_mcap_to(&again.recording, Vec::new(), path).expect("and written again");
+    assert!(written == twice, "to the bit");
+    check(&import.recording, None);
+}
+
+/// The topic map of [`bag`].
+pub const MAP: &str = "format = 1\n[robots.a]\ncommand = \"/cmd_vel\"\nodometry = \"/odom\"\n\
+    wheels = { topic = \"/joint_states\", right = \"right_wheel_joint\", left = \"left_wheel_joint\" }\n\
+    pose = \"/vicon/robot/pose\"\n";
+
+/// A bag of another robot, with a guessed map and with a map.
+pub(crate) fn bag(bytes: &[u8]) {
+    let path = Path::new("fuzz.mcap");
+    let map = TopicMap::parse(MAP, Path::new("map.toml")).expect("a map");
+    for map in [None, Some(&map)] {
+        match read_mapped_from(bytes, path, map) {
+            Ok(import) => {
+                write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+            }
+            Err(error) => assert_one_line(&error),
+        }
+    }
+}
+
+/// Separates the files of a folder in the input of [`csv_folder`].
+pub const SEPARATOR: &[u8; 2] = b"%%";
+
+/// The files of a folder in the input of [`csv_folder`].
+pub const FILES: [&str; 10] = [
+    "recording.toml",
+    "robot.toml",
+    "r1/command.csv",
+    "r1/wheels.csv",
+    "r1/pose.csv",
+    "r1/imu.csv",
+    "r1/odometry.csv",
+    "r1/motor.csv",
+    "links.csv",
+    "rtt.csv",
+];
+
+/// A folder of CSV files, which survives MCAP unchanged.
+pub(crate) fn csv_folder(bytes: &[u8]) {
+    let [given, one, two] = ["given", "one", "two"].map(|name| scratch::folder().join(name));
+    for folder in [&given, &one, &two] {
+        // It does not exist the first time.
+        let _ = std::fs::remove_dir_all(folder);
+    }
+    write_files(bytes, &given);
+    let import = match read_folder(&given) {
+        Ok(import) => import,
+        Err(error) => return assert_one_line(&error),
+    };
+    let path = Path::new("fuzz.mcap");
+    let bag = write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+    let back = read_mcap_from(&bag[..], bag.len() as u64, path).expect("and read");
+    write_folder(&import.recording, &one).expect("exported");
+    write_folder(&back.recording, &two).expect("exported");
+    for name in FILES {
+        let of = |folder: &Path| std::fs::read(folder.join(name)).ok();
+        assert_eq!(of(&one), of(&two), "{name}");
+    }
+    check(&import.recording, None);
+}
+
+/// Writes the parts of the input to files. An empty part means that the file does not exist.
+fn write_files(bytes: &[u8], folder: &Path) {
+    std::fs::create_dir_all(folder.join("r1")).expect("a folder");
+    let mut rest = bytes;
+    for name in FILES {
+        let end = rest.windows(2).position(|pair| pair == SEPARATOR);
+        let (file, later) = rest.split_at(end.unwrap_or(rest.len()));
+        rest = later.get(2..).unwrap_or_default();
+        if !file.is_empty() {
+            std::fs::write(folder.join(name), file).expect("a file");
+        }
+    }
+}
