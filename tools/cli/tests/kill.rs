@@ -53,10 +53,12 @@ fn kill_starting(victim: &str) {
         std::thread::sleep(after);
         return kill_launcher(folder.path(), launcher);
     }
-    let named = |role: &Role| role.name() == if victim == "r1" { "agent" } else { victim };
     let mut pid = None;
     wait_for("start", Duration::from_secs(20), || {
-        pid = roles(id).into_iter().find(named).map(|role| role.pid);
+        pid = roles(id)
+            .iter()
+            .find(|role| role.is(victim))
+            .map(|role| role.pid);
         pid.is_some()
     });
     std::thread::sleep(after);

@@ -57,11 +57,7 @@ pub(crate) fn start(folder: &Path, arguments: &[&str]) -> (Child, Vec<Role>) {
 
 /// The process of a role: `r1`, `plant` or `recorder`.
 pub(crate) fn process<'a>(processes: &'a [Role], name: &str) -> &'a Role {
-    let role = if name == "r1" { "agent" } else { name };
-    processes
-        .iter()
-        .find(|process| process.name() == role)
-        .unwrap()
+    processes.iter().find(|process| process.is(name)).unwrap()
 }
 
 /// Processes that a launcher started and that are alive.

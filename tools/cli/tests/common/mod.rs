@@ -68,6 +68,15 @@ impl Role {
         &self.arguments[0]
     }
 
+    /// Whether it is the process of this name in messages: `plant`, `recorder`, or a robot such as `r1`.
+    pub(crate) fn is(&self, name: &str) -> bool {
+        let robot = self.arguments.windows(2).find(|pair| pair[0] == "--robot");
+        match robot {
+            Some(pair) => format!("r{}", pair[1].parse::<u32>().unwrap() + 1) == name,
+            None => self.name() == name,
+        }
+    }
+
     /// The run directory.
     pub(crate) fn folder(&self) -> &str {
         let at = self
