@@ -11,7 +11,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::faults::{
-    LONG_RUN, assert_recording, children_of, count, process, random_time, signal, start,
+    LONG_RUN, assert_recording, count, process, processes_in, random_time, signal, start,
 };
 use common::{read_json, wait_for};
 use rustix::process::Signal;
@@ -42,7 +42,7 @@ fn hang(folder: &Path, victim: &str, more: &[&str]) -> (Duration, Option<i32>) {
     lines.for_each(|line| eprintln!("{}", line.unwrap()));
     let code = launcher.wait().unwrap().code();
     assert_recording(folder);
-    assert_eq!(children_of(launcher.id()), [0; 0]);
+    assert_eq!(processes_in(folder), [0; 0]);
     (named, code)
 }
 

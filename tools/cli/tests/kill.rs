@@ -10,7 +10,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::faults::{
-    LONG_RUN, assert_recording, children_of, count, dead_runs, process, random_time, signal, start,
+    LONG_RUN, assert_recording, count, dead_runs, process, processes_in, random_time, signal, start,
 };
 use common::{Role, command, is_alive, roles, shared_memory, slipstream, wait_for};
 use rustix::process::Signal;
@@ -65,7 +65,7 @@ fn kill_starting(victim: &str) {
     signal(pid.unwrap(), Signal::KILL);
     assert_death_is_said(launcher, victim, pid.unwrap());
     assert_recording(folder.path());
-    assert_eq!(children_of(id), [0; 0]);
+    assert_eq!(processes_in(folder.path()), [0; 0]);
 }
 
 fn assert_death_is_said(launcher: std::process::Child, victim: &str, pid: u32) {
@@ -84,7 +84,7 @@ fn kill_launcher(folder: &Path, mut launcher: std::process::Child) {
     signal(launcher.id(), Signal::KILL);
     launcher.wait().unwrap();
     wait_for("end of the processes", LIMIT, || {
-        children_of(launcher.id()).is_empty()
+        processes_in(folder).is_empty()
     });
     assert_recording(folder);
     let next = ["run", "--no-recording", "--set", "duration_s=0.1"];

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use common::faults::{children_of, process, start};
+use common::faults::{process, processes_in, start};
 use common::{command, shared_memory, slipstream, wait_for};
 
 /// User ids that no account has. Tests run side by side, each with users of its own.
@@ -132,7 +132,7 @@ fn no_file_of_a_run_is_open_to_others() {
     launcher.kill().unwrap();
     launcher.wait().unwrap();
     wait_for("end", Duration::from_secs(10), || {
-        children_of(launcher.id()).is_empty()
+        processes_in(folder.path()).is_empty()
     });
     assert!(slipstream(folder.path(), &["clean"]).status.success());
 }

@@ -60,16 +60,17 @@ pub(crate) fn process<'a>(processes: &'a [Role], name: &str) -> &'a Role {
     processes.iter().find(|process| process.is(name)).unwrap()
 }
 
-/// Processes that a launcher started and that are alive.
-pub(crate) fn children_of(launcher: u32) -> Vec<u32> {
-    let launched = format!("--launcher\0{launcher}\0");
-    let is_child = |pid: &u32| {
-        let line = std::fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-        String::from_utf8_lossy(&line).contains(&launched)
+/// The living processes of a run: those that work in its folder, also before they know their role.
+pub(crate) fn processes_in(folder: &Path) -> Vec<u32> {
+    let folder = folder.canonicalize().unwrap();
+    let works_here = |pid: &u32| {
+        std::fs::read_link(format!("/proc/{pid}/cwd")).is_ok_and(|works_in| works_in == folder)
     };
     let names = std::fs::read_dir("/proc").unwrap().flatten();
     let pids = names.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    pids.filter(is_child).filter(|&pid| is_alive(pid)).collect()
+    pids.filter(works_here)
+        .filter(|&pid| is_alive(pid))
+        .collect()
 }
 
 /// The recording of a disturbed run can be read; a run that died before it began one has none.
