@@ -83,19 +83,25 @@ impl Resolved {
             let (key, value, origin) = entry;
             let gap = " ".repeat(column.saturating_sub(width(entry)));
             // Writing to a string cannot fail.
-            let _ = write!(text, "{key} = {value}{gap}  # {origin}");
+            let _ = write!(text, "{key} = {value}{gap}  # {}", comment(origin));
             // A value given on the command line is no assumption.
             let given = matches!(origin, Origin::Argument(_));
             let own = |assumption: &&Assumption| !given && assumption.keys.contains_key(key);
             for assumption in self.assumptions.iter().filter(own) {
-                let _ = write!(text, "; assumption {}", assumption.name);
+                let _ = write!(text, "; assumption {}", comment(&assumption.name));
             }
             text.push('\n');
         }
         for Assumption { name, reason, .. } in &self.assumptions {
-            let reason = reason.replace('\n', " ");
-            let _ = writeln!(text, "# assumption {name}: {reason}");
+            let name = comment(name);
+            let _ = writeln!(text, "# assumption {name}: {}", comment(reason));
         }
         text
     }
+}
+
+/// The text as a part of a TOML comment, which is one line without control characters.
+fn comment(text: &impl ToString) -> String {
+    let text = text.to_string();
+    text.replace(|character: char| character.is_control(), " ")
 }
