@@ -7,11 +7,12 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use super::futex::{wait, wake_all};
+use super::layout::NO_MORE_ROUNDS;
 use super::page::{WakePage, wait_at_least};
 use super::stage::Stage;
 
 impl WakePage {
-    /// Plant: begins round `epoch`, never 0, and wakes all agents.
+    /// Plant: begins round `epoch`, never 0 or `u32::MAX`, and wakes all agents.
     pub fn begin_round(&self, epoch: u32) {
         let header = self.header();
         header.answers.0.store(0, Ordering::Release);
@@ -39,7 +40,8 @@ impl WakePage {
         if word.load(Ordering::Acquire) == last && self.stage() < Stage::Over {
             wait(word, last, timeout);
         }
-        Some(word.load(Ordering::Acquire)).filter(|&epoch| epoch != last)
+        let epoch = word.load(Ordering::Acquire);
+        (epoch != last && epoch != NO_MORE_ROUNDS).then_some(epoch)
     }
 
     /// Agent: answers round `epoch`. The last answer wakes the plant.

@@ -9,8 +9,7 @@ impl WakePage {
     /// Agent: stores its checkpoint.
     pub fn store_checkpoint(&self, robot: usize, checkpoint: [u64; CHECKPOINT_WORDS]) {
         let slot = self.mapping.slot(robot);
-        let writing = slot.version.load(Ordering::Relaxed) | 1;
-        slot.version.store(writing, Ordering::SeqCst);
+        let writing = slot.version.fetch_or(1, Ordering::SeqCst) | 1;
         for (word, value) in slot.checkpoint.iter().zip(checkpoint) {
             word.store(value, Ordering::SeqCst);
         }
@@ -18,17 +17,18 @@ impl WakePage {
             .store(writing.wrapping_add(1), Ordering::SeqCst);
     }
 
-    /// Agent: the checkpoint that an earlier agent of this robot left; `None` if there is none or
-    /// that agent died while writing it.
+    /// Agent: the checkpoint that an earlier agent of this robot left; `None` if there is none, if
+    /// that agent died while writing it, or if it is being written.
     pub fn checkpoint(&self, robot: usize) -> Option<[u64; CHECKPOINT_WORDS]> {
         let slot = self.mapping.slot(robot);
         let version = slot.version.load(Ordering::SeqCst);
-        let complete = version != 0 && version.is_multiple_of(2);
-        complete.then(|| {
-            slot.checkpoint
-                .each_ref()
-                .map(|word| word.load(Ordering::SeqCst))
-        })
+        if version == 0 || !version.is_multiple_of(2) {
+            return None;
+        }
+        let words = slot.checkpoint.each_ref();
+        let checkpoint = words.map(|word| word.load(Ordering::SeqCst));
+        // Another version now: words of two checkpoints.
+        (slot.version.load(Ordering::SeqCst) == version).then_some(checkpoint)
     }
 }
 

@@ -19,6 +19,9 @@ pub const CHECKPOINT_WORDS: usize = 6;
 /// Number of words of the deadline counts of one loop.
 pub const DEADLINE_WORDS: usize = 4;
 
+/// The word `epoch` when no further round comes.
+pub(super) const NO_MORE_ROUNDS: u32 = u32::MAX;
+
 /// A word on its own cache line, so that processes waiting for different words do not disturb each
 /// other.
 #[derive(Debug, Default)]

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
 use super::futex::{wait, wake_all};
-use super::layout::{Header, Mapping};
+use super::layout::{Header, Mapping, NO_MORE_ROUNDS};
 use super::stage::Stage;
 
 /// The wake-up page of a run, mapped into this process.
@@ -53,7 +53,9 @@ impl WakePage {
         header.stage.0.fetch_max(stage as u32, Ordering::AcqRel);
         wake_all(&header.stage.0);
         if stage >= Stage::Over {
-            // Agents that wait for a round check the stage when they wake.
+            // An agent may have checked the stage and not be asleep yet: a changed word keeps it
+            // from falling asleep.
+            header.epoch.0.store(NO_MORE_ROUNDS, Ordering::Release);
             wake_all(&header.epoch.0);
         }
     }
