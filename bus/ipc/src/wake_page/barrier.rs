@@ -3,13 +3,12 @@
 //!
 //! One system call wakes all agents and one wakes the plant, whatever the number of robots.
 
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use super::futex::{wait, wake_all};
 use super::layout::NO_MORE_ROUNDS;
 use super::page::{WakePage, wait_at_least};
 use super::stage::Stage;
+use super::sync::{Ordering, wait, wake_all};
 
 impl WakePage {
     /// Plant: begins round `epoch`, never 0 or `u32::MAX`, and wakes all agents.

@@ -1,9 +1,8 @@
 //! Checkpoint of an agent, guarded by a version counter: a restarted agent continues from it.
 
-use std::sync::atomic::Ordering;
-
 use super::layout::CHECKPOINT_WORDS;
 use super::page::WakePage;
+use super::sync::Ordering;
 
 impl WakePage {
     /// Agent: stores its checkpoint.

@@ -2,12 +2,16 @@
 
 use std::io;
 use std::path::Path;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::Duration;
 
-use super::futex::{wait, wake_all};
-use super::layout::{Header, Mapping, NO_MORE_ROUNDS};
+#[cfg(feature = "loom")]
+use super::heap::Mapping;
+use super::layout::{Header, NO_MORE_ROUNDS};
+#[cfg(not(feature = "loom"))]
+use super::mapping::Mapping;
+
 use super::stage::Stage;
+use super::sync::{AtomicU32, AtomicU64, Ordering, Word, wait, wake_all};
 
 /// The wake-up page of a run, mapped into this process.
 ///
@@ -146,7 +150,7 @@ impl WakePage {
 }
 
 /// Waits until the word is at least `target`, at most for `timeout`. Returns whether it is.
-pub(super) fn wait_at_least(word: &AtomicU32, target: u32, timeout: Duration) -> bool {
+pub(super) fn wait_at_least(word: &Word, target: u32, timeout: Duration) -> bool {
     let value = word.load(Ordering::Acquire);
     if value < target {
         wait(word, value, timeout);

@@ -2,10 +2,9 @@
 //! that the launcher sees which one hangs. The counts of its deadlines stand beside it, so that they
 //! survive its death.
 
-use std::sync::atomic::{AtomicI64, AtomicU32, Ordering};
-
 use super::layout::DEADLINE_WORDS;
 use super::page::WakePage;
+use super::sync::{AtomicI64, AtomicU32, Ordering};
 
 /// A process of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
