@@ -24,7 +24,7 @@ pub(crate) fn mcap(bytes: &[u8]) {
     check(&import.recording, None);
 }
 
-/// The topic map of [`bag`].
+/// The topic map of the target `bag`.
 pub const MAP: &str = "format = 1\n[robots.a]\ncommand = \"/cmd_vel\"\nodometry = \"/odom\"\n\
     wheels = { topic = \"/joint_states\", right = \"right_wheel_joint\", left = \"left_wheel_joint\" }\n\
     pose = \"/vicon/robot/pose\"\n";
@@ -43,10 +43,10 @@ pub(crate) fn bag(bytes: &[u8]) {
     }
 }
 
-/// Separates the files of a folder in the input of [`csv_folder`].
+/// Separates the files of a folder in an input of the target `csv_folder`.
 pub const SEPARATOR: &[u8; 2] = b"%%";
 
-/// The files of a folder in the input of [`csv_folder`].
+/// The files of a folder in an input of the target `csv_folder`.
 pub const FILES: [&str; 10] = [
     "recording.toml",
     "robot.toml",
