@@ -33,16 +33,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .as_deref()
         .map(TopicMap::read)
         .transpose()?;
-    let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
+    let spooled = slipstream_recording::read_spooled(&arguments.recording, topics.as_ref())?;
     let model = arguments
         .robot
         .as_deref()
         .map(robot_toml::read)
         .transpose()?;
-    for warning in &import.warnings {
+    for warning in &spooled.warnings {
         eprint_line!("{warning}");
     }
-    let report = slipstream_recording::check(&import.recording, model.as_ref());
+    let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {
         crate::output_file::write_json(path, &report)?;

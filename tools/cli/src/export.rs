@@ -21,16 +21,16 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let import = slipstream_recording::read(&arguments.recording)?;
-    for warning in &import.warnings {
+    let spooled = slipstream_recording::read_spooled(&arguments.recording, None)?;
+    for warning in &spooled.warnings {
         eprint_line!("{warning}");
     }
-    for (topic, messages) in &import.left_out {
+    for (topic, messages) in &spooled.left_out {
         eprint_line!(
             "{topic}: left out: its {messages} messages have no equivalent in the CSV format"
         );
     }
-    slipstream_recording::write_folder(&import.recording, &arguments.out)?;
+    spooled.write_folder(&arguments.out)?;
     print_line!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

@@ -30,14 +30,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .as_deref()
         .map(TopicMap::read)
         .transpose()?;
-    let import = slipstream_recording::read_mapped(&arguments.recording, topics.as_ref())?;
-    for warning in &import.warnings {
+    let spooled = slipstream_recording::read_spooled(&arguments.recording, topics.as_ref())?;
+    for warning in &spooled.warnings {
         eprint_line!("{warning}");
     }
-    for (topic, messages) in &import.left_out {
+    for (topic, messages) in &spooled.left_out {
         eprint_line!("{topic}: left out: its {messages} messages belong to no stream");
     }
-    slipstream_recording::write_mcap(&import.recording, &arguments.out)?;
+    spooled.write_mcap(&arguments.out)?;
     print_line!("{}", arguments.out.display());
     Ok(Exit::Done)
 }

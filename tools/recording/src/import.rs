@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::bag::Loss;
+use crate::error::Result;
 use crate::recording::Recording;
+use crate::rows::SpooledRecording;
 
 /// A recording that was read, and what the user should know about the reading.
 #[derive(Debug)]
@@ -16,4 +18,37 @@ pub struct Import {
     pub loss: Option<Loss>,
     /// Number of messages of an MCAP file that [`Recording`] cannot represent, by topic.
     pub left_out: BTreeMap<String, u64>,
+}
+
+/// As [`Import`], for recordings of any length: memory holds a thousand rows of each stream, the
+/// others are in an unlinked file in the folder for temporary files (`TMPDIR`), which needs about 8
+/// bytes for each cell.
+///
+/// It can be written ([`write_mcap`](Self::write_mcap), [`write_folder`](Self::write_folder)) and
+/// checked ([`check`](Self::check)) in that memory.
+#[derive(Debug)]
+pub struct Spooled {
+    /// The recording.
+    pub(crate) recording: SpooledRecording,
+    /// What was ignored, guessed or lost, one entry each.
+    pub warnings: Vec<String>,
+    /// Parts of an MCAP file that could not be read; `None` for a folder of CSV files.
+    pub loss: Option<Loss>,
+    /// Number of messages of an MCAP file that [`Recording`] cannot represent, by topic.
+    pub left_out: BTreeMap<String, u64>,
+}
+
+impl Spooled {
+    /// The same with the whole recording in memory.
+    ///
+    /// # Errors
+    /// If the temporary file could not be written or read.
+    pub fn load(self) -> Result<Import> {
+        Ok(Import {
+            recording: self.recording.load()?,
+            warnings: self.warnings,
+            loss: self.loss,
+            left_out: self.left_out,
+        })
+    }
 }

@@ -1,7 +1,8 @@
 //! Recordings of differential-drive robots: one in-memory form, read from and written to folders of CSV
 //! files and MCAP files (ROS 2 bags).
 //!
-//! [`read`] reads any form into a [`Recording`]; [`write_folder`] and [`write_mcap`] write it.
+//! [`read`] reads any form into a [`Recording`]; [`write_folder`] and [`write_mcap`] write it. [`read_spooled`]
+//! reads recordings that are too long for the memory.
 //! [`check()`](check()) finds errors of a recording, [`compare()`](compare()) puts it next to a simulation, [`run_writer`]
 //! records a run while it happens, and [`robot_toml`] reads and writes robot models.
 //!
@@ -67,6 +68,7 @@ mod open;
 pub mod output;
 pub mod recording;
 mod ros2;
+mod rows;
 pub mod run_writer;
 mod table;
 mod toml_files;
@@ -78,9 +80,9 @@ pub use compare::{Channel, CompareError, compare};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use foreign_bag::TopicMap;
-pub use import::Import;
+pub use import::{Import, Spooled};
 pub use mcap_file::{TraceFile, read_mcap_from, read_trace, write_mcap, write_mcap_to};
-pub use open::{read, read_mapped, read_mapped_from};
+pub use open::{read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
 pub use slipstream_bus::InputError;
 pub use table::StreamKind;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use slipstream_bus::InputError;
 
 use crate::bag::open_file;
-use crate::csv_folder::read_folder;
+use crate::csv_folder::spool_folder;
 use crate::error::Result;
 use crate::foreign_bag::{Open, TopicMap, read_foreign};
-use crate::import::Import;
+use crate::import::{Import, Spooled};
 use crate::mcap_file::read_own;
 
 /// Reads a recording: a folder of CSV files, an MCAP file that slipstream wrote, or a ROS 2 bag of
@@ -27,11 +27,19 @@ pub fn read(path: &Path) -> Result<Import> {
 /// # Errors
 /// As [`read`], or if a topic of the map does not exist or cannot provide its stream.
 pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
+    read_spooled(path, map)?.load()
+}
+
+/// As [`read_mapped`], for recordings of any length: the rows stay in a temporary file.
+///
+/// # Errors
+/// As [`read_mapped`], or if the temporary file cannot be written.
+pub fn read_spooled(path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
     let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
     if metadata.is_dir() {
         return match bag_in_folder(path)? {
-            Some(bag) => read_mapped(&bag, map),
-            None => read_folder(path),
+            Some(bag) => read_spooled(&bag, map),
+            None => spool_folder(path),
         };
     }
     read_file(&|| open_file(path), path, map)
@@ -43,11 +51,11 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
 /// # Errors
 /// As [`read_mapped`].
 pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> Result<Import> {
-    read_file(&|| Ok((content, content.len() as u64)), path, map)
+    read_file(&|| Ok((content, content.len() as u64)), path, map)?.load()
 }
 
 /// Reads an MCAP file that `open` opens, as often as needed, with its size (bytes).
-fn read_file<R: Read>(open: &Open<'_, R>, path: &Path, map: Option<&TopicMap>) -> Result<Import> {
+fn read_file<R: Read>(open: &Open<'_, R>, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
     if map.is_none() {
         let (source, size) = open()?;
         if let Some(import) = read_own(source, size, path)? {

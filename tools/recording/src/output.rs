@@ -7,7 +7,7 @@
 use std::collections::BTreeSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, BufWriter, Write};
-use std::os::unix::fs::FileExt as _;
+use std::os::unix::fs::{FileExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -233,6 +233,14 @@ pub fn remove_unfinished() {
 
 fn unfinished<T>(access: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     access(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// A temporary file without a name, which vanishes with the process.
+pub(crate) fn unnamed_file() -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).write(true).create_new(true).mode(0o600);
+    let any = std::env::temp_dir().join("any");
+    Beside::create(&any, |path| options.open(path)).map(|(file, _)| file)
 }
 
 /// Begins the recording of a run: a file with the bytes `begun` that is locked until it and its

@@ -1,15 +1,13 @@
 //! Clocks: streams that do not overlap, and a pose that lags behind the other sources.
 
-use slipstream_bus::RobotModel;
-
-use super::motion::windows_of;
+use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::{combine, cosine};
-use crate::recording::Robot;
-use crate::table::{StreamKind, TableView};
+use crate::rows::{RobotRows, Rows};
+use crate::table::StreamKind;
 
 /// Time step of the comparison (s).
-const STEP_S: f64 = 0.1;
+pub(super) const STEP_S: f64 = 0.1;
 /// Largest lag that is searched (steps).
 const MAX_LAG_STEPS: isize = 10;
 /// Smallest lag that is reported (s).
@@ -17,14 +15,13 @@ const MIN_REPORTED_LAG_S: f64 = 0.05;
 /// Smallest cosine similarity at which two sources count as the same motion.
 const MIN_SIMILARITY: f64 = 0.9;
 
-/// Adds findings about the clocks of a robot's streams.
-pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let mut spans: Vec<(&str, f64, f64)> = Vec::new();
-    for kind in StreamKind::ALL {
-        let table = TableView::of(robot, kind);
-        let ends = table.and_then(|table| Some((*table.t_s.first()?, *table.t_s.last()?)));
-        spans.extend(ends.map(|(start, end)| (kind.name(), start, end)));
-    }
+/// Adds findings about the clocks of a robot's streams. `windows` have the length [`STEP_S`].
+pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec<Finding>) {
+    let span = |(kind, rows): &(StreamKind, Rows<'_>)| {
+        let [start, end] = rows.span_s()?;
+        Some((kind.name(), start, end))
+    };
+    let spans: Vec<(&str, f64, f64)> = robot.streams.iter().filter_map(span).collect();
     for (i, (first, start_a, end_a)) in spans.iter().enumerate() {
         for (second, start_b, end_b) in spans.iter().skip(i + 1) {
             let overlap = end_a.min(*end_b) - start_a.max(*start_b);
@@ -35,17 +32,16 @@ pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Ve
                      hardly overlap"
                 );
                 let remedy = "put all streams on one clock";
-                let (id, robot) = ("no_overlap", &robot.name);
+                let (id, robot) = ("no_overlap", &robot.robot.name);
                 findings.push(Finding::new(Severity::Error, robot, id, statement, remedy));
             }
         }
     }
-    lags(robot, model, findings);
+    lags(&robot.robot.name, windows, findings);
 }
 
 /// Adds a note for each source behind which the pose lags.
-fn lags(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let windows = windows_of(robot, model, STEP_S);
+fn lags(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
     let (wheels_v, mut wheels_w) = windows.wheel_twist();
     if wheels_w.is_empty() {
         wheels_w = combine(&windows.wheel_right, &windows.wheel_left, |r, l| r - l);
@@ -67,8 +63,13 @@ fn lags(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) 
             let word = if lag_s > 0.0 { "behind" } else { "before" };
             let statement = format!("the pose is about {:.2} s {word} the {other}", lag_s.abs());
             let remedy = "a latency, an offset between clocks, or slip: the diagnosis tells which";
-            let (id, robot) = ("lag", &robot.name);
-            findings.push(Finding::new(Severity::Note, robot, id, statement, remedy));
+            findings.push(Finding::new(
+                Severity::Note,
+                robot,
+                "lag",
+                statement,
+                remedy,
+            ));
         }
     }
 }

@@ -2,15 +2,16 @@
 
 use slipstream_bus::RobotModel;
 
-use crate::recording::{Command, Recording, Robot, Wheels};
+use crate::rows::{AllRows, RobotRows};
+use crate::table::StreamKind;
 
 /// What the recording can be used for, and what is missing, as sentences.
 pub(super) fn coverage(
-    recording: &Recording,
+    rows: &AllRows<'_>,
     model: Option<&RobotModel>,
 ) -> (Vec<String>, Vec<String>) {
     let (mut can_judge, mut missing) = (Vec::new(), Vec::new());
-    for robot in &recording.robots {
+    for robot in &rows.robots {
         for (sentences, list) in [
             (uses(robot), &mut can_judge),
             (gaps(robot, model), &mut missing),
@@ -18,17 +19,17 @@ pub(super) fn coverage(
             list.extend(
                 sentences
                     .into_iter()
-                    .map(|what| format!("{}: {what}", robot.name)),
+                    .map(|what| format!("{}: {what}", robot.robot.name)),
             );
         }
     }
-    if recording.links.is_some() {
+    if rows.links.is_some() {
         can_judge.push("links: delay and loss of the messages between robots".to_owned());
     }
-    if recording.rtt.is_some() {
+    if rows.rtt.is_some() {
         can_judge.push("rtt: replay as link delay (links.trace)".to_owned());
     }
-    if model.is_none() && !recording.robots.is_empty() {
+    if model.is_none() && !rows.robots.is_empty() {
         missing.push(
             "a robot model (--robot): without it no factors between wheels and pose".to_owned(),
         );
@@ -37,18 +38,14 @@ pub(super) fn coverage(
 }
 
 /// What the streams of a robot can be used for.
-fn uses(robot: &Robot) -> Vec<String> {
-    let commands_force = robot
-        .command
-        .as_ref()
-        .is_some_and(|s| matches!(s.values, Command::Torque { .. } | Command::Voltage { .. }));
-    let commands_speed = robot.command.is_some() && !commands_force;
-    let (wheels, pose) = (robot.wheels.is_some(), robot.pose.is_some());
-    let gyro = robot
-        .imu
-        .as_ref()
-        .is_some_and(|imu| imu.values.gz_rad_s.is_some());
-    let has_motion = wheels || pose || gyro || robot.odometry.is_some();
+fn uses(robot: &RobotRows<'_>) -> Vec<String> {
+    let has = |kind| robot.stream(kind).is_some();
+    let forces = ["torque_right_nm", "voltage_right_v"];
+    let commands_force = robot.has_any(StreamKind::Command, &forces);
+    let commands_speed = has(StreamKind::Command) && !commands_force;
+    let (wheels, pose) = (has(StreamKind::Wheels), has(StreamKind::Pose));
+    let gyro = robot.has_any(StreamKind::Imu, &["gz_rad_s"]);
+    let has_motion = wheels || pose || gyro || has(StreamKind::Odometry);
     let rules: [(bool, &str); 7] = [
         (
             commands_force && has_motion,
@@ -67,11 +64,11 @@ fn uses(robot: &Robot) -> Vec<String> {
             "turning against the gyro: slip in turns, track width",
         ),
         (
-            pose && !wheels && robot.command.is_some(),
+            pose && !wheels && has(StreamKind::Command),
             "motion against the command, wheels unseen",
         ),
         (
-            wheels && robot.imu.is_some(),
+            wheels && has(StreamKind::Imu),
             "latency between wheels and IMU",
         ),
         (pose && gyro, "latency between pose and gyro"),
@@ -84,28 +81,23 @@ fn uses(robot: &Robot) -> Vec<String> {
 }
 
 /// What a robot lacks.
-fn gaps(robot: &Robot, model: Option<&RobotModel>) -> Vec<String> {
-    let has_ticks = robot
-        .wheels
-        .as_ref()
-        .is_some_and(|s| matches!(s.values, Wheels::Ticks { .. }));
-    let has_counts = robot.counts_per_rev(model).is_some();
-    let has_yaw = robot
-        .pose
-        .as_ref()
-        .is_none_or(|pose| pose.values.yaw_rad.is_some());
-    let noise_unknown = robot.pose.is_some() && robot.noise.pose_m.is_none();
+fn gaps(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Vec<String> {
+    let has = |kind| robot.stream(kind).is_some();
+    let has_ticks = robot.has_any(StreamKind::Wheels, &["ticks_right"]);
+    let has_counts = robot.robot.counts_per_rev(model).is_some();
+    let has_yaw = !has(StreamKind::Pose) || robot.has_any(StreamKind::Pose, &["yaw_rad"]);
+    let noise_unknown = has(StreamKind::Pose) && robot.robot.noise.pose_m.is_none();
     let rules: [(bool, &str); 6] = [
         (
-            robot.command.is_none(),
+            !has(StreamKind::Command),
             "command.csv: what the drives were told; without it no drive-train effect",
         ),
         (
-            robot.wheels.is_none(),
+            !has(StreamKind::Wheels),
             "wheels.csv: without it slip and drive train cannot be told apart",
         ),
         (
-            robot.pose.is_none(),
+            !has(StreamKind::Pose),
             "pose.csv: without it nothing about the floor but through a gyro",
         ),
         (

@@ -3,15 +3,18 @@
 //! Wheel angles and poses enter as differences over a window, so that their noise averages out; rates
 //! enter as means of the rows in a window. A source without data in a window is NaN there.
 
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 use slipstream_bus::RobotModel;
 
-use super::resample::{interpolate, means, rates};
+use super::resample::{Interpolation, Means, rates};
 use super::similarity::combine;
-use crate::recording::{Command, Pose, Robot, Stream, Wheels, unwrap_angles};
+use crate::recording::Unwrap;
+use crate::rows::{RobotRows, Rows};
+use crate::table::{StreamKind, Table};
 
-/// Shortest window of [`windows`] (s).
+/// Shortest window of [`window_s`] (s).
 const MIN_WINDOW_S: f64 = 0.5;
 /// Largest number of windows.
 const MAX_WINDOWS: f64 = 20_000.0;
@@ -49,6 +52,10 @@ pub(super) struct Windows {
     pub(super) wheels_in_rad: bool,
     /// Wheel radius r (m) and half track b (m), if a model gives them.
     pub(super) size_m: Option<[f64; 2]>,
+    /// Pose: number of steps of about 360 between the headings of two rows.
+    pub(super) yaw_jumps: usize,
+    /// Pose: largest heading, with or without jumps of whole turns; 0 without headings.
+    pub(super) largest_yaw: f64,
     /// Pose: cosine of the angle between heading and direction of motion, with the yaw read as
     /// radians and as degrees. NaN in windows with little motion.
     pub(super) heading_cos: [Vec<f64>; 2],
@@ -69,168 +76,262 @@ impl Windows {
     }
 }
 
-/// The motion over windows of half a second; longer ones for very long recordings.
-pub(super) fn windows(robot: &Robot, model: Option<&RobotModel>) -> Windows {
+/// Length of the windows over which sources are compared (s): half a second; longer for very long
+/// recordings.
+pub(super) fn window_s(robot: &RobotRows<'_>) -> f64 {
     let duration_s = span(robot).map_or(0.0, |[start, end]| end - start);
-    windows_of(robot, model, MIN_WINDOW_S.max(duration_s / MAX_WINDOWS))
+    MIN_WINDOW_S.max(duration_s / MAX_WINDOWS)
 }
 
-/// The motion over windows of this length (s).
-pub(super) fn windows_of(robot: &Robot, model: Option<&RobotModel>, window_s: f64) -> Windows {
-    let edges = edges(robot, window_s);
-    let mut windows = Windows {
+/// The motion over windows of each of these lengths (s). Reads every stream once.
+pub(super) fn windows<const N: usize>(
+    robot: &RobotRows<'_>,
+    model: Option<&RobotModel>,
+    lengths_s: [f64; N],
+) -> [Windows; N] {
+    let grids = lengths_s.map(|length_s| Grid::new(span(robot), length_s));
+    let mut windows = lengths_s.map(|_| Windows {
         size_m: model.map(|model| [model.robot.wheel_radius_m, model.robot.half_track_m]),
         ..Windows::default()
-    };
-    if let Some(pose) = &robot.pose {
-        add_pose(pose, &edges, &mut windows);
+    });
+    if let Some(pose) = robot.stream(StreamKind::Pose) {
+        add_pose(pose, &grids, &mut windows);
     }
-    if let Some(wheels) = &robot.wheels {
-        add_wheels(wheels, robot.counts_per_rev(model), &edges, &mut windows);
+    if let Some(wheels) = robot.stream(StreamKind::Wheels) {
+        let counts_per_rev = robot.robot.counts_per_rev(model);
+        add_wheels(wheels, counts_per_rev, &grids, &mut windows);
     }
-    if let Some(imu) = &robot.imu
-        && let Some(gz) = &imu.values.gz_rad_s
+    if let Some(imu) = robot
+        .stream(StreamKind::Imu)
+        .filter(|imu| imu.has("gz_rad_s"))
     {
-        windows.gyro_w = means(&imu.t_s, gz, &edges);
+        for (windows, [gyro]) in windows.iter_mut().zip(means(imu, ["gz_rad_s"], &grids)) {
+            windows.gyro_w = gyro;
+        }
     }
-    if let Some(odometry) = &robot.odometry {
-        windows.odometry_v = means(&odometry.t_s, &odometry.values.v_m_s, &edges);
+    if let Some(odometry) = robot.stream(StreamKind::Odometry) {
+        for (windows, [v]) in windows.iter_mut().zip(means(odometry, ["v_m_s"], &grids)) {
+            windows.odometry_v = v;
+        }
     }
-    if let Some(command) = &robot.command {
-        add_command(command, &edges, &mut windows);
+    if let Some(command) = robot.stream(StreamKind::Command) {
+        add_command(command, &grids, &mut windows);
     }
     windows
 }
 
 /// First and last time (s) of the streams that describe the motion.
-fn span(robot: &Robot) -> Option<[f64; 2]> {
-    let times = [
-        robot.pose.as_ref().map(|s| &s.t_s),
-        robot.wheels.as_ref().map(|s| &s.t_s),
-        robot.imu.as_ref().map(|s| &s.t_s),
-        robot.odometry.as_ref().map(|s| &s.t_s),
-        robot.command.as_ref().map(|s| &s.t_s),
-    ];
-    let streams = || times.iter().copied().flatten();
-    let start = streams()
-        .filter_map(|t_s| t_s.first().copied())
-        .reduce(f64::min)?;
-    let end = streams()
-        .filter_map(|t_s| t_s.last().copied())
-        .reduce(f64::max)?;
-    Some([start, end])
+fn span(robot: &RobotRows<'_>) -> Option<[f64; 2]> {
+    let streams = robot.streams.iter();
+    let of_motion = streams.filter(|(kind, _)| *kind != StreamKind::Motor);
+    of_motion
+        .filter_map(|(_, rows)| rows.span_s())
+        .reduce(|[start, end], [first, last]| [start.min(first), end.max(last)])
 }
 
-/// The edges of the windows (s), over the whole recording but at most [`MAX_WINDOWS`] windows.
-fn edges(robot: &Robot, window_s: f64) -> Vec<f64> {
-    let Some([start, end]) = span(robot).filter(|[start, end]| end > start) else {
-        return Vec::new();
-    };
-    let count = ((end - start) / window_s).floor().min(MAX_WINDOWS) as usize;
-    (0..=count).map(|i| start + i as f64 * window_s).collect()
+/// The times of windows of one length (s).
+struct Grid {
+    /// Over the whole recording, but at most [`MAX_WINDOWS`] windows.
+    edges: Vec<f64>,
+    middles: Vec<f64>,
 }
 
-fn add_pose(pose: &Stream<Pose>, edges: &[f64], windows: &mut Windows) {
-    let Pose { x_m, y_m, yaw_rad } = &pose.values;
-    let vx = rates(&pose.t_s, x_m, edges);
-    let vy = rates(&pose.t_s, y_m, edges);
-    let Some(yaw) = yaw_rad else {
-        return;
-    };
-    let unwrapped = unwrap_angles(yaw);
-    windows.pose_w = rates(&pose.t_s, &unwrapped, edges);
-    let middles = edges
-        .iter()
-        .zip(edges.iter().skip(1))
-        .map(|(start, end)| (start + end) / 2.0);
-    let headings: Vec<f64> = middles
-        .map(|t_s| interpolate(&pose.t_s, &unwrapped, t_s))
-        .collect();
-    let along = |heading: f64, (x, y): (&f64, &f64)| x * heading.cos() + y * heading.sin();
-    let velocities = || vx.iter().zip(&vy);
-    windows.pose_v = headings
-        .iter()
-        .zip(velocities())
-        .map(|(heading, v)| along(*heading, v))
-        .collect();
-    let fastest = velocities().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
-    for (cosines, unit) in windows.heading_cos.iter_mut().zip([1.0, TAU / 360.0]) {
-        *cosines = headings
-            .iter()
-            .zip(velocities())
-            .map(|(heading, (x, y))| {
-                let speed = x.hypot(*y);
-                if speed > MOVING_SHARE * fastest {
-                    along(heading * unit, (x, y)) / speed
-                } else {
-                    f64::NAN
-                }
-            })
-            .collect();
+impl Grid {
+    fn new(span: Option<[f64; 2]>, window_s: f64) -> Self {
+        let edges: Vec<f64> = match span.filter(|[start, end]| end > start) {
+            Some([start, end]) => {
+                let count = ((end - start) / window_s).floor().min(MAX_WINDOWS) as usize;
+                (0..=count).map(|i| start + i as f64 * window_s).collect()
+            }
+            None => Vec::new(),
+        };
+        let pairs = edges.iter().zip(edges.iter().skip(1));
+        Self {
+            middles: pairs.map(|(start, end)| (start + end) / 2.0).collect(),
+            edges,
+        }
     }
 }
 
-fn add_wheels(
-    wheels: &Stream<Wheels>,
-    counts_per_rev: Option<u32>,
-    edges: &[f64],
-    windows: &mut Windows,
-) {
-    windows.wheels_in_rad = true;
-    (windows.wheel_right, windows.wheel_left) = match &wheels.values {
-        Wheels::Ticks { right, left } => {
-            windows.wheels_in_rad = counts_per_rev.is_some();
-            let rad_per_count = counts_per_rev.map_or(1.0, |counts| TAU / f64::from(counts));
-            let angles = |counts: &[Option<i64>]| -> Vec<f64> {
-                let angle = |count: i64| count as f64 * rad_per_count;
-                counts
-                    .iter()
-                    .map(|count| count.map_or(f64::NAN, angle))
-                    .collect()
-            };
-            let rate = |counts| rates(&wheels.t_s, &angles(counts), edges);
-            (rate(right), rate(left))
+/// The means of these columns over the windows of each grid.
+fn means<const C: usize, const N: usize>(
+    rows: &Rows<'_>,
+    columns: [&str; C],
+    grids: &[Grid; N],
+) -> [[Vec<f64>; C]; N] {
+    let mut all = grids
+        .each_ref()
+        .map(|grid| columns.map(|_| Means::new(&grid.edges)));
+    let mut cursor = rows.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        for (column, mean) in all.iter_mut().flat_map(|set| columns.iter().zip(set)) {
+            mean.push(&block.t_s, block.numbers_of(column));
         }
-        Wheels::Angle {
-            right_rad,
-            left_rad,
-        } => (
-            rates(&wheels.t_s, right_rad, edges),
-            rates(&wheels.t_s, left_rad, edges),
-        ),
-        Wheels::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => (
-            means(&wheels.t_s, right_rad_s, edges),
-            means(&wheels.t_s, left_rad_s, edges),
-        ),
-    };
+    }
+    all.map(|means| means.map(Means::finish))
 }
 
-fn add_command(command: &Stream<Command>, edges: &[f64], windows: &mut Windows) {
-    let mean = |cells: &[f64]| means(&command.t_s, cells, edges);
-    match &command.values {
-        Command::Twist { v_m_s, w_rad_s } => {
-            (windows.command_v, windows.command_w) = (mean(v_m_s), mean(w_rad_s));
+/// The mean rates of change of these columns over the windows of each grid. A count is `per_count`.
+fn rates_of<const C: usize, const N: usize>(
+    rows: &Rows<'_>,
+    columns: [&str; C],
+    per_count: f64,
+    grids: &[Grid; N],
+) -> [[Vec<f64>; C]; N] {
+    let mut all = grids
+        .each_ref()
+        .map(|grid| columns.map(|_| Interpolation::new(&grid.edges)));
+    let mut cursor = rows.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        let cells = columns.map(|column| numbers(block, column, per_count));
+        for (cells, at) in all.iter_mut().flat_map(|set| cells.iter().zip(set)) {
+            at.push(&block.t_s, cells);
         }
-        Command::WheelSpeed {
-            right_rad_s,
-            left_rad_s,
-        } => {
-            windows.command_right = mean(right_rad_s);
-            windows.command_left = mean(left_rad_s);
+    }
+    let mut grids = grids.iter();
+    all.map(|at| {
+        let edges = grids.next().map_or(&[][..], |grid| &grid.edges);
+        at.map(|at| rates(edges, &at.finish()))
+    })
+}
+
+/// The cells of a column of numbers or counts.
+fn numbers<'a>(block: &'a Table, column: &str, per_count: f64) -> Cow<'a, [f64]> {
+    let counts = block.counts_of(column);
+    if counts.is_empty() {
+        return Cow::Borrowed(block.numbers_of(column));
+    }
+    let number = |count: &Option<i64>| count.map_or(f64::NAN, |count| count as f64 * per_count);
+    Cow::Owned(counts.iter().map(number).collect())
+}
+
+/// A pose, resampled to one grid.
+struct PoseAt<'a> {
+    grid: &'a Grid,
+    x: Interpolation<'a>,
+    y: Interpolation<'a>,
+    /// Without jumps of whole turns, at the edges and in the middle of the windows.
+    yaw: [Interpolation<'a>; 2],
+}
+
+fn add_pose<const N: usize>(pose: &Rows<'_>, grids: &[Grid; N], windows: &mut [Windows; N]) {
+    if !pose.has("yaw_rad") {
+        return;
+    }
+    let mut all = grids.each_ref().map(|grid| PoseAt {
+        grid,
+        x: Interpolation::new(&grid.edges),
+        y: Interpolation::new(&grid.edges),
+        yaw: [&grid.edges, &grid.middles].map(|times| Interpolation::new(times)),
+    });
+    let mut yaws = Yaws::default();
+    let mut cursor = pose.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        let unwrapped = yaws.push(block.numbers_of("yaw_rad"));
+        for at in &mut all {
+            at.x.push(&block.t_s, block.numbers_of("x_m"));
+            at.y.push(&block.t_s, block.numbers_of("y_m"));
+            at.yaw
+                .iter_mut()
+                .for_each(|yaw| yaw.push(&block.t_s, &unwrapped));
         }
-        Command::Torque {
-            right_nm: right,
-            left_nm: left,
+    }
+    for (windows, at) in windows.iter_mut().zip(all) {
+        (windows.yaw_jumps, windows.largest_yaw) = (yaws.jumps, yaws.largest);
+        at.finish(windows);
+    }
+}
+
+impl PoseAt<'_> {
+    fn finish(self, windows: &mut Windows) {
+        let edges = &self.grid.edges;
+        let [vx, vy] = [self.x, self.y].map(|at| rates(edges, &at.finish()));
+        let [at_edges, headings] = self.yaw.map(Interpolation::finish);
+        windows.pose_w = rates(edges, &at_edges);
+        let along = |heading: f64, (x, y): (&f64, &f64)| x * heading.cos() + y * heading.sin();
+        let velocities = || vx.iter().zip(&vy);
+        windows.pose_v = headings
+            .iter()
+            .zip(velocities())
+            .map(|(heading, v)| along(*heading, v))
+            .collect();
+        let fastest = velocities().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
+        for (cosines, unit) in windows.heading_cos.iter_mut().zip([1.0, TAU / 360.0]) {
+            *cosines = headings
+                .iter()
+                .zip(velocities())
+                .map(|(heading, (x, y))| {
+                    let speed = x.hypot(*y);
+                    if speed > MOVING_SHARE * fastest {
+                        along(heading * unit, (x, y)) / speed
+                    } else {
+                        f64::NAN
+                    }
+                })
+                .collect();
         }
-        | Command::Voltage {
-            right_v: right,
-            left_v: left,
-        } => {
-            windows.drive_right = mean(right);
-            windows.drive_left = mean(left);
-        }
+    }
+}
+
+/// What a column of headings shows about its unit.
+#[derive(Default)]
+struct Yaws {
+    unwrap: Unwrap,
+    last: Option<f64>,
+    /// Steps of about 360 between two rows.
+    jumps: usize,
+    /// Largest size, with and without jumps of whole turns.
+    largest: f64,
+}
+
+impl Yaws {
+    /// Takes the next rows and returns them without jumps of whole turns.
+    fn push(&mut self, yaws: &[f64]) -> Vec<f64> {
+        let next = |yaw: &f64| {
+            let step = self.last.replace(*yaw).map(|last| (yaw - last).abs());
+            let is_jump = step.is_some_and(|step| (350.0..370.0).contains(&step));
+            self.jumps += usize::from(is_jump);
+            let unwrapped = self.unwrap.next(*yaw);
+            self.largest = self.largest.max(unwrapped.abs()).max(yaw.abs());
+            unwrapped
+        };
+        yaws.iter().map(next).collect()
+    }
+}
+
+fn add_wheels<const N: usize>(
+    wheels: &Rows<'_>,
+    counts_per_rev: Option<u32>,
+    grids: &[Grid; N],
+    windows: &mut [Windows; N],
+) {
+    let rad_per_count = counts_per_rev.map_or(1.0, |counts| TAU / f64::from(counts));
+    let pairs = if wheels.has("ticks_right") {
+        rates_of(wheels, ["ticks_right", "ticks_left"], rad_per_count, grids)
+    } else if wheels.has("angle_right_rad") {
+        rates_of(wheels, ["angle_right_rad", "angle_left_rad"], 1.0, grids)
+    } else {
+        means(wheels, ["speed_right_rad_s", "speed_left_rad_s"], grids)
+    };
+    for (windows, [right, left]) in windows.iter_mut().zip(pairs) {
+        windows.wheels_in_rad = counts_per_rev.is_some() || !wheels.has("ticks_right");
+        (windows.wheel_right, windows.wheel_left) = (right, left);
+    }
+}
+
+fn add_command<const N: usize>(command: &Rows<'_>, grids: &[Grid; N], windows: &mut [Windows; N]) {
+    let [(first, _), (second, _)] = command.empty().columns.as_slice() else {
+        return;
+    };
+    for (windows, [a, b]) in windows
+        .iter_mut()
+        .zip(means(command, [first, second], grids))
+    {
+        let (of_first, of_second) = match *first {
+            "v_m_s" => (&mut windows.command_v, &mut windows.command_w),
+            "speed_right_rad_s" => (&mut windows.command_right, &mut windows.command_left),
+            _ => (&mut windows.drive_right, &mut windows.drive_left),
+        };
+        (*of_first, *of_second) = (a, b);
     }
 }

@@ -1,8 +1,8 @@
 //! Timing of every stream: rate, jitter, gaps, repeated times.
 
 use super::report::{Finding, RobotReport, Severity, StreamReport};
-use crate::recording::Robot;
-use crate::table::{CellsView, StreamKind, TableView};
+use crate::rows::{RobotRows, Rows, median};
+use crate::table::{Cells, StreamKind};
 
 /// Shortest gap, in median time steps.
 const MIN_GAP_STEPS: f64 = 5.0;
@@ -16,77 +16,81 @@ const MANY_ROWS: usize = 50;
 const REPEATED_ONE_IN: usize = 20;
 
 /// The report on a robot's streams. Adds findings about their timing.
-pub(super) fn report(robot: &Robot, findings: &mut Vec<Finding>) -> RobotReport {
+pub(super) fn report(robot: &RobotRows<'_>, findings: &mut Vec<Finding>) -> RobotReport {
     let mut streams = Vec::new();
-    for kind in StreamKind::ALL {
-        if let Some(table) = TableView::of(robot, kind) {
-            let report = stream_report(kind, &table);
-            judge(&robot.name, &report, findings);
-            streams.push(report);
-        }
+    for (kind, rows) in &robot.streams {
+        let report = stream_report(*kind, rows);
+        judge(&robot.robot.name, &report, findings);
+        streams.push(report);
     }
     RobotReport {
-        robot: robot.name.clone(),
+        robot: robot.robot.name.clone(),
         streams,
     }
 }
 
-fn stream_report(kind: StreamKind, table: &TableView<'_>) -> StreamReport {
-    let steps: Vec<f64> = table
-        .t_s
-        .iter()
-        .zip(table.t_s.iter().skip(1))
-        .map(|(a, b)| b - a)
-        .collect();
-    let median_s = median(steps.clone()).filter(|step| *step > 0.0);
-    let is_gap = |step: f64| step > MIN_GAP_S.max(MIN_GAP_STEPS * median_s.unwrap_or(0.0));
-    let pairs = table.t_s.iter().zip(table.t_s.iter().skip(1));
+fn stream_report(kind: StreamKind, rows: &Rows<'_>) -> StreamReport {
+    let steps = rows.len().saturating_sub(1) as u64;
+    let median_s = median(steps, &|selection| {
+        visit_steps(rows, &mut |[a, b]| selection.add(b - a));
+    });
+    let median_s = median_s.filter(|step| *step > 0.0);
+    let min_gap_s = MIN_GAP_S.max(MIN_GAP_STEPS * median_s.unwrap_or(0.0));
+    let (mut gaps_s, mut repeated_times) = (Vec::new(), 0);
+    visit_steps(rows, &mut |[a, b]| {
+        if b - a > min_gap_s {
+            gaps_s.push([a, b]);
+        }
+        repeated_times += usize::from(b - a == 0.0);
+    });
     StreamReport {
         stream: kind.name().to_owned(),
-        columns: table
-            .columns
-            .iter()
-            .map(|(name, _)| (*name).to_owned())
-            .collect(),
-        rows: table.t_s.len(),
-        span_s: table
-            .t_s
-            .first()
-            .zip(table.t_s.last())
-            .map(|(a, b)| [*a, *b]),
+        columns: column_names(rows),
+        rows: rows.len(),
+        span_s: rows.span_s(),
         rate_hz: median_s.map(|step| 1.0 / step),
         jitter: median_s.and_then(|median_s| {
-            let deviations = steps.iter().map(|step| (step - median_s).abs()).collect();
-            median(deviations).map(|deviation| deviation / median_s)
+            let deviation = median(steps, &|selection| {
+                visit_steps(rows, &mut |[a, b]| selection.add((b - a - median_s).abs()));
+            });
+            deviation.map(|deviation| deviation / median_s)
         }),
-        gaps_s: pairs
-            .filter(|(a, b)| is_gap(**b - **a))
-            .map(|(a, b)| [*a, *b])
-            .collect(),
-        repeated_times: steps.iter().filter(|step| **step == 0.0).count(),
-        empty_cells: table
-            .columns
-            .iter()
-            .map(|(_, cells)| empty_cells(cells))
-            .sum(),
+        gaps_s,
+        repeated_times,
+        empty_cells: empty_cells(rows),
     }
 }
 
-fn empty_cells(cells: &CellsView<'_>) -> usize {
-    match cells {
-        CellsView::Numbers(cells) => cells.iter().filter(|cell| cell.is_nan()).count(),
-        CellsView::Counts(cells) => cells.iter().filter(|cell| cell.is_none()).count(),
-    }
+/// Calls `visit` with the times of each row and the next one (s).
+fn visit_steps(rows: &Rows<'_>, visit: &mut dyn FnMut([f64; 2])) {
+    let mut last = None;
+    rows.visit_times(&mut |times| {
+        for t_s in times {
+            if let Some(last) = last.replace(*t_s) {
+                visit([last, *t_s]);
+            }
+        }
+    });
 }
 
-/// The median (of an even number of items, the upper one); `None` of an empty list.
-pub(super) fn median(mut numbers: Vec<f64>) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    if numbers.is_empty() {
-        return None;
+fn column_names(rows: &Rows<'_>) -> Vec<String> {
+    let columns = rows.empty().columns.iter();
+    columns.map(|(name, _)| (*name).to_owned()).collect()
+}
+
+fn empty_cells(rows: &Rows<'_>) -> usize {
+    let mut empty = 0;
+    let mut cursor = rows.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        for (_, cells) in &block.columns {
+            empty += match cells {
+                Cells::Numbers(cells) => cells.iter().filter(|cell| cell.is_nan()).count(),
+                Cells::Counts(cells) => cells.iter().filter(|cell| cell.is_none()).count(),
+                Cells::Texts(_) => 0,
+            };
+        }
     }
-    let (_, median, _) = numbers.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(*median)
+    empty
 }
 
 /// Adds findings about the timing of a stream.

@@ -2,10 +2,11 @@
 
 use slipstream_bus::RobotModel;
 
-use super::motion::{Windows, windows_of};
+use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::{combine, cosine, similarity};
-use crate::recording::{Command, Robot};
+use crate::rows::RobotRows;
+use crate::table::StreamKind;
 
 /// Smallest cosine similarity at which command and acceleration count as the same.
 const SAME_MOTION: f64 = 0.7;
@@ -15,11 +16,15 @@ const SAME_TURNING: f64 = 0.4;
 /// raise the torque above what inertia needs, but not a hundredfold.
 const MILLI_RANGE: [f64; 2] = [300.0, 3000.0];
 /// Length of the windows (s): short enough to show the response to a command.
-const WINDOW_S: f64 = 0.2;
+pub(super) const WINDOW_S: f64 = 0.2;
 
-/// Adds findings about torque and voltage commands.
-pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let windows = &windows_of(robot, model, WINDOW_S);
+/// Adds findings about torque and voltage commands. `windows` have the length [`WINDOW_S`].
+pub(super) fn check(
+    robot: &RobotRows<'_>,
+    model: Option<&RobotModel>,
+    windows: &Windows,
+    findings: &mut Vec<Finding>,
+) {
     let [right, left] = [&windows.drive_right, &windows.drive_left].map(|drive| means(drive));
     let [to_right, to_left] = [&windows.wheel_right, &windows.wheel_left].map(|w| changes(w));
     let sum = |a: &[f64], b: &[f64]| combine(a, b, |a, b| a + b);
@@ -32,7 +37,13 @@ pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Ve
     };
     let mut add = |id, statement: String, remedy: &str| {
         let severity = Severity::Error;
-        findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
+        findings.push(Finding::new(
+            severity,
+            &robot.robot.name,
+            id,
+            statement,
+            remedy,
+        ));
     };
     let numbers = format!("(cosines of both together {along:.2}, of their difference {about:.2})");
     if along < -SAME_MOTION && about < -SAME_TURNING {
@@ -62,14 +73,14 @@ pub(super) fn check(robot: &Robot, model: Option<&RobotModel>, findings: &mut Ve
 
 /// Commanded torque over (inertia times measured acceleration), if the masses are known.
 fn torque_over_inertia(
-    robot: &Robot,
+    robot: &RobotRows<'_>,
     model: Option<&RobotModel>,
     windows: &Windows,
     command: &[f64],
     response: &[f64],
 ) -> Option<f64> {
     let body = &model.filter(|_| windows.wheels_in_rad)?.robot;
-    if !matches!(robot.command.as_ref()?.values, Command::Torque { .. }) {
+    if !robot.has_any(StreamKind::Command, &["torque_right_nm"]) {
         return None;
     }
     let r = body.wheel_radius_m;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::similarity;
-use crate::recording::{Robot, unwrap_angles};
+use crate::rows::RobotRows;
 
 /// Degrees per radian.
 const DEGREES: f64 = 360.0 / TAU;
@@ -48,13 +48,13 @@ const TURNS: [(f64, &str); 2] = [
 ];
 
 /// Adds findings about units.
-pub(super) fn check(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
-    let mut yaw_in_degrees = yaw_is_in_degrees(robot, windows);
+pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec<Finding>) {
+    let mut yaw_in_degrees = yaw_is_in_degrees(windows);
     let (wheels_v, wheels_w) = windows.wheel_twist();
     // With a yaw in degrees, neither speed nor yaw rate of the pose means anything.
     let with_pose = !yaw_in_degrees;
     for pair in pairs(windows, &wheels_v, &wheels_w, with_pose) {
-        if let Some(finding) = known_factor(&robot.name, &pair) {
+        if let Some(finding) = known_factor(&robot.robot.name, &pair) {
             yaw_in_degrees &= finding.id != "units";
             findings.push(finding);
         }
@@ -64,7 +64,7 @@ pub(super) fn check(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding
         let remedy = "convert yaw_rad to radians";
         findings.push(Finding::new(
             Severity::Error,
-            &robot.name,
+            &robot.robot.name,
             "units",
             statement,
             remedy,
@@ -121,32 +121,16 @@ fn pairs<'a>(
 
 /// Whether the yaw is in degrees: it points along the motion when read as degrees and not when read as
 /// radians, or it jumps by 360 and is larger than a turn.
-fn yaw_is_in_degrees(robot: &Robot, windows: &Windows) -> bool {
+fn yaw_is_in_degrees(windows: &Windows) -> bool {
     let mean = |cosines: &[f64]| {
         let known: Vec<f64> = cosines.iter().copied().filter(|c| c.is_finite()).collect();
         (known.len() >= MIN_MOVING_WINDOWS)
             .then(|| (known.iter().sum::<f64>() / known.len() as f64).abs())
     };
-    let yaw = robot
-        .pose
-        .as_ref()
-        .and_then(|pose| pose.values.yaw_rad.as_ref());
-    let Some(yaw) = yaw else {
-        return false;
-    };
-    // A yaw in radians may exceed a turn, but then it has no jumps of 360.
-    let steps = yaw
-        .iter()
-        .zip(yaw.iter().skip(1))
-        .map(|(a, b)| (b - a).abs());
-    let jumps = steps.filter(|step| (350.0..370.0).contains(step)).count();
-    let largest = unwrap_angles(yaw)
-        .iter()
-        .chain(yaw)
-        .fold(0.0_f64, |a, b| a.max(b.abs()));
     let [radians, degrees] = &windows.heading_cos;
     let along = matches!((mean(radians), mean(degrees)), (Some(r), Some(d)) if d > 0.8 && r < 0.5);
-    largest > TAU && (along || jumps > 0)
+    // A yaw in radians may exceed a turn, but then it has no jumps of 360.
+    windows.largest_yaw > TAU && (along || windows.yaw_jumps > 0)
 }
 
 /// A finding if the two sources are equal up to a known factor.

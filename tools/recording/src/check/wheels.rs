@@ -3,7 +3,7 @@
 use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::{combine, cosine};
-use crate::recording::Robot;
+use crate::rows::RobotRows;
 
 /// Smallest cosine similarity at which two sources count as the same motion.
 const SAME_MOTION: f64 = 0.7;
@@ -22,9 +22,15 @@ struct Reference<'a> {
 type Verdict = (Severity, &'static str, String, &'static str);
 
 /// Adds findings about sides and signs.
-pub(super) fn check(robot: &Robot, windows: &Windows, findings: &mut Vec<Finding>) {
+pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec<Finding>) {
     let mut add = |(severity, id, statement, remedy): Verdict| {
-        findings.push(Finding::new(severity, &robot.name, id, statement, remedy));
+        findings.push(Finding::new(
+            severity,
+            &robot.robot.name,
+            id,
+            statement,
+            remedy,
+        ));
     };
     let references = [
         Reference {

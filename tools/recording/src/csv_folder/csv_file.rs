@@ -1,12 +1,11 @@
 //! One CSV file with a header line, read row by row; errors name file and line.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use slipstream_bus::InputError;
 
-use crate::recording::{NamePool, UnknownColumn};
+use crate::recording::UnknownColumn;
 
 type CsvResult<T> = Result<T, InputError>;
 
@@ -226,13 +225,13 @@ impl<'a> CsvFile<'a> {
     ///
     /// # Errors
     /// If it is empty.
-    pub(super) fn name(&self, column: usize, names: &mut NamePool) -> CsvResult<Arc<str>> {
+    pub(super) fn name(&self, column: usize) -> CsvResult<&str> {
         match self.text(column)? {
             "" => Err(self.row_error(
                 format!("{} is empty", self.column_name(column)),
                 "give the robot's name",
             )),
-            name => Ok(names.get(name)),
+            name => Ok(name),
         }
     }
 }

@@ -5,4 +5,5 @@ mod reader;
 mod writer;
 
 pub use reader::read_folder;
+pub(crate) use reader::spool_folder;
 pub use writer::write_folder;

@@ -7,10 +7,9 @@ use slipstream_bus::InputError;
 
 use super::csv_file::CsvFile;
 use crate::error::Result;
-use crate::import::Import;
-use crate::recording::{
-    LinkMessage, Links, NamePool, Recording, Robot, RoundTrips, UnknownColumn, is_robot_name,
-};
+use crate::import::{Import, Spooled};
+use crate::recording::{Recording, Robot, is_robot_name};
+use crate::rows::{Disk, Spool, SpooledRecording};
 use crate::table::{
     Cells, ColumnSet, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table,
 };
@@ -21,19 +20,26 @@ use crate::toml_files::{read_text, recording_toml, robot_toml};
 /// # Errors
 /// The first violation of the format, with file and line; or a file that cannot be read.
 pub fn read_folder(folder: &Path) -> Result<Import> {
+    spool_folder(folder)?.load()
+}
+
+/// As [`read_folder`]; the rows stay in a temporary file.
+pub(crate) fn spool_folder(folder: &Path) -> Result<Spooled> {
     let path = folder.join("recording.toml");
     let name = folder.file_name().map(|name| name.to_string_lossy());
     let text = read_text(&path)?;
-    let mut recording = recording_toml::parse(&text, &path, &name.unwrap_or_default())?;
+    let mut description = recording_toml::parse(&text, &path, &name.unwrap_or_default())?;
     let mut warnings = Vec::new();
     let model = folder.join("robot.toml");
     if model.exists() {
-        recording.model = Some(robot_toml::read(&model)?);
+        description.model = Some(robot_toml::read(&model)?);
     }
+    let mut recording = SpooledRecording::new(description, Disk::default());
     for entry in sorted_entries(folder)? {
         read_entry(&entry, &mut recording, &mut warnings)?;
     }
-    Ok(Import {
+    recording.disk.check()?;
+    Ok(Spooled {
         recording,
         warnings,
         loss: None,
@@ -52,18 +58,22 @@ fn sorted_entries(folder: &Path) -> std::result::Result<Vec<PathBuf>, InputError
 }
 
 /// Reads one entry of the recording's folder: a robot's folder, or a file that belongs to no robot.
-fn read_entry(path: &Path, recording: &mut Recording, warnings: &mut Vec<String>) -> Result<()> {
+fn read_entry(
+    path: &Path,
+    recording: &mut SpooledRecording,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     let name = file_name(path);
     match name.as_str() {
         "recording.toml" | "robot.toml" => {}
-        "links.csv" => recording.links = Some(read_links(path, warnings)?),
-        "rtt.csv" => recording.rtt = Some(read_round_trips(path, warnings)?),
+        "links.csv" => read_links(path, recording, warnings)?,
+        "rtt.csv" => read_round_trips(path, recording, warnings)?,
         _ if path.is_dir() => {
-            let Some(robot) = robot_of_folder(path, &name, recording, warnings) else {
+            if !is_folder_of_robot(path, &name, &mut recording.description, warnings) {
                 return Ok(());
-            };
+            }
             for file in sorted_entries(path)? {
-                read_stream(&file, robot, warnings)?;
+                read_stream(&file, &name, recording, warnings)?;
             }
         }
         _ => warnings.push(not_in_format(path)),
@@ -80,16 +90,16 @@ fn file_name(path: &Path) -> String {
     name.unwrap_or_default().into_owned()
 }
 
-/// The robot whose folder this is. A folder without a table in `recording.toml` is a robot's if it
-/// contains a stream.
-fn robot_of_folder<'a>(
+/// Whether this is the folder of a robot, which is added if it is new. A folder without a table in
+/// `recording.toml` is a robot's if it contains a stream.
+fn is_folder_of_robot(
     path: &Path,
     name: &str,
-    recording: &'a mut Recording,
+    description: &mut Recording,
     warnings: &mut Vec<String>,
-) -> Option<&'a mut Robot> {
-    if let Some(index) = recording.robots.iter().position(|r| r.name == name) {
-        return recording.robots.get_mut(index);
+) -> bool {
+    if description.robot(name).is_some() {
+        return true;
     }
     let has_stream = |kind: &StreamKind| path.join(format!("{}.csv", kind.name())).exists();
     let is_robot = StreamKind::ALL.iter().any(has_stream);
@@ -98,18 +108,23 @@ fn robot_of_folder<'a>(
             "{}: is not a robot's folder; ignored",
             path.display()
         ));
-        return None;
+        return false;
     }
     warnings.push(format!(
         "{}: recording.toml has no [robots.{name}]; read as a robot without description",
         path.display()
     ));
-    recording.robots.push(Robot::named(name));
-    recording.robots.last_mut()
+    description.robots.push(Robot::named(name));
+    true
 }
 
 /// Reads one file of a robot's folder.
-fn read_stream(path: &Path, robot: &mut Robot, warnings: &mut Vec<String>) -> Result<()> {
+fn read_stream(
+    path: &Path,
+    robot: &str,
+    recording: &mut SpooledRecording,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     let name = file_name(path);
     let Some(kind) = name.strip_suffix(".csv").and_then(StreamKind::from_name) else {
         warnings.push(not_in_format(path));
@@ -120,35 +135,35 @@ fn read_stream(path: &Path, robot: &mut Robot, warnings: &mut Vec<String>) -> Re
     let known: Vec<Option<&'static str>> =
         file.header[1..].iter().map(|c| kind.column(c)).collect();
     let present: Vec<&'static str> = known.iter().copied().flatten().collect();
-    ColumnSet::choose(kind, &present)
+    let set = ColumnSet::choose(kind, &present)
         .map_err(|(problem, remedy)| InputError::file(path, problem, remedy).at(1))?;
     file.warn_of_unknown(1, &known, warnings);
 
-    let mut table = Table::new(&present, file.unknown_columns(1, &known));
+    let columns = set.present(&present);
+    let place = |name: &Option<&str>| columns.iter().position(|column| Some(*column) == *name);
+    let places: Vec<Option<usize>> = known.iter().map(place).collect();
+    let unknown = file.unknown_columns(1, &known);
+    let mut spool = Spool::new(&recording.disk, Table::new(&columns, unknown));
     while file.next_row()? {
-        let t_s = file.time(0, table.t_s.last().copied())?;
-        table.t_s.push(t_s);
-        push_cells(&file, &known, &mut table.columns, &mut table.unknown)?;
+        let t_s = file.time(0, spool.last_t_s())?;
+        spool.tail().t_s.push(t_s);
+        push_cells(&file, &places, spool.tail())?;
+        spool.end_row();
     }
-    table.store_in(robot, kind);
+    recording.store(robot, kind, spool);
     Ok(())
 }
 
-/// Appends the cells of the current row after its time.
-fn push_cells(
-    file: &CsvFile<'_>,
-    known: &[Option<&str>],
-    columns: &mut [(&str, Cells)],
-    unknown: &mut [UnknownColumn],
-) -> Result<()> {
-    let (mut columns, mut unknown) = (columns.iter_mut(), unknown.iter_mut());
-    for (i, name) in known.iter().enumerate() {
-        match name {
-            Some(_) => match columns.next() {
-                Some((_, Cells::Numbers(cells))) => cells.push(file.number_or_nan(i + 1)?),
-                Some((_, Cells::Counts(cells))) => cells.push(file.count(i + 1)?),
-                None => {}
-            },
+/// Appends the cells of the current row after its time. `places` says for each of these columns which
+/// column of the table it is; `None` for an unknown one.
+fn push_cells(file: &CsvFile<'_>, places: &[Option<usize>], table: &mut Table) -> Result<()> {
+    let mut unknown = table.unknown.iter_mut();
+    for (i, place) in places.iter().enumerate() {
+        let column = place.and_then(|place| table.columns.get_mut(place));
+        match column {
+            Some((_, Cells::Numbers(cells))) => cells.push(file.number_or_nan(i + 1)?),
+            Some((_, Cells::Counts(cells))) => cells.push(file.count(i + 1)?),
+            Some((_, Cells::Texts(cells))) => cells.push(file.text(i + 1)?.to_owned()),
             None => {
                 if let Some(column) = unknown.next() {
                     column.cells.push(file.text(i + 1)?.to_owned());
@@ -159,7 +174,11 @@ fn push_cells(
     Ok(())
 }
 
-fn read_links(path: &Path, warnings: &mut Vec<String>) -> Result<Links> {
+fn read_links(
+    path: &Path,
+    recording: &mut SpooledRecording,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     let mut file = CsvFile::open(path)?;
     file.expect_first(LINK_COLUMNS[0])?;
     let indices = file.find(&LINK_COLUMNS);
@@ -176,53 +195,55 @@ fn read_links(path: &Path, warnings: &mut Vec<String>) -> Result<Links> {
     }
     let known = file.known(&LINK_COLUMNS);
     file.warn_of_unknown(0, &known, warnings);
-    let mut links = Links {
-        with_velocity: v.is_some(),
-        unknown: file.unknown_columns(0, &known),
-        ..Links::default()
-    };
-    let mut names = NamePool::default();
-    let [sent, received, from, to, x, y, yaw, ..] = indices.map(Option::unwrap_or_default);
+    let empty = Table::of_links(&file.unknown_columns(0, &known));
+    let mut spool = Spool::new(&recording.disk, empty);
+    let [sent, columns @ ..] = indices;
     while file.next_row()? {
-        let previous = links.messages.last().map(|message| message.t_sent_s);
-        let velocity = |index: Option<usize>| index.map_or(Ok(f64::NAN), |i| file.number_or_nan(i));
-        let message = LinkMessage {
-            t_sent_s: file.time(sent, previous)?,
-            t_received_s: Some(file.number_or_nan(received)?).filter(|t| !t.is_nan()),
-            from: file.name(from, &mut names)?,
-            to: file.name(to, &mut names)?,
-            x_m: file.number_or_nan(x)?,
-            y_m: file.number_or_nan(y)?,
-            yaw_rad: file.number_or_nan(yaw)?,
-            v_m_s: velocity(v)?,
-            w_rad_s: velocity(w)?,
-        };
-        links.messages.push(message);
-        file.keep_unknown(0, &known, &mut links.unknown)?;
+        let t_sent_s = file.time(sent.unwrap_or_default(), spool.last_t_s())?;
+        let table = spool.tail();
+        table.t_s.push(t_sent_s);
+        for ((_, cells), index) in table.columns.iter_mut().zip(columns) {
+            match (cells, index) {
+                (Cells::Numbers(cells), Some(index)) => cells.push(file.number_or_nan(index)?),
+                (Cells::Numbers(cells), None) => cells.push(f64::NAN),
+                (Cells::Texts(cells), index) => {
+                    cells.push(file.name(index.unwrap_or_default())?.to_owned());
+                }
+                (Cells::Counts(_), _) => {}
+            }
+        }
+        file.keep_unknown(0, &known, &mut table.unknown)?;
+        spool.end_row();
     }
-    Ok(links)
+    recording.store_links(spool, v.is_some());
+    Ok(())
 }
 
-fn read_round_trips(path: &Path, warnings: &mut Vec<String>) -> Result<RoundTrips> {
+fn read_round_trips(
+    path: &Path,
+    recording: &mut SpooledRecording,
+    warnings: &mut Vec<String>,
+) -> Result<()> {
     let mut file = CsvFile::open(path)?;
     let [Some(seq), Some(rtt)] = file.find(&ROUND_TRIP_COLUMNS) else {
         return Err(file.header_error("seq or rtt_ms is missing").into());
     };
     let known = file.known(&ROUND_TRIP_COLUMNS);
     file.warn_of_unknown(0, &known, warnings);
-    let mut trips = RoundTrips {
-        unknown: file.unknown_columns(0, &known),
-        ..RoundTrips::default()
-    };
+    let empty = Table::of_round_trips(&file.unknown_columns(0, &known));
+    let mut spool = Spool::new(&recording.disk, empty);
     while file.next_row()? {
         let Some(seq) = file.count(seq)? else {
             return Err(file
                 .row_error("seq is empty", "number the round trips")
                 .into());
         };
-        trips.seq.push(seq);
-        trips.rtt_ms.push(file.number_or_nan(rtt)?);
-        file.keep_unknown(0, &known, &mut trips.unknown)?;
+        let rtt_ms = file.number_or_nan(rtt)?;
+        let table = spool.tail();
+        table.push_round_trip(seq, rtt_ms);
+        file.keep_unknown(0, &known, &mut table.unknown)?;
+        spool.end_row();
     }
-    Ok(trips)
+    recording.store_round_trips(spool);
+    Ok(())
 }

@@ -5,47 +5,71 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use slipstream_bus::InputError;
-
 use crate::error::{Error, Result, write_error};
-use crate::recording::{Links, Recording, RoundTrips, UnknownColumn};
-use crate::table::{
-    CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
-    number_at,
-};
+use crate::import::Spooled;
+use crate::output::OutputFolder;
+use crate::recording::{Recording, UnknownColumn};
+use crate::rows::{AllRows, Disk, LinkRows, RobotRows, Rows};
+use crate::table::{Cells, LINK_COLUMNS, link_columns, number_at};
 use crate::toml_files::{recording_toml, robot_toml};
 
-/// Writes a recording as a folder of CSV files. The folder must be empty or not exist.
+/// Writes a recording as a folder of CSV files. The folder must be empty or not exist. It gets its name
+/// once it is complete; in a folder that exists, each file does.
 ///
 /// # Errors
 /// If the folder is not empty, or a file cannot be written.
 pub fn write_folder(recording: &Recording, folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder).map_err(write_error(folder))?;
-    let mut entries = std::fs::read_dir(folder).map_err(write_error(folder))?;
-    if entries.next().is_some() {
-        let problem = "the folder is not empty";
-        return Err(InputError::file(folder, problem, "give a new folder").into());
+    write_whole(&AllRows::of(recording), &Disk::default(), folder)
+}
+
+impl Spooled {
+    /// As [`write_folder`], in the memory of a few rows.
+    ///
+    /// # Errors
+    /// As [`write_folder`], or if the temporary file cannot be read.
+    pub fn write_folder(&self, folder: &Path) -> Result<()> {
+        write_whole(&self.recording.rows(), &self.recording.disk, folder)
     }
+}
+
+/// Writes the rows, which lie on `disk`, into a folder that gets its name at the end.
+fn write_whole(rows: &AllRows<'_>, disk: &Disk, folder: &Path) -> Result<()> {
+    let output = OutputFolder::create(folder)?;
+    write_files(rows, output.path())?;
+    disk.check()?;
+    output.finish()
+}
+
+/// Writes all files into a folder.
+fn write_files(rows: &AllRows<'_>, folder: &Path) -> Result<()> {
+    let recording = rows.recording;
     let path = folder.join("recording.toml");
     std::fs::write(&path, recording_toml::to_text(recording)).map_err(write_error(&path))?;
     if let Some(model) = &recording.model {
         robot_toml::write(model, &folder.join("robot.toml"))?;
     }
-    for robot in &recording.robots {
+    for RobotRows { robot, streams } in &rows.robots {
         let folder = folder.join(&robot.name);
-        for kind in StreamKind::ALL {
-            if let Some(table) = TableView::of(robot, kind) {
-                std::fs::create_dir_all(&folder).map_err(write_error(&folder))?;
-                let path = folder.join(format!("{}.csv", kind.name()));
-                write_file(&path, |csv| write_stream(csv, &table))?;
-            }
+        for (kind, rows) in streams {
+            std::fs::create_dir_all(&folder).map_err(write_error(&folder))?;
+            let path = folder.join(format!("{}.csv", kind.name()));
+            write_file(&path, |csv| write_rows(csv, Some("t_s"), usize::MAX, rows))?;
         }
     }
-    if let Some(links) = &recording.links {
-        write_file(&folder.join("links.csv"), |csv| write_links(csv, links))?;
+    if let Some(LinkRows {
+        rows,
+        with_velocity,
+    }) = &rows.links
+    {
+        let columns = link_columns(*with_velocity);
+        let path = folder.join("links.csv");
+        write_file(&path, |csv| {
+            write_rows(csv, Some(LINK_COLUMNS[0]), columns - 1, rows)
+        })?;
     }
-    if let Some(rtt) = &recording.rtt {
-        write_file(&folder.join("rtt.csv"), |csv| write_round_trips(csv, rtt))?;
+    if let Some(rows) = &rows.rtt {
+        let path = folder.join("rtt.csv");
+        write_file(&path, |csv| write_rows(csv, None, usize::MAX, rows))?;
     }
     Ok(())
 }
@@ -63,72 +87,47 @@ fn write_file(path: &Path, write: impl FnOnce(&mut Csv) -> csv::Result<()>) -> R
     csv.flush().map_err(write_error(path))
 }
 
-fn write_stream(csv: &mut Csv, table: &TableView<'_>) -> csv::Result<()> {
-    let known = table.columns.iter().map(|(name, _)| *name);
-    let unknown = table.unknown.iter().map(|column| column.name.as_str());
-    csv.write_record(std::iter::once("t_s").chain(known).chain(unknown))?;
+/// Writes the first `columns` columns of a stream, after its times if these have a name, and before
+/// the unknown columns.
+fn write_rows(
+    csv: &mut Csv,
+    time: Option<&str>,
+    columns: usize,
+    rows: &Rows<'_>,
+) -> csv::Result<()> {
+    let empty = rows.empty();
+    let known = empty.columns.iter().map(|(name, _)| *name).take(columns);
+    let unknown = empty.unknown.iter().map(|column| column.name.as_str());
+    csv.write_record(time.into_iter().chain(known).chain(unknown))?;
     let mut cell = Vec::new();
-    for (i, t_s) in table.t_s.iter().enumerate() {
-        write_number(csv, &mut cell, *t_s)?;
-        for (_, cells) in &table.columns {
-            match cells {
-                CellsView::Numbers(numbers) => {
-                    write_number(csv, &mut cell, number_at(numbers, i))?;
-                }
-                CellsView::Counts(counts) => {
-                    cell.clear();
-                    if let Some(count) = counts.get(i).copied().flatten() {
-                        write!(cell, "{count}")?;
-                    }
-                    csv.write_field(&cell)?;
-                }
+    let mut cursor = rows.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        for (row, t_s) in block.t_s.iter().enumerate() {
+            if time.is_some() {
+                write_number(csv, &mut cell, *t_s)?;
             }
+            for (_, cells) in block.columns.iter().take(columns) {
+                write_cell(csv, &mut cell, cells, row)?;
+            }
+            write_unknown(csv, &block.unknown, row)?;
+            csv.write_record(None::<&[u8]>)?;
         }
-        write_unknown(csv, table.unknown, i)?;
-        csv.write_record(None::<&[u8]>)?;
     }
     Ok(())
 }
 
-fn write_links(csv: &mut Csv, links: &Links) -> csv::Result<()> {
-    let columns = if links.with_velocity {
-        LINK_COLUMNS.len()
-    } else {
-        LINK_POSE_COLUMNS
-    };
-    let columns = LINK_COLUMNS.iter().take(columns).copied();
-    let unknown = links.unknown.iter().map(|column| column.name.as_str());
-    csv.write_record(columns.chain(unknown))?;
-    let mut cell = Vec::new();
-    for (i, message) in links.messages.iter().enumerate() {
-        write_number(csv, &mut cell, message.t_sent_s)?;
-        write_number(csv, &mut cell, message.t_received_s.unwrap_or(f64::NAN))?;
-        csv.write_field(message.from.as_bytes())?;
-        csv.write_field(message.to.as_bytes())?;
-        write_number(csv, &mut cell, message.x_m)?;
-        write_number(csv, &mut cell, message.y_m)?;
-        write_number(csv, &mut cell, message.yaw_rad)?;
-        if links.with_velocity {
-            write_number(csv, &mut cell, message.v_m_s)?;
-            write_number(csv, &mut cell, message.w_rad_s)?;
+fn write_cell(csv: &mut Csv, cell: &mut Vec<u8>, cells: &Cells, row: usize) -> csv::Result<()> {
+    match cells {
+        Cells::Numbers(numbers) => write_number(csv, cell, number_at(numbers, row)),
+        Cells::Counts(counts) => {
+            cell.clear();
+            if let Some(count) = counts.get(row).copied().flatten() {
+                write!(cell, "{count}")?;
+            }
+            csv.write_field(&cell)
         }
-        write_unknown(csv, &links.unknown, i)?;
-        csv.write_record(None::<&[u8]>)?;
+        Cells::Texts(texts) => csv.write_field(texts.get(row).map_or("", String::as_str)),
     }
-    Ok(())
-}
-
-fn write_round_trips(csv: &mut Csv, rtt: &RoundTrips) -> csv::Result<()> {
-    let unknown = rtt.unknown.iter().map(|column| column.name.as_str());
-    csv.write_record(ROUND_TRIP_COLUMNS.into_iter().chain(unknown))?;
-    let mut cell = Vec::new();
-    for (i, (seq, rtt_ms)) in rtt.seq.iter().zip(&rtt.rtt_ms).enumerate() {
-        csv.write_field(seq.to_string())?;
-        write_number(csv, &mut cell, *rtt_ms)?;
-        write_unknown(csv, &rtt.unknown, i)?;
-        csv.write_record(None::<&[u8]>)?;
-    }
-    Ok(())
 }
 
 fn write_unknown(csv: &mut Csv, unknown: &[UnknownColumn], row: usize) -> csv::Result<()> {

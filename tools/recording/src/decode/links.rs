@@ -1,29 +1,37 @@
 //! Position messages and round trips assembled from messages that arrive one by one.
 
 use crate::bag::{Undecodable, VisitResult};
-use crate::recording::{LinkMessage, Links, NamePool, RoundTrips, UnknownColumn};
+use crate::recording::UnknownColumn;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
 use crate::ros2::time::s_from_ns;
-use crate::table::finite_or_nan;
+use crate::rows::{Disk, Spool, sorted_by_time};
+use crate::table::{Cells, Table, finite_or_nan};
 
 /// Position messages being collected.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct LinksBuilder {
-    links: Links,
-    names: NamePool,
+    spool: Spool,
+    with_velocity: bool,
+}
+
+/// One position message.
+struct Message {
+    t_sent_s: f64,
+    from: String,
+    to: String,
+    /// Time of arrival (s; NaN if lost), x, y, yaw, forward speed, yaw rate.
+    numbers: [f64; 6],
+    /// Cells of the unknown columns.
+    unknown: Vec<String>,
 }
 
 impl LinksBuilder {
     /// No messages yet, with these unknown columns.
-    pub(crate) fn new(with_velocity: bool, unknown: &[String]) -> Self {
+    pub(crate) fn new(disk: &Disk, with_velocity: bool, unknown: &[String]) -> Self {
         Self {
-            links: Links {
-                messages: Vec::new(),
-                with_velocity,
-                unknown: empty_columns(unknown),
-            },
-            names: NamePool::default(),
+            spool: Spool::new(disk, Table::of_links(&empty_columns(unknown))),
+            with_velocity,
         }
     }
 
@@ -31,16 +39,21 @@ impl LinksBuilder {
     pub(crate) fn push_message(&mut self, data: &[u8]) -> VisitResult {
         let message: ros::PositionMessage<String> = decode(data).map_err(|_| Undecodable)?;
         let arrived = message.fate == 0;
-        self.links.messages.push(LinkMessage {
+        let received_s = arrived.then(|| s_from_ns(message.t_received_ns));
+        let unknown = vec![String::new(); self.spool.tail().unknown.len()];
+        self.push(Message {
             t_sent_s: s_from_ns(message.t_sent_ns),
-            t_received_s: arrived.then(|| s_from_ns(message.t_received_ns)),
-            from: self.names.get(&message.sender),
-            to: self.names.get(&message.receiver),
-            x_m: finite_or_nan(message.x_m),
-            y_m: finite_or_nan(message.y_m),
-            yaw_rad: finite_or_nan(message.yaw_rad),
-            v_m_s: finite_or_nan(message.v_m_s),
-            w_rad_s: finite_or_nan(message.w_rad_s),
+            from: message.sender,
+            to: message.receiver,
+            numbers: [
+                received_s.unwrap_or(f64::NAN),
+                message.x_m,
+                message.y_m,
+                message.yaw_rad,
+                message.v_m_s,
+                message.w_rad_s,
+            ],
+            unknown,
         });
         Ok(())
     }
@@ -48,63 +61,67 @@ impl LinksBuilder {
     /// Appends a message from a lossless row.
     pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;
-        let [received, x_m, y_m, yaw_rad, v_m_s, w_rad_s] = row.numbers[..] else {
+        let Ok(numbers) = row.numbers.try_into() else {
             return Err(Undecodable);
         };
         let mut texts = row.texts.into_iter();
         let (Some(from), Some(to)) = (texts.next(), texts.next()) else {
             return Err(Undecodable);
         };
-        if !row.t_s.is_finite() || texts.len() != self.links.unknown.len() {
+        if !row.t_s.is_finite() || texts.len() != self.spool.tail().unknown.len() {
             return Err(Undecodable);
         }
-        self.links.messages.push(LinkMessage {
+        self.push(Message {
             t_sent_s: row.t_s,
-            t_received_s: Some(received).filter(|t_s| t_s.is_finite()),
-            from: self.names.get(&from),
-            to: self.names.get(&to),
-            x_m,
-            y_m,
-            yaw_rad,
-            v_m_s,
-            w_rad_s,
+            from,
+            to,
+            numbers,
+            unknown: texts.collect(),
         });
-        for (column, cell) in self.links.unknown.iter_mut().zip(texts) {
-            column.cells.push(cell);
-        }
         Ok(())
     }
 
-    /// The messages in the order of sending. (A run writes a message once its delivery status is
-    /// known.)
-    pub(crate) fn finish(mut self) -> Links {
-        let sent = |message: &LinkMessage| message.t_sent_s;
-        if !self.links.messages.is_sorted_by_key(sent) && self.links.unknown.is_empty() {
-            let messages = &mut self.links.messages;
-            messages.sort_by(|a, b| a.t_sent_s.total_cmp(&b.t_sent_s));
+    fn push(&mut self, message: Message) {
+        let table = self.spool.tail();
+        table.t_s.push(message.t_sent_s);
+        let mut numbers = message.numbers.into_iter();
+        let mut names = [message.from, message.to].into_iter();
+        for (_, cells) in &mut table.columns {
+            match cells {
+                Cells::Numbers(cells) => cells.extend(numbers.next().map(finite_or_nan)),
+                Cells::Texts(cells) => cells.extend(names.next()),
+                Cells::Counts(_) => {}
+            }
         }
-        self.links
+        for (column, cell) in table.unknown.iter_mut().zip(message.unknown) {
+            column.cells.push(cell);
+        }
+        self.spool.end_row();
+    }
+
+    /// The messages in the order of sending, and whether they contain velocities. (A run writes a
+    /// message once its delivery status is known.)
+    pub(crate) fn finish(self) -> (Spool, bool) {
+        (sorted_by_time(self.spool), self.with_velocity)
     }
 }
 
 /// Round trips being collected.
-#[derive(Debug, Default)]
-pub(crate) struct RoundTripsBuilder(RoundTrips);
+#[derive(Debug)]
+pub(crate) struct RoundTripsBuilder(Spool);
 
 impl RoundTripsBuilder {
     /// No round trips yet, with these unknown columns.
-    pub(crate) fn new(unknown: &[String]) -> Self {
-        Self(RoundTrips {
-            unknown: empty_columns(unknown),
-            ..RoundTrips::default()
-        })
+    pub(crate) fn new(disk: &Disk, unknown: &[String]) -> Self {
+        let empty = Table::of_round_trips(&empty_columns(unknown));
+        Self(Spool::new(disk, empty))
     }
 
     /// Appends a round trip.
     pub(crate) fn push_message(&mut self, data: &[u8]) -> VisitResult {
         let trip: ros::RoundTrip = decode(data).map_err(|_| Undecodable)?;
-        self.0.seq.push(trip.seq);
-        self.0.rtt_ms.push(finite_or_nan(trip.rtt_ms));
+        let unknown = vec![String::new(); self.0.tail().unknown.len()];
+        self.push(trip.seq, trip.rtt_ms, unknown);
         Ok(())
     }
 
@@ -116,19 +133,24 @@ impl RoundTripsBuilder {
         let (Some(seq), &[rtt_ms]) = (seq, row.numbers.as_slice()) else {
             return Err(Undecodable);
         };
-        if texts.len() != self.0.unknown.len() {
+        if texts.len() != self.0.tail().unknown.len() {
             return Err(Undecodable);
         }
-        self.0.seq.push(seq);
-        self.0.rtt_ms.push(finite_or_nan(rtt_ms));
-        for (column, cell) in self.0.unknown.iter_mut().zip(texts) {
-            column.cells.push(cell);
-        }
+        self.push(seq, rtt_ms, texts.collect());
         Ok(())
     }
 
+    fn push(&mut self, seq: i64, rtt_ms: f64, unknown: Vec<String>) {
+        let table = self.0.tail();
+        table.push_round_trip(seq, finite_or_nan(rtt_ms));
+        for (column, cell) in table.unknown.iter_mut().zip(unknown) {
+            column.cells.push(cell);
+        }
+        self.0.end_row();
+    }
+
     /// The round trips in file order.
-    pub(crate) fn finish(self) -> RoundTrips {
+    pub(crate) fn finish(self) -> Spool {
         self.0
     }
 }

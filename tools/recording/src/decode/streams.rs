@@ -2,9 +2,10 @@
 
 use super::sample::{MessageSelector, NoSample, Sample};
 use crate::bag::{Undecodable, VisitResult};
-use crate::recording::{Recording, Robot, UnknownColumn};
+use crate::recording::UnknownColumn;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
+use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Cells, ColumnSet, StreamKind, Table, finite_or_nan};
 
 /// A robot's stream being assembled.
@@ -16,7 +17,9 @@ pub(crate) struct StreamBuilder {
     pub(crate) kind: StreamKind,
     /// Which part of a message to read.
     pub(crate) selector: MessageSelector,
-    table: Table,
+    spool: Spool,
+    /// For each column of the channel its place in the table.
+    places: Vec<usize>,
 }
 
 impl StreamBuilder {
@@ -25,6 +28,7 @@ impl StreamBuilder {
     /// # Errors
     /// The problem, if the format does not define such a set of columns for the stream.
     pub(crate) fn new(
+        disk: &Disk,
         robot: &str,
         kind: StreamKind,
         columns: &[String],
@@ -39,13 +43,17 @@ impl StreamBuilder {
             }
             known.push(column);
         }
-        ColumnSet::choose(kind, &known).map_err(|(problem, _)| problem)?;
+        let set = ColumnSet::choose(kind, &known).map_err(|(problem, _)| problem)?;
+        let columns = set.present(&known);
+        let place = |name| columns.iter().position(|known| known == name);
+        let places = known.iter().filter_map(place).collect();
         let unknown = unknown.iter().map(UnknownColumn::named).collect();
         Ok(Self {
             robot: robot.to_owned(),
             kind,
             selector: MessageSelector::default(),
-            table: Table::new(&known, unknown),
+            spool: Spool::new(disk, Table::new(&columns, unknown)),
+            places,
         })
     }
 
@@ -62,85 +70,64 @@ impl StreamBuilder {
             Err(NoSample::NotSelected) => return Ok(()),
             Err(NoSample::Undecodable) => return Err(Undecodable),
         };
-        self.table.t_s.push(t_s(sample.t_ns));
-        for (name, cells) in &mut self.table.columns {
+        let table = self.spool.tail();
+        table.t_s.push(t_s(sample.t_ns));
+        for (name, cells) in &mut table.columns {
             match cells {
                 Cells::Numbers(cells) => cells.push(finite_or_nan(sample.number(name))),
                 Cells::Counts(cells) => {
                     cells.push(sample.ticks[usize::from(*name == "ticks_left")]);
                 }
+                Cells::Texts(_) => {}
             }
         }
+        let unknown = table.unknown.iter_mut();
+        unknown.for_each(|column| column.cells.push(String::new()));
+        self.spool.end_row();
         Ok(())
     }
 
     /// Appends a row from a lossless row message.
     pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;
+        let table = self.spool.tail();
         let is_number = |(_, cells): &&(&str, Cells)| matches!(cells, Cells::Numbers(_));
-        let numbers = self.table.columns.iter().filter(is_number).count();
-        let texts = self.table.columns.len() - numbers + self.table.unknown.len();
+        let numbers = table.columns.iter().filter(is_number).count();
+        let texts = table.columns.len() - numbers + table.unknown.len();
         let shape = (row.numbers.len(), row.texts.len());
         if !row.t_s.is_finite() || shape != (numbers, texts) {
             return Err(Undecodable);
         }
         let (mut numbers, mut texts) = (row.numbers.into_iter(), row.texts.into_iter());
-        self.table.t_s.push(row.t_s);
-        for (_, cells) in &mut self.table.columns {
-            match cells {
-                Cells::Numbers(cells) => {
+        table.t_s.push(row.t_s);
+        for place in &self.places {
+            match table.columns.get_mut(*place) {
+                Some((_, Cells::Numbers(cells))) => {
                     cells.push(finite_or_nan(numbers.next().unwrap_or(f64::NAN)));
                 }
-                Cells::Counts(cells) => cells.push(texts.next().and_then(|t| t.parse().ok())),
+                Some((_, Cells::Counts(cells))) => {
+                    cells.push(texts.next().and_then(|t| t.parse().ok()));
+                }
+                Some((_, Cells::Texts(_))) | None => {}
             }
         }
-        for (column, cell) in self.table.unknown.iter_mut().zip(texts) {
+        for (column, cell) in table.unknown.iter_mut().zip(texts) {
             column.cells.push(cell);
         }
+        self.spool.end_row();
         Ok(())
     }
 
     /// Stores the stream in its robot, which is added if it is new. Sorts rows that are out of
     /// order, with a warning.
-    pub(crate) fn finish(mut self, recording: &mut Recording, warnings: &mut Vec<String>) {
-        if !self.table.t_s.is_sorted() {
+    pub(crate) fn finish(self, recording: &mut SpooledRecording, warnings: &mut Vec<String>) {
+        if !self.spool.is_sorted() {
             warnings.push(format!(
                 "{}/{}: messages are out of order; sorted by time",
                 self.robot,
                 self.kind.name()
             ));
-            sort_by_time(&mut self.table);
         }
-        let index = recording.robots.iter().position(|r| r.name == self.robot);
-        let index = index.unwrap_or_else(|| {
-            recording.robots.push(Robot::named(self.robot.as_str()));
-            recording.robots.len() - 1
-        });
-        if let Some(robot) = recording.robots.get_mut(index) {
-            self.table.store_in(robot, self.kind);
-        }
-    }
-}
-
-/// Sorts rows by time; rows with equal times keep their order.
-fn sort_by_time(table: &mut Table) {
-    let mut order: Vec<usize> = (0..table.t_s.len()).collect();
-    order.sort_by(|a, b| {
-        let time = |row: &usize| table.t_s.get(*row).copied().unwrap_or(f64::NAN);
-        time(a).total_cmp(&time(b))
-    });
-    fn sorted<T: Clone>(cells: &[T], order: &[usize]) -> Vec<T> {
-        let cells = order.iter().filter_map(|row| cells.get(*row));
-        cells.cloned().collect()
-    }
-    table.t_s = sorted(&table.t_s, &order);
-    for (_, cells) in &mut table.columns {
-        match cells {
-            Cells::Numbers(cells) => *cells = sorted(cells, &order),
-            Cells::Counts(cells) => *cells = sorted(cells, &order),
-        }
-    }
-    for column in &mut table.unknown {
-        column.cells = sorted(&column.cells, &order);
+        recording.store(&self.robot, self.kind, sorted_by_time(self.spool));
     }
 }

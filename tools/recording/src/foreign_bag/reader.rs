@@ -12,9 +12,10 @@ use super::topic_map::TopicMap;
 use crate::bag::{Item, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::error::Result;
-use crate::import::Import;
+use crate::import::Spooled;
 use crate::recording::Recording;
 use crate::ros2::time::s_from_ns;
+use crate::rows::{Disk, SpooledRecording};
 
 /// Reads a bag of another robot. Without a map, one is guessed and given in the warnings, so that
 /// the user can save and correct it. Times count from the first message of the mapped topics.
@@ -26,7 +27,7 @@ pub(crate) fn read_foreign<R: Read>(
     open: &Open<'_, R>,
     path: &Path,
     map: Option<&TopicMap>,
-) -> Result<Import> {
+) -> Result<Spooled> {
     let topics = survey(open, path)?;
     let mut warnings = Vec::new();
     let guessed;
@@ -39,7 +40,8 @@ pub(crate) fn read_foreign<R: Read>(
             &guessed
         }
     };
-    let mut streams = open_streams(path, map, &topics)?;
+    let disk = Disk::default();
+    let mut streams = open_streams(&disk, path, map, &topics)?;
     let start_ns = start_time_ns(map, &topics, &streams);
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
     let loss = scan(open, path, &mut |item| {
@@ -68,15 +70,17 @@ pub(crate) fn read_foreign<R: Read>(
         warnings.push(format!("{}: {loss}", path.display()));
     }
     let name = path.file_stem().map(|stem| stem.to_string_lossy());
-    let mut recording = Recording {
+    let description = Recording {
         name: name.unwrap_or_default().into_owned(),
         origin: format!("ROS 2 bag, times from {} s", s_from_ns(start_ns)),
         ..Recording::default()
     };
+    let mut recording = SpooledRecording::new(description, disk);
     for (_, stream) in streams {
         stream.finish(&mut recording, &mut warnings);
     }
-    Ok(Import {
+    recording.disk.check()?;
+    Ok(Spooled {
         recording,
         warnings,
         loss: Some(loss),
@@ -94,6 +98,7 @@ fn time_ns(map: &TopicMap, stamp_ns: Option<i64>, log_ns: i64) -> i64 {
 
 /// An empty stream for each entry of the map, with its topic.
 fn open_streams(
+    disk: &Disk,
     path: &Path,
     map: &TopicMap,
     topics: &[Topic],
@@ -121,7 +126,7 @@ fn open_streams(
             return Err(InputError::file(path, problem, "map another topic"));
         };
         let columns: Vec<String> = columns.iter().map(|&name| name.to_owned()).collect();
-        let stream = StreamBuilder::new(&source.robot, source.kind, &columns, &[]);
+        let stream = StreamBuilder::new(disk, &source.robot, source.kind, &columns, &[]);
         let mut stream = stream.map_err(|e| InputError::file(path, e, "map another topic"))?;
         stream.selector = source.selector.clone();
         streams.push((source.topic.clone(), stream));

@@ -10,10 +10,11 @@ use slipstream_bus::InputError;
 use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
 use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
 use crate::error::Result;
-use crate::import::Import;
+use crate::import::{Import, Spooled};
 use crate::recording::{Recording, is_robot_name};
 use crate::ros2::MessageType;
 use crate::ros2::time::s_from_ns;
+use crate::rows::{Disk, SpooledRecording};
 use crate::table::StreamKind;
 use crate::toml_files::{recording_toml, robot_toml};
 use crate::topics::{self, StreamMetadata};
@@ -25,14 +26,15 @@ use crate::topics::{self, StreamMetadata};
 /// # Errors
 /// If it is not an MCAP file, if slipstream did not write it, or if its description is invalid.
 pub fn read_mcap_from(source: impl Read, size: u64, path: &Path) -> Result<Import> {
-    let import = read_own(source, size, path)?;
+    let spooled = read_own(source, size, path)?;
     let problem = "no channel says which stream it holds";
-    import
-        .ok_or_else(|| InputError::file(path, problem, "give a file that slipstream wrote").into())
+    let remedy = "give a file that slipstream wrote";
+    let spooled = spooled.ok_or_else(|| InputError::file(path, problem, remedy))?;
+    spooled.load()
 }
 
 /// As [`read_mcap_from`], but returns `None` for a bag that slipstream did not write.
-pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Import>> {
+pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Option<Spooled>> {
     let mut loader = Loader::default();
     let loss = read_bag(source, size, path, &mut |item| loader.visit(item))?;
     if !loader.is_own {
@@ -59,6 +61,8 @@ enum Route {
 /// The contents of a file as far as they have been read.
 #[derive(Debug, Default)]
 struct Loader {
+    /// Where the rows go.
+    disk: Disk,
     /// Whether slipstream wrote the file.
     is_own: bool,
     /// Text of the attached `recording.toml`.
@@ -170,11 +174,15 @@ impl Loader {
         match metadata.stream.as_str() {
             topics::LINK_STREAM if self.links.is_none() => {
                 let with_velocity = metadata.columns.iter().any(|column| column == "v_m_s");
-                self.links = Some(LinksBuilder::new(with_velocity, &metadata.unknown));
+                self.links = Some(LinksBuilder::new(
+                    &self.disk,
+                    with_velocity,
+                    &metadata.unknown,
+                ));
                 Ok(Route::Links { rows })
             }
             topics::ROUND_TRIP_STREAM if self.round_trips.is_none() => {
-                self.round_trips = Some(RoundTripsBuilder::new(&metadata.unknown));
+                self.round_trips = Some(RoundTripsBuilder::new(&self.disk, &metadata.unknown));
                 Ok(Route::RoundTrips { rows })
             }
             stream => {
@@ -189,7 +197,8 @@ impl Loader {
                 if self.streams.iter().any(is_same) {
                     return Err(format!("an earlier topic already holds {stream}"));
                 }
-                let stream = StreamBuilder::new(robot, kind, &metadata.columns, &metadata.unknown)?;
+                let (columns, unknown) = (&metadata.columns, &metadata.unknown);
+                let stream = StreamBuilder::new(&self.disk, robot, kind, columns, unknown)?;
                 self.streams.push(stream);
                 Ok(Route::Stream {
                     builder: self.streams.len() - 1,
@@ -199,7 +208,7 @@ impl Loader {
         }
     }
 
-    fn finish(mut self, loss: Loss, path: &Path) -> Result<Import> {
+    fn finish(mut self, loss: Loss, path: &Path) -> Result<Spooled> {
         let mut warnings = std::mem::take(&mut self.warnings);
         if loss.any() {
             warnings.insert(0, format!("{}: {loss}", path.display()));
@@ -207,7 +216,7 @@ impl Loader {
         let stem = path.file_stem().map(|stem| stem.to_string_lossy());
         let stem = stem.unwrap_or_default();
         // In errors, an attachment is named as a file inside the MCAP file.
-        let mut recording = match &self.description {
+        let mut description = match &self.description {
             Some(text) => recording_toml::parse(text, &path.join(topics::DESCRIPTION), &stem)?,
             None => {
                 warnings.push(format!("{}: the description is missing", path.display()));
@@ -218,14 +227,21 @@ impl Loader {
             }
         };
         if let Some(text) = &self.model {
-            recording.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
+            description.model = Some(robot_toml::parse(text, &path.join(topics::MODEL))?);
         }
+        let mut recording = SpooledRecording::new(description, self.disk);
         for stream in self.streams {
             stream.finish(&mut recording, &mut warnings);
         }
-        recording.links = self.links.map(LinksBuilder::finish);
-        recording.rtt = self.round_trips.map(RoundTripsBuilder::finish);
-        Ok(Import {
+        if let Some(links) = self.links {
+            let (spool, with_velocity) = links.finish();
+            recording.store_links(spool, with_velocity);
+        }
+        if let Some(trips) = self.round_trips {
+            recording.store_round_trips(trips.finish());
+        }
+        recording.disk.check()?;
+        Ok(Spooled {
             recording,
             warnings,
             loss: Some(loss),

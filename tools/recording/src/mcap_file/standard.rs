@@ -8,13 +8,10 @@ use crate::ros2::MessageType;
 use crate::ros2::compose::{WORLD, header, imu, joint_state};
 use crate::ros2::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
 use crate::ros2::time::is_whole_ns;
-use crate::table::{CellsView, StreamKind, TableView};
+use crate::table::{Cells, StreamKind, Table};
 
 /// The standard message type of a stream, and the last part of its topic.
-pub(super) fn standard_type(
-    kind: StreamKind,
-    table: &TableView<'_>,
-) -> (MessageType, &'static str) {
+pub(super) fn standard_type(kind: StreamKind, table: &Table) -> (MessageType, &'static str) {
     match (kind, first_column(table)) {
         (StreamKind::Command, "voltage_right_v") => (MessageType::WheelVoltage, "command"),
         (StreamKind::Command, "v_m_s") => (MessageType::TwistStamped, "command"),
@@ -29,20 +26,19 @@ pub(super) fn standard_type(
 }
 
 /// Name of the first column, which identifies the column set.
-fn first_column(table: &TableView<'_>) -> &'static str {
+fn first_column(table: &Table) -> &'static str {
     table.columns.first().map_or("", |(name, _)| *name)
 }
 
-/// Whether the standard messages represent every row of the stream bit for bit.
-pub(super) fn is_lossless(table: &TableView<'_>) -> bool {
+/// Whether the standard messages represent these rows bit for bit.
+pub(super) fn is_lossless(table: &Table) -> bool {
     let round_trips =
         |yaw: &f64| yaw.is_nan() || Quaternion::from_yaw(*yaw).yaw().to_bits() == yaw.to_bits();
-    table.unknown.is_empty()
-        && table.t_s.iter().all(|t_s| is_whole_ns(*t_s))
+    table.t_s.iter().all(|t_s| is_whole_ns(*t_s))
         && table.columns.iter().all(|(name, cells)| match cells {
-            CellsView::Counts(counts) => counts.iter().all(Option::is_some),
-            CellsView::Numbers(yaws) if *name == "yaw_rad" => yaws.iter().all(round_trips),
-            CellsView::Numbers(_) => true,
+            Cells::Counts(counts) => counts.iter().all(Option::is_some),
+            Cells::Numbers(yaws) if *name == "yaw_rad" => yaws.iter().all(round_trips),
+            Cells::Numbers(_) | Cells::Texts(_) => true,
         })
 }
 
@@ -51,7 +47,7 @@ pub(super) fn write_standard<W: Write>(
     bag: &mut BagWriter<W>,
     channel: Channel,
     kind: StreamKind,
-    table: &TableView<'_>,
+    table: &Table,
     t_ns: i64,
     row: usize,
 ) -> Result<()> {
@@ -112,7 +108,7 @@ fn encoder_ticks(t_ns: i64, [right, left]: [i64; 2]) -> ros::EncoderTicks<&'stat
 }
 
 /// A pose without a column of headings gets the heading 0.
-fn pose(t_ns: i64, table: &TableView<'_>, row: usize) -> ros::PoseStamped<&'static str> {
+fn pose(t_ns: i64, table: &Table, row: usize) -> ros::PoseStamped<&'static str> {
     let named = |name| table.number_named(name, row);
     let has_yaw = table.columns.iter().any(|(name, _)| *name == "yaw_rad");
     let yaw_rad = if has_yaw { named("yaw_rad") } else { 0.0 };

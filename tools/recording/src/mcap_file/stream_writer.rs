@@ -11,37 +11,39 @@ use std::io::Write;
 use super::standard::{is_lossless, standard_type, write_standard};
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
-use crate::recording::{LinkMessage, Links, Robot, RoundTrips, UnknownColumn};
+use crate::recording::{Robot, UnknownColumn};
 use crate::ros2::MessageType;
 use crate::ros2::compose::joint_state;
 use crate::ros2::messages as ros;
 use crate::ros2::position::{Fate, PositionRecord};
 use crate::ros2::time::{is_whole_ns, ns_from_s};
+use crate::rows::{LinkRows, RowCursor, Rows};
 use crate::table::{
-    CellsView, LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, TableView,
-    number_at,
+    Cells, LINK_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table, link_columns, number_at,
 };
 use crate::topics::{self, StreamMetadata, robot_topic};
 
-/// A stream with its channels.
+/// A stream with its channels, and the next of its rows.
 pub(super) struct StreamWriter<'a> {
-    content: Content<'a>,
+    content: Content,
+    rows: RowCursor<'a>,
+    /// Number of rows written so far.
+    written: usize,
     /// Channel of the standard messages.
     standard: Channel,
     /// Channel of the lossless rows, if the standard messages are not lossless.
     lossless: Option<Channel>,
 }
 
-enum Content<'a> {
+enum Content {
     Robot {
         kind: StreamKind,
-        table: TableView<'a>,
         /// For encoder counts with a known number of counts per revolution: channel of the wheel
         /// angles, for viewers, and radians per count.
         joints: Option<(Channel, f64)>,
     },
-    Links(&'a Links),
-    RoundTrips(&'a RoundTrips),
+    Links,
+    RoundTrips,
 }
 
 impl<'a> StreamWriter<'a> {
@@ -50,17 +52,19 @@ impl<'a> StreamWriter<'a> {
         bag: &mut BagWriter<W>,
         robot: &Robot,
         kind: StreamKind,
-        table: TableView<'a>,
+        rows: &Rows<'a>,
     ) -> Result<Self> {
-        let (message_type, name) = standard_type(kind, &table);
+        let empty = rows.empty();
+        let (message_type, name) = standard_type(kind, empty);
         let metadata = stream_metadata(
             format!("{}/{}", robot.name, kind.name()),
-            table.columns.iter().map(|(name, _)| *name),
-            table.unknown,
+            empty.columns.iter().map(|(name, _)| *name),
+            &empty.unknown,
         );
         let topic = robot_topic(&robot.name, name);
+        let is_lossless = empty.unknown.is_empty() && all_blocks(rows, is_lossless);
         let (standard, lossless) =
-            open_channels(bag, &topic, message_type, &metadata, is_lossless(&table))?;
+            open_channels(bag, &topic, message_type, &metadata, is_lossless)?;
         let counts_per_rev = robot
             .encoder_counts_per_rev
             .filter(|_| name == "encoder_ticks");
@@ -73,134 +77,112 @@ impl<'a> StreamWriter<'a> {
             }
             None => None,
         };
-        Ok(Self {
-            content: Content::Robot {
-                kind,
-                table,
-                joints,
-            },
-            standard,
-            lossless,
-        })
+        let content = Content::Robot { kind, joints };
+        Ok(Self::new(content, rows, (standard, lossless)))
     }
 
     /// Opens the channels of the position messages.
-    pub(super) fn of_links<W: Write>(bag: &mut BagWriter<W>, links: &'a Links) -> Result<Self> {
-        let columns = if links.with_velocity {
-            LINK_COLUMNS.len()
-        } else {
-            LINK_POSE_COLUMNS
+    pub(super) fn of_links<W: Write>(bag: &mut BagWriter<W>, links: &LinkRows<'a>) -> Result<Self> {
+        let unknown = &links.rows.empty().unknown;
+        let columns = LINK_COLUMNS.into_iter();
+        let columns = columns.take(link_columns(links.with_velocity)).skip(1);
+        let metadata = stream_metadata(topics::LINK_STREAM.to_owned(), columns, unknown);
+        let whole_ns = |table: &Table| {
+            let received = table.numbers_of("t_received_s").iter();
+            table.t_s.iter().all(|t_s| is_whole_ns(*t_s))
+                && received
+                    .copied()
+                    .all(|t_s| t_s.is_nan() || is_whole_ns(t_s))
         };
-        let columns = LINK_COLUMNS.into_iter().take(columns).skip(1);
-        let metadata = stream_metadata(topics::LINK_STREAM.to_owned(), columns, &links.unknown);
-        let is_lossless = links.unknown.is_empty()
-            && links.messages.iter().all(|message| {
-                is_whole_ns(message.t_sent_s) && message.t_received_s.is_none_or(is_whole_ns)
-            });
+        let is_lossless = unknown.is_empty() && all_blocks(&links.rows, whole_ns);
         let kind = MessageType::PositionMessage;
-        let (standard, lossless) = open_channels(bag, topics::LINKS, kind, &metadata, is_lossless)?;
-        Ok(Self {
-            content: Content::Links(links),
-            standard,
-            lossless,
-        })
+        let channels = open_channels(bag, topics::LINKS, kind, &metadata, is_lossless)?;
+        Ok(Self::new(Content::Links, &links.rows, channels))
     }
 
     /// Opens the channels of the round trips.
     pub(super) fn of_round_trips<W: Write>(
         bag: &mut BagWriter<W>,
-        trips: &'a RoundTrips,
+        rows: &Rows<'a>,
     ) -> Result<Self> {
-        let metadata = stream_metadata(
-            topics::ROUND_TRIP_STREAM.to_owned(),
-            ROUND_TRIP_COLUMNS.into_iter(),
-            &trips.unknown,
-        );
-        let is_lossless = trips.unknown.is_empty();
+        let unknown = &rows.empty().unknown;
+        let columns = ROUND_TRIP_COLUMNS.into_iter();
+        let metadata = stream_metadata(topics::ROUND_TRIP_STREAM.to_owned(), columns, unknown);
         let kind = MessageType::RoundTrip;
-        let (standard, lossless) =
-            open_channels(bag, topics::ROUND_TRIPS, kind, &metadata, is_lossless)?;
-        Ok(Self {
-            content: Content::RoundTrips(trips),
-            standard,
-            lossless,
-        })
+        let channels = open_channels(
+            bag,
+            topics::ROUND_TRIPS,
+            kind,
+            &metadata,
+            unknown.is_empty(),
+        )?;
+        Ok(Self::new(Content::RoundTrips, rows, channels))
     }
 
-    /// Number of rows.
-    pub(super) fn rows(&self) -> usize {
-        match &self.content {
-            Content::Robot { table, .. } => table.t_s.len(),
-            Content::Links(links) => links.messages.len(),
-            Content::RoundTrips(trips) => trips.seq.len(),
+    fn new(content: Content, rows: &Rows<'a>, channels: (Channel, Option<Channel>)) -> Self {
+        Self {
+            content,
+            rows: rows.clone().row_cursor(),
+            written: 0,
+            standard: channels.0,
+            lossless: channels.1,
         }
     }
 
-    /// Time of a row (ns). Round trips have no time; the row's index is used instead.
-    pub(super) fn t_ns(&self, row: usize) -> i64 {
-        match &self.content {
-            Content::Robot { table, .. } => ns_from_s(number_at(table.t_s, row)),
-            Content::Links(links) => ns_from_s(links.messages.get(row).map_or(0.0, |m| m.t_sent_s)),
-            Content::RoundTrips(_) => i64::try_from(row).unwrap_or(i64::MAX),
+    /// Time of the next row (ns); `None` after the last one. Round trips have no time; the row's
+    /// index is used instead.
+    pub(super) fn t_ns(&self) -> Option<i64> {
+        let (table, row) = self.rows.row()?;
+        match self.content {
+            Content::Robot { .. } | Content::Links => Some(ns_from_s(number_at(&table.t_s, row))),
+            Content::RoundTrips => Some(i64::try_from(self.written).unwrap_or(i64::MAX)),
         }
     }
 
-    /// Writes a row to its channels.
-    pub(super) fn write<W: Write>(
-        &self,
-        bag: &mut BagWriter<W>,
-        t_ns: i64,
-        row: usize,
-    ) -> Result<()> {
+    /// Writes the next row to its channels.
+    pub(super) fn write_next<W: Write>(&mut self, bag: &mut BagWriter<W>) -> Result<()> {
+        let (Some(t_ns), Some((table, row))) = (self.t_ns(), self.rows.row()) else {
+            return Ok(());
+        };
         match &self.content {
-            Content::Robot {
-                kind,
-                table,
-                joints,
-            } => {
+            Content::Robot { kind, joints } => {
                 write_standard(bag, self.standard, *kind, table, t_ns, row)?;
                 if let Some((channel, rad_per_count)) = joints {
                     let angle = |i| table.number(i, row) * rad_per_count;
                     let angles = [angle(0), angle(1)];
                     bag.write(*channel, t_ns, &joint_state(t_ns, &angles, &[], &[]))?;
                 }
-                self.write_lossless(bag, t_ns, || robot_row(table, row))
             }
-            Content::Links(links) => {
-                let Some(message) = links.messages.get(row) else {
-                    return Ok(());
+            Content::Links => {
+                let message = position_record(table, t_ns, row, self.written);
+                bag.write(self.standard, t_ns, &message.message())?;
+            }
+            Content::RoundTrips => {
+                let trip = ros::RoundTrip {
+                    seq: table.count(0, row).unwrap_or_default(),
+                    rtt_ms: table.number(1, row),
                 };
-                bag.write(
-                    self.standard,
-                    t_ns,
-                    &position_record(message, t_ns, row).message(),
-                )?;
-                self.write_lossless(bag, t_ns, || link_row(message, &links.unknown, row))
-            }
-            Content::RoundTrips(trips) => {
-                let seq = trips.seq.get(row).copied().unwrap_or_default();
-                let rtt_ms = number_at(&trips.rtt_ms, row);
-                bag.write(self.standard, t_ns, &ros::RoundTrip { seq, rtt_ms })?;
-                self.write_lossless(bag, t_ns, || {
-                    let mut texts = vec![seq.to_string()];
-                    texts.extend(unknown_cells(&trips.unknown, row));
-                    lossless_row(0.0, vec![rtt_ms], texts)
-                })
+                bag.write(self.standard, t_ns, &trip)?;
             }
         }
+        if let Some(channel) = self.lossless {
+            bag.write(channel, t_ns, &lossless_row(table, row))?;
+        }
+        self.rows.advance();
+        self.written += 1;
+        Ok(())
     }
+}
 
-    fn write_lossless<W: Write>(
-        &self,
-        bag: &mut BagWriter<W>,
-        t_ns: i64,
-        row: impl FnOnce() -> LosslessRow,
-    ) -> Result<()> {
-        match self.lossless {
-            Some(channel) => bag.write(channel, t_ns, &row()),
-            None => Ok(()),
+/// Whether `holds` of all blocks of a stream.
+fn all_blocks(rows: &Rows<'_>, holds: impl Fn(&Table) -> bool) -> bool {
+    let mut cursor = rows.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        if !holds(block) {
+            return false;
         }
     }
+    true
 }
 
 /// Opens the channel of the standard messages and, if these are not lossless, that of the rows. The
@@ -234,69 +216,48 @@ fn stream_metadata<'a>(
     }
 }
 
-/// A recorded position message; the row's index stands for its sequence number.
-fn position_record(message: &LinkMessage, t_ns: i64, row: usize) -> PositionRecord<'_> {
+/// A recorded position message; the row's index in the stream stands for its sequence number.
+fn position_record(table: &Table, t_ns: i64, row: usize, index: usize) -> PositionRecord<'_> {
+    let number = |name| table.number_named(name, row);
+    let received_s = number("t_received_s");
     PositionRecord {
-        sender: &message.from,
-        receiver: &message.to,
-        seq: row as u64,
+        sender: table.text_named("from", row),
+        receiver: table.text_named("to", row),
+        seq: index as u64,
         t_sampled_ns: t_ns,
         t_sent_ns: t_ns,
-        fate: match message.t_received_s {
-            Some(t_s) => Fate::Arrived {
-                t_received_ns: ns_from_s(t_s),
-            },
-            None => Fate::Lost,
+        fate: if received_s.is_nan() {
+            Fate::Lost
+        } else {
+            Fate::Arrived {
+                t_received_ns: ns_from_s(received_s),
+            }
         },
-        pose: [message.x_m, message.y_m, message.yaw_rad],
-        velocity: Some([message.v_m_s, message.w_rad_s]),
+        pose: ["x_m", "y_m", "yaw_rad"].map(number),
+        velocity: Some(["v_m_s", "w_rad_s"].map(number)),
     }
 }
 
-type LosslessRow = ros::Row<Vec<f64>, Vec<String>>;
-
-fn lossless_row(t_s: f64, numbers: Vec<f64>, texts: Vec<String>) -> LosslessRow {
-    ros::Row {
-        t_s,
-        numbers,
-        texts,
-    }
-}
-
-/// A row of a robot's stream: numbers in the order of their columns, and as text the counts and the
-/// unknown columns.
-fn robot_row(table: &TableView<'_>, row: usize) -> LosslessRow {
+/// A row without loss: numbers in the order of their columns, and as text the counts, the names and
+/// the unknown columns.
+fn lossless_row(table: &Table, row: usize) -> ros::Row<Vec<f64>, Vec<String>> {
     let mut numbers = Vec::with_capacity(table.columns.len());
     let mut texts = Vec::new();
     for (_, cells) in &table.columns {
         match cells {
-            CellsView::Numbers(cells) => numbers.push(number_at(cells, row)),
-            CellsView::Counts(cells) => {
+            Cells::Numbers(cells) => numbers.push(number_at(cells, row)),
+            Cells::Counts(cells) => {
                 let count = cells.get(row).copied().flatten();
                 texts.push(count.map_or_else(String::new, |count| count.to_string()));
             }
+            Cells::Texts(cells) => texts.push(cells.get(row).cloned().unwrap_or_default()),
         }
     }
-    texts.extend(unknown_cells(table.unknown, row));
-    lossless_row(number_at(table.t_s, row), numbers, texts)
-}
-
-fn link_row(message: &LinkMessage, unknown: &[UnknownColumn], row: usize) -> LosslessRow {
-    let mut texts = vec![message.from.to_string(), message.to.to_string()];
-    texts.extend(unknown_cells(unknown, row));
-    let numbers = vec![
-        message.t_received_s.unwrap_or(f64::NAN),
-        message.x_m,
-        message.y_m,
-        message.yaw_rad,
-        message.v_m_s,
-        message.w_rad_s,
-    ];
-    lossless_row(message.t_sent_s, numbers, texts)
-}
-
-fn unknown_cells(unknown: &[UnknownColumn], row: usize) -> impl Iterator<Item = String> {
-    unknown
-        .iter()
-        .map(move |column| column.cells.get(row).cloned().unwrap_or_default())
+    let unknown = table.unknown.iter().map(|column| column.cells.get(row));
+    texts.extend(unknown.map(|cell| cell.cloned().unwrap_or_default()));
+    ros::Row {
+        t_s: number_at(&table.t_s, row),
+        numbers,
+        texts,
+    }
 }

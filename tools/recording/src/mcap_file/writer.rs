@@ -8,9 +8,10 @@ use std::path::Path;
 use super::stream_writer::StreamWriter;
 use crate::bag::BagWriter;
 use crate::error::Result;
+use crate::import::Spooled;
 use crate::output::OutputFile;
 use crate::recording::Recording;
-use crate::table::{StreamKind, TableView};
+use crate::rows::AllRows;
 use crate::toml_files::{recording_toml, robot_toml};
 use crate::topics;
 
@@ -19,7 +20,20 @@ use crate::topics;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_mcap(recording: &Recording, path: &Path) -> Result<()> {
-    write(recording, BagWriter::new(OutputFile::create(path)?, path)?)?.finish()
+    write(&AllRows::of(recording), BagWriter::new(OutputFile::create(path)?, path)?)?.finish()
+}
+
+impl Spooled {
+    /// As [`write_mcap`], in the memory of a few rows.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or the temporary file cannot be read.
+    pub fn write_mcap(&self, path: &Path) -> Result<()> {
+        let bag = BagWriter::new(OutputFile::create(path)?, path)?;
+        let file = write(&self.recording.rows(), bag)?;
+        self.recording.disk.check()?;
+        file.finish()
+    }
 }
 
 /// Writes a recording as MCAP to `sink` and returns it. `path` is used in errors only.
@@ -27,10 +41,11 @@ pub fn write_mcap(recording: &Recording, path: &Path) -> Result<()> {
 /// # Errors
 /// If writing to `sink` fails.
 pub fn write_mcap_to<W: Write>(recording: &Recording, sink: W, path: &Path) -> Result<W> {
-    write(recording, BagWriter::new(sink, path)?)
+    write(&AllRows::of(recording), BagWriter::new(sink, path)?)
 }
 
-fn write<W: Write>(recording: &Recording, mut bag: BagWriter<W>) -> Result<W> {
+fn write<W: Write>(rows: &AllRows<'_>, mut bag: BagWriter<W>) -> Result<W> {
+    let recording = rows.recording;
     let toml = "application/toml";
     let description = recording_toml::to_text(recording);
     bag.attach(topics::DESCRIPTION, toml, description.as_bytes())?;
@@ -46,41 +61,34 @@ fn write<W: Write>(recording: &Recording, mut bag: BagWriter<W>) -> Result<W> {
     bag.metadata(topics::FILE_METADATA, BTreeMap::from(metadata))?;
 
     let mut streams = Vec::new();
-    for robot in &recording.robots {
-        for kind in StreamKind::ALL {
-            if let Some(table) = TableView::of(robot, kind) {
-                streams.push(StreamWriter::of_robot(&mut bag, robot, kind, table)?);
-            }
+    for robot in &rows.robots {
+        for (kind, rows) in &robot.streams {
+            streams.push(StreamWriter::of_robot(&mut bag, robot.robot, *kind, rows)?);
         }
     }
-    if let Some(links) = &recording.links {
+    if let Some(links) = &rows.links {
         streams.push(StreamWriter::of_links(&mut bag, links)?);
     }
-    if let Some(trips) = &recording.rtt {
-        streams.push(StreamWriter::of_round_trips(&mut bag, trips)?);
+    if let Some(rows) = &rows.rtt {
+        streams.push(StreamWriter::of_round_trips(&mut bag, rows)?);
     }
-    write_in_time_order(&mut bag, &streams)?;
+    write_in_time_order(&mut bag, &mut streams)?;
     bag.finish()
 }
 
 /// Merges the rows of all streams by time; rows with equal times keep the order of the streams.
 fn write_in_time_order<W: Write>(
     bag: &mut BagWriter<W>,
-    streams: &[StreamWriter<'_>],
+    streams: &mut [StreamWriter<'_>],
 ) -> Result<()> {
-    let mut next: BinaryHeap<Reverse<(i64, usize, usize)>> = BinaryHeap::new();
+    let mut next: BinaryHeap<Reverse<(i64, usize)>> = BinaryHeap::new();
     for (index, stream) in streams.iter().enumerate() {
-        if stream.rows() > 0 {
-            next.push(Reverse((stream.t_ns(0), index, 0)));
-        }
+        next.extend(stream.t_ns().map(|t_ns| Reverse((t_ns, index))));
     }
-    while let Some(Reverse((t_ns, index, row))) = next.pop() {
-        let Some(stream) = streams.get(index) else {
-            continue;
-        };
-        stream.write(bag, t_ns, row)?;
-        if row + 1 < stream.rows() {
-            next.push(Reverse((stream.t_ns(row + 1), index, row + 1)));
+    while let Some(Reverse((_, index))) = next.pop() {
+        if let Some(stream) = streams.get_mut(index) {
+            stream.write_next(bag)?;
+            next.extend(stream.t_ns().map(|t_ns| Reverse((t_ns, index))));
         }
     }
     Ok(())

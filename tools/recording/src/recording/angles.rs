@@ -2,23 +2,41 @@
 
 use std::f64::consts::TAU;
 
-/// Removes jumps of whole turns from a sequence of angles (rad). NaN (an empty cell) stays NaN.
+/// Removes jumps of whole turns from a sequence of angles (rad), one by one. NaN (an empty cell) stays
+/// NaN.
+#[derive(Debug)]
+pub(crate) struct Unwrap {
+    last: f64,
+    turns: f64,
+}
+
+impl Default for Unwrap {
+    fn default() -> Self {
+        Self {
+            last: f64::NAN,
+            turns: 0.0,
+        }
+    }
+}
+
+impl Unwrap {
+    /// The next angle (rad) without jumps.
+    pub(crate) fn next(&mut self, angle_rad: f64) -> f64 {
+        if angle_rad.is_nan() {
+            return f64::NAN;
+        }
+        if !self.last.is_nan() {
+            self.turns -= ((angle_rad - self.last) / TAU).round();
+        }
+        self.last = angle_rad;
+        angle_rad + self.turns * TAU
+    }
+}
+
+/// Removes jumps of whole turns from a sequence of angles (rad).
 pub(crate) fn unwrap_angles(angles_rad: &[f64]) -> Vec<f64> {
-    let mut last = f64::NAN;
-    let mut turns = 0.0;
-    angles_rad
-        .iter()
-        .map(|angle| {
-            if angle.is_nan() {
-                return f64::NAN;
-            }
-            if !last.is_nan() {
-                turns -= ((angle - last) / TAU).round();
-            }
-            last = *angle;
-            angle + turns * TAU
-        })
-        .collect()
+    let mut unwrap = Unwrap::default();
+    angles_rad.iter().map(|angle| unwrap.next(*angle)).collect()
 }
 
 #[cfg(test)]

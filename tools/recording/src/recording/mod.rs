@@ -15,7 +15,7 @@ mod streams;
 
 use slipstream_bus::RobotModel;
 
-pub(crate) use angles::unwrap_angles;
+pub(crate) use angles::{Unwrap, unwrap_angles};
 pub use links::{LinkMessage, Links, RoundTrips};
 pub(crate) use names::NamePool;
 pub use robot::{ImuKind, Noise, PosePoint, Robot, is_robot_name};

@@ -104,6 +104,12 @@ pub(crate) struct ColumnSet {
 }
 
 impl ColumnSet {
+    /// The columns of the set that are in `present`, in the order of writing.
+    pub(crate) fn present(&self, present: &[&'static str]) -> Vec<&'static str> {
+        let names = self.names.iter().copied();
+        names.filter(|name| present.contains(name)).collect()
+    }
+
     /// The set that the present columns belong to.
     ///
     /// # Errors

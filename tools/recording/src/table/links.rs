@@ -18,3 +18,12 @@ pub(crate) const LINK_POSE_COLUMNS: usize = 7;
 
 /// Columns of `rtt.csv`.
 pub(crate) const ROUND_TRIP_COLUMNS: [&str; 2] = ["seq", "rtt_ms"];
+
+/// Number of columns of `links.csv` with or without velocities.
+pub(crate) fn link_columns(with_velocity: bool) -> usize {
+    if with_velocity {
+        LINK_COLUMNS.len()
+    } else {
+        LINK_POSE_COLUMNS
+    }
+}

@@ -1,13 +1,16 @@
-//! A stream being written, as a table of columns.
+//! A stream in memory, as a table of columns.
 
-use super::cells::{CellsView, number_at};
+use std::ops::Range;
+
+use super::cells::{Cells, CellsView, part};
+use super::columns::Table;
 use super::kind::StreamKind;
 use crate::recording::{Command, Imu, Motor, Odometry, Pose, Robot, Stream, UnknownColumn, Wheels};
 
 /// Columns by name.
 type Columns<'a> = Vec<(&'static str, CellsView<'a>)>;
 
-/// A stream being written: borrowed columns by name.
+/// A stream in memory: borrowed columns by name.
 #[derive(Debug, Clone)]
 pub(crate) struct TableView<'a> {
     /// Time of each row (s).
@@ -31,29 +34,33 @@ impl<'a> TableView<'a> {
         }
     }
 
-    /// The number in column `i`; NaN if the cell is empty or does not exist.
-    pub(crate) fn number(&self, i: usize, row: usize) -> f64 {
-        match self.columns.get(i) {
-            Some((_, CellsView::Numbers(cells))) => number_at(cells, row),
-            Some((_, CellsView::Counts(_))) => {
-                self.count(i, row).map_or(f64::NAN, |count| count as f64)
+    /// The columns, without rows.
+    pub(crate) fn empty(&self) -> Table {
+        let columns: Vec<&'static str> = self.columns.iter().map(|(name, _)| *name).collect();
+        let unknown = self.unknown.iter().map(|column| column.name.as_str());
+        Table::new(&columns, unknown.map(UnknownColumn::named).collect())
+    }
+
+    /// Replaces the rows of `block`, which has the same columns, with these rows. Returns whether
+    /// there are any.
+    pub(crate) fn block(&self, rows: Range<usize>, block: &mut Table) -> bool {
+        block.clear();
+        block.t_s.extend_from_slice(part(self.t_s, &rows));
+        for ((_, cells), (_, of)) in block.columns.iter_mut().zip(&self.columns) {
+            match (cells, of) {
+                (Cells::Numbers(cells), CellsView::Numbers(of)) => {
+                    cells.extend_from_slice(part(of, &rows));
+                }
+                (Cells::Counts(cells), CellsView::Counts(of)) => {
+                    cells.extend_from_slice(part(of, &rows));
+                }
+                _ => {}
             }
-            None => f64::NAN,
         }
-    }
-
-    /// The number in the column with this name; NaN if the cell is empty or does not exist.
-    pub(crate) fn number_named(&self, name: &str, row: usize) -> f64 {
-        let column = self.columns.iter().position(|(known, _)| *known == name);
-        column.map_or(f64::NAN, |i| self.number(i, row))
-    }
-
-    /// The count in column `i`, if the cell is not empty.
-    pub(crate) fn count(&self, i: usize, row: usize) -> Option<i64> {
-        match self.columns.get(i) {
-            Some((_, CellsView::Counts(cells))) => cells.get(row).copied().flatten(),
-            _ => None,
+        for (column, of) in block.unknown.iter_mut().zip(self.unknown) {
+            column.cells.extend_from_slice(part(&of.cells, &rows));
         }
+        !block.t_s.is_empty()
     }
 
     fn new<V>(
