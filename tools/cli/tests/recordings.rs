@@ -106,6 +106,14 @@ fn invalid_input_is_one_line_and_exit_code_2() {
             "slipstream: given/r1/command.csv:2: v_m_s is \"NaN\"; ",
         ),
         (
+            "t_s,v_m_s,w_rad_s\n0,1,1\n1,1,-1e300\n",
+            "slipstream: given/r1/command.csv:3: w_rad_s is \"-1e300\"; give at most 1e9, in the unit",
+        ),
+        (
+            "t_s,v_m_s,w_rad_s\n1e10,1,1\n",
+            "slipstream: given/r1/command.csv:2: t_s is \"1e10\"; give seconds, at most 9.2e9",
+        ),
+        (
             "t_s,v_m_s,w_rad_s\n0,1\n",
             "slipstream: given/r1/command.csv:2: 2 cells in a row, 3 in ",
         ),

@@ -7,7 +7,9 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
-use slipstream_recording::recording::{Odometry, Recording, Robot, Stream, Wheels};
+use slipstream_recording::recording::{
+    LinkMessage, Links, Odometry, Recording, Robot, Stream, UnknownColumn, Wheels,
+};
 use slipstream_recording::run_writer::{RunHeader, RunWriter};
 use slipstream_recording::{Import, read_mcap_from, write_mcap_to};
 
@@ -223,6 +225,52 @@ fn a_damaged_chunk_is_skipped_and_its_messages_are_counted() {
         "{:?}",
         import.warnings
     );
+}
+
+#[test]
+fn messages_out_of_order_are_sorted_with_their_unknown_columns() {
+    let message = |t_sent_s: f64| LinkMessage {
+        t_sent_s,
+        t_received_s: Some(t_sent_s + 0.5),
+        from: "r1".into(),
+        to: "r2".into(),
+        x_m: t_sent_s,
+        y_m: 0.0,
+        yaw_rad: 0.0,
+        v_m_s: f64::NAN,
+        w_rad_s: f64::NAN,
+    };
+    let times = [3.0, 1.0, 2.0, 1.0];
+    let given = Recording {
+        links: Some(Links {
+            messages: times.map(message).to_vec(),
+            with_velocity: false,
+            unknown: vec![UnknownColumn {
+                name: "note".to_owned(),
+                cells: ["d", "a", "c", "b"].map(str::to_owned).to_vec(),
+            }],
+        }),
+        ..Recording::default()
+    };
+    let links = read(&as_mcap(&given)).unwrap().recording.links.unwrap();
+    let sent: Vec<f64> = links.messages.iter().map(|m| m.t_sent_s).collect();
+    assert_eq!(sent, [1.0, 1.0, 2.0, 3.0]);
+    assert_eq!(links.unknown[0].cells, ["a", "b", "c", "d"]);
+}
+
+#[test]
+fn a_number_that_no_robot_has_is_an_empty_cell_with_a_warning() {
+    let mut given = recording(40);
+    let odometry = given.robots[0].odometry.as_mut().unwrap();
+    odometry.values.v_m_s[3] = 1e300;
+    odometry.values.v_m_s[5] = 1e-300;
+    odometry.values.v_m_s[7] = f64::INFINITY;
+    let import = read(&as_mcap(&given)).unwrap();
+    assert_eq!(import.warnings.len(), 1);
+    assert!(import.warnings[0].starts_with("r1/odometry: 1 numbers are larger than 1e9"));
+    let speeds = speeds_of(&import);
+    assert!(speeds[3].is_nan() && speeds[7].is_nan());
+    assert_eq!(speeds[5], 1e-300);
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn write_lossy_cases(folder: &Path) {
         ("z/motor.csv", "t_s,supply_v\n0,12.1\n1,\n"),
         ("a/pose.csv", "t_s,x_m,y_m\n0,1,2\n"),
         ("a/imu.csv", "t_s,gz_rad_s\n1e-9,0.1\n2e-9,\n"),
-        ("a/odometry.csv", "t_s,v_m_s\n1248272272.841,1e22\n"),
+        ("a/odometry.csv", "t_s,v_m_s\n1248272272.841,1e-22\n"),
         ("a/command.csv", "t_s,v_m_s,w_rad_s\n"),
         (
             "a/wheels.csv",

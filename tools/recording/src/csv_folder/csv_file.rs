@@ -6,6 +6,7 @@ use csv::{ByteRecord, ReaderBuilder, Trim};
 use slipstream_bus::InputError;
 
 use crate::recording::UnknownColumn;
+use crate::table::out_of_range;
 
 type CsvResult<T> = Result<T, InputError>;
 
@@ -161,6 +162,17 @@ impl<'a> CsvFile<'a> {
     }
 
     fn number(&self, column: usize) -> CsvResult<Option<f64>> {
+        let number = self.finite(column)?;
+        let name = self.column_name(column);
+        match number.and_then(|number| out_of_range(name, number)) {
+            Some(remedy) => {
+                Err(self.row_error(format!("{name} is \"{}\"", self.text(column)?), remedy))
+            }
+            None => Ok(number),
+        }
+    }
+
+    fn finite(&self, column: usize) -> CsvResult<Option<f64>> {
         let text = self.text(column)?;
         if text.is_empty() {
             return Ok(None);
@@ -177,7 +189,7 @@ impl<'a> CsvFile<'a> {
     /// A cell as a number; NaN if it is empty.
     ///
     /// # Errors
-    /// If it is not a finite number.
+    /// If it is not a finite number, or larger than any robot's.
     pub(super) fn number_or_nan(&self, column: usize) -> CsvResult<f64> {
         Ok(self.number(column)?.unwrap_or(f64::NAN))
     }
@@ -185,7 +197,7 @@ impl<'a> CsvFile<'a> {
     /// A cell as a time (s) that is not earlier than that of the previous row.
     ///
     /// # Errors
-    /// If it is empty, not a finite number, or earlier.
+    /// If it is empty, not a finite number, cannot be represented, or is earlier.
     pub(super) fn time(&self, column: usize, previous: Option<f64>) -> CsvResult<f64> {
         let name = self.column_name(column);
         let Some(t_s) = self.number(column)? else {
@@ -209,7 +221,7 @@ impl<'a> CsvFile<'a> {
         if let Ok(count) = text.parse() {
             return Ok(Some(count));
         }
-        match self.number(column)? {
+        match self.finite(column)? {
             None => Ok(None),
             Some(number) if number.fract() == 0.0 && number.abs() < MAX_EXACT_INTEGER => {
                 Ok(Some(number as i64))

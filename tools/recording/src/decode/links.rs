@@ -6,13 +6,14 @@ use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
 use crate::ros2::time::s_from_ns;
 use crate::rows::{Disk, Spool, sorted_by_time};
-use crate::table::{Cells, Table, finite_or_nan};
+use crate::table::{Cells, OutOfRange, Table, is_time};
 
 /// Position messages being collected.
 #[derive(Debug)]
 pub(crate) struct LinksBuilder {
     spool: Spool,
     with_velocity: bool,
+    out_of_range: OutOfRange,
 }
 
 /// One position message.
@@ -32,6 +33,7 @@ impl LinksBuilder {
         Self {
             spool: Spool::new(disk, Table::of_links(&empty_columns(unknown))),
             with_velocity,
+            out_of_range: OutOfRange::default(),
         }
     }
 
@@ -68,7 +70,7 @@ impl LinksBuilder {
         let (Some(from), Some(to)) = (texts.next(), texts.next()) else {
             return Err(Undecodable);
         };
-        if !row.t_s.is_finite() || texts.len() != self.spool.tail().unknown.len() {
+        if !is_time(row.t_s) || texts.len() != self.spool.tail().unknown.len() {
             return Err(Undecodable);
         }
         self.push(Message {
@@ -86,9 +88,12 @@ impl LinksBuilder {
         table.t_s.push(message.t_sent_s);
         let mut numbers = message.numbers.into_iter();
         let mut names = [message.from, message.to].into_iter();
-        for (_, cells) in &mut table.columns {
+        for (name, cells) in &mut table.columns {
             match cells {
-                Cells::Numbers(cells) => cells.extend(numbers.next().map(finite_or_nan)),
+                Cells::Numbers(cells) => {
+                    let number = numbers.next().unwrap_or(f64::NAN);
+                    cells.push(self.out_of_range.cell(name, number));
+                }
                 Cells::Texts(cells) => cells.extend(names.next()),
                 Cells::Counts(_) => {}
             }
@@ -101,26 +106,33 @@ impl LinksBuilder {
 
     /// The messages in the order of sending, and whether they contain velocities. (A run writes a
     /// message once its delivery status is known.)
-    pub(crate) fn finish(self) -> (Spool, bool) {
+    pub(crate) fn finish(self, warnings: &mut Vec<String>) -> (Spool, bool) {
+        self.out_of_range.warn("links", warnings);
         (sorted_by_time(self.spool), self.with_velocity)
     }
 }
 
 /// Round trips being collected.
 #[derive(Debug)]
-pub(crate) struct RoundTripsBuilder(Spool);
+pub(crate) struct RoundTripsBuilder {
+    spool: Spool,
+    out_of_range: OutOfRange,
+}
 
 impl RoundTripsBuilder {
     /// No round trips yet, with these unknown columns.
     pub(crate) fn new(disk: &Disk, unknown: &[String]) -> Self {
         let empty = Table::of_round_trips(&empty_columns(unknown));
-        Self(Spool::new(disk, empty))
+        Self {
+            spool: Spool::new(disk, empty),
+            out_of_range: OutOfRange::default(),
+        }
     }
 
     /// Appends a round trip.
     pub(crate) fn push_message(&mut self, data: &[u8]) -> VisitResult {
         let trip: ros::RoundTrip = decode(data).map_err(|_| Undecodable)?;
-        let unknown = vec![String::new(); self.0.tail().unknown.len()];
+        let unknown = vec![String::new(); self.spool.tail().unknown.len()];
         self.push(trip.seq, trip.rtt_ms, unknown);
         Ok(())
     }
@@ -133,7 +145,7 @@ impl RoundTripsBuilder {
         let (Some(seq), &[rtt_ms]) = (seq, row.numbers.as_slice()) else {
             return Err(Undecodable);
         };
-        if texts.len() != self.0.tail().unknown.len() {
+        if texts.len() != self.spool.tail().unknown.len() {
             return Err(Undecodable);
         }
         self.push(seq, rtt_ms, texts.collect());
@@ -141,17 +153,18 @@ impl RoundTripsBuilder {
     }
 
     fn push(&mut self, seq: i64, rtt_ms: f64, unknown: Vec<String>) {
-        let table = self.0.tail();
-        table.push_round_trip(seq, finite_or_nan(rtt_ms));
+        let table = self.spool.tail();
+        table.push_round_trip(seq, self.out_of_range.cell("rtt_ms", rtt_ms));
         for (column, cell) in table.unknown.iter_mut().zip(unknown) {
             column.cells.push(cell);
         }
-        self.0.end_row();
+        self.spool.end_row();
     }
 
     /// The round trips in file order.
-    pub(crate) fn finish(self) -> Spool {
-        self.0
+    pub(crate) fn finish(self, warnings: &mut Vec<String>) -> Spool {
+        self.out_of_range.warn("rtt", warnings);
+        self.spool
     }
 }
 

@@ -6,7 +6,7 @@ use crate::recording::UnknownColumn;
 use crate::ros2::cdr::decode;
 use crate::ros2::messages as ros;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
-use crate::table::{Cells, ColumnSet, StreamKind, Table, finite_or_nan};
+use crate::table::{Cells, ColumnSet, OutOfRange, StreamKind, Table, is_time};
 
 /// A robot's stream being assembled.
 #[derive(Debug)]
@@ -20,6 +20,7 @@ pub(crate) struct StreamBuilder {
     spool: Spool,
     /// For each column of the channel its place in the table.
     places: Vec<usize>,
+    out_of_range: OutOfRange,
 }
 
 impl StreamBuilder {
@@ -54,6 +55,7 @@ impl StreamBuilder {
             selector: MessageSelector::default(),
             spool: Spool::new(disk, Table::new(&columns, unknown)),
             places,
+            out_of_range: OutOfRange::default(),
         })
     }
 
@@ -74,7 +76,9 @@ impl StreamBuilder {
         table.t_s.push(t_s(sample.t_ns));
         for (name, cells) in &mut table.columns {
             match cells {
-                Cells::Numbers(cells) => cells.push(finite_or_nan(sample.number(name))),
+                Cells::Numbers(cells) => {
+                    cells.push(self.out_of_range.cell(name, sample.number(name)));
+                }
                 Cells::Counts(cells) => {
                     cells.push(sample.ticks[usize::from(*name == "ticks_left")]);
                 }
@@ -95,15 +99,16 @@ impl StreamBuilder {
         let numbers = table.columns.iter().filter(is_number).count();
         let texts = table.columns.len() - numbers + table.unknown.len();
         let shape = (row.numbers.len(), row.texts.len());
-        if !row.t_s.is_finite() || shape != (numbers, texts) {
+        if !is_time(row.t_s) || shape != (numbers, texts) {
             return Err(Undecodable);
         }
         let (mut numbers, mut texts) = (row.numbers.into_iter(), row.texts.into_iter());
         table.t_s.push(row.t_s);
         for place in &self.places {
             match table.columns.get_mut(*place) {
-                Some((_, Cells::Numbers(cells))) => {
-                    cells.push(finite_or_nan(numbers.next().unwrap_or(f64::NAN)));
+                Some((name, Cells::Numbers(cells))) => {
+                    let number = numbers.next().unwrap_or(f64::NAN);
+                    cells.push(self.out_of_range.cell(name, number));
                 }
                 Some((_, Cells::Counts(cells))) => {
                     cells.push(texts.next().and_then(|t| t.parse().ok()));
@@ -121,11 +126,11 @@ impl StreamBuilder {
     /// Stores the stream in its robot, which is added if it is new. Sorts rows that are out of
     /// order, with a warning.
     pub(crate) fn finish(self, recording: &mut SpooledRecording, warnings: &mut Vec<String>) {
+        let stream = format!("{}/{}", self.robot, self.kind.name());
+        self.out_of_range.warn(&stream, warnings);
         if !self.spool.is_sorted() {
             warnings.push(format!(
-                "{}/{}: messages are out of order; sorted by time",
-                self.robot,
-                self.kind.name()
+                "{stream}: messages are out of order; sorted by time"
             ));
         }
         recording.store(&self.robot, self.kind, sorted_by_time(self.spool));

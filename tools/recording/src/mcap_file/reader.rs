@@ -234,11 +234,11 @@ impl Loader {
             stream.finish(&mut recording, &mut warnings);
         }
         if let Some(links) = self.links {
-            let (spool, with_velocity) = links.finish();
+            let (spool, with_velocity) = links.finish(&mut warnings);
             recording.store_links(spool, with_velocity);
         }
         if let Some(trips) = self.round_trips {
-            recording.store_round_trips(trips.finish());
+            recording.store_round_trips(trips.finish(&mut warnings));
         }
         recording.disk.check()?;
         Ok(Spooled {

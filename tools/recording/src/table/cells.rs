@@ -98,11 +98,6 @@ pub(crate) fn number_at(numbers: &[f64], row: usize) -> f64 {
     numbers.get(row).copied().unwrap_or(f64::NAN)
 }
 
-/// An infinite number in a message counts as an empty cell, as NaN does.
-pub(crate) fn finite_or_nan(number: f64) -> f64 {
-    if number.is_finite() { number } else { f64::NAN }
-}
-
 /// An integer for each number, in the order of [`f64::total_cmp`].
 pub(crate) fn total_order(number: f64) -> i64 {
     let bits = number.to_bits().cast_signed();

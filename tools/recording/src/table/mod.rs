@@ -6,14 +6,16 @@
 mod cells;
 mod columns;
 mod kind;
+mod limits;
 mod links;
 mod message_blocks;
 mod view;
 
-pub(crate) use cells::{Cells, finite_or_nan, number_at, total_order};
+pub(crate) use cells::{Cells, number_at, total_order};
 pub(crate) use columns::Table;
 pub(crate) use kind::ColumnSet;
 pub use kind::StreamKind;
+pub(crate) use limits::{OutOfRange, is_time, out_of_range};
 pub(crate) use links::{LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, link_columns};
 pub(crate) use message_blocks::{link_block, round_trip_block};
 pub(crate) use view::TableView;
