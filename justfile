@@ -27,8 +27,10 @@ hang:
 full:
     SLIPSTREAM_FULL=20 cargo test --release -p slipstream --test full -- --nocapture
 
-# Long form of the throughput test: ten million rows in and out.
+# Long forms of the tests of throughput and memory: ten million rows in and out, an hour at 1 kHz.
 large:
+    cargo test --release -p slipstream-recording --test bounded_memory -- --include-ignored --nocapture
+    cargo test --release -p slipstream-trace --test bounded_memory -- --include-ignored --nocapture
     cargo test --release -p slipstream-recording --test large -- --include-ignored --nocapture
 
 # Fuzz readers for so many seconds each, beginning with the kept seeds and what earlier runs found (needs a nightly toolchain and cargo-fuzz). OPTIONS of libFuzzer, for example -runs=1000000.

@@ -84,6 +84,7 @@ pub use import::{Import, Spooled};
 pub use mcap_file::{TraceFile, read_mcap_from, read_trace, write_mcap, write_mcap_to};
 pub use open::{read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
+pub use rows::Disk;
 pub use slipstream_bus::InputError;
 pub use table::StreamKind;
 pub use toml_files::{recording_toml, robot_toml};

@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use slipstream_bus::time::s_from_ns;
 
-use crate::chain::{Chain, Fate, Link, Message, STAGES, by_link, follow};
+use crate::chain::{Fate, Link, STAGES, messages};
 use crate::compare::HopChange;
-use crate::log::{Log, LoopKey};
+use crate::log::{Inner, Log, LoopKey, Outer, Tick};
 use crate::names::Names;
 use crate::percentiles::Percentiles;
+use crate::pile::Groups;
 use crate::step::Loop;
 
 /// The whole answer.
@@ -119,31 +120,36 @@ pub struct LoopTiming {
 /// Computes the answer for a run; `names` by the robots' index.
 pub fn answer(log: &Log, names: &[String]) -> Answer {
     let names = Names(names);
-    let messages = follow(log);
     Answer {
         format: 1,
-        hops: hops(&messages, &names),
-        platoon: platoon(log, &messages, &names),
+        hops: hops(log, &names),
+        platoon: platoon(log, &names),
         at_outer_ticks: at_outer_ticks(log, &names),
         loops: loops(log, &names),
         against: None,
     }
 }
 
-fn hops(messages: &[Message], names: &Names<'_>) -> Vec<Hop> {
-    let links = by_link(messages.iter().map(|message| (message.link(), message)));
-    links
-        .into_iter()
-        .map(|((from, to), messages)| hop(names.of(from), names.of(to), &messages))
-        .collect()
+/// The messages of a link, counted.
+#[derive(Debug, Default)]
+struct Count {
+    sent: u64,
+    used: u64,
+    incomplete: Incomplete,
+    largest_sum_error_ns: i64,
 }
 
-fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
-    let mut incomplete = Incomplete::default();
-    let mut chains: Vec<Chain> = Vec::new();
-    for message in messages {
-        match message.fate {
-            Fate::Used(chain) => chains.push(chain),
+impl Count {
+    fn add(&mut self, fate: &Fate) {
+        self.sent += 1;
+        let incomplete = &mut self.incomplete;
+        match fate {
+            Fate::Used(chain) => {
+                self.used += 1;
+                let sum = chain.stages_ns().into_iter().fold(0, i64::saturating_add);
+                let error = chain.end_to_end_ns().saturating_sub(sum).saturating_abs();
+                self.largest_sum_error_ns = self.largest_sum_error_ns.max(error);
+            }
             Fate::Lost => incomplete.lost += 1,
             Fate::Superseded => incomplete.superseded += 1,
             Fate::Stale => incomplete.stale += 1,
@@ -153,52 +159,61 @@ fn hop(from: String, to: String, messages: &[&Message]) -> Hop {
             Fate::Untold => incomplete.untold += 1,
         }
     }
-    let stage = |(i, &stage): (usize, &'static &'static str)| {
-        let durations = chains.iter().map(|chain| chain.stages_ns()[i]).collect();
-        Percentiles::new(durations).map(|figures| StageLatency {
-            stage: stage.into(),
-            figures,
-        })
-    };
-    let sum = |chain: &Chain| chain.stages_ns().into_iter().fold(0, i64::saturating_add);
-    let error = |chain: &Chain| {
-        chain
-            .end_to_end_ns()
-            .saturating_sub(sum(chain))
-            .saturating_abs()
-    };
-    let largest = chains.iter().map(error).max();
-    Hop {
-        from,
-        to,
-        messages: chains.len() as u64,
-        sent: messages.len() as u64,
-        incomplete,
-        stages: STAGES.iter().enumerate().filter_map(stage).collect(),
-        end_to_end: Percentiles::new(chains.iter().map(Chain::end_to_end_ns).collect()),
-        largest_sum_error_s: s_from_ns(largest.unwrap_or(0)),
+}
+
+fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
+    let mut counts: BTreeMap<Link, Count> = BTreeMap::new();
+    let mut stages = STAGES.map(|_| Groups::new(log.disk()));
+    let mut end_to_end = Groups::new(log.disk());
+    for message in messages(log) {
+        let link = message.link();
+        counts.entry(link).or_default().add(&message.fate);
+        if let Fate::Used(chain) = message.fate {
+            for (stage, duration_ns) in stages.iter_mut().zip(chain.stages_ns()) {
+                stage.push(link, duration_ns);
+            }
+            end_to_end.push(link, chain.end_to_end_ns());
+        }
     }
+    let (stages, end_to_end) = (stages.map(|s| s.percentiles()), end_to_end.percentiles());
+    let hop = |(link, count): (Link, Count)| {
+        let stage = |(&stage, of): (&&'static str, &BTreeMap<Link, (u64, Percentiles)>)| {
+            let (_, figures) = *of.get(&link)?;
+            Some(StageLatency {
+                stage: stage.into(),
+                figures,
+            })
+        };
+        Hop {
+            from: names.of(link.0),
+            to: names.of(link.1),
+            messages: count.used,
+            sent: count.sent,
+            incomplete: count.incomplete,
+            stages: STAGES.iter().zip(&stages).filter_map(stage).collect(),
+            end_to_end: end_to_end.get(&link).map(|(_, figures)| *figures),
+            largest_sum_error_s: s_from_ns(count.largest_sum_error_ns),
+        }
+    };
+    counts.into_iter().map(hop).collect()
 }
 
 /// Percentiles of the ages of each pair, ordered by `from`, then `to`.
-fn ages(pairs: BTreeMap<Link, Vec<i64>>, names: &Names<'_>) -> Vec<Age> {
-    let age = |((from, to), ages): (Link, Vec<i64>)| {
-        let count = ages.len() as u64;
-        Percentiles::new(ages).map(|figures| Age {
-            from: names.of(from),
-            to: names.of(to),
-            count,
-            figures,
-        })
+fn ages(pairs: &Groups<Link>, names: &Names<'_>) -> Vec<Age> {
+    let age = |((from, to), (count, figures))| Age {
+        from: names.of(from),
+        to: names.of(to),
+        count,
+        figures,
     };
-    pairs.into_iter().filter_map(age).collect()
+    pairs.percentiles().into_iter().map(age).collect()
 }
 
 /// Follows each used message back along the platoon: to the message that its sender used, and so on.
-fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
+fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
-    let mut pairs: BTreeMap<Link, Vec<i64>> = BTreeMap::new();
-    for message in messages {
+    let mut pairs = Groups::new(log.disk());
+    for message in messages(log) {
         // The front robot follows nobody: in a ring, the returning message only triggers its next one.
         let Fate::Used(chain) = message.fate else {
             continue;
@@ -209,12 +224,12 @@ fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
         let applied_ns = chain.instants_ns[7];
         let mut key = (message.from, message.seq);
         for _ in 0..=ahead.len() {
-            let Some(sent) = log.sent.get(&key) else {
+            let Some(sent) = log.sent(key) else {
                 break;
             };
             let age_ns = applied_ns.saturating_sub(sent.sampled_ns);
-            pairs.entry((key.0, message.to)).or_default().push(age_ns);
-            let tick = log.outer.get(&(key.0, sent.tick_ns));
+            pairs.push((key.0, message.to), age_ns);
+            let tick = log.outer((key.0, sent.tick_ns));
             let before = tick.and_then(|tick| tick.message).zip(ahead.get(&key.0));
             match before {
                 Some((seq, &from)) if key.0 != 0 => key = (from, seq),
@@ -222,68 +237,86 @@ fn platoon(log: &Log, messages: &[Message], names: &Names<'_>) -> Vec<Age> {
             }
         }
     }
-    ages(pairs, names)
+    ages(&pairs, names)
 }
 
 fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
-    let mut pairs: BTreeMap<Link, Vec<i64>> = BTreeMap::new();
-    for (&(robot, _), tick) in &log.outer {
+    let mut pairs = Groups::new(log.disk());
+    for ((robot, _), tick) in log.outer_ticks() {
         let key = ahead.get(&robot).copied().zip(tick.message);
-        if let Some((key, sent)) = key.and_then(|key| Some((key, log.sent.get(&key)?))) {
+        if let Some((key, sent)) = key.and_then(|key| Some((key, log.sent(key)?))) {
             let age_ns = tick.began_ns.saturating_sub(sent.sampled_ns);
-            pairs.entry((key.0, robot)).or_default().push(age_ns);
+            pairs.push((key.0, robot), age_ns);
         }
     }
-    ages(pairs, names)
+    ages(&pairs, names)
 }
 
 fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopTiming> {
-    let mut ticks: BTreeMap<LoopKey, Vec<[i64; 2]>> = BTreeMap::new();
-    for (&(robot, t_ns), tick) in &log.inner {
-        let times = ticks.entry((Some(robot), Loop::Inner)).or_default();
-        times.push([t_ns, tick.began_ns]);
-    }
-    for (&(robot, t_ns), tick) in &log.outer {
-        let times = ticks.entry((Some(robot), Loop::Outer)).or_default();
-        times.push([t_ns, tick.began_ns]);
-    }
-    let plant = (None, Loop::Step);
-    if let Some(times) = log.deadlines.get(&plant) {
-        let times = times
-            .iter()
-            .map(|&[due_ns, began_ns, _]| [due_ns, began_ns]);
-        ticks.insert(plant, times.collect());
-    }
-    let figures = |(of, times): (LoopKey, Vec<[i64; 2]>)| {
-        let late = |&[due, began]: &[i64; 2]| began.saturating_sub(due);
-        let lateness: Vec<i64> = times.iter().map(late).collect();
-        let change = |pair: &[i64]| pair[1].saturating_sub(pair[0]).saturating_abs();
-        let jitter = lateness.windows(2).map(change).collect();
-        Percentiles::new(lateness).map(|late| LoopTiming {
-            process: of
-                .0
-                .map_or_else(|| "plant".to_owned(), |robot| names.of(robot)),
-            name: of.1.name().into(),
-            ticks: times.len() as u64,
-            left_out: left_out(&times),
-            missed: log.missed.get(&of).copied().unwrap_or(0),
-            late,
-            jitter: Percentiles::new(jitter),
-        })
+    let inner = |((robot, due_ns), tick): (Tick, Inner)| {
+        ((Some(robot), Loop::Inner), [due_ns, tick.began_ns])
     };
-    ticks.into_iter().filter_map(figures).collect()
+    let outer = |((robot, due_ns), tick): (Tick, Outer)| {
+        ((Some(robot), Loop::Outer), [due_ns, tick.began_ns])
+    };
+    let step = |[due_ns, began_ns, _]: [i64; 3]| ((None, Loop::Step), [due_ns, began_ns]);
+    let ticks = || {
+        let inner = log.inner_ticks().map(inner);
+        inner
+            .chain(log.outer_ticks().map(outer))
+            .chain(log.steps().map(step))
+    };
+    let (mut late, mut jitter) = (Groups::new(log.disk()), Groups::new(log.disk()));
+    let mut periods: BTreeMap<LoopKey, i64> = BTreeMap::new();
+    let mut before = None;
+    for (of, [due_ns, began_ns]) in ticks() {
+        let late_ns = began_ns.saturating_sub(due_ns);
+        late.push(of, late_ns);
+        if let Some((last_due_ns, last_late_ns)) = last_of(&mut before, of, (due_ns, late_ns)) {
+            jitter.push(of, late_ns.saturating_sub(last_late_ns).saturating_abs());
+            let gap_ns = due_ns.saturating_sub(last_due_ns);
+            let period_ns = periods.entry(of).or_insert(gap_ns);
+            *period_ns = gap_ns.min(*period_ns);
+        }
+    }
+    let left_out = left_out(ticks().map(|(of, [due_ns, _])| (of, due_ns)), &periods);
+    let jitter = jitter.percentiles();
+    let figures = |(of, (ticks, late)): (LoopKey, (u64, Percentiles))| LoopTiming {
+        process: of
+            .0
+            .map_or_else(|| "plant".to_owned(), |robot| names.of(robot)),
+        name: of.1.name().into(),
+        ticks,
+        left_out: left_out.get(&of).copied().unwrap_or(0),
+        missed: log.missed.get(&of).copied().unwrap_or(0),
+        late,
+        jitter: jitter.get(&of).map(|(_, figures)| *figures),
+    };
+    late.percentiles().into_iter().map(figures).collect()
 }
 
-/// Ticks missing between these; all are due at whole multiples of one period.
-fn left_out(times: &[[i64; 2]]) -> u64 {
-    let gaps = || {
-        times
-            .windows(2)
-            .map(|pair| pair[1][0].saturating_sub(pair[0][0]))
-    };
-    let Some(period_ns) = gaps().min().filter(|&period_ns| period_ns > 0) else {
-        return 0;
-    };
-    gaps().map(|gap| (gap / period_ns - 1).unsigned_abs()).sum()
+/// Replaces what is known of the last tick. Returns it if it was one of the same loop.
+fn last_of<T>(last: &mut Option<(LoopKey, T)>, of: LoopKey, next: T) -> Option<T> {
+    let (last_of, value) = last.replace((of, next))?;
+    (last_of == of).then_some(value)
+}
+
+/// Ticks missing between these of each loop, which are due at whole multiples of its period (ns).
+fn left_out(
+    due: impl Iterator<Item = (LoopKey, i64)>,
+    periods: &BTreeMap<LoopKey, i64>,
+) -> BTreeMap<LoopKey, u64> {
+    let mut left_out: BTreeMap<LoopKey, u64> = BTreeMap::new();
+    let mut before = None;
+    for (of, due_ns) in due {
+        let Some(last_ns) = last_of(&mut before, of, due_ns) else {
+            continue;
+        };
+        if let Some(period_ns) = periods.get(&of).filter(|period_ns| **period_ns > 0) {
+            let gap = due_ns.saturating_sub(last_ns);
+            *left_out.entry(of).or_default() += (gap / period_ns - 1).unsigned_abs();
+        }
+    }
+    left_out
 }

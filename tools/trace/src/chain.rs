@@ -2,12 +2,11 @@
 //! from it.
 
 use std::collections::BTreeMap;
-use std::ops::Bound::{Excluded, Included};
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate as LinkFate;
 
-use crate::log::{Key, Log, Sent, Tick};
+use crate::log::{Key, Later, Log, Sent, Tick};
 
 /// The stages in the order of the chain.
 pub const STAGES: [&str; 7] = [
@@ -102,18 +101,21 @@ pub(crate) fn by_link<T>(items: impl IntoIterator<Item = (Link, T)>) -> BTreeMap
 
 /// Every message of a run, ordered by sender and sequence number, with what became of it.
 pub fn follow(log: &Log) -> Vec<Message> {
-    let keys = log.sent.keys().chain(log.arrived.keys());
-    let keys: BTreeMap<Key, ()> = keys.map(|key| (*key, ())).collect();
-    keys.into_keys().map(|key| message(log, key)).collect()
+    messages(log).collect()
+}
+
+/// As [`follow`], one after the other.
+pub(crate) fn messages(log: &Log) -> impl Iterator<Item = Message> {
+    log.messages().map(|key| message(log, key))
 }
 
 fn message(log: &Log, key: Key) -> Message {
     let (from, seq) = key;
-    let sent = log.sent.get(&key);
-    let receiver = log.arrived.get(&key).map(|(to, _)| *to);
+    let (sent, arrived) = (log.sent(key), log.arrived(key));
+    let receiver = arrived.map(|(to, _)| to);
     let to = sent.map(|sent| sent.to).or(receiver).unwrap_or(from);
-    let fate = sent.map_or(Fate::Untold, |sent| fate(log, key, sent));
-    let available_ns = log.arrived.get(&key).and_then(|(_, available)| *available);
+    let fate = sent.map_or(Fate::Untold, |sent| fate(log, key, &sent));
+    let available_ns = arrived.and_then(|(_, available_ns)| available_ns);
     let sent_and_available = sent.zip(available_ns);
     Message {
         from,
@@ -127,17 +129,17 @@ fn message(log: &Log, key: Key) -> Message {
 
 /// What became of a message that was sent.
 fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
-    let available_ns = match log.arrived.get(&key) {
+    let available_ns = match log.arrived(key) {
         None => return unfinished(log, sent),
         Some((_, None)) => return Fate::Lost,
-        Some((_, Some(available_ns))) => *available_ns,
+        Some((_, Some(available_ns))) => available_ns,
     };
-    match log.taken.get(&key) {
+    match log.taken(key) {
         None => unfinished(log, sent),
         Some((_, LinkFate::Unused)) => Fate::UnderWay,
         Some((_, LinkFate::Stale)) => Fate::Stale,
         Some((_, LinkFate::Superseded)) => Fate::Superseded,
-        Some((tick_ns, LinkFate::Used)) => chain(log, key.0, sent, available_ns, *tick_ns),
+        Some((tick_ns, LinkFate::Used)) => chain(log, key.0, sent, available_ns, tick_ns),
     }
 }
 
@@ -145,7 +147,7 @@ fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
 /// released it; `tick_ns`: when the outer tick was due.
 fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i64) -> Fate {
     let outer = (sent.to, tick_ns);
-    let ticks = (log.outer.get(&(from, sent.tick_ns)), log.outer.get(&outer));
+    let ticks = (log.outer((from, sent.tick_ns)), log.outer(outer));
     let (Some(sender_tick), Some(receiver_tick)) = ticks else {
         return Fate::Untold;
     };
@@ -156,14 +158,16 @@ fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i
             unfinished(log, sent)
         }
     };
-    let Some(&inner_ns) = log.first_inner.get(&outer) else {
-        return overwritten_if(later(&log.first_inner, outer));
+    let inner_ns = match log.first_inner(outer) {
+        Ok(inner_ns) => inner_ns,
+        Err(Later(newer)) => return overwritten_if(newer),
     };
     let inner = (sent.to, inner_ns);
-    let Some(&applied_ns) = log.applied.get(&inner) else {
-        return overwritten_if(later(&log.applied, inner));
+    let applied_ns = match log.applied(inner) {
+        Ok(applied_ns) => applied_ns,
+        Err(Later(newer)) => return overwritten_if(newer),
     };
-    let Some(inner_tick) = log.inner.get(&inner) else {
+    let Some(inner_tick) = log.inner(inner) else {
         return Fate::Untold;
     };
     // A message that the tick used was through the bus, even if its sender was suspended before it
@@ -190,10 +194,4 @@ fn unfinished(log: &Log, sent: &Sent) -> Fate {
     } else {
         Fate::UnderWay
     }
-}
-
-/// Whether the robot has a later tick than this.
-fn later(ticks: &BTreeMap<Tick, i64>, (robot, t_ns): Tick) -> bool {
-    let range = (Excluded((robot, t_ns)), Included((robot, i64::MAX)));
-    ticks.range(range).next().is_some()
 }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::chain::{Chain, Fate, Link, STAGES, by_link, follow};
+use crate::chain::{Chain, Fate, Link, STAGES, messages};
 use crate::log::Log;
 use crate::names::Names;
 
@@ -48,42 +48,59 @@ pub struct Change {
 /// Compares every link that has at least two used messages in both runs; `names` by the robots' index.
 pub fn against(log: &Log, other: &Log, names: &[String]) -> Vec<HopChange> {
     let names = Names(names);
-    let (here, mut there) = (used(log), used(other));
-    let hop = |(link, chains): (Link, Vec<Chain>)| {
+    let (here, mut there) = (means(log), means(other));
+    let hop = |(link, stages): (Link, Stages<Mean>)| {
         let other = there.remove(&link)?;
-        (chains.len() > 1 && other.len() > 1).then(|| HopChange {
+        Some(HopChange {
             from: names.of(link.0),
             to: names.of(link.1),
-            stages: changes(&chains, &other),
+            stages: changes(&stages, &other),
         })
     };
     here.into_iter().filter_map(hop).collect()
 }
 
-/// The complete chains of each link.
-fn used(log: &Log) -> BTreeMap<Link, Vec<Chain>> {
-    by_link(
-        follow(log)
-            .into_iter()
-            .filter_map(|message| match message.fate {
-                Fate::Used(chain) => Some((message.link(), chain)),
-                _ => None,
-            }),
-    )
+/// One value for each stage, then that for the whole chain.
+type Stages<T> = [T; 8];
+
+/// The durations of a chain (ns).
+fn durations_ns(chain: &Chain) -> Stages<i64> {
+    let [a, b, c, d, e, f, g] = chain.stages_ns();
+    [a, b, c, d, e, f, g, chain.end_to_end_ns()]
 }
 
-fn changes(chains: &[Chain], other: &[Chain]) -> Vec<Change> {
-    let both = |stage: &'static str, duration_ns: &dyn Fn(&Chain) -> i64| {
-        let mean =
-            |chains: &[Chain]| Mean::new(&chains.iter().map(duration_ns).collect::<Vec<i64>>());
-        change(stage, mean(chains), mean(other))
-    };
-    let stages = STAGES.iter().enumerate();
-    let mut changes: Vec<Change> = stages
-        .map(|(i, &stage)| both(stage, &|chain| chain.stages_ns()[i]))
-        .collect();
-    changes.push(both("end_to_end", &Chain::end_to_end_ns));
-    changes
+/// The complete chains, link by link in the order of sending.
+fn used(log: &Log) -> impl Iterator<Item = (Link, Stages<i64>)> {
+    messages(log).filter_map(|message| match message.fate {
+        Fate::Used(chain) => Some((message.link(), durations_ns(&chain))),
+        _ => None,
+    })
+}
+
+/// The means of each link with at least two complete chains, in two visits of all messages.
+fn means(log: &Log) -> BTreeMap<Link, Stages<Mean>> {
+    let mut sums: BTreeMap<Link, Stages<Sum>> = BTreeMap::new();
+    for (link, durations_ns) in used(log) {
+        for (sum, duration_ns) in sums.entry(link).or_default().iter_mut().zip(durations_ns) {
+            sum.add(duration_ns);
+        }
+    }
+    for (link, durations_ns) in used(log) {
+        for (sum, duration_ns) in sums.entry(link).or_default().iter_mut().zip(durations_ns) {
+            sum.add_square(duration_ns);
+        }
+    }
+    let means = sums.into_iter().filter(|(_, [first, ..])| first.count > 1);
+    means
+        .map(|(link, sums)| (link, sums.map(|sum| sum.mean())))
+        .collect()
+}
+
+fn changes(here: &Stages<Mean>, other: &Stages<Mean>) -> Vec<Change> {
+    let names = STAGES.into_iter().chain(["end_to_end"]);
+    let both = names.zip(here.iter().zip(other));
+    both.map(|(stage, (here, other))| change(stage, *here, *other))
+        .collect()
 }
 
 fn change(stage: &'static str, this: Mean, other: Mean) -> Change {
@@ -107,17 +124,34 @@ struct Mean {
     error_variance_s2: f64,
 }
 
-impl Mean {
-    /// The mean of at least two durations (ns).
-    fn new(durations_ns: &[i64]) -> Self {
-        let n = durations_ns.len() as f64;
-        let sum: i128 = durations_ns.iter().copied().map(i128::from).sum();
-        let mean_s = sum as f64 / n / 1e9;
-        let square = |&ns: &i64| (ns as f64 / 1e9 - mean_s).powi(2);
-        let variance_s2 = durations_ns.iter().map(square).sum::<f64>() / (n - 1.0);
-        Self {
-            mean_s,
-            error_variance_s2: variance_s2 / n,
+/// Durations being summed up: first all of them, then their squared deviations from the mean.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    count: u64,
+    sum_ns: i128,
+    squares_s2: f64,
+}
+
+impl Sum {
+    fn add(&mut self, duration_ns: i64) {
+        self.count += 1;
+        self.sum_ns += i128::from(duration_ns);
+    }
+
+    fn add_square(&mut self, duration_ns: i64) {
+        self.squares_s2 += (duration_ns as f64 / 1e9 - self.mean_s()).powi(2);
+    }
+
+    fn mean_s(&self) -> f64 {
+        self.sum_ns as f64 / self.count as f64 / 1e9
+    }
+
+    /// The mean of at least two durations.
+    fn mean(&self) -> Mean {
+        let n = self.count as f64;
+        Mean {
+            mean_s: self.mean_s(),
+            error_variance_s2: self.squares_s2 / (n - 1.0) / n,
         }
     }
 }
@@ -126,9 +160,16 @@ impl Mean {
 mod tests {
     use super::*;
 
+    fn mean_of(durations_ns: [i64; 3]) -> Mean {
+        let mut sum = Sum::default();
+        durations_ns.iter().for_each(|ns| sum.add(*ns));
+        durations_ns.iter().for_each(|ns| sum.add_square(*ns));
+        sum.mean()
+    }
+
     #[test]
     fn the_interval_is_the_textbook_one() {
-        let (this, other) = (Mean::new(&[4, 6, 8]), Mean::new(&[1, 2, 3]));
+        let (this, other) = (mean_of([4, 6, 8]), mean_of([1, 2, 3]));
         let change = change("compute", this, other);
         // Variances 4 and 1, three of each: 1.96 √(5/3) around 4.
         let half = 1.96 * (5.0_f64 / 3.0).sqrt();

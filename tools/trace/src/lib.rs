@@ -11,6 +11,7 @@ mod log;
 mod names;
 mod percentiles;
 mod perfetto;
+mod pile;
 mod read;
 mod round_trips;
 mod step;

@@ -4,8 +4,13 @@ use std::collections::BTreeMap;
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
+use slipstream_recording::Disk;
 
+use crate::pile::{Keep, Pile};
 use crate::step::{Loop, Step};
+
+/// What can become of a message at its receiver, by its number in a record.
+const FATES: [Fate; 4] = [Fate::Unused, Fate::Stale, Fate::Superseded, Fate::Used];
 
 /// A message: its sender and its sequence number.
 pub(crate) type Key = (RobotIndex, u32);
@@ -15,23 +20,34 @@ pub(crate) type Tick = (RobotIndex, i64);
 pub(crate) type LoopKey = (Option<RobotIndex>, Loop);
 
 /// The trace of a run: messages, ticks, deadlines, and all other spans and events.
-#[derive(Debug, Clone, Default)]
+///
+/// Its memory does not grow with the number of messages and ticks: they lie in a temporary file, in the
+/// order of their keys.
+#[derive(Debug, Clone)]
 pub struct Log {
-    pub(crate) sent: BTreeMap<Key, Sent>,
-    /// The receiver, and when the delay line releases the message (ns); `None`: lost.
-    pub(crate) arrived: BTreeMap<Key, (RobotIndex, Option<i64>)>,
-    /// When the receiver's outer tick was due (ns), and what became of the message there.
-    pub(crate) taken: BTreeMap<Key, (i64, Fate)>,
-    pub(crate) outer: BTreeMap<Tick, Outer>,
-    pub(crate) inner: BTreeMap<Tick, Inner>,
-    /// By the inner tick that requested the torque: when the plant applied it (ns).
-    pub(crate) applied: BTreeMap<Tick, i64>,
-    /// By outer tick: when the first inner tick that follows its set-points was due (ns).
-    pub(crate) first_inner: BTreeMap<Tick, i64>,
+    disk: Disk,
+    /// Sender, sequence number; receiver, sampled, tick due, sent, queued (ns).
+    sent: Pile<7>,
+    /// Sender, sequence number; receiver, 1 and when the delay line releases the message (ns), or 0
+    /// and 0 if it was lost.
+    arrived: Pile<5>,
+    /// Sender, sequence number; when the receiver's outer tick was due (ns), and what became of the
+    /// message there.
+    taken: Pile<4>,
+    /// Robot, due; began, done (ns), message or -1.
+    outer: Pile<5>,
+    /// Robot, due; began, done (ns).
+    inner: Pile<4>,
+    /// Robot, due time of the inner tick that requested the torque; when the plant applied it (ns).
+    applied: Pile<3>,
+    /// Robot, due time of an outer tick; when the first inner tick that follows its set-points was due
+    /// (ns).
+    first_inner: Pile<3>,
     /// When agents died (ns).
     pub(crate) deaths: Vec<Tick>,
-    /// The ticks of each loop on the wall clock: due, begun and ended (ns).
-    pub(crate) deadlines: BTreeMap<LoopKey, Vec<[i64; 3]>>,
+    /// The plant's steps on the wall clock: 0, index; due, begun and ended (ns).
+    steps: Pile<5>,
+    step_count: i64,
     /// Number of missed deadlines of each loop.
     pub(crate) missed: BTreeMap<LoopKey, u64>,
     /// Spans and events that belong to no message and no tick.
@@ -79,10 +95,25 @@ pub(crate) struct Inner {
     pub(crate) done_ns: i64,
 }
 
-/// Keeps the earliest time (ns) of each tick.
-fn keep_first(times: &mut BTreeMap<Tick, i64>, tick: Tick, t_ns: i64) {
-    let first = times.entry(tick).or_insert(t_ns);
-    *first = t_ns.min(*first);
+impl Default for Log {
+    fn default() -> Self {
+        let disk = Disk::default();
+        Self {
+            sent: Pile::new(&disk, Keep::Last),
+            arrived: Pile::new(&disk, Keep::Last),
+            taken: Pile::new(&disk, Keep::Last),
+            outer: Pile::new(&disk, Keep::Last),
+            inner: Pile::new(&disk, Keep::Last),
+            applied: Pile::new(&disk, Keep::Smallest),
+            first_inner: Pile::new(&disk, Keep::Smallest),
+            deaths: Vec::new(),
+            steps: Pile::new(&disk, Keep::Last),
+            step_count: 0,
+            missed: BTreeMap::new(),
+            notes: Vec::new(),
+            disk,
+        }
+    }
 }
 
 impl Log {
@@ -93,6 +124,20 @@ impl Log {
             log.take(step);
         }
         log
+    }
+
+    /// Whether the temporary file could be written and read so far. Ask after the last use of the log:
+    /// what is computed from it is otherwise incomplete.
+    ///
+    /// # Errors
+    /// The error of the operating system.
+    pub fn check(&self) -> slipstream_recording::Result<()> {
+        self.disk.check()
+    }
+
+    /// Where lists that are as long as the log belong.
+    pub(crate) fn disk(&self) -> &Disk {
+        &self.disk
     }
 
     /// Adds a span or event that belongs to no message and no tick.
@@ -112,14 +157,9 @@ impl Log {
                 sent_ns,
                 queued_ns,
             } => {
-                let sent = Sent {
-                    to,
-                    sampled_ns,
-                    tick_ns,
-                    sent_ns,
-                    queued_ns,
-                };
-                self.sent.insert((from, seq), sent);
+                let [from, seq, to] = [from, seq, to].map(i64::from);
+                self.sent
+                    .push([from, seq, to, sampled_ns, tick_ns, sent_ns, queued_ns]);
             }
             Step::Arrived {
                 from,
@@ -127,7 +167,9 @@ impl Log {
                 seq,
                 available_ns,
             } => {
-                self.arrived.insert((from, seq), (to, available_ns));
+                let [from, seq, to] = [from, seq, to].map(i64::from);
+                let [is_released, t_ns] = available_ns.map_or([0, 0], |t_ns| [1, t_ns]);
+                self.arrived.push([from, seq, to, is_released, t_ns]);
             }
             Step::Taken {
                 from,
@@ -135,7 +177,9 @@ impl Log {
                 tick_ns,
                 fate,
             } => {
-                self.taken.insert((from, seq), (tick_ns, fate));
+                let fate = FATES.iter().position(|known| *known == fate);
+                let fate = fate.unwrap_or_default() as i64;
+                self.taken.push([from.into(), seq.into(), tick_ns, fate]);
             }
             Step::Outer {
                 robot,
@@ -144,12 +188,9 @@ impl Log {
                 done_ns,
                 message,
             } => {
-                let tick = Outer {
-                    began_ns,
-                    done_ns,
-                    message,
-                };
-                self.outer.insert((robot, due_ns), tick);
+                let message = message.map_or(-1, i64::from);
+                self.outer
+                    .push([robot.into(), due_ns, began_ns, done_ns, message]);
             }
             Step::Inner {
                 robot,
@@ -158,15 +199,14 @@ impl Log {
                 done_ns,
                 outer_ns,
             } => {
-                let tick = Inner { began_ns, done_ns };
-                self.inner.insert((robot, due_ns), tick);
-                keep_first(&mut self.first_inner, (robot, outer_ns), due_ns);
+                self.inner.push([robot.into(), due_ns, began_ns, done_ns]);
+                self.first_inner.push([robot.into(), outer_ns, due_ns]);
             }
             Step::Applied {
                 robot,
                 tick_ns,
                 taken_ns,
-            } => keep_first(&mut self.applied, (robot, tick_ns), taken_ns),
+            } => self.applied.push([robot.into(), tick_ns, taken_ns]),
             Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
             Step::Deadline {
                 robot,
@@ -180,14 +220,165 @@ impl Log {
     }
 
     fn take_deadline(&mut self, key: LoopKey, times_ns: [i64; 3], missed: bool) {
-        self.deadlines.entry(key).or_default().push(times_ns);
         *self.missed.entry(key).or_default() += u64::from(missed);
+        if key == (None, Loop::Step) {
+            let [due_ns, began_ns, done_ns] = times_ns;
+            self.steps
+                .push([0, self.step_count, due_ns, began_ns, done_ns]);
+            self.step_count += 1;
+        }
+    }
+
+    /// Whether there are neither messages nor ticks.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.sent.is_empty() && self.inner.is_empty()
+    }
+
+    /// The message with this key, as it was sent.
+    pub(crate) fn sent(&self, (from, seq): Key) -> Option<Sent> {
+        self.sent
+            .get([from.into(), seq.into()])
+            .map(|record| sent_of(record).1)
+    }
+
+    /// Receiver of a message, and when the delay line releases it (ns); `None`: lost.
+    pub(crate) fn arrived(&self, (from, seq): Key) -> Option<(RobotIndex, Option<i64>)> {
+        let [.., to, is_released, t_ns] = self.arrived.get([from.into(), seq.into()])?;
+        Some((index(to), (is_released == 1).then_some(t_ns)))
+    }
+
+    /// When the receiver's outer tick was due (ns), and what became of the message there.
+    pub(crate) fn taken(&self, (from, seq): Key) -> Option<(i64, Fate)> {
+        let [.., tick_ns, fate] = self.taken.get([from.into(), seq.into()])?;
+        Some((tick_ns, *FATES.get(fate as usize)?))
+    }
+
+    /// An outer tick.
+    pub(crate) fn outer(&self, (robot, due_ns): Tick) -> Option<Outer> {
+        self.outer
+            .get([robot.into(), due_ns])
+            .map(|record| outer_of(record).1)
+    }
+
+    /// An inner tick.
+    pub(crate) fn inner(&self, (robot, due_ns): Tick) -> Option<Inner> {
+        self.inner
+            .get([robot.into(), due_ns])
+            .map(|record| inner_of(record).1)
+    }
+
+    /// When the plant applied the torque of an inner tick (ns), and whether it applied one of a later
+    /// tick.
+    pub(crate) fn applied(&self, tick: Tick) -> Result<i64, Later> {
+        time_or_later(&self.applied, tick)
+    }
+
+    /// When the first inner tick that follows an outer tick's set-points was due (ns), and whether one
+    /// follows a later tick.
+    pub(crate) fn first_inner(&self, tick: Tick) -> Result<i64, Later> {
+        time_or_later(&self.first_inner, tick)
+    }
+
+    /// The messages that were sent or arrived, in the order of their keys.
+    pub(crate) fn messages(&self) -> impl Iterator<Item = Key> {
+        let sent = self
+            .sent
+            .iter()
+            .map(|[from, seq, ..]| (index(from), index(seq)));
+        let arrived = self
+            .arrived
+            .iter()
+            .map(|[from, seq, ..]| (index(from), index(seq)));
+        let (mut sent, mut arrived) = (sent.peekable(), arrived.peekable());
+        std::iter::from_fn(move || {
+            let next = match (sent.peek(), arrived.peek()) {
+                (Some(a), Some(b)) => *a.min(b),
+                (Some(key), None) | (None, Some(key)) => *key,
+                (None, None) => return None,
+            };
+            sent.next_if_eq(&next);
+            arrived.next_if_eq(&next);
+            Some(next)
+        })
+    }
+
+    /// All outer ticks, ordered by robot and due time.
+    pub(crate) fn outer_ticks(&self) -> impl Iterator<Item = (Tick, Outer)> {
+        self.outer.iter().map(outer_of)
+    }
+
+    /// All inner ticks, ordered by robot and due time.
+    pub(crate) fn inner_ticks(&self) -> impl Iterator<Item = (Tick, Inner)> {
+        self.inner.iter().map(inner_of)
+    }
+
+    /// All torques: the inner tick that requested it, and when the plant applied it (ns).
+    pub(crate) fn torques(&self) -> impl Iterator<Item = (Tick, i64)> {
+        let torque = |[robot, due_ns, taken_ns]: [i64; 3]| ((index(robot), due_ns), taken_ns);
+        self.applied.iter().map(torque)
+    }
+
+    /// The plant's steps on the wall clock, in the order of the recording: due, begun, ended (ns).
+    pub(crate) fn steps(&self) -> impl Iterator<Item = [i64; 3]> {
+        self.steps
+            .iter()
+            .map(|[.., due_ns, began_ns, done_ns]| [due_ns, began_ns, done_ns])
     }
 
     /// The robot that each robot receives messages from.
     pub(crate) fn sender_to(&self) -> BTreeMap<RobotIndex, RobotIndex> {
-        let heard = self.arrived.iter().map(|(key, (to, _))| (*to, key.0));
-        let sent = self.sent.iter().map(|(key, sent)| (sent.to, key.0));
+        let heard = self
+            .arrived
+            .iter()
+            .map(|[from, _, to, ..]| (index(to), index(from)));
+        let sent = self
+            .sent
+            .iter()
+            .map(|[from, _, to, ..]| (index(to), index(from)));
         heard.chain(sent).collect()
     }
+}
+
+/// A tick has no time; the value tells whether the robot has one for a later tick.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Later(pub(crate) bool);
+
+fn time_or_later(times: &Pile<3>, (robot, t_ns): Tick) -> Result<i64, Later> {
+    let key = [robot.into(), t_ns];
+    match times.get(key) {
+        Some([.., time_ns]) => Ok(time_ns),
+        None => {
+            let later = times.after(key);
+            Err(Later(later.is_some_and(|[of, ..]| of == i64::from(robot))))
+        }
+    }
+}
+
+/// A number of a record that was an index or a sequence number.
+fn index(number: i64) -> u32 {
+    u32::try_from(number).unwrap_or_default()
+}
+
+fn sent_of([from, seq, to, sampled_ns, tick_ns, sent_ns, queued_ns]: [i64; 7]) -> (Key, Sent) {
+    let sent = Sent {
+        to: index(to),
+        sampled_ns,
+        tick_ns,
+        sent_ns,
+        queued_ns,
+    };
+    ((index(from), index(seq)), sent)
+}
+
+fn outer_of([robot, due_ns, began_ns, done_ns, message]: [i64; 5]) -> (Tick, Outer) {
+    let tick = Outer {
+        began_ns,
+        done_ns,
+        message: u32::try_from(message).ok(),
+    };
+    ((index(robot), due_ns), tick)
+}
+
+fn inner_of([robot, due_ns, began_ns, done_ns]: [i64; 4]) -> (Tick, Inner) {
+    ((index(robot), due_ns), Inner { began_ns, done_ns })
 }

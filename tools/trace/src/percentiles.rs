@@ -18,17 +18,29 @@ impl Percentiles {
     /// Percentiles of `durations_ns` (ns); `None` if there are none.
     pub fn new(mut durations_ns: Vec<i64>) -> Option<Self> {
         durations_ns.sort_unstable();
-        let percentile = |percent: usize| {
-            let rank = (durations_ns.len() * percent).div_ceil(100);
-            durations_ns
-                .get(rank.saturating_sub(1))
-                .copied()
-                .map(s_from_ns)
-        };
+        Self::of_sorted(durations_ns.len() as u64, &mut durations_ns.into_iter())
+    }
+
+    /// Percentiles of the next `count` durations (ns), which are in ascending order; `None` if there
+    /// are none. Takes them all.
+    pub(crate) fn of_sorted(
+        count: u64,
+        durations_ns: &mut dyn Iterator<Item = i64>,
+    ) -> Option<Self> {
+        let rank = |percent: u64| count.saturating_mul(percent).div_ceil(100).max(1);
+        let mut found = [None; 3];
+        for (number, duration_ns) in (1..=count).zip(durations_ns) {
+            for (found, percent) in found.iter_mut().zip([50, 99, 100]) {
+                if number == rank(percent) {
+                    *found = Some(s_from_ns(duration_ns));
+                }
+            }
+        }
+        let [p50_s, p99_s, max_s] = found;
         Some(Self {
-            p50_s: percentile(50)?,
-            p99_s: percentile(99)?,
-            max_s: percentile(100)?,
+            p50_s: p50_s?,
+            p99_s: p99_s?,
+            max_s: max_s?,
         })
     }
 }

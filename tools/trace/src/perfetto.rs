@@ -8,10 +8,9 @@ use std::collections::BTreeSet;
 use serde_json::{Value, json};
 use slipstream_bus::message::RobotIndex;
 
-use crate::chain::{Chain, Fate, Message, STAGES, follow};
+use crate::chain::{Chain, Fate, Message, STAGES, messages};
 use crate::log::{Log, Note};
 use crate::names::Names;
-use crate::step::Loop;
 
 /// Process id of the plant in the trace.
 const PLANT_PID: u32 = 1;
@@ -30,23 +29,22 @@ const CATEGORY: &str = "position";
 pub fn timeline(log: &Log, names: &[String]) -> Value {
     let names = Names(names);
     let mut events = track_names(log, &names);
-    for (&(robot, due_ns), tick) in &log.outer {
+    for ((robot, due_ns), tick) in log.outer_ticks() {
         let times = [tick.began_ns, tick.done_ns];
         events.push(slice("outer", track(robot, OUTER_TID), times, due_ns));
     }
-    for (&(robot, due_ns), tick) in &log.inner {
+    for ((robot, due_ns), tick) in log.inner_ticks() {
         let times = [tick.began_ns, tick.done_ns];
         events.push(slice("inner", track(robot, INNER_TID), times, due_ns));
     }
-    for (&(robot, due_ns), &taken_ns) in &log.applied {
+    for ((robot, due_ns), taken_ns) in log.torques() {
         events.push(slice("torque", at_plant(robot), [taken_ns; 2], due_ns));
     }
-    for &[due_ns, began_ns, done_ns] in log.deadlines.get(&(None, Loop::Step)).into_iter().flatten()
-    {
+    for [due_ns, began_ns, done_ns] in log.steps() {
         events.push(slice("step", [PLANT_PID, 0], [began_ns, done_ns], due_ns));
     }
     events.extend(log.notes.iter().map(|note| note_event(note, &names)));
-    for message in follow(log) {
+    for message in messages(log) {
         if let Fate::Used(chain) = message.fate {
             let from = names.of(message.from);
             let id = format!("{from}:{}", message.seq);
@@ -74,7 +72,7 @@ fn micros(ns: i64) -> f64 {
 
 fn track_names(log: &Log, names: &Names<'_>) -> Vec<Value> {
     let title = |what: &str, [pid, tid]: [u32; 2], name: &str| json!({"ph": "M", "name": what, "pid": pid, "tid": tid, "args": {"name": name}});
-    let robots: BTreeSet<RobotIndex> = log.inner.keys().map(|tick| tick.0).collect();
+    let robots: BTreeSet<RobotIndex> = log.inner_ticks().map(|(tick, _)| tick.0).collect();
     let mut titles = vec![title("process_name", [PLANT_PID, 0], "plant")];
     for (name, pid) in OTHER_PIDS {
         if log.notes.iter().any(|note| note.process == name) {

@@ -33,13 +33,9 @@ impl Reading {
 /// # Errors
 /// The file cannot be read, is not an MCAP file, or holds no trace in a format known here.
 pub fn read(path: &Path) -> Result<Reading> {
-    let mut pieces: Vec<Vec<u8>> = Vec::new();
     let mut rejected = None;
     let file = read_trace(path, &mut |bytes| match trace::read(bytes, |_| {}) {
-        Ok(()) => {
-            pieces.push(bytes.to_vec());
-            true
-        }
+        Ok(()) => true,
         Err(why) => {
             rejected.get_or_insert(why);
             false
@@ -52,12 +48,13 @@ pub fn read(path: &Path) -> Result<Reading> {
         };
         return Err(InputError::file(path, why.to_string(), remedy).into());
     }
+    // The names of the robots, which may stand at the end, are known now.
     let mut log = Log::default();
-    for piece in &pieces {
-        // This piece has been read once without an error.
-        let _ = trace::read(piece, |record| add(&mut log, &record, &file.robots));
-    }
-    if log.sent.is_empty() && log.inner.is_empty() {
+    read_trace(path, &mut |bytes| {
+        trace::read(bytes, |record| add(&mut log, &record, &file.robots)).is_ok()
+    })?;
+    log.check()?;
+    if log.is_empty() {
         let remedy = "record with RUST_LOG=slipstream=debug, or without RUST_LOG";
         let problem = "the trace holds neither ticks nor messages".to_owned();
         return Err(InputError::file(path, problem, remedy).into());

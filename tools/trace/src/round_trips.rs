@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use slipstream_bus::message::RobotIndex;
 
-use crate::chain::{Message, by_link, follow};
+use crate::chain::{Message, by_link, messages};
 use crate::log::Log;
 
 /// One link's messages as an rtt.csv.
@@ -23,8 +23,8 @@ pub struct RoundTrips {
 /// `links.delay_s=0`.
 pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
     // A message that never reached the link has no delay to replay.
-    let arrived = |message: &Message| log.arrived.contains_key(&(message.from, message.seq));
-    let messages = follow(log).into_iter().filter(arrived);
+    let arrived = |message: &Message| log.arrived((message.from, message.seq)).is_some();
+    let messages = messages(log).filter(arrived);
     by_link(messages.map(|message| (message.link(), message)))
         .into_iter()
         .map(|((from, to), messages)| RoundTrips {

@@ -45,7 +45,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let other = read(other)?;
         let changes = slipstream_trace::against(&reading.log, &other.log, &reading.robots);
         answer.against = Some(changes);
+        other.log.check()?;
     }
+    reading.log.check()?;
     if let Some(file) = &arguments.json {
         output_file::write_json(file, &answer)?;
     }
@@ -61,6 +63,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
         output_file::write(file, &page)?;
     }
+    reading.log.check()?;
     print::out(format_args!("{}", table::table(&answer)));
     Ok(Exit::Done)
 }

@@ -1,4 +1,4 @@
-//! An unlinked temporary file that takes what exceeds the memory of a stream.
+//! An unlinked temporary file that takes what would not fit into bounded memory.
 
 use std::cell::RefCell;
 use std::fs::File;
@@ -8,20 +8,20 @@ use std::rc::Rc;
 use crate::error::{Result, write_error};
 use crate::output::unnamed_file;
 
-/// A temporary file shared by the streams of a recording. It is created with the first block and has
-/// no name, so that it disappears with the process, however that ends.
+/// A temporary file (in `TMPDIR`) shared by many lists that do not fit into memory. It is created with
+/// the first block and has no name, so that it disappears with the process, however that ends.
 ///
 /// An error is kept until [`Disk::check`] is called: whoever reads or writes rows does not handle it
 /// row by row. After an error, nothing more is written, and reading ends early.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Disk {
+pub struct Disk {
     file: Rc<RefCell<Option<File>>>,
     error: Rc<RefCell<Option<io::Error>>>,
 }
 
 impl Disk {
     /// Another file that reports its errors to this one.
-    pub(super) fn sibling(&self) -> Self {
+    pub fn sibling(&self) -> Self {
         Self {
             file: Rc::default(),
             error: Rc::clone(&self.error),
@@ -29,7 +29,7 @@ impl Disk {
     }
 
     /// Appends bytes and returns where they begin.
-    pub(super) fn append(&self, bytes: &[u8]) -> u64 {
+    pub fn append(&self, bytes: &[u8]) -> u64 {
         if self.error.borrow().is_some() {
             return 0;
         }
@@ -40,7 +40,7 @@ impl Disk {
     }
 
     /// Reads the bytes at an offset. Returns whether they could be read.
-    pub(super) fn read(&self, offset: u64, bytes: &mut [u8]) -> bool {
+    pub fn read(&self, offset: u64, bytes: &mut [u8]) -> bool {
         if self.error.borrow().is_some() {
             return false;
         }
@@ -57,7 +57,7 @@ impl Disk {
     ///
     /// # Errors
     /// The first error of the operating system, mostly that the file system is full.
-    pub(crate) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         match self.error.borrow_mut().take() {
             Some(error) => Err(write_error(&std::env::temp_dir())(error)),
             None => Ok(()),

@@ -17,7 +17,7 @@ mod spooled;
 
 pub(crate) use all_rows::{AllRows, LinkRows, RobotRows};
 pub(crate) use cursor::{RowCursor, Rows};
-pub(crate) use disk::Disk;
+pub use disk::Disk;
 pub(crate) use select::{Selection, median};
 pub(crate) use sort::sorted_by_time;
 pub(crate) use spool::Spool;
