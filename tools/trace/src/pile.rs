@@ -36,7 +36,10 @@ pub(crate) enum Keep {
 /// key keep their order. A thousandth of the records' size is in memory, the rest on a [`Disk`].
 #[derive(Debug, Clone)]
 pub(crate) struct Pile<const N: usize> {
+    /// Whose errors are reported.
     disk: Disk,
+    /// The file of the runs. It is left to them when they are merged, and disappears with them.
+    runs_disk: RefCell<Disk>,
     keep: Keep,
     /// The records after the last run, until they are sorted.
     pending: RefCell<Vec<[i64; N]>>,
@@ -51,6 +54,7 @@ impl<const N: usize> Pile<N> {
     pub(crate) fn new(disk: &Disk, keep: Keep) -> Self {
         Self {
             disk: disk.clone(),
+            runs_disk: RefCell::new(disk.sibling()),
             keep,
             pending: RefCell::default(),
             runs: RefCell::default(),
@@ -105,9 +109,11 @@ impl<const N: usize> Pile<N> {
         self.sorted.get_or_init(|| {
             let mut runs = self.runs.take();
             runs.push(Rc::new(self.run_of(self.pending.take())));
+            self.runs_disk.replace(self.disk.sibling());
             while runs.len() > 1 {
-                let merged = runs.chunks(FAN_IN).map(|runs| Rc::new(self.merge(runs)));
-                runs = merged.collect();
+                let disk = self.disk.sibling();
+                let merged = runs.chunks(FAN_IN).map(|runs| self.merge(runs, &disk));
+                runs = merged.map(Rc::new).collect();
             }
             runs.pop().unwrap_or_else(|| Rc::new(Run::new(&self.disk)))
         })
@@ -115,7 +121,7 @@ impl<const N: usize> Pile<N> {
 
     fn run_of(&self, mut records: Vec<[i64; N]>) -> Run<N> {
         records.sort_by_key(key_of);
-        let mut run = Run::new(&self.disk);
+        let mut run = Run::new(&self.runs_disk.borrow());
         for record in records {
             run.push(record, self.keep);
         }
@@ -123,9 +129,9 @@ impl<const N: usize> Pile<N> {
     }
 
     /// Merges sorted parts; of records with equal keys, those of the earlier part come first.
-    fn merge(&self, runs: &[Rc<Run<N>>]) -> Run<N> {
+    fn merge(&self, runs: &[Rc<Run<N>>], disk: &Disk) -> Run<N> {
         let mut cursors: Vec<Cursor<N>> = runs.iter().cloned().map(Cursor::new).collect();
-        let mut merged = Run::new(&self.disk);
+        let mut merged = Run::new(disk);
         let mut next = BinaryHeap::new();
         for (index, cursor) in cursors.iter_mut().enumerate() {
             next.extend(
