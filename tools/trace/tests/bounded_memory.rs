@@ -1,6 +1,6 @@
 //! The memory of an answer does not grow with the length of the run.
 //!
-//! 2 minutes against 8 at an inner loop of 200 Hz always; a quarter of an hour against an hour at 1 kHz
+//! 8 minutes against 33 at an inner loop of 200 Hz always; a quarter of an hour against an hour at 1 kHz
 //! with `just large`.
 
 #![expect(clippy::unwrap_used, reason = "helpers of tests")]
@@ -10,9 +10,10 @@ use std::sync::Mutex;
 use slipstream_bus::record::Fate;
 use slipstream_trace::{Log, Step, answer};
 
-/// By how much the peaks of two lengths may differ: buffers of the allocator and the list of blocks
+/// By how much the peaks of two lengths may differ: one read buffer for each part that is merged, up to 64,
+/// and the list of blocks
 /// (bytes).
-const MAX_GROWTH_BYTES: u64 = 6 << 20;
+const MAX_GROWTH_BYTES: u64 = 8 << 20;
 
 /// Only one test at a time measures the memory of this process.
 static MEASURING: Mutex<()> = Mutex::new(());
@@ -94,8 +95,8 @@ fn memory_is_that_of_a_quarter(ticks: u32, inner: u32) {
 }
 
 #[test]
-fn minutes_need_no_more_memory_than_seconds() {
-    memory_is_that_of_a_quarter(10_000, 10);
+fn a_run_needs_no_more_memory_than_a_quarter() {
+    memory_is_that_of_a_quarter(40_000, 10);
 }
 
 #[test]
