@@ -162,12 +162,12 @@ fn invalid_input_is_one_line_and_exit_code_2() {
 }
 
 #[test]
-fn unwritable_output_is_exit_code_1() {
+fn an_output_path_that_cannot_be_used_is_exit_code_2() {
     let scratch = tempfile::tempdir().unwrap();
     write_recording(&scratch.path().join("given"));
     let import = slipstream(
         scratch.path(),
         &["import", "given", "--out", "no/such/folder.mcap"],
     );
-    assert_eq!(import.status.code(), Some(1));
+    assert_eq!(import.status.code(), Some(2));
 }

@@ -16,6 +16,9 @@ pub(super) const LOCK_PREFIX: &str = "lock-";
 /// Name of the lock file in the folder.
 pub(super) const LOCK_FILE: &str = "alive";
 
+/// Largest number of times that the shared memory is listed to remove the files of a run.
+const LISTINGS: u32 = 5;
+
 /// The directory of one run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunDirectory {
@@ -93,13 +96,19 @@ impl RunDirectory {
     /// # Errors
     /// A file of this user cannot be removed; the others are removed.
     pub fn remove(&self) -> io::Result<()> {
-        let mut result = Ok(());
-        for path in self.segments()? {
-            if is_own(&path) {
+        let mut result = remove_path(&self.folder);
+        // Other runs create and remove files while this folder is listed, and a listing may miss one.
+        for _ in 0..LISTINGS {
+            let mut own = self.segments()?;
+            own.retain(|path| is_own(path));
+            if own.is_empty() {
+                break;
+            }
+            for path in own {
                 result = result.and(remove_path(&path));
             }
         }
-        result.and(remove_path(&self.folder))
+        result
     }
 
     /// Files with the names of this run's shared memory that belong to another user, who may have

@@ -20,7 +20,11 @@ use crate::topics;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_mcap(recording: &Recording, path: &Path) -> Result<()> {
-    write(&AllRows::of(recording), BagWriter::new(OutputFile::create(path)?, path)?)?.finish()
+    write(
+        &AllRows::of(recording),
+        BagWriter::new(OutputFile::create(path)?, path)?,
+    )?
+    .finish()
 }
 
 impl Spooled {
