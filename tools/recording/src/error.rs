@@ -32,6 +32,22 @@ pub enum Error {
 /// Result of reading or writing a recording or a model.
 pub type Result<T> = std::result::Result<T, Error>;
 
+impl Error {
+    /// Whether the path itself is unusable, so that the user has to give another one. Otherwise
+    /// the work failed, as on a full disk.
+    pub fn is_unusable_path(&self) -> bool {
+        use io::ErrorKind::{
+            InvalidFilename, IsADirectory, NotADirectory, NotFound, PermissionDenied,
+            ReadOnlyFilesystem, ResourceBusy,
+        };
+        matches!(self, Self::Write { source, .. } if matches!(
+            source.kind(),
+            InvalidFilename | IsADirectory | NotADirectory | NotFound | PermissionDenied
+                | ReadOnlyFilesystem | ResourceBusy
+        ))
+    }
+}
+
 /// What the operating system refused, and the remedy.
 fn cause(error: &io::Error) -> String {
     match error.kind() {
