@@ -3,6 +3,7 @@
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::inertia::constrained_dynamics;
 use crate::integrate::fast::FastPath;
+use crate::integrate::floor::friction_at;
 use crate::parts::command::CommandKind;
 use crate::parts::command_history::CommandHistory;
 use crate::parts::friction_constraints::{ConstraintSet, FRICTION_CONSTRAINTS, FrictionConstraint};
@@ -39,7 +40,7 @@ impl<S: Scalar> Robot<S> {
             Gear::Rigid
         };
         let kind = CommandKind::Torque;
-        let wheel_friction = [self.wheel_friction; 2];
+        let wheel_friction = friction_at(self, pose);
         let frictional = frictional_constraints(self, kind, wheel_friction);
         let mode = Mode {
             kind,

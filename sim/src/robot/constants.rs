@@ -111,7 +111,9 @@ impl<S: Scalar> Robot<S> {
         let wheel_mass = parameters.wheel_mass;
         let bodies = parameters.body_mass + wheel_mass * 2.0;
         let mass = bodies + parameters.payload_mass;
-        let wheels = parameters.wheel_yaw_inertia * 2.0 + wheel_mass * 2.0 * (b * b + d * d);
+        // An effective track moves no mass.
+        let arm = d * d + parameters.nominal[1] * parameters.nominal[1];
+        let wheels = parameters.wheel_yaw_inertia * 2.0 + wheel_mass * 2.0 * arm;
         let gradient = parameters.gradient;
         let grade_square = gradient[0] * gradient[0] + gradient[1] * gradient[1];
         // cosine of the slope's angle from its tangent

@@ -186,6 +186,30 @@ fn on_a_robot_that_slips() {
 
 /// `sim` once separated a gear where friction brought its wheel to rest, and let static friction resist an
 /// impact: the difference was half a radian in 8 s.
+/// A run may start inside a patch: its friction acts from the first instant on.
+#[test]
+fn on_a_robot_that_starts_in_a_patch() {
+    let patch = [
+        ("x_m", START[0]),
+        ("y_m", START[1]),
+        ("radius_m", 0.3),
+        ("friction", 0.02),
+    ];
+    let floor = slipping(0.2, 0.2);
+    let model = floor.clone().with("friction_patch", &patch);
+    agree("patch", &model, Quantity::Torque, 0.1, TOLERANCE);
+    for (model, slides) in [(floor, false), (model, true)] {
+        let robot = Robot::new(&model).unwrap();
+        let mut state = robot.start(START);
+        let command = Command::Torque {
+            right_nm: 0.02,
+            left_nm: 0.02,
+        };
+        robot.step(&mut state, 0.0, 1e-3, &command);
+        assert_eq!(state.slides(), [slides; 2]);
+    }
+}
+
 #[test]
 fn backlash_agrees_together_with_every_effect() {
     let limits = ["command_dead_band", "command_saturation"];

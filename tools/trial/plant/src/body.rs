@@ -34,7 +34,9 @@ impl Body {
         let load_x: f64 = p.payloads.iter().map(|[m, x, _]| m * x).sum();
         let load_y: f64 = p.payloads.iter().map(|[m, _, y]| m * y).sum();
         let load_i: f64 = p.payloads.iter().map(|[m, x, y]| m * (x * x + y * y)).sum();
-        let arm = p.half_track * p.half_track + p.to_axle * p.to_axle;
+        // An effective track moves no mass.
+        let [_, nominal_half_track] = p.nominal;
+        let arm = nominal_half_track * nominal_half_track + p.to_axle * p.to_axle;
         let mass = own + load;
         let moment = [load_x - 2.0 * p.wheel_mass * p.to_axle, load_y];
         let inertia =
