@@ -32,11 +32,9 @@ impl<S: Scalar> NormalLoad<S> {
         bodies: S,
         gravity: S,
     ) -> Result<Self, InputError> {
-        let (b, d, e) = (
-            parameters.half_track,
-            parameters.com_to_axle,
-            parameters.com_to_caster,
-        );
+        // The wheels stand where they are, whatever their effective track.
+        let b = S::constant(parameters.nominal[1]);
+        let (d, e) = (parameters.com_to_axle, parameters.com_to_caster);
         let total = mass * gravity;
         let payload_about_axle = parameters.payload_moment[0] + parameters.payload_mass * d;
         let caster = (bodies * d + payload_about_axle) * gravity / (d + e);

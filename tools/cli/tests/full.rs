@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-use common::faults::{count, dead_runs};
+use common::faults::{assert_no_dead_runs, count};
 use common::{command, read_json, slipstream};
 
 /// Longest time from the start of a run whose resources run out to its end.
@@ -59,7 +59,7 @@ fn assert_says(line: &str, code: i32, words: &[&str]) {
         let names: Vec<_> = names.map(|entry| entry.file_name()).collect();
         let partial = |name: &std::ffi::OsString| name.to_string_lossy().starts_with(".slipstream");
         assert!(!names.iter().any(partial), "{line}: {names:?}");
-        assert_eq!(dead_runs(), [""; 0], "{line}");
+        assert_no_dead_runs();
     }
 }
 
@@ -127,7 +127,7 @@ fn too_little_memory_ends_in_words() {
         let output = shell(folder.path(), &line);
         let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!stderr.is_empty(), "{line}");
-        assert_eq!(dead_runs(), [""; 0], "{line}: {stderr}");
+        assert_no_dead_runs();
     }
 }
 

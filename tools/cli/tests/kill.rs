@@ -10,7 +10,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::faults::{
-    LONG_RUN, assert_recording, count, dead_runs, process, processes_in, random_time, signal, start,
+    LONG_RUN, assert_no_dead_runs, assert_recording, count, process, processes_in, random_time,
+    signal, start,
 };
 use common::{Role, command, is_alive, roles, shared_memory, slipstream, wait_for};
 use rustix::process::Signal;
@@ -89,7 +90,7 @@ fn kill_launcher(folder: &Path, mut launcher: std::process::Child) {
     assert_recording(folder);
     let next = ["run", "--no-recording", "--set", "duration_s=0.1"];
     assert!(slipstream(folder, &next).status.success());
-    assert_eq!(dead_runs(), [""; 0]);
+    assert_no_dead_runs();
 }
 
 #[test]

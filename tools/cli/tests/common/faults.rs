@@ -82,9 +82,10 @@ pub(crate) fn assert_recording(folder: &Path) {
     }
 }
 
-/// Files of dead runs of this user in shared memory.
-pub(crate) fn dead_runs() -> Vec<String> {
-    let dead = leftovers().unwrap().into_iter().filter(|run| !run.foreign);
-    let paths = dead.flat_map(|run| run.paths);
-    paths.map(|path| path.display().to_string()).collect()
+/// No files of dead runs of this user are in shared memory, but for those of tests that run beside this
+/// one and clean up in a moment.
+pub(crate) fn assert_no_dead_runs() {
+    wait_for("cleaning", Duration::from_secs(10), || {
+        leftovers().unwrap().iter().all(|run| run.foreign)
+    });
 }

@@ -34,9 +34,9 @@ impl Body {
         let load_x: f64 = p.payloads.iter().map(|[m, x, _]| m * x).sum();
         let load_y: f64 = p.payloads.iter().map(|[m, _, y]| m * y).sum();
         let load_i: f64 = p.payloads.iter().map(|[m, x, y]| m * (x * x + y * y)).sum();
-        // An effective track moves no mass.
-        let [_, nominal_half_track] = p.nominal;
-        let arm = nominal_half_track * nominal_half_track + p.to_axle * p.to_axle;
+        // An effective track moves neither masses nor wheels.
+        let [_, half_track] = p.nominal;
+        let arm = half_track * half_track + p.to_axle * p.to_axle;
         let mass = own + load;
         let moment = [load_x - 2.0 * p.wheel_mass * p.to_axle, load_y];
         let inertia =
@@ -51,8 +51,8 @@ impl Body {
             inverse: inverse(mass, moment, inertia, spin(physics, prescribed)),
             weight: mass * g,
             caster_n: (own * p.to_axle + load * p.to_axle + load_x) * g / span,
-            offset_n: -load_y * g / p.half_track,
-            tilt: p.height / p.half_track,
+            offset_n: -load_y * g / half_track,
+            tilt: p.height / half_track,
             transfer: mass * p.transfer_height / span,
         }
     }
