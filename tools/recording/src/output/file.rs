@@ -30,7 +30,7 @@ enum Sink {
 /// Writes a whole file.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`](crate::Error::Write).
 pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
     let mut file = OutputFile::create(path)?;
     file.write_all(content).map_err(write_error(path))?;
@@ -41,7 +41,7 @@ impl OutputFile {
     /// Begins a file that will be called `path`.
     ///
     /// # Errors
-    /// [`Error::Write`]: the file cannot be created, or a run is recording to it.
+    /// [`Error::Write`](crate::Error::Write): the file cannot be created, or a run is recording to it.
     pub fn create(path: &Path) -> Result<Self> {
         Self::begin(path).map_err(write_error(path))
     }
@@ -66,7 +66,7 @@ impl OutputFile {
     /// Writes what is buffered and gives the file its name.
     ///
     /// # Errors
-    /// [`Error::Write`]; the file vanishes.
+    /// [`Error::Write`](crate::Error::Write); the file vanishes.
     pub fn finish(mut self) -> Result<()> {
         self.persist().map_err(write_error(&self.path))
     }

@@ -23,7 +23,7 @@ impl OutputFolder {
     /// Begins a folder that will be called `path`. An empty folder of that name may exist.
     ///
     /// # Errors
-    /// [`Error::Write`]: the folder cannot be created; [`Error::Input`]: the existing one is not empty.
+    /// [`Error::Write`](crate::Error::Write): the folder cannot be created; [`Error::Input`](crate::Error::Input): the existing one is not empty.
     pub fn create(path: &Path) -> Result<Self> {
         let begin = || -> io::Result<Self> {
             let inside = path.is_dir();
@@ -56,7 +56,7 @@ impl OutputFolder {
     /// Gives the folder its name.
     ///
     /// # Errors
-    /// [`Error::Write`]; the folder vanishes.
+    /// [`Error::Write`](crate::Error::Write); the folder vanishes.
     pub fn finish(self) -> Result<()> {
         self.persist().map_err(write_error(&self.target))
     }

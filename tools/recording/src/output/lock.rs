@@ -13,7 +13,7 @@ use crate::error::{Result, write_error};
 /// time is there a file under the name that is not a recording.
 ///
 /// # Errors
-/// [`Error::Write`]: it cannot be opened or written, or another run is recording to it.
+/// [`Error::Write`](crate::Error::Write): it cannot be opened or written, or another run is recording to it.
 pub fn lock_recording(path: &Path, begun: &[u8]) -> Result<File> {
     let create = || match create_recording(path, begun) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => reuse_recording(path, begun),
