@@ -134,23 +134,27 @@ impl Output {
     }
 
     fn write(&self, study: &Study) -> Result<Exit, Error> {
-        // What an interrupted study has never replaces the results of a whole one.
-        let path = |path: &PathBuf| match study.interrupted {
+        // What an interrupted study has never replaces what is there.
+        let place = |path: &PathBuf| match study.interrupted && path.exists() {
             true => interrupted_path(path),
             false => path.clone(),
         };
-        if let Some(file) = self.json.as_ref().map(path) {
-            write_json(&file, study)?;
+        let (json, report) = (
+            self.json.as_ref().map(place),
+            self.report.as_ref().map(place),
+        );
+        if let Some(file) = &json {
+            write_json(file, study)?;
         }
-        if let Some(file) = self.report.as_ref().map(path) {
-            write(&file, &delay::page(study, &command_line())?)?;
+        if let Some(file) = &report {
+            write(file, &delay::page(study, &command_line())?)?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
         print_line!("{} points, {runs} runs", study.points.len());
         if study.interrupted {
             print_line!("Interrupted: the remaining points are missing.");
-            for file in self.json.iter().chain(&self.report) {
-                print_line!("{}", interrupted_path(file).display());
+            for file in json.iter().chain(&report) {
+                print_line!("{}", file.display());
             }
             return Ok(Exit::Interrupted);
         }
