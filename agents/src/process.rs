@@ -66,14 +66,14 @@ pub fn run(
     let services = joined.services(&robot_name(robot))?;
     if rejoins {
         services.cleanup_dead_nodes();
-        if let Some(checkpoint) = joined.wake_page.checkpoint(robot as usize) {
+        if let Some(checkpoint) = joined.wake_page().checkpoint(robot as usize) {
             node.resume(checkpoint);
         }
     }
     let presence = joined.presence.clone();
     let endpoint = AgentEndpoint::new(&services, presence.clone(), robot)?;
     let records = RecordSender::new(&services, presence, robot + 1, AGENT_CHUNK, recording)?;
-    joined.wake_page.signal_ready();
+    joined.wake_page().signal_ready();
     let lockstep = services.lockstep();
     let mut process = Process {
         joined,
@@ -116,7 +116,7 @@ impl Process {
     fn run_wall_clock(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
         let real_time = RealTime::request(PRIORITY);
         self.joined.presence.await_stage(Stage::Running)?;
-        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page.start_ns()));
+        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page().start_ns()));
         self.endpoint.use_clock(clock);
         trace::use_clock(clock);
         if rejoins {
@@ -139,14 +139,10 @@ impl Process {
         let Some(now_ns) = rejoins_ns else {
             return names.map(Deadlines::of);
         };
-        let left = self.joined.wake_page.deadlines(self.member());
+        let left = self.joined.presence.earlier_deadlines();
         let schedule = self.joined.experiment.settings.schedule();
         let periods_ns = [schedule.outer_ns, schedule.inner_ns];
         std::array::from_fn(|i| Deadlines::from_shared(names[i], left[i], now_ns, periods_ns[i]))
-    }
-
-    fn member(&self) -> Member {
-        Member::Agent(self.robot as usize)
     }
 
     /// Runs every tick at its deadline until the run is over.
@@ -166,7 +162,7 @@ impl Process {
         for ticks in 0u64.. {
             self.joined.presence.sleep_until(clock, tick_ns);
             let began_ns = clock.now_ns();
-            if self.joined.wake_page.stage() >= Stage::Over {
+            if self.joined.wake_page().stage() >= Stage::Over {
                 return Ok(());
             }
             if ticks.is_multiple_of(TICKS_PER_LAUNCHER_CHECK) {
@@ -182,7 +178,7 @@ impl Process {
                 .step(tick_ns, due, &encoders, links, &mut self.records)?;
             self.endpoint.send_command(command)?;
             self.joined
-                .wake_page
+                .wake_page()
                 .store_checkpoint(self.robot as usize, self.node.checkpoint());
             let done_ns = clock.now_ns();
             self.records.flush_if_due();
@@ -196,9 +192,7 @@ impl Process {
     /// Shows that the agent lives, and its deadlines until `counted_ns`.
     fn show(&self, deadlines: &[Deadlines; 2], counted_ns: i64) {
         let counts = deadlines.map(|counts| counts.to_shared(counted_ns));
-        self.joined
-            .wake_page
-            .publish_deadlines(self.member(), &counts);
+        self.joined.presence.publish_deadlines(&counts);
         self.joined.presence.show();
     }
 

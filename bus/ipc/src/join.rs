@@ -17,8 +17,6 @@ use crate::wake_page::{Member, Stage, WakePage};
 pub struct JoinedRun {
     /// The experiment.
     pub experiment: Experiment,
-    /// The wake-up page.
-    pub wake_page: Rc<WakePage>,
     /// The presence of this process.
     pub presence: Presence,
     /// The directory of the run.
@@ -69,11 +67,15 @@ impl JoinedRun {
         let wake_page = Rc::new(WakePage::open(&path).map_err(failed(path))?);
         Ok(Self {
             experiment,
-            presence: Presence::new(Rc::clone(&wake_page), member, parent),
-            wake_page,
+            presence: Presence::new(wake_page, member, parent),
             directory,
             _lock: lock,
         })
+    }
+
+    /// The wake-up page.
+    pub fn wake_page(&self) -> &WakePage {
+        self.presence.wake_page()
     }
 
     /// Waits until the plant has created the services, then opens them under the process name

@@ -79,7 +79,7 @@ impl Run {
             let services = joined.services("agent").unwrap();
             let presence = joined.presence.clone();
             let endpoint = AgentEndpoint::new(&services, presence, robot).unwrap();
-            joined.wake_page.signal_ready();
+            joined.wake_page().signal_ready();
             work(endpoint)
         })
     }

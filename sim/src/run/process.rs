@@ -61,7 +61,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
     })?;
     let services = Services::join(&joined.directory, experiment, "plant")?;
     let kept = services.create_all()?;
-    joined.wake_page.advance(Stage::Services);
+    joined.wake_page().advance(Stage::Services);
     let mut end = PlantEndpoint::new(&services, joined.presence.clone())?;
     let mut records = RecordSender::new(
         &services,
@@ -78,7 +78,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
     let mut observer = Observer::new(experiment, true);
     let mut deadlines = Deadlines::default();
     let (ended, real_time) = if services.lockstep() {
-        joined.wake_page.advance(Stage::Running);
+        joined.wake_page().advance(Stage::Running);
         let mut publisher = ProgressPublisher(&joined.presence);
         let ended = lockstep(
             experiment,
@@ -101,7 +101,7 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
             real_time,
         )
     };
-    joined.wake_page.advance(Stage::Over);
+    joined.wake_page().advance(Stage::Over);
     records.flush();
     Ok(PlantOutcome {
         report: observer.finish(&world),
@@ -174,7 +174,8 @@ impl WallClockLoop<'_> {
             require_finite(experiment, world)?;
             self.records.flush_if_due();
             deadlines.count(next_ns, began_ns, clock.now_ns(), step_ns);
-            wake_page.publish_deadlines(Member::Plant, &[deadlines.to_shared(next_ns)]);
+            self.presence
+                .publish_deadlines(&[deadlines.to_shared(next_ns)]);
         }
         Ok(())
     }

@@ -13,7 +13,7 @@ use crate::wire::{WireEncoders, WorldHeader};
 /// Default timeout for the answers of a round.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// Number of rounds between two checks whether the launcher is alive.
-const ROUNDS_PER_PARENT_CHECK: u32 = 64;
+const ROUNDS_PER_LAUNCHER_CHECK: u32 = 64;
 
 /// The plant's ports.
 #[derive(Debug)]
@@ -132,7 +132,7 @@ impl LockstepLink for PlantEndpoint {
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
-        if self.epoch.is_multiple_of(ROUNDS_PER_PARENT_CHECK) {
+        if self.epoch.is_multiple_of(ROUNDS_PER_LAUNCHER_CHECK) {
             self.presence.check_launcher()?;
         }
         if self.wake_page().stopping() {

@@ -8,7 +8,7 @@ use slipstream_bus::transport::BusError;
 
 use super::parent::Parent;
 use crate::clock::WallClock;
-use crate::wake_page::{Member, Stage, WakePage};
+use crate::wake_page::{DEADLINE_WORDS, Member, Stage, WakePage};
 
 /// Interval at which a waiting process shows that it lives and checks whether the others do.
 pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
@@ -43,6 +43,16 @@ impl Presence {
     /// Shows that the process lives. To be called more often than every `watchdog_s` of wall time.
     pub fn show(&self) {
         self.wake_page.beat(self.member);
+    }
+
+    /// Shows how this process keeps the deadlines of its loops, one row each.
+    pub fn publish_deadlines(&self, loops: &[[i64; DEADLINE_WORDS]]) {
+        self.wake_page.publish_deadlines(self.member, loops);
+    }
+
+    /// The deadlines that a process in the place of this one left; zeros if there was none.
+    pub fn earlier_deadlines(&self) -> Vec<[i64; DEADLINE_WORDS]> {
+        self.wake_page.deadlines(self.member)
     }
 
     /// Shows that the process lives, and checks that the run goes on.

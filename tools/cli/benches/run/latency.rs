@@ -206,7 +206,7 @@ impl RunLinks {
         let joined = JoinedRun::new(folder, member, Parent::now()).unwrap();
         let services = joined.services("agent").unwrap();
         let end = AgentEndpoint::new(&services, joined.presence.clone(), robot).unwrap();
-        joined.wake_page.signal_ready();
+        joined.wake_page().signal_ready();
         Self {
             end,
             _joined: joined,

@@ -139,7 +139,7 @@ pub(crate) fn link_agent(folder: &Path, robot: &str) {
     let joined = JoinedRun::new(folder, Member::Agent(robot as usize), Parent::now()).unwrap();
     let services = joined.services("agent").unwrap();
     let mut end = AgentEndpoint::new(&services, joined.presence.clone(), robot).unwrap();
-    joined.wake_page.signal_ready();
+    joined.wake_page().signal_ready();
     while end.next_round().unwrap().is_some() {
         end.answer(TorqueCommand {
             robot,

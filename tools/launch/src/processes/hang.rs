@@ -33,16 +33,16 @@ impl Run<'_> {
             let beats = self.wake_page.beats(child.role.member());
             let child = &mut self.children[index];
             let silent = child.silence.look(beats, now);
-            if silent > limit {
-                let sign = format!("no sign of life for {:.1} s", silent.as_secs_f64());
-                child.kill(
-                    "hangs",
-                    format!(": {sign}, {}; it was killed", child.state()),
-                );
-            } else if let Some((since, timeout)) = deadline
-                && now.duration_since(since) > timeout
-            {
-                let sign = format!("it did not end within {} s", timeout.as_secs_f64());
+            let sign = if silent > limit {
+                Some(format!("no sign of life for {:.1} s", silent.as_secs_f64()))
+            } else {
+                let missed =
+                    deadline.filter(|&(since, timeout)| now.duration_since(since) > timeout);
+                missed.map(|(_, timeout)| {
+                    format!("it did not end within {} s", timeout.as_secs_f64())
+                })
+            };
+            if let Some(sign) = sign {
                 child.kill(
                     "hangs",
                     format!(": {sign}, {}; it was killed", child.state()),

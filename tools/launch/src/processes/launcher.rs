@@ -74,8 +74,9 @@ pub(super) struct Run<'a> {
 pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchError> {
     let settings = &resolved.experiment.settings;
     preflight::check(settings.robots.count)?;
+    let keys = resolved.to_toml();
     let begin_recording = |out: &PathBuf| {
-        let begun = recorder::begin(&resolved.experiment, &resolved.to_toml(), out)?;
+        let begun = recorder::begin(&resolved.experiment, &keys, out)?;
         lock_recording(out, &begun)
     };
     let recording = options.out.as_ref().map(begin_recording).transpose()?;
@@ -85,7 +86,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
     };
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let begin = Instant::now();
-    let mut run = Run::prepare(resolved, options, recording)?;
+    let mut run = Run::prepare(resolved, &keys, options, recording)?;
     run.start().map_err(system("start the processes"))?;
     let progress = ProgressLine::new(options.live, settings);
     while run.children.iter().any(is_awaited) {
@@ -113,6 +114,7 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
 impl<'a> Run<'a> {
     fn prepare(
         resolved: &'a Resolved,
+        keys: &str,
         options: &'a Options,
         recording: Option<File>,
     ) -> Result<Self, LaunchError> {
@@ -122,7 +124,7 @@ impl<'a> Run<'a> {
         };
         remove_leftovers();
         let (directory, lock) = create_directory().map_err(unwritable)?;
-        let files = run_files::write(&directory, &resolved.experiment, &resolved.to_toml());
+        let files = run_files::write(&directory, &resolved.experiment, keys);
         let robots = resolved.experiment.robots.len();
         let wake_page = files.and_then(|()| WakePage::create(&directory.wake_page(), robots));
         let wake_page = match wake_page {

@@ -59,7 +59,7 @@ pub(crate) fn run(
     };
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
-    joined.wake_page.signal_ready();
+    joined.wake_page().signal_ready();
     tracing::info!(name: "recording", file = %out.display());
     let sources = joined.experiment.robots.len() + 1;
     let lockstep = joined.experiment.settings.clock == Clock::Virtual;
@@ -122,15 +122,15 @@ fn receive_all(
         // is gone, nobody sets the stage; then silence ends the recording.
         let orphaned = received.elapsed() > SILENCE && joined.presence.check_launcher().is_err();
         joined.presence.show();
-        let last = joined.wake_page.stage() >= Stage::Drained || orphaned;
+        let last = joined.wake_page().stage() >= Stage::Drained || orphaned;
         let mut idle = true;
-        trace::set_virtual_time(joined.wake_page.progress().0);
+        trace::set_virtual_time(joined.wake_page().progress().0);
         while receiver.poll(|source, entry| merge.push(source as usize, entry))? {
             idle = false;
             received = Instant::now();
         }
         merge.release();
-        deaths.record_new(&joined.wake_page, &mut merge.sink);
+        deaths.record_new(joined.wake_page(), &mut merge.sink);
         trace::drain(|t_ns, bytes| merge.sink.trace(t_ns, bytes));
         if flushed.elapsed() >= FLUSH_INTERVAL {
             merge.sink.flush();

@@ -99,15 +99,9 @@ impl Write for OutputFile {
 
 #[cfg(test)]
 mod tests {
-    use super::super::beside::remove_unfinished;
+    use super::super::beside::{names, remove_unfinished};
     use super::super::lock::lock_recording;
     use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        names.collect()
-    }
 
     #[test]
     fn a_file_is_replaced_when_the_new_one_is_whole() {

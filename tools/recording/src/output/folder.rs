@@ -75,14 +75,9 @@ impl OutputFolder {
 
 #[cfg(test)]
 mod tests {
+    use super::super::beside::names;
     use super::*;
     use crate::error::Error;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = std::fs::read_dir(folder).unwrap();
-        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        names.collect()
-    }
 
     #[test]
     fn a_folder_gets_its_name_when_it_is_whole() {
