@@ -1,0 +1,433 @@
+//! One window simulated from its start, and compared with everything measured in it.
+
+use slipstream_sim::{Command, CommandKind, Robot, State};
+
+use crate::windows::law::{HELD_S, Law};
+use crate::windows::track::{Sensor, Track};
+use crate::windows::window::{LOCALS, PULSE_S, Window};
+use crate::windows::work::Work;
+
+/// Commands before the window that the drive train may still feel (s).
+const MEMORY_S: f64 = 2.0;
+
+/// Measurements from before the window's start by more than this say nothing (s).
+const BEFORE_S: f64 = 2e-3;
+
+/// How far the simulation goes on beyond the window for measurements stamped early (s).
+const BEYOND_S: f64 = 0.5;
+
+/// A residual larger than this says no more than that it is off (deviations).
+const FAR: f64 = 1e5;
+
+/// Residual of an acceleration from which on it counts less (deviations).
+const SOFT: f64 = 3.0;
+
+/// One window, its track and the robot to simulate.
+#[derive(Clone, Copy)]
+pub(crate) struct Simulation<'a> {
+    pub(crate) track: &'a Track,
+    pub(crate) window: &'a Window,
+    pub(crate) robot: &'a Robot,
+    /// Longest step (s).
+    pub(crate) step_s: f64,
+    /// A force outside of the catalogue.
+    pub(crate) law: Option<&'a Law>,
+    pub(crate) work: &'a Work,
+}
+
+/// An instant of a simulation, without derivatives.
+#[derive(Clone, Copy)]
+struct Knot {
+    pose: [f64; 3],
+    velocity: [f64; 3],
+    angle: [f64; 2],
+    speed: [f64; 2],
+}
+
+impl Knot {
+    fn new(robot: &Robot, state: &State) -> Self {
+        Self {
+            pose: state.pose(),
+            velocity: state.velocity(),
+            angle: robot.measured_angle(state),
+            speed: robot.measured_speed(state),
+        }
+    }
+
+    /// Pose and angles, and their rates.
+    fn motion(&self) -> ([f64; 5], [f64; 5]) {
+        let [x, y, yaw] = self.pose;
+        let [u, w, turn] = self.velocity;
+        let (sin, cos) = yaw.sin_cos();
+        let [right, left] = self.angle;
+        let rate = [
+            u * cos - w * sin,
+            u * sin + w * cos,
+            turn,
+            self.speed[0],
+            self.speed[1],
+        ];
+        ([x, y, yaw, right, left], rate)
+    }
+}
+
+/// Where a simulation can be taken up again.
+#[derive(Clone)]
+pub(crate) struct Bookmark {
+    pub(crate) t_s: f64,
+    state: State,
+}
+
+impl Bookmark {
+    /// Where the robot is.
+    pub(crate) fn pose(&self) -> [f64; 3] {
+        self.state.pose()
+    }
+
+    /// Where it heads `after_s` later (rad).
+    pub(crate) fn heading(&self, after_s: f64) -> f64 {
+        self.state.pose()[2] + self.state.velocity()[2] * after_s
+    }
+}
+
+/// A force from outside while a simulation runs: along, across, about, at the right and at the left
+/// wheel, and until when.
+#[derive(Clone, Copy)]
+pub(crate) struct Pulse {
+    pub(crate) load: [f64; 5],
+    pub(crate) to_s: f64,
+}
+
+impl Simulation<'_> {
+    /// Residuals from `start`, in standard deviations, as a fit weighs them. NaN where nothing was
+    /// measured or the window does not reach.
+    pub(crate) fn residuals(&self, start: &[f64; LOCALS]) -> Vec<f64> {
+        let mut residuals = self.watched(start, |_, _| ());
+        self.window.share(&mut residuals);
+        residuals
+    }
+
+    /// Simulated minus measured, in standard deviations; `watch` sees the state after every step.
+    pub(crate) fn watched(
+        &self,
+        start: &[f64; LOCALS],
+        watch: impl FnMut(f64, &State),
+    ) -> Vec<f64> {
+        let bookmark = Bookmark {
+            t_s: self.window.from_s,
+            state: self.begin(start),
+        };
+        self.resumed(start, &bookmark, None, watch)
+    }
+
+    /// The states at the start and then every `every_s`; simulated minus measured.
+    pub(crate) fn bookmarks(
+        &self,
+        start: &[f64; LOCALS],
+        every_s: f64,
+    ) -> (Vec<Bookmark>, Vec<f64>) {
+        let mut marks = vec![Bookmark {
+            t_s: self.window.from_s,
+            state: self.begin(start),
+        }];
+        let missed = self.watched(start, |t_s, state| {
+            let due = self.window.from_s + every_s * marks.len() as f64;
+            if t_s >= due - 1e-9 && t_s < self.window.to_s - 1e-9 {
+                marks.push(Bookmark {
+                    t_s,
+                    state: state.clone(),
+                });
+            }
+        });
+        (marks, missed)
+    }
+
+    fn begin(&self, start: &[f64; LOCALS]) -> State {
+        let mut state = self.robot.start([start[0], start[1], start[2]]);
+        let told = &self.track.commands;
+        let [first, _] = self.window.commands;
+        let from_s = self.window.from_s;
+        if self.window.free[3] {
+            self.robot.set_rolling(&mut state, start[3], start[4]);
+        }
+        if self.window.free[3] || first > 0 {
+            let memory = told[..=first].iter().rev();
+            let count = memory
+                .take_while(|(t_s, _)| *t_s > from_s - MEMORY_S)
+                .count();
+            let past = &told[(first + 1).saturating_sub(count + 1)..=first];
+            self.robot.replay_commands(&mut state, past, from_s);
+        }
+        state
+    }
+
+    /// What acts at `now_s` beside the effects, and until when (s). `law` is the force that a law makes
+    /// of the moment.
+    fn load(
+        &self,
+        now_s: f64,
+        pulse: Option<Pulse>,
+        law: Option<[f64; 2]>,
+    ) -> (Option<[f64; 5]>, f64) {
+        let (mut load, mut until_s) = (None, f64::INFINITY);
+        if let Some(pulse) = pulse.filter(|pulse| now_s < pulse.to_s - 1e-9) {
+            (load, until_s) = (Some(pulse.load), pulse.to_s);
+        }
+        let Window { forces, from_s, .. } = self.window;
+        let at = ((now_s - from_s) / PULSE_S + 1e-6) as usize;
+        if let Some([along, about]) = forces.get(at) {
+            let own = load.get_or_insert([0.0; 5]);
+            own[0] += along;
+            own[2] += about;
+            until_s = until_s.min(from_s + PULSE_S * (at + 1) as f64);
+        }
+        if let Some([along, about]) = law {
+            let own = load.get_or_insert([0.0; 5]);
+            own[0] += along;
+            own[2] += about;
+        }
+        (load, until_s)
+    }
+
+    /// Simulated minus measured from `bookmark` on, under a pulse that begins there. Those before it are NaN.
+    pub(crate) fn resumed(
+        &self,
+        start: &[f64; LOCALS],
+        bookmark: &Bookmark,
+        pulse: Option<Pulse>,
+        mut watch: impl FnMut(f64, &State),
+    ) -> Vec<f64> {
+        let offset = [start[5], start[6]];
+        let mut seen = Seen::new(self, offset, bookmark.t_s);
+        let mut state = bookmark.state.clone();
+        let told = &self.track.commands;
+        let mut before = Knot::new(self.robot, &state);
+        let mut now_s = bookmark.t_s;
+        let mut at = self.window.commands[0];
+        let end_s = self.window.to_s + BEYOND_S;
+        while now_s < end_s && !seen.is_done() {
+            while told
+                .get(at + 1)
+                .is_some_and(|(t_s, _)| *t_s <= now_s + 1e-9)
+            {
+                at += 1;
+            }
+            let mut command = told[at].1;
+            let change_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
+            let (mut law, mut held_s) = (None, f64::INFINITY);
+            if let Some(own) = self.law {
+                let seen = (self.track, self.robot);
+                let sampled = own.sampled(seen, &state, offset, now_s, &command);
+                (command, law) = own.acts(&command, &sampled);
+                held_s = now_s + HELD_S;
+            }
+            let (load, load_s) = self.load(now_s, pulse, law);
+            state.set_external_force(load);
+            let until_s = load_s.min(held_s).min(change_s);
+            let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
+            let step_s = (until_s - now_s) / steps;
+            let from_s = now_s;
+            for k in 0..steps as u32 {
+                let t_s = from_s + f64::from(k) * step_s;
+                self.robot.step(&mut state, t_s, step_s, &command);
+                let after = Knot::new(self.robot, &state);
+                if seen.due_s <= t_s + step_s {
+                    seen.between([t_s, step_s], &before, &after, &state);
+                }
+                watch(t_s + step_s, &state);
+                before = after;
+            }
+            now_s = until_s;
+        }
+        self.work.add(now_s - bookmark.t_s);
+        seen.residuals
+    }
+}
+
+/// The measurements that are still to come.
+struct Seen<'a> {
+    simulation: &'a Simulation<'a>,
+    offset: [f64; 2],
+    jumps: bool,
+    next: Vec<usize>,
+    /// When the next one of any series was taken (s).
+    due_s: f64,
+    residuals: Vec<f64>,
+}
+
+impl<'a> Seen<'a> {
+    fn new(simulation: &'a Simulation<'a>, offset: [f64; 2], from_s: f64) -> Self {
+        let window = simulation.window;
+        let mut seen = Self {
+            simulation,
+            offset,
+            jumps: simulation.track.kind() == CommandKind::Speed,
+            next: window.rows.iter().map(|rows| rows[0]).collect(),
+            due_s: 0.0,
+            residuals: vec![f64::NAN; window.channels.len()],
+        };
+        let before = if from_s > window.from_s {
+            0.0
+        } else {
+            BEFORE_S
+        };
+        for series in 0..seen.next.len() {
+            while seen.true_s(series).is_some_and(|t_s| t_s < from_s - before) {
+                seen.next[series] += 1;
+            }
+        }
+        seen.look_ahead();
+        seen
+    }
+
+    fn is_done(&self) -> bool {
+        self.due_s.is_infinite()
+    }
+
+    /// When the next row of a series was taken.
+    fn true_s(&self, series: usize) -> Option<f64> {
+        let Simulation {
+            track,
+            window,
+            robot,
+            ..
+        } = self.simulation;
+        let row = self.next[series];
+        (row < window.rows[series][1]).then(|| {
+            let series = &track.series[series];
+            robot.true_s(series.sensor.clock(), series.rows[row].0)
+        })
+    }
+
+    fn look_ahead(&mut self) {
+        let due = (0..self.next.len()).filter_map(|series| self.true_s(series));
+        self.due_s = due.fold(f64::INFINITY, f64::min);
+    }
+
+    /// Compares what was measured in one step.
+    fn between(&mut self, [t_s, step_s]: [f64; 2], before: &Knot, after: &Knot, state: &State) {
+        let (start, mut start_rate) = before.motion();
+        let (end, end_rate) = after.motion();
+        if self.jumps {
+            start_rate = end_rate;
+        }
+        let at = |share: f64| {
+            let (s2, s3) = (share * share, share * share * share);
+            let up = s2 * 3.0 - s3 * 2.0;
+            let (early, late) = ((s3 - s2 * 2.0 + share) * step_s, (s3 - s2) * step_s);
+            let mut value = [0.0; 5];
+            for (i, value) in value.iter_mut().enumerate() {
+                *value = start[i]
+                    + (end[i] - start[i]) * up
+                    + start_rate[i] * early
+                    + end_rate[i] * late;
+            }
+            value
+        };
+        let speed = |share: f64| {
+            [0, 1].map(|i| start_rate[3 + i] + (end_rate[3 + i] - start_rate[3 + i]) * share)
+        };
+        // yaw rate, as the gyro sees it
+        let (early, late) = (start_rate[2], end_rate[2]);
+        for series in 0..self.next.len() {
+            while let Some(true_s) = self.true_s(series).filter(|true_s| *true_s <= t_s + step_s) {
+                let share = (true_s - t_s) / step_s;
+                let turn = early + (late - early) * share;
+                self.compare(series, at(share), speed(share), (state, turn));
+                self.next[series] += 1;
+            }
+        }
+        self.look_ahead();
+    }
+
+    fn compare(
+        &mut self,
+        which: usize,
+        at: [f64; 5],
+        speed: [f64; 2],
+        (state, turn): (&State, f64),
+    ) {
+        let Simulation {
+            track,
+            window,
+            robot,
+            ..
+        } = self.simulation;
+        let series = &track.series[which];
+        let row = self.next[which];
+        let values = series.rows[row].1;
+        let simulated = match series.sensor {
+            Sensor::WheelAngle => [at[3] + self.offset[0], at[4] + self.offset[1], f64::NAN],
+            Sensor::WheelSpeed => [speed[0], speed[1], f64::NAN],
+            Sensor::Pose => {
+                let seen = tracked(track, robot, [at[0], at[1], at[2]]);
+                let turn = seen[2] - values[2];
+                let turns = (turn / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+                [seen[0], seen[1], seen[2] - turns]
+            }
+            Sensor::Odometry => {
+                let [v, w] = robot.odometry(speed);
+                [v, w, f64::NAN]
+            }
+            Sensor::Imu if track.imu_without_weight => {
+                let [along, across, _] = state.acceleration();
+                [along, across, turn]
+            }
+            Sensor::Imu => {
+                let [along, across, _] = robot.measured_inertial(state);
+                [along, across, turn]
+            }
+        };
+        let width = series.sensor.width();
+        let base = window.base[which] + (row - window.rows[which][0]) * width;
+        for part in 0..width {
+            let residual = (simulated[part] - values[part]) / series.deviation[part];
+            let residual = residual.clamp(-FAR, FAR);
+            self.residuals[base + part] = if series.sensor == Sensor::Imu && part < 2 {
+                softened(residual)
+            } else {
+                residual
+            };
+        }
+    }
+}
+
+/// A residual of an acceleration, in which what is far off counts less: accelerations jump where a
+/// wheel begins to slide, and a sample beside a jump is on either side of it by chance.
+fn softened(residual: f64) -> f64 {
+    SOFT * (residual / SOFT).asinh()
+}
+
+/// What a softened residual was.
+pub(crate) fn hardened(residual: f64) -> f64 {
+    SOFT * (residual / SOFT).sinh()
+}
+
+/// Whether steps may be as long as commands hold: wheels turn as told and do not slip.
+pub(crate) fn is_exact_at_any_step(kind: CommandKind, slips: bool, lags: bool) -> bool {
+    kind == CommandKind::Speed && !slips && !lags
+}
+
+/// Where the camera sees the tracked point of a robot at `pose`.
+pub(crate) fn tracked(track: &Track, robot: &Robot, pose: [f64; 3]) -> [f64; 3] {
+    let [x, y, yaw] = robot.measured_pose(pose);
+    let (sin, cos) = yaw.sin_cos();
+    let ahead = track.tracked_ahead_m;
+    [x + cos * ahead, y + sin * ahead, yaw]
+}
+
+/// What a command asks of each wheel: N m, V or rad/s.
+pub(crate) fn asked(command: &Command, radius_m: f64, half_track_m: f64) -> [f64; 2] {
+    match *command {
+        Command::Torque { right_nm, left_nm } => [right_nm, left_nm],
+        Command::Voltage { right_v, left_v } => [right_v, left_v],
+        Command::Speed {
+            right_rad_s,
+            left_rad_s,
+        } => [right_rad_s, left_rad_s],
+        Command::Twist { v_m_s, w_rad_s } => {
+            let turn = half_track_m * w_rad_s;
+            [(v_m_s + turn) / radius_m, (v_m_s - turn) / radius_m]
+        }
+    }
+}

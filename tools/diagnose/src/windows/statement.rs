@@ -1,0 +1,157 @@
+//! A finding as one sentence: who, where, when, what, how much, and what it could be instead.
+
+use crate::windows::answer::{Finding, ParameterEstimate};
+use crate::windows::{in_digits, manoeuvre};
+
+/// Intervals that are spelled out; more are counted.
+const SPELLED: usize = 3;
+
+/// The sentence of a finding. `summary` says what the effect is, `span_s` when the recording begins
+/// and ends, `known` that the model has the effect with other numbers.
+pub(crate) fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], known: bool) -> String {
+    let channel = finding.place.channel.replace('_', " ");
+    let robot = &finding.robot;
+    let when = when(finding, span_s);
+    let how = if known {
+        "which the model has with other numbers"
+    } else {
+        "which the model leaves out"
+    };
+    let numbers: Vec<String> = finding.parameters.iter().filter_map(number).collect();
+    let numbers = numbers.join(", ");
+    let told = told(finding);
+    format!("Robot {robot}, {channel}, {when}: {summary}, {how}; {numbers}. {told}.")
+}
+
+/// When it is at work: intervals where they are not the whole recording, and the condition.
+fn when(finding: &Finding, [begin, end]: [f64; 2]) -> String {
+    let place = &finding.place;
+    let intervals = &place.intervals_s;
+    let sum: f64 = intervals.iter().map(|[a, b]| b - a).sum();
+    let whole = sum > 0.98 * (end - begin);
+    let spelled = |[a, b]: &[f64; 2]| format!("{a:.2} to {b:.2} s");
+    let condition = match place.condition.as_str() {
+        "always" => "all the time",
+        condition => condition,
+    };
+    match intervals.as_slice() {
+        [] => condition.to_owned(),
+        _ if whole => condition.to_owned(),
+        few if few.len() <= SPELLED => {
+            let few: Vec<String> = few.iter().map(spelled).collect();
+            format!("{} ({condition})", few.join(", "))
+        }
+        [[first, _], .., [_, last]] => {
+            let count = intervals.len();
+            format!("{count} times between {first:.2} and {last:.2} s ({condition})")
+        }
+        [one] => spelled(one),
+    }
+}
+
+fn number(parameter: &ParameterEstimate) -> Option<String> {
+    let name = bare(&parameter.name);
+    if let Some(word) = &parameter.text {
+        return Some(format!("{name} {word}"));
+    }
+    let unit = match parameter.unit.as_str() {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let [estimate, low, high] = in_digits(parameter.estimate?, parameter.ci95?);
+    Some(format!(
+        "{name} {estimate}{unit} (95 % between {low} and {high})"
+    ))
+}
+
+/// A parameter's name without its unit, which stands behind the number.
+fn bare(name: &str) -> String {
+    let units = [
+        "_n_s", "_m_s", "_rad_s", "_per_s", "_nm", "_rad", "_kg", "_m", "_s",
+    ];
+    let without = units.iter().find_map(|unit| name.strip_suffix(unit));
+    without.unwrap_or(name).replace('_', " ")
+}
+
+/// What it could be instead, and what would tell.
+fn told(finding: &Finding) -> String {
+    if finding.confused_with.is_empty() {
+        return "Nothing else in the catalogue fits as well".to_owned();
+    }
+    let others = finding.confused_with.join(" or ");
+    let mut all: Vec<&str> = vec![&finding.effect];
+    all.extend(finding.confused_with.iter().map(String::as_str));
+    let which = manoeuvre(&all);
+    format!("This recording cannot tell it from {others}; what would: {which}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::windows::answer::{Evidence, Place};
+
+    fn slip(intervals_s: Vec<[f64; 2]>, confused_with: Vec<String>) -> Finding {
+        Finding {
+            robot: "r2".to_owned(),
+            effect: "wheel_slip".to_owned(),
+            statement: String::new(),
+            parameters: vec![ParameterEstimate {
+                name: "friction_kinetic".to_owned(),
+                unit: "1".to_owned(),
+                nominal: None,
+                estimate: Some(0.236),
+                ci95: Some([0.231, 0.241]),
+                text: None,
+            }],
+            place: Place {
+                channel: "longitudinal".to_owned(),
+                intervals_s,
+                condition: "drive torque above 0.092 N m".to_owned(),
+            },
+            confused_with,
+            evidence: Evidence {
+                log_likelihood_gain: 812.0,
+                p_value: 1e-40,
+            },
+            shape: None,
+            driver: None,
+        }
+    }
+
+    #[test]
+    fn a_sentence_says_where_when_and_how_much() {
+        let finding = slip(vec![[5.02, 5.63]], Vec::new());
+        assert_eq!(
+            statement(&finding, "the wheels slip", [0.0, 30.0], false),
+            "Robot r2, longitudinal, 5.02 to 5.63 s (drive torque above 0.092 N m): the wheels slip, \
+             which the model leaves out; friction kinetic 0.2360 (95 % between 0.2310 and 0.2410). \
+             Nothing else in the catalogue fits as well."
+        );
+    }
+
+    #[test]
+    fn look_alikes_come_with_an_experiment() {
+        let finding = slip(vec![[0.0, 30.0]], vec!["viscous_drag".to_owned()]);
+        let words = statement(&finding, "the wheels slip", [0.0, 30.0], true);
+        assert!(
+            words.contains("longitudinal, drive torque above"),
+            "{words}"
+        );
+        assert!(
+            words.contains("cannot tell it from viscous_drag; what would: "),
+            "{words}"
+        );
+        assert!(words.contains("coast-down"), "{words}");
+    }
+
+    #[test]
+    fn units_leave_names() {
+        for (name, without) in [
+            ("latency_s", "latency"),
+            ("speed_rad_s", "speed"),
+            ("scale", "scale"),
+        ] {
+            assert_eq!(bare(name), without);
+        }
+    }
+}
