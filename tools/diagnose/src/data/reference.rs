@@ -1,0 +1,122 @@
+//! References that do not follow from the wheels: poses and the gyro.
+
+use slipstream_recording::recording::Robot;
+
+use crate::filter::wheel_path::median_interval;
+use crate::filter::wheels_to_pose::PoseRow;
+
+/// Rows that a reference needs.
+const LEAST_POSES: usize = 20;
+const LEAST_RATES: usize = 40;
+/// Time between the rows of a thinned series (s): poses, gyro.
+const POSE_STEP_S: f64 = 0.5;
+const GYRO_STEP_S: f64 = 0.25;
+/// Most rows of one series, and of all series together.
+const SERIES_ROWS: f64 = 1000.0;
+const ALL_ROWS: f64 = 2500.0;
+/// Most interleaved series.
+const MOST_SERIES: f64 = 5.0;
+/// A pose may lie this far outside of the wheels' rows (s).
+const BEYOND_S: f64 = 0.3;
+
+/// Rows of a stream, and the same thinned.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Thinned<R> {
+    pub(crate) all: Vec<R>,
+    pub(crate) series: Vec<Vec<R>>,
+}
+
+/// Times that are ignored, and the time (s) that counts as zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span<'a> {
+    pub(crate) origin_s: f64,
+    pub(crate) excluded_s: &'a [[f64; 2]],
+    /// First and last row of the wheels, counted from `origin_s`.
+    pub(crate) wheels_s: [f64; 2],
+}
+
+impl Span<'_> {
+    fn has(&self, stamp_s: f64, beyond_s: f64) -> bool {
+        let [from_s, to_s] = self.wheels_s;
+        let t_s = stamp_s - self.origin_s;
+        let excluded = self
+            .excluded_s
+            .iter()
+            .any(|[a, b]| (*a..=*b).contains(&stamp_s));
+        (from_s - beyond_s..=to_s + beyond_s).contains(&t_s) && !excluded
+    }
+}
+
+/// Poses of a robot; `None` with too few.
+pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
+    let stream = robot.pose.as_ref()?;
+    let yaw = stream.values.yaw_rad.as_deref();
+    let mut all: Vec<PoseRow> = Vec::new();
+    for (i, stamp_s) in stream.t_s.iter().enumerate() {
+        let row = [
+            stream.values.x_m[i],
+            stream.values.y_m[i],
+            yaw.map_or(f64::NAN, |yaw| yaw[i]),
+        ];
+        let seen = row[0].is_finite() && row[1].is_finite();
+        let t_s = stamp_s - span.origin_s;
+        if seen && span.has(*stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
+            all.push((t_s, row));
+        }
+    }
+    let times: Vec<f64> = all.iter().map(|row| row.0).collect();
+    let series = thinned(&all, &times, POSE_STEP_S);
+    (all.len() >= LEAST_POSES).then_some(Thinned { all, series })
+}
+
+/// The gyro of a robot as rates (`all`) and integrated (`series`); `None` with too few rows.
+pub(crate) fn gyro(
+    robot: &Robot,
+    span: Span<'_>,
+    wheel_interval_s: f64,
+) -> Option<Thinned<(f64, f64)>> {
+    let stream = robot.imu.as_ref()?;
+    let rates = stream.values.gz_rad_s.as_ref()?;
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for (stamp_s, rate) in stream.t_s.iter().zip(rates) {
+        let t_s = stamp_s - span.origin_s;
+        let later = all.last().is_none_or(|(last, _)| t_s > *last);
+        if rate.is_finite() && span.has(*stamp_s, 0.0) && later {
+            all.push((t_s, *rate));
+        }
+    }
+    let mut angle = 0.0;
+    let mut integrated = Vec::with_capacity(all.len());
+    for (i, (t_s, rate)) in all.iter().enumerate() {
+        if i > 0 {
+            angle += (t_s - all[i - 1].0) * (rate + all[i - 1].1) / 2.0;
+        }
+        integrated.push((*t_s, angle));
+    }
+    let times: Vec<f64> = all.iter().map(|row| row.0).collect();
+    let step_s = GYRO_STEP_S.max(2.0 * wheel_interval_s);
+    let series = thinned(&integrated, &times, step_s);
+    (all.len() >= LEAST_RATES).then_some(Thinned { all, series })
+}
+
+/// Interleaved series of rows at least `step_s` apart.
+fn thinned<R: Copy>(rows: &[R], times_s: &[f64], step_s: f64) -> Vec<Vec<R>> {
+    let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
+        return Vec::new();
+    };
+    let step_s = step_s.max((last - first) / SERIES_ROWS);
+    let interval_s = median_interval(times_s).max(1e-9);
+    let stride = (step_s / interval_s).round().max(1.0);
+    let most = (ALL_ROWS * stride / rows.len() as f64).floor();
+    let count = most.clamp(1.0, stride.min(MOST_SERIES)) as usize;
+    let stride = stride as usize;
+    (0..count)
+        .map(|k| {
+            rows.iter()
+                .skip(k * stride / count)
+                .step_by(stride)
+                .copied()
+                .collect()
+        })
+        .collect()
+}

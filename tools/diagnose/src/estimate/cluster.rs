@@ -1,0 +1,132 @@
+//! Covariance by a delete-a-block jackknife (CV3; MacKinnon, Nielsen and Webb 2023): each
+//! leave-one-out estimate by one Newton step.
+//!
+//! Neighbouring rows of a real recording err together. Blocks of some seconds do so much less, and
+//! their spread is what an estimate is known by.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::BlockScore;
+use super::scoring::{Fit, Problem};
+
+/// A leave-one-out step is limited to this many standard deviations of the model.
+const CLIP: f64 = 4.0;
+/// The same for logs of noise sizes.
+const NOISE_CLIP: f64 = 2.0;
+/// From this many runs on, what they share is also known by how they differ.
+pub(crate) const LEAST_RUNS: usize = 3;
+/// Least variance relative to the model's: fewer blocks than parameters would say less than nothing.
+const LEAST_SHARE: f64 = 0.25;
+
+/// The factor of a matrix that is positive definite but for rounding: its diagonal is raised until it
+/// is.
+fn positive(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
+    [0.0, 1e-9, 1e-7, 1e-5, 1e-3].into_iter().find_map(|share| {
+        let mut raised = matrix.clone();
+        for i in 0..raised.nrows() {
+            raised[(i, i)] += share * raised[(i, i)].abs();
+        }
+        raised.cholesky()
+    })
+}
+
+/// Jackknife variance of each parameter.
+fn jackknife(left_out: &[DVector<f64>]) -> DVector<f64> {
+    let count = left_out.len() as f64;
+    let n = left_out.first().map_or(0, |one| one.len());
+    let mean = left_out
+        .iter()
+        .fold(DVector::zeros(n), |sum, one| sum + one)
+        / count.max(1.0);
+    let squares = left_out.iter().map(|one| {
+        let off = one - &mean;
+        off.component_mul(&off)
+    });
+    squares.fold(DVector::zeros(n), |sum, one| sum + one) * ((count - 1.0) / count)
+}
+
+/// What is known of a fit.
+#[derive(Debug, Clone)]
+pub(crate) struct Precision {
+    /// Covariance of the free parameters, in the order of `Fit::free`.
+    pub(crate) covariance: DMatrix<f64>,
+    /// Inverse of the Fisher information.
+    pub(crate) model: DMatrix<f64>,
+    /// Leave-one-block-out estimates of the free parameters.
+    pub(crate) left_out: Vec<DVector<f64>>,
+    /// Geometric mean of variance over the model's, at least 1: overdispersion.
+    pub(crate) overdispersion: f64,
+    /// Number of blocks with data.
+    pub(crate) blocks: usize,
+}
+
+impl Precision {
+    /// The precision of `fit`; `physics` counts the leading free parameters that are no noise sizes.
+    pub(crate) fn new(problem: &Problem<'_>, fit: &Fit, physics: usize) -> Option<Self> {
+        let scores = problem.likelihood.score(&fit.at, &fit.free);
+        let (gradient, information) = problem.total(&scores, &fit.at, &fit.free);
+        let model = positive(&information)?.inverse();
+        let runs = problem.likelihood.run_of();
+        let filled: Vec<(usize, &BlockScore)> = runs
+            .iter()
+            .copied()
+            .zip(&scores)
+            .filter(|(_, s)| s.information.trace() > 0.0)
+            .collect();
+        let point = DVector::from_iterator(fit.free.len(), fit.free.iter().map(|i| fit.at[*i]));
+        let leave_out = |gone: &[&BlockScore]| {
+            let (mut rest, mut left) = (information.clone(), gradient.clone());
+            for block in gone {
+                rest -= &block.information;
+                left -= &block.gradient;
+            }
+            let mut step = positive(&rest)?.solve(&left);
+            for i in 0..step.len() {
+                let own = CLIP * model[(i, i)].sqrt();
+                let most = if i < physics { own } else { NOISE_CLIP };
+                step[i] = step[i].clamp(-most, most);
+            }
+            Some(&point + step)
+        };
+        let left_out: Vec<DVector<f64>> = filled
+            .iter()
+            .map(|(_, block)| leave_out(&[*block]))
+            .collect::<Option<_>>()?;
+        let mut spread = jackknife(&left_out);
+        let last = runs.last().map_or(0, |run| run + 1);
+        if last >= LEAST_RUNS {
+            let of = |run: usize| {
+                let own = filled.iter().filter(|(r, _)| *r == run).map(|(_, b)| *b);
+                leave_out(&own.collect::<Vec<_>>())
+            };
+            let runs: Vec<DVector<f64>> = (0..last).map(of).collect::<Option<_>>()?;
+            let between = jackknife(&runs);
+            for (i, index) in fit.free.iter().enumerate() {
+                if problem.likelihood.is_shared(*index) {
+                    spread[i] = spread[i].max(between[i]);
+                }
+            }
+        }
+        let n = fit.free.len();
+        let mut scale = DVector::zeros(n);
+        let mut log_sum = 0.0;
+        for i in 0..n {
+            let prior = problem.priors[fit.free[i]].precision();
+            let from_prior = model[(i, i)] * model[(i, i)] * prior;
+            let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
+            scale[i] = ratio.sqrt();
+            if i < physics {
+                log_sum += ratio.ln();
+            }
+        }
+        let covariance = DMatrix::from_fn(n, n, |i, k| model[(i, k)] * scale[i] * scale[k]);
+        let overdispersion = (log_sum / physics.max(1) as f64).exp().max(1.0);
+        Some(Self {
+            covariance,
+            model,
+            left_out,
+            overdispersion,
+            blocks: filled.len(),
+        })
+    }
+}

@@ -1,0 +1,209 @@
+//! Score and Fisher information of innovations, from dual numbers.
+//!
+//! Of a row with innovation ν and covariance S: score ∂ log L, information
+//! ∂ν' S⁻¹ ∂ν + ½ tr(S⁻¹ ∂S S⁻¹ ∂S), weighted by the probability that the row is an ordinary one.
+
+use nalgebra::{Const, DMatrix, DVector, SVector};
+use num_dual::{Derivative, DualSVec64};
+use rayon::prelude::*;
+
+use super::BlockScore;
+use crate::filter::Innovation;
+
+/// Derivatives that one pass of a filter carries.
+pub(crate) const LANES: usize = 8;
+/// A number with derivatives by [`LANES`] parameters.
+pub(crate) type Dual = DualSVec64<LANES>;
+/// Numbers of a row whose squares make the information: 3 of ν, 9 of S.
+const WIDTH: usize = 12;
+
+/// Rows of one filter: derivatives of every row by every local parameter.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    /// Block of each row.
+    blocks: Vec<usize>,
+    /// For each parameter, row after row: weighted derivative of the log-likelihood.
+    scores: Vec<Vec<f64>>,
+    /// For each parameter, row after row: whitened derivatives.
+    whitened: Vec<Vec<[f64; WIDTH]>>,
+}
+
+impl Rows {
+    /// Runs a filter once for every [`LANES`] of `free` (indices into `at`). `run` runs it with
+    /// parameters that carry derivatives; `block_of` gives the block of a stamp (s).
+    pub(crate) fn new(
+        at: &[f64],
+        free: &[usize],
+        run: impl Fn(&[Dual], &mut dyn FnMut(Innovation<Dual>)) + Sync,
+        block_of: impl Fn(f64) -> usize + Sync,
+    ) -> Self {
+        let chunks = free.par_chunks(LANES).map(|lanes| {
+            let parameters: Vec<Dual> = at
+                .iter()
+                .enumerate()
+                .map(
+                    |(index, value)| match lanes.iter().position(|f| *f == index) {
+                        Some(lane) => Dual::new(
+                            *value,
+                            Derivative::derivative_generic(Const::<LANES>, Const::<1>, lane),
+                        ),
+                        None => Dual::from_re(*value),
+                    },
+                )
+                .collect();
+            let mut own = Self {
+                blocks: Vec::new(),
+                scores: vec![Vec::new(); lanes.len()],
+                whitened: vec![Vec::new(); lanes.len()],
+            };
+            run(&parameters, &mut |row| {
+                own.blocks.push(block_of(row.time_s));
+                let derivatives = Derivatives::new(&row);
+                for lane in 0..lanes.len() {
+                    own.scores[lane].push(derivatives.score[lane] * row.weight);
+                    own.whitened[lane].push(derivatives.whitened(lane));
+                }
+            });
+            own
+        });
+        let mut all = Self::default();
+        for own in chunks.collect::<Vec<_>>() {
+            all.blocks = own.blocks;
+            all.scores.extend(own.scores);
+            all.whitened.extend(own.whitened);
+        }
+        all
+    }
+
+    /// Adds the rows to their blocks; `to[i]` is the place of the i-th free parameter there.
+    pub(crate) fn add_to(&self, blocks: &mut [BlockScore], to: &[usize]) {
+        for (i, place) in to.iter().enumerate() {
+            for (block, score) in self.blocks.iter().zip(&self.scores[i]) {
+                blocks[*block].gradient[*place] += score;
+            }
+            for (k, other) in to.iter().enumerate().take(i + 1) {
+                for (row, block) in self.blocks.iter().enumerate() {
+                    let (a, b) = (&self.whitened[i][row], &self.whitened[k][row]);
+                    let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+                    let information = &mut blocks[*block].information;
+                    information[(*place, *other)] += product;
+                    if i != k {
+                        information[(*other, *place)] += product;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Blocks without any row.
+pub(crate) fn empty(blocks: usize, parameters: usize) -> Vec<BlockScore> {
+    let one = BlockScore {
+        gradient: DVector::zeros(parameters),
+        information: DMatrix::zeros(parameters, parameters),
+    };
+    vec![one; blocks]
+}
+
+/// Derivatives of one row.
+struct Derivatives {
+    score: SVector<f64, LANES>,
+    difference: [SVector<f64, LANES>; 3],
+    covariance: [[SVector<f64, LANES>; 3]; 3],
+    /// Inverse of the Cholesky factor of S.
+    inverse: [[f64; 3]; 3],
+    weight: f64,
+    parts: usize,
+}
+
+fn part(number: &Dual) -> SVector<f64, LANES> {
+    number.eps.unwrap_generic(Const::<LANES>, Const::<1>)
+}
+
+impl Derivatives {
+    fn new(row: &Innovation<Dual>) -> Self {
+        let parts = row.difference.len();
+        let mut s = row.covariance.map(|line| line.map(|x| x.re));
+        for (i, line) in s.iter_mut().enumerate() {
+            if line[i] <= 0.0 {
+                line[i] = 1.0;
+            }
+        }
+        Self {
+            score: part(&row.log_likelihood),
+            difference: std::array::from_fn(|i| part(&row.difference[i])),
+            covariance: std::array::from_fn(|i| {
+                std::array::from_fn(|k| part(&row.covariance[i][k]))
+            }),
+            inverse: inverse_factor(&s),
+            weight: (row.weight * row.ordinary).sqrt(),
+            parts,
+        }
+    }
+
+    /// C⁻¹ ∂ν and C⁻¹ ∂S C⁻ᵀ / √2 by one parameter, with the root of the row's weight.
+    fn whitened(&self, lane: usize) -> [f64; WIDTH] {
+        let c = &self.inverse;
+        let mut out = [0.0; WIDTH];
+        for i in 0..self.parts {
+            out[i] = (0..=i)
+                .map(|k| c[i][k] * self.difference[k][lane])
+                .sum::<f64>()
+                * self.weight;
+        }
+        let mut half = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for k in 0..3 {
+                half[i][k] = (0..=i).map(|l| c[i][l] * self.covariance[l][k][lane]).sum();
+            }
+        }
+        for i in 0..3 {
+            for k in 0..3 {
+                let full: f64 = (0..=k).map(|l| half[i][l] * c[k][l]).sum();
+                out[3 + 3 * i + k] = full * self.weight * std::f64::consts::FRAC_1_SQRT_2;
+            }
+        }
+        out
+    }
+}
+
+/// Inverse of the lower Cholesky factor of a 3 by 3 matrix.
+fn inverse_factor(s: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let a = s[0][0].sqrt();
+    let b = s[1][0] / a;
+    let c = (s[1][1] - b * b).max(f64::MIN_POSITIVE).sqrt();
+    let d = s[2][0] / a;
+    let e = (s[2][1] - d * b) / c;
+    let f = (s[2][2] - d * d - e * e).max(f64::MIN_POSITIVE).sqrt();
+    let (ia, ic, r#if) = (1.0 / a, 1.0 / c, 1.0 / f);
+    let ib = -b * ia * ic;
+    let ie = -e * ic * r#if;
+    [
+        [ia, 0.0, 0.0],
+        [ib, ic, 0.0],
+        [-(d * ia + e * ib) * r#if, ie, r#if],
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_inverse_factor_whitens() {
+        let s = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.7], [0.5, -0.7, 2.0]];
+        let c = inverse_factor(&s);
+        for i in 0..3 {
+            for k in 0..3 {
+                let mut sum = 0.0;
+                for l in 0..3 {
+                    for m in 0..3 {
+                        sum += c[i][l] * s[l][m] * c[k][m];
+                    }
+                }
+                let wanted = f64::from(u8::from(i == k));
+                assert!((sum - wanted).abs() < 1e-12, "{i} {k} {sum}");
+            }
+        }
+    }
+}

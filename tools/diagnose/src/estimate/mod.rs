@@ -1,0 +1,54 @@
+//! Estimation of parameters from innovations: penalised maximum likelihood by Fisher scoring,
+//! covariance by a jackknife over blocks of time.
+//!
+//! Nothing here knows a robot: a [`Likelihood`] is a function of a vector, summed over blocks.
+
+pub(crate) mod cluster;
+pub(crate) mod information;
+pub(crate) mod scoring;
+
+use nalgebra::{DMatrix, DVector};
+
+/// A log-likelihood that is a sum over blocks of time.
+pub(crate) trait Likelihood: Sync {
+    /// Number of blocks.
+    fn blocks(&self) -> usize;
+
+    /// Run to which each block belongs.
+    fn run_of(&self) -> Vec<usize>;
+
+    /// Whether a parameter is shared by all runs.
+    fn is_shared(&self, parameter: usize) -> bool;
+
+    /// Log-likelihood of each block (nats).
+    fn value(&self, at: &[f64]) -> Vec<f64>;
+
+    /// Score and Fisher information of each block with regard to the parameters `free`.
+    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore>;
+}
+
+/// Derivatives of the log-likelihood of one block.
+#[derive(Debug, Clone)]
+pub(crate) struct BlockScore {
+    pub(crate) gradient: DVector<f64>,
+    pub(crate) information: DMatrix<f64>,
+}
+
+/// What is known of a parameter before the data: a normal distribution.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Prior {
+    pub(crate) mean: f64,
+    pub(crate) deviation: f64,
+}
+
+impl Prior {
+    /// Log-density up to a constant (nats).
+    pub(crate) fn log(&self, value: f64) -> f64 {
+        let z = (value - self.mean) / self.deviation;
+        -0.5 * z * z
+    }
+
+    pub(crate) fn precision(&self) -> f64 {
+        self.deviation.powi(-2)
+    }
+}

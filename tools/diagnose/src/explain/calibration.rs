@@ -1,0 +1,582 @@
+//! Calibration of one machine from its wheels and a reference: a fit with every term, from several
+//! starts, then backward elimination.
+
+use slipstream_bus::RobotModel;
+
+use crate::estimate::cluster::Precision;
+use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::model::from_wheels::{
+    ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
+    POSE_LATENCY, POSE_RATE, RUN_BIAS, RUN_SCALE, RUN_TRACK, TRACK, View,
+};
+use crate::select::criterion::Criterion;
+use crate::select::elimination::{Elimination, Kept, Selected, Term};
+
+/// The first fit, without outliers: it need not be finished.
+const ROUGH: SearchLimits = SearchLimits {
+    iterations: 25,
+    tolerance_nats: 0.5,
+};
+/// Latencies from which the search starts (s).
+const LATENCIES_S: [f64; 12] = [
+    -0.3, -0.25, -0.2, -0.15, -0.1, -0.05, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3,
+];
+/// Side maxima lie about one sampling interval beside the best one (s).
+const BESIDE_S: [f64; 6] = [-0.1, -0.05, -0.025, 0.025, 0.05, 0.1];
+/// A start this much worse than the best is not followed (nats).
+const FOLLOWED_NATS: f64 = 5.0;
+/// What the rate of a clock has to gain before anything may lean on it (nats).
+const RATE_NATS: f64 = 6.0;
+/// What the stamp of a row means within a sampling interval is a convention: this share of it.
+const STAMP_SHARE: f64 = 0.1;
+/// Runs differ when the probability of their spread without a difference is below this.
+const RUNS_DIFFER: f64 = 1e-3;
+/// Differences of scale and of track between runs that nobody would call one.
+const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
+/// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
+const CAUTION: [f64; 2] = [1.3, 1.75];
+
+/// Wheels that differ by less than this cannot be told from the gyro's own errors.
+const GYRO_ASYMMETRY: f64 = 0.004;
+/// Radii and track are one calibration: they are estimated, kept and removed together.
+pub(crate) const GEOMETRY: &str = "geometry";
+
+/// What a calibration found.
+pub(crate) struct Calibration {
+    pub(crate) machine: FromWheels,
+    pub(crate) nominal: Vec<f64>,
+    /// The nominal model, with the noise sizes that it needs.
+    pub(crate) before: Fit,
+    pub(crate) after: Selected,
+    pub(crate) criterion: Criterion,
+    /// Whether scale and track are those of each run.
+    pub(crate) by_run: [bool; 2],
+}
+
+impl Calibration {
+    /// Calibrates; `None` where nothing can be compared.
+    pub(crate) fn new(
+        machine: FromWheels,
+        model: &RobotModel,
+        excluded: &[String],
+    ) -> Option<Self> {
+        let nominal = machine.nominal(model);
+        let robust = View {
+            machine: &machine,
+            robust: true,
+        };
+        let problem = Problem {
+            likelihood: &robust,
+            priors: machine.priors(&nominal),
+            longest: machine.longest(),
+        };
+        let always: Vec<usize> = (0..machine.runs.len())
+            .filter(|i| machine.runs[*i].gyro.is_some())
+            .map(|i| machine.of_run(i, RUN_BIAS))
+            .collect();
+        let noise = machine.noise();
+        let mut by_run = [false; 2];
+        let search = Search {
+            machine: &machine,
+            problem: &problem,
+            nominal: &nominal,
+            always: &always,
+            noise: &noise,
+            excluded,
+        };
+        let mut terms = search.terms(by_run);
+        let mut fit = search.full(&mut terms);
+        if machine.runs.len() > 1 {
+            let same = |other: &[Term]| {
+                let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
+                other
+                    .iter()
+                    .filter(|t| names.contains(&t.name))
+                    .cloned()
+                    .collect::<Vec<_>>()
+            };
+            let apart = same(&search.terms([true; 2]));
+            let (free, physics) = search.elimination(&apart).free(&apart);
+            let own = problem.fit(&fit.at, &free, FULL);
+            by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
+            if by_run != [false; 2] {
+                terms = same(&search.terms(by_run));
+                let mut at = own.at.clone();
+                search.settle(&mut at, &terms);
+                fit = problem.fit(&at, &search.elimination(&terms).free(&terms).0, FULL);
+            }
+        }
+        let elimination = search.elimination(&terms);
+        let before = elimination.fit(&nominal, &[], &terms);
+        let criterion = elimination.criterion;
+        let after = elimination.run(fit, &terms)?;
+        Some(Self {
+            nominal,
+            before,
+            after,
+            criterion,
+            by_run,
+            machine,
+        })
+    }
+
+    /// The kept term of this name.
+    pub(crate) fn kept(&self, name: &str) -> Option<&Kept> {
+        self.after.kept.iter().find(|kept| kept.term.name == name)
+    }
+
+    /// Deviation of a linear combination of free parameters, given as (index, weight).
+    pub(crate) fn deviation(&self, weights: &[(usize, f64)]) -> f64 {
+        let place = |index: usize| self.after.fit.free.iter().position(|f| *f == index);
+        let used: Vec<(usize, f64)> = weights
+            .iter()
+            .filter_map(|(i, w)| Some((place(*i)?, *w)))
+            .collect();
+        let mut variance = 0.0;
+        for (a, wa) in &used {
+            for (b, wb) in &used {
+                variance += wa * wb * self.after.precision.covariance[(*a, *b)];
+            }
+        }
+        for (index, weight) in weights {
+            variance += weight * weight * self.floor(*index);
+        }
+        variance.max(0.0).sqrt()
+    }
+
+    fn floor(&self, index: usize) -> f64 {
+        let terms = self.after.kept.iter().map(|kept| &kept.term);
+        let mut floors = terms.flat_map(|t| t.parameters.iter().zip(&t.floors));
+        floors
+            .find(|(own, _)| **own == index)
+            .map_or(0.0, |(_, floor)| *floor)
+    }
+}
+
+/// The search for the fit with every term.
+struct Search<'a> {
+    machine: &'a FromWheels,
+    problem: &'a Problem<'a>,
+    nominal: &'a [f64],
+    always: &'a [usize],
+    noise: &'a [usize],
+    excluded: &'a [String],
+}
+
+impl Search<'_> {
+    fn elimination(&self, terms: &[Term]) -> Elimination<'_> {
+        Elimination {
+            problem: self.problem,
+            neutral: self.nominal,
+            always: self.always,
+            noise: self.noise,
+            criterion: Criterion {
+                tried: terms.len(),
+                blocks: self.problem.likelihood.blocks().min(16),
+            },
+        }
+    }
+
+    /// Every term that the streams can show. `by_run`: scale and track are those of each run.
+    fn terms(&self, by_run: [bool; 2]) -> Vec<Term> {
+        let m = self.machine;
+        let b = m.half_track_m;
+        let pose = m.has_pose();
+        let of_runs = |parameter: usize| {
+            (0..m.runs.len())
+                .map(|run| m.of_run(run, parameter))
+                .collect::<Vec<_>>()
+        };
+        let tiny = |size: f64| (1e-3 * size).powi(2);
+        let stamp = |interval: fn(&crate::model::from_wheels::Run) -> f64| {
+            let all = m.runs.iter().map(interval);
+            (STAMP_SHARE * all.fold(0.0, f64::max)).powi(2)
+        };
+        let duration_s = m
+            .runs
+            .iter()
+            .map(|r| r.span_s[1] - r.span_s[0])
+            .fold(1.0, f64::max);
+        let pose_stamp = stamp(crate::model::from_wheels::Run::pose_interval_s);
+        let gyro_stamp = stamp(|run| run.wheel_interval_s);
+        let mut terms = Vec::new();
+        let allowed = |effect: &str| !self.excluded.iter().any(|own| own == effect);
+        let mut add = |name, effect: &str, parameters: Vec<usize>, floor: f64, caution| {
+            if allowed(effect) {
+                terms.push(Term {
+                    name,
+                    floors: vec![floor; parameters.len()],
+                    parameters,
+                    caution,
+                });
+            }
+        };
+        if pose {
+            add(
+                "offset",
+                "pose_offset",
+                vec![OFFSET_X, OFFSET_Y],
+                tiny(b),
+                1.0,
+            );
+            if m.has_heading() {
+                add(
+                    "offset yaw",
+                    "pose_offset",
+                    vec![OFFSET_YAW],
+                    tiny(0.1),
+                    1.0,
+                );
+            }
+            let rate = pose_stamp / (duration_s * duration_s);
+            add(
+                "pose latency",
+                "pose_latency",
+                vec![POSE_LATENCY],
+                pose_stamp,
+                CAUTION[0],
+            );
+            add(
+                "pose rate",
+                "clock_drift",
+                vec![POSE_RATE],
+                rate,
+                CAUTION[1],
+            );
+        }
+        if m.has_gyro() {
+            let rate = gyro_stamp / (duration_s * duration_s);
+            add(
+                "gyro latency",
+                "imu_latency",
+                vec![GYRO_LATENCY],
+                gyro_stamp,
+                CAUTION[0],
+            );
+            add(
+                "gyro rate",
+                "clock_drift",
+                vec![GYRO_RATE],
+                rate,
+                CAUTION[1],
+            );
+        }
+        let mut geometry: Vec<(usize, f64)> = Vec::new();
+        if allowed("wheel_radius") {
+            let scales = if by_run[0] {
+                of_runs(RUN_SCALE)
+            } else {
+                vec![COMMON]
+            };
+            geometry.extend(scales.into_iter().filter(|_| pose).map(|i| (i, tiny(0.1))));
+            let floor = if pose {
+                tiny(0.1)
+            } else {
+                GYRO_ASYMMETRY * GYRO_ASYMMETRY
+            };
+            geometry.push((ASYMMETRY, floor));
+        }
+        if allowed("track_width") {
+            let tracks = if by_run[1] {
+                of_runs(RUN_TRACK)
+            } else {
+                vec![TRACK]
+            };
+            geometry.extend(tracks.into_iter().map(|i| (i, tiny(0.1))));
+        }
+        if !geometry.is_empty() {
+            let (parameters, floors) = geometry.into_iter().unzip();
+            terms.push(Term {
+                name: GEOMETRY,
+                parameters,
+                floors,
+                caution: 1.0,
+            });
+        }
+        terms
+    }
+
+    /// The fit with all of `terms`: first without outliers and clocks, then with outliers, then from
+    /// several latencies. Rates of clocks that gain little are taken out of `terms`.
+    fn full(&self, terms: &mut Vec<Term>) -> Fit {
+        let clocks = [POSE_LATENCY, GYRO_LATENCY, POSE_RATE, GYRO_RATE];
+        let free_of = |keep: &dyn Fn(usize) -> bool, terms: &[Term]| {
+            let (free, _) = self.elimination(terms).free(terms);
+            free.into_iter().filter(|i| keep(*i)).collect::<Vec<_>>()
+        };
+        let plain = View {
+            machine: self.machine,
+            robust: false,
+        };
+        let gaussian = Problem {
+            likelihood: &plain,
+            priors: self.problem.priors.clone(),
+            longest: self.problem.longest.clone(),
+        };
+        let still = free_of(&|i| !clocks.contains(&i), terms);
+        let mut at = gaussian.fit(self.nominal, &still, ROUGH).at;
+        for index in self.noise {
+            at[*index] -= 0.3;
+        }
+        let first = self.problem.fit(&at, &still, ROUGH);
+        let lean = free_of(&|i| i != POSE_RATE && i != GYRO_RATE, terms);
+        let mut best = self.from_latencies(&first, &lean);
+        for clock in [POSE_LATENCY, GYRO_LATENCY] {
+            if lean.contains(&clock) {
+                best = self.beside(best, &lean, clock);
+            }
+        }
+        let all = free_of(&|_| true, terms);
+        let rated = self.problem.fit(&best.at, &all, FULL);
+        if rated.objective - best.objective > RATE_NATS {
+            return rated;
+        }
+        terms.retain(|term| {
+            !term
+                .parameters
+                .iter()
+                .any(|i| *i == POSE_RATE || *i == GYRO_RATE)
+        });
+        best
+    }
+
+    fn from_latencies(&self, first: &Fit, lean: &[usize]) -> Fit {
+        let value = self.problem.objective(&first.at, lean);
+        let mut starts = vec![first.at.clone()];
+        for clock in [POSE_LATENCY, GYRO_LATENCY] {
+            if !lean.contains(&clock) {
+                continue;
+            }
+            let at = |latency_s: f64| {
+                let mut at = first.at.clone();
+                at[clock] += latency_s;
+                (self.problem.objective(&at, lean), at)
+            };
+            let best = LATENCIES_S
+                .map(at)
+                .into_iter()
+                .max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, best)) = best.filter(|(own, _)| *own > value - FOLLOWED_NATS) {
+                let shifted = starts.iter().map(|start| {
+                    let mut start = start.clone();
+                    start[clock] = best[clock];
+                    start
+                });
+                starts.extend(shifted.collect::<Vec<_>>());
+            }
+        }
+        let fits = starts
+            .iter()
+            .map(|start| self.problem.fit(start, lean, SHORT));
+        let best = fits.max_by(|a, b| a.objective.total_cmp(&b.objective));
+        let best = best.unwrap_or_else(|| first.clone());
+        self.problem.fit(&best.at, lean, FULL)
+    }
+
+    /// Looks for a better maximum beside the one that was found.
+    fn beside(&self, best: Fit, lean: &[usize], clock: usize) -> Fit {
+        let mut trials: Vec<(f64, Vec<f64>)> = BESIDE_S
+            .iter()
+            .map(|shift_s| {
+                let mut at = best.at.clone();
+                at[clock] += shift_s;
+                (self.problem.objective(&at, lean), at)
+            })
+            .collect();
+        trials.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let fits = trials
+            .iter()
+            .take(2)
+            .map(|(_, at)| self.problem.fit(at, lean, SHORT));
+        let better = fits.max_by(|a, b| a.objective.total_cmp(&b.objective));
+        match better {
+            Some(better) if better.objective > best.objective + 0.5 => {
+                self.problem.fit(&better.at, lean, FULL)
+            }
+            _ => best,
+        }
+    }
+
+    /// Whether the scale and the track of the runs differ (Cochran's Q).
+    fn differ(&self, fit: &Fit, precision: &Precision) -> [bool; 2] {
+        use statrs::distribution::{ChiSquared, ContinuousCDF};
+        [(RUN_SCALE, RUN_FLOORS[0]), (RUN_TRACK, RUN_FLOORS[1])].map(|(parameter, floor)| {
+            let values: Vec<(f64, f64)> = (0..self.machine.runs.len())
+                .filter_map(|run| {
+                    let index = self.machine.of_run(run, parameter);
+                    let place = fit.free.iter().position(|f| *f == index)?;
+                    Some((
+                        fit.at[index],
+                        precision.covariance[(place, place)] + floor * floor,
+                    ))
+                })
+                .filter(|(_, variance)| variance.sqrt() < 0.15)
+                .collect();
+            if values.len() < 2 {
+                return false;
+            }
+            let weights: f64 = values.iter().map(|(_, v)| 1.0 / v).sum();
+            let mean = values.iter().map(|(x, v)| x / v).sum::<f64>() / weights;
+            let q: f64 = values
+                .iter()
+                .map(|(x, v)| (x - mean) * (x - mean) / v)
+                .sum();
+            let spread = ChiSquared::new(values.len() as f64 - 1.0).map_or(1.0, |c| c.sf(q));
+            spread < RUNS_DIFFER || parameter == RUN_TRACK && self.machine.skids
+        })
+    }
+
+    /// Puts what is no longer free back to its nominal value; what is shared again gets the mean of
+    /// the runs.
+    fn settle(&self, at: &mut [f64], terms: &[Term]) {
+        for (shared, own) in [(COMMON, RUN_SCALE), (TRACK, RUN_TRACK)] {
+            let indices: Vec<usize> = (0..self.machine.runs.len())
+                .map(|run| self.machine.of_run(run, own))
+                .collect();
+            if terms.iter().any(|t| t.parameters.contains(&shared)) {
+                let mean = indices.iter().map(|i| at[*i]).sum::<f64>() / indices.len() as f64;
+                at[shared] = self.nominal[shared] + mean;
+                indices.iter().for_each(|i| at[*i] = self.nominal[*i]);
+            } else {
+                at[shared] = self.nominal[shared];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::Body;
+    use slipstream_recording::recording::{Pose, Robot, Stream, Wheels};
+
+    use super::*;
+
+    const RADIUS_M: f64 = 0.1;
+    const HALF_TRACK_M: f64 = 0.3;
+
+    fn nominal() -> RobotModel {
+        let body = Body {
+            body_mass_kg: None,
+            body_yaw_inertia_kg_m2: None,
+            wheel_mass_kg: None,
+            wheel_spin_inertia_kg_m2: None,
+            wheel_yaw_inertia_kg_m2: None,
+            wheel_radius_m: RADIUS_M,
+            half_track_m: HALF_TRACK_M,
+            com_to_axle_m: None,
+            com_to_caster_m: None,
+            com_height_m: None,
+        };
+        RobotModel {
+            robot: body,
+            motor: None,
+            encoder: None,
+            effects: Vec::new(),
+        }
+    }
+
+    /// A number in [-1, 1] that looks random, the same on every machine.
+    fn noise(seed: u64) -> f64 {
+        let mut x = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x1234_5678_9ABC_DEF0;
+        for shift in [30, 27, 31] {
+            x = (x ^ (x >> shift)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        }
+        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Eighty seconds of curves: wheels at 50 Hz, poses at 10 Hz. The wheels are `scale` times as
+    /// large as nominal, the camera sits at `offset` (m) and is late.
+    fn robot(scale: f64, offset: [f64; 2], latency_s: f64) -> Robot {
+        let speeds = |t: f64| {
+            let (v, w) = (0.5 + 0.3 * (0.7 * t).sin(), 0.6 * (0.31 * t).sin());
+            [
+                (v + HALF_TRACK_M * w) / RADIUS_M,
+                (v - HALF_TRACK_M * w) / RADIUS_M,
+            ]
+        };
+        let (mut angles, mut pose) = ([0.0_f64; 2], [0.0_f64; 3]);
+        let mut wheels = (Vec::new(), Vec::new(), Vec::new());
+        let mut seen = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let dt = 1e-3;
+        for k in 0..80_000_u64 {
+            let t = k as f64 * dt;
+            if k % 20 == 0 {
+                wheels.0.push(t);
+                wheels.1.push(angles[0]);
+                wheels.2.push(angles[1]);
+            }
+            if k % 100 == 7 {
+                let (sin, cos) = pose[2].sin_cos();
+                let [ox, oy] = offset;
+                seen.0.push(t + latency_s);
+                seen.1
+                    .push(pose[0] + ox * cos - oy * sin + 0.004 * noise(4 * k));
+                seen.2
+                    .push(pose[1] + ox * sin + oy * cos + 0.004 * noise(4 * k + 1));
+                seen.3.push(pose[2] + 0.004 * noise(4 * k + 2));
+            }
+            let speed = speeds(t + dt / 2.0);
+            let turned = speed.map(|s| s * dt);
+            angles = [angles[0] + turned[0], angles[1] + turned[1]];
+            let way = scale * RADIUS_M * (turned[0] + turned[1]) / 2.0;
+            let turn = scale * RADIUS_M * (turned[0] - turned[1]) / (2.0 * HALF_TRACK_M);
+            let (sin, cos) = (pose[2] + turn / 2.0).sin_cos();
+            pose = [pose[0] + way * cos, pose[1] + way * sin, pose[2] + turn];
+        }
+        let mut robot = Robot::named("r1");
+        robot.wheels = Some(Stream {
+            t_s: wheels.0,
+            values: Wheels::Angle {
+                right_rad: wheels.1,
+                left_rad: wheels.2,
+            },
+            unknown: Vec::new(),
+        });
+        robot.pose = Some(Stream {
+            t_s: seen.0,
+            values: Pose {
+                x_m: seen.1,
+                y_m: seen.2,
+                yaw_rad: Some(seen.3),
+            },
+            unknown: Vec::new(),
+        });
+        robot
+    }
+
+    fn calibrated(robot: &Robot) -> Option<Calibration> {
+        let machine = FromWheels::new(&[robot], &nominal(), &[])?;
+        Calibration::new(machine, &nominal(), &[])
+    }
+
+    #[test]
+    fn a_model_that_is_right_needs_nothing() -> Result<(), &'static str> {
+        let found = calibrated(&robot(1.0, [0.0; 2], 0.0)).ok_or("no calibration")?;
+        let names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
+        assert!(names.is_empty(), "{names:?}");
+        Ok(())
+    }
+
+    #[test]
+    fn radius_camera_and_latency_are_found_together() -> Result<(), &'static str> {
+        let found = calibrated(&robot(0.95, [-0.2, 0.05], 0.08)).ok_or("no calibration")?;
+        let mut names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
+        names.sort_unstable();
+        assert_eq!(names, [GEOMETRY, "offset", "pose latency"]);
+        for (index, truth) in [
+            (COMMON, 0.95_f64.ln()),
+            (ASYMMETRY, 0.0),
+            (TRACK, 0.0),
+            (OFFSET_X, -0.2),
+            (OFFSET_Y, 0.05),
+            (POSE_LATENCY, 0.08),
+        ] {
+            let error = (found.after.fit.at[index] - truth).abs();
+            let deviation = found.deviation(&[(index, 1.0)]);
+            // the interval has a floor: what nobody would call a difference
+            assert!(error < 3.5 * deviation, "{index}: {error} of {deviation}");
+            assert!(deviation < 0.012, "{index}: {deviation}");
+        }
+        Ok(())
+    }
+}

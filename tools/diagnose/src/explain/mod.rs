@@ -1,0 +1,3 @@
+//! What a recording says beyond a fit: which terms it needs, and what each is worth.
+
+pub(crate) mod calibration;

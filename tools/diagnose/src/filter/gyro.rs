@@ -1,0 +1,161 @@
+//! Kalman filter from wheel angles to the integrated gyro: a yaw whose errors add up.
+//!
+//! State: error of the yaw that the wheels predict (rad), and an Ornstein-Uhlenbeck disturbance of
+//! the turn rate (rad/s) whose size grows with the turn rate.
+
+use slipstream_sim::Scalar;
+
+use super::Innovation;
+use super::mixture::{COMPONENTS, PROBABILITY, PROCESS, SENSOR, posterior};
+use super::wheel_path::WheelPath;
+
+/// Physical parameters.
+pub(crate) const PHYSICS: usize = 6;
+/// Logarithms of noise sizes.
+pub(crate) const NOISE: usize = 7;
+/// log sqrt(2 π).
+const LOG_ROOT_TAU: f64 = 0.918_938_533_204_672_7;
+/// Share of v/2b in the motion that scales the disturbance, and its least value (rad²/s²).
+const STRAIGHT_SHARE: f64 = 0.01;
+const LEAST_RATE2: f64 = 1e-6;
+/// Least variance of an innovation (rad²).
+const LEAST_VARIANCE: f64 = 1e-16;
+
+/// One robot's data and nominal geometry.
+#[derive(Debug)]
+pub(crate) struct Gyro<'a> {
+    pub(crate) wheels: &'a WheelPath,
+    /// Thinned series of the integrated gyro: stamp (s), angle (rad).
+    pub(crate) series: &'a [Vec<(f64, f64)>],
+    pub(crate) wheel_radius_m: f64,
+    pub(crate) half_track_m: f64,
+    /// Whether rows may be outliers.
+    pub(crate) robust: bool,
+}
+
+impl Gyro<'_> {
+    /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, latency
+    /// (s), clock rate, bias (rad/s); then logs of: yaw per root metre, per root radian, per root
+    /// second, angle noise (rad), stamp noise (s), disturbance relative to the motion, its time (s).
+    pub(crate) fn run<S: Scalar>(&self, p: &[S], sink: &mut dyn FnMut(Innovation<S>)) {
+        let weight = 1.0 / self.series.len() as f64;
+        let metres_per_rad = [
+            p[0].exp() * self.wheel_radius_m,
+            p[1].exp() * self.wheel_radius_m,
+        ];
+        let track_m = p[2].exp() * (2.0 * self.half_track_m);
+        let noise = &p[PHYSICS..];
+        let q: [S; NOISE] = std::array::from_fn(|i| (noise[i] * 2.0).exp());
+        let time_constant_s = noise[6].exp();
+        let time = |stamp_s: f64| (S::constant(stamp_s) - p[3]) / (p[4] + 1.0);
+        for rows in self.series {
+            let Some(first) = rows.first() else { continue };
+            let (mut hint, mut last_s) = (0, time(first.0));
+            let mut angles = self.wheels.at(last_s, &mut hint);
+            let zero = S::constant(0.0);
+            let mut state = [zero; 2];
+            let mut cov = [q[3], zero, zero];
+            let mut measured = zero;
+            for pair in rows.windows(2) {
+                let [before, row] = [pair[0], pair[1]];
+                let next_s = time(row.0);
+                let dt = next_s - last_s;
+                last_s = next_s;
+                let next = self.wheels.at(next_s, &mut hint);
+                let turned = [next[0] - angles[0], next[1] - angles[1]];
+                angles = next;
+                let turn =
+                    (metres_per_rad[0] * turned[0] - metres_per_rad[1] * turned[1]) / track_m;
+                let r = self.wheel_radius_m;
+                let way = ((turned[0] + turned[1]) * (r / 2.0)).abs();
+                let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
+                let w = nominal_turn / dt;
+                let straight = way / dt / (2.0 * self.half_track_m);
+                let decay = (-dt / time_constant_s).exp();
+                let g = time_constant_s * (S::constant(1.0) - decay);
+                let motion2 = w * w + straight * straight * STRAIGHT_SHARE + LEAST_RATE2;
+                let size2 = q[5] * motion2 * (S::constant(1.0) - decay * decay);
+                let process = q[0] * way + q[1] * nominal_turn.abs() + q[2] * dt;
+                state = [state[0] + g * state[1], decay * state[1]];
+                cov = [
+                    cov[0] + g * cov[1] * 2.0 + g * g * cov[2] + process + size2 * dt * dt / 3.0,
+                    decay * (cov[1] + g * cov[2]) + size2 * dt * 0.5,
+                    decay * decay * cov[2] + size2,
+                ];
+                measured += S::constant(row.1 - before.1) - turn - p[5] * (row.0 - before.0);
+                let sensor = q[3] + q[4] * w * w;
+                let difference = measured - state[0];
+                let (log_likelihood, ordinary, variance) =
+                    self.merge(&mut state, &mut cov, difference, sensor, process);
+                sink(Innovation {
+                    time_s: row.0,
+                    weight,
+                    ordinary,
+                    log_likelihood,
+                    difference: [difference, zero, zero],
+                    covariance: [[variance, zero, zero], [zero; 3], [zero; 3]],
+                    parts: 1,
+                });
+            }
+        }
+    }
+
+    /// Updates under every component of the mixture and merges by moments.
+    fn merge<S: Scalar>(
+        &self,
+        state: &mut [S; 2],
+        cov: &mut [S; 3],
+        difference: S,
+        sensor: S,
+        process: S,
+    ) -> (S, f64, S) {
+        let zero = S::constant(0.0);
+        let used = if self.robust { COMPONENTS } else { 1 };
+        let prior_of = |component: usize| cov[0] + process * (PROCESS[component] - 1.0);
+        let variance =
+            |component: usize| prior_of(component) + sensor * SENSOR[component] + LEAST_VARIANCE;
+        let logs: [Option<S>; COMPONENTS] = std::array::from_fn(|component| {
+            (component < used).then(|| {
+                let s = variance(component);
+                let prior = if self.robust {
+                    PROBABILITY[component].ln()
+                } else {
+                    0.0
+                };
+                (difference * difference / s + s.ln()) * -0.5 - LOG_ROOT_TAU + prior
+            })
+        });
+        let (weights, log_likelihood) = posterior(&logs);
+        let mut each = [[zero; 5]; COMPONENTS];
+        let mut mean = [zero; 2];
+        for component in 0..used {
+            let x = prior_of(component);
+            let s = variance(component);
+            let gain = [x / s, cov[1] / s];
+            let own = [
+                state[0] + gain[0] * difference,
+                state[1] + gain[1] * difference,
+            ];
+            each[component] = [
+                own[0],
+                own[1],
+                x - gain[0] * x,
+                cov[1] - gain[0] * cov[1],
+                cov[2] - gain[1] * cov[1],
+            ];
+            mean = [0, 1].map(|i| mean[i] + weights[component] * own[i]);
+        }
+        let ordinary_variance = variance(0);
+        let mut merged = [zero; 3];
+        for component in 0..used {
+            let [e, d, ee, ed, dd] = each[component];
+            let off = [e - mean[0], d - mean[1]];
+            merged[0] += weights[component] * (ee + off[0] * off[0]);
+            merged[1] += weights[component] * (ed + off[0] * off[1]);
+            merged[2] += weights[component] * (dd + off[1] * off[1]);
+        }
+        *state = mean;
+        *cov = merged;
+        (log_likelihood, weights[0].value(), ordinary_variance)
+    }
+}

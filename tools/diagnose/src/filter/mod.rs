@@ -1,0 +1,40 @@
+//! Filters: likelihood of one stream of measurements under one model (Kalman filter innovations).
+//!
+//! A filter knows one model and one series of data. It reports every row that it predicts as an
+//! [`Innovation`]; sums, derivatives and searches are made in `estimate`. Filters are generic over
+//! the scalar: with dual numbers an innovation carries its derivatives.
+
+pub(crate) mod gyro;
+pub(crate) mod mixture;
+pub(crate) mod wheel_path;
+pub(crate) mod wheels_to_pose;
+
+use slipstream_sim::Scalar;
+
+/// Rows of a symmetric 3 by 3 matrix.
+pub(crate) type Matrix3<S> = [[S; 3]; 3];
+
+/// One predicted row of measurements.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Innovation<S> {
+    /// Stamp of the row (s).
+    pub(crate) time_s: f64,
+    /// Weight of its log-likelihood in the composite likelihood.
+    pub(crate) weight: f64,
+    /// Probability that the row is an ordinary one, neither an outlier nor a jump.
+    pub(crate) ordinary: f64,
+    /// Log-likelihood of the row given the rows before it (nats).
+    pub(crate) log_likelihood: S,
+    /// Measured minus predicted; the first `parts` numbers count.
+    pub(crate) difference: [S; 3],
+    /// Covariance of `difference` if the row is an ordinary one.
+    pub(crate) covariance: Matrix3<S>,
+    /// How many numbers the row has.
+    pub(crate) parts: usize,
+}
+
+/// A whole turn is taken off an angle until it lies within half a turn of zero.
+pub(crate) fn wrapped<S: Scalar>(angle: S) -> S {
+    let turns = (angle.value() / std::f64::consts::TAU).round();
+    angle - S::constant(turns * std::f64::consts::TAU)
+}

@@ -1,0 +1,462 @@
+//! Extended Kalman filter from wheel angles to a reference pose: exact arcs, odometry noise in
+//! proportion to distance and turn (Thrun, Burgard and Fox 2005, section 5.4), a scale mixture for
+//! every row.
+//!
+//! State: x, y and heading of the middle of the axle. A row stamped s was measured at
+//! (s − latency) / (1 + rate). The noise is scaled by the motion of the *nominal* geometry: scaled by
+//! the estimated one, noise sizes would pull the geometry.
+
+use slipstream_sim::Scalar;
+
+use super::mixture::{COMPONENTS, NEGLIGIBLE_NATS, PROBABILITY, PROCESS, SENSOR, posterior};
+use super::wheel_path::WheelPath;
+use super::{Innovation, Matrix3, wrapped};
+
+/// Physical parameters: see [`Physics`].
+pub(crate) const PHYSICS: usize = 8;
+/// Logarithms of noise sizes: see [`Noise`].
+pub(crate) const NOISE: usize = 9;
+/// Longest piece of an arc (s).
+const PIECE_S: f64 = 0.1;
+/// log sqrt(2 π).
+const LOG_ROOT_TAU: f64 = 0.918_938_533_204_672_7;
+
+/// Rows of one series: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
+pub(crate) type PoseRow = (f64, [f64; 3]);
+
+/// One robot's data and nominal geometry.
+#[derive(Debug)]
+pub(crate) struct WheelsToPose<'a> {
+    pub(crate) wheels: &'a WheelPath,
+    /// Thinned series; their log-likelihoods are averaged (composite likelihood; Varin, Reid and
+    /// Firth 2011).
+    pub(crate) series: &'a [Vec<PoseRow>],
+    pub(crate) wheel_radius_m: f64,
+    pub(crate) half_track_m: f64,
+    /// From the middle of the axle forward to the declared point (m).
+    pub(crate) declared_m: f64,
+    /// Median time between rows of the wheels (s).
+    pub(crate) wheel_interval_s: f64,
+    /// Heading at the first row where the reference has none (rad).
+    pub(crate) first_heading_rad: f64,
+    /// Whether rows may be outliers.
+    pub(crate) robust: bool,
+}
+
+/// What is estimated of the robot and its reference.
+#[derive(Clone, Copy)]
+struct Physics<S> {
+    metres_per_rad: [S; 2],
+    track_m: S,
+    /// Tracked point from the middle of the axle (m), and measured minus true yaw (rad).
+    offset: [S; 3],
+    latency_s: S,
+    rate: S,
+}
+
+/// Variances.
+#[derive(Clone, Copy)]
+struct Noise<S> {
+    along_per_m: S,
+    across_per_m: S,
+    yaw_per_m: S,
+    yaw_per_rad: S,
+    place_per_row: S,
+    yaw_per_row: S,
+    place: S,
+    yaw: S,
+    stamp: S,
+}
+
+/// State and covariance; `q` is what the process added since the last row.
+struct State<S> {
+    mean: [S; 3],
+    p: Matrix3<S>,
+    q: Matrix3<S>,
+}
+
+impl WheelsToPose<'_> {
+    /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, offset
+    /// x, y (m), yaw (rad), latency (s), clock rate; then the logs of the nine noise sizes.
+    pub(crate) fn run<S: Scalar>(&self, parameters: &[S], sink: &mut dyn FnMut(Innovation<S>)) {
+        self.follow(parameters, sink, &mut |_, _| ());
+    }
+
+    /// As [`run`](Self::run); `seen` also hears the filtered pose of the axle after every row.
+    pub(crate) fn follow<S: Scalar>(
+        &self,
+        parameters: &[S],
+        sink: &mut dyn FnMut(Innovation<S>),
+        seen: &mut dyn FnMut(f64, [S; 3]),
+    ) {
+        let physics = self.physics(parameters);
+        let noise = noise(&parameters[PHYSICS..]);
+        let weight = 1.0 / self.series.len() as f64;
+        for rows in self.series {
+            let Some(first) = rows.first() else { continue };
+            let mut state = self.first(&physics, first);
+            let mut hint = 0;
+            let mut time_s = physics.time(first.0);
+            let mut angles = self.wheels.at(time_s, &mut hint);
+            for (at, row) in rows.iter().enumerate() {
+                let mut rates = [S::constant(0.0); 2];
+                state.q = [[S::constant(0.0); 3]; 3];
+                if at > 0 {
+                    let next_s = physics.time(row.0);
+                    rates = self.travel(
+                        &physics,
+                        &noise,
+                        &mut state,
+                        time_s,
+                        next_s,
+                        &mut angles,
+                        &mut hint,
+                    );
+                    time_s = next_s;
+                }
+                let innovation = self.update(&physics, &noise, &mut state, row, rates, weight);
+                if at > 0 {
+                    sink(innovation);
+                }
+                seen(row.0, state.mean);
+            }
+        }
+    }
+
+    fn physics<S: Scalar>(&self, p: &[S]) -> Physics<S> {
+        Physics {
+            metres_per_rad: [
+                p[0].exp() * self.wheel_radius_m,
+                p[1].exp() * self.wheel_radius_m,
+            ],
+            track_m: p[2].exp() * (2.0 * self.half_track_m),
+            offset: [p[3] + self.declared_m, p[4], p[5]],
+            latency_s: p[6],
+            rate: p[7],
+        }
+    }
+
+    /// The state at the first row, known to half a metre and 0.3 rad beside the sensor noise.
+    fn first<S: Scalar>(&self, physics: &Physics<S>, (_, z): &PoseRow) -> State<S> {
+        let [ox, oy, oyaw] = physics.offset;
+        let yaw = if z[2].is_finite() {
+            S::constant(z[2]) - oyaw
+        } else {
+            S::constant(self.first_heading_rad)
+        };
+        let (sin, cos) = (yaw.sin(), yaw.cos());
+        let zero = S::constant(0.0);
+        let mut p = [[zero; 3]; 3];
+        p[0][0] = S::constant(0.25);
+        p[1][1] = S::constant(0.25);
+        p[2][2] = S::constant(0.09);
+        State {
+            mean: [
+                S::constant(z[0]) - ox * cos + oy * sin,
+                S::constant(z[1]) - ox * sin - oy * cos,
+                yaw,
+            ],
+            p,
+            q: [[zero; 3]; 3],
+        }
+    }
+
+    /// Moves the state from one time to the next along arcs; returns speed (m/s) and turn rate
+    /// (rad/s) of the last piece by the nominal geometry.
+    #[expect(clippy::too_many_arguments, reason = "one step of a filter")]
+    fn travel<S: Scalar>(
+        &self,
+        physics: &Physics<S>,
+        noise: &Noise<S>,
+        state: &mut State<S>,
+        from_s: S,
+        to_s: S,
+        angles: &mut [S; 2],
+        hint: &mut usize,
+    ) -> [S; 2] {
+        let span_s = to_s - from_s;
+        let longest_s = PIECE_S.max(self.wheel_interval_s);
+        let pieces = (span_s.value() / longest_s).ceil().clamp(1.0, 1e5);
+        let mut rates = [S::constant(0.0); 2];
+        for piece in 1..=(pieces as usize) {
+            let t = from_s + span_s * (piece as f64 / pieces);
+            let next = self.wheels.at(t, hint);
+            let turned = [next[0] - angles[0], next[1] - angles[1]];
+            *angles = next;
+            let [right, left] = [0, 1].map(|i| physics.metres_per_rad[i] * turned[i]);
+            let (way, turn) = ((right + left) * 0.5, (right - left) / physics.track_m);
+            let r = self.wheel_radius_m;
+            let nominal_way = (turned[0] + turned[1]) * (r / 2.0);
+            let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
+            let mut q = [
+                noise.along_per_m * nominal_way.abs(),
+                noise.across_per_m * nominal_way.abs(),
+                noise.yaw_per_m * nominal_way.abs() + noise.yaw_per_rad * nominal_turn.abs(),
+            ];
+            if piece == pieces as usize {
+                q[0] += noise.place_per_row;
+                q[1] += noise.place_per_row;
+                q[2] += noise.yaw_per_row;
+                let dt = span_s / pieces;
+                if dt.value() > 1e-9 {
+                    rates = [nominal_way / dt, nominal_turn / dt];
+                }
+            }
+            state.advance(way, turn, q);
+        }
+        rates
+    }
+
+    fn update<S: Scalar>(
+        &self,
+        physics: &Physics<S>,
+        noise: &Noise<S>,
+        state: &mut State<S>,
+        (time_s, z): &PoseRow,
+        [v, w]: [S; 2],
+        weight: f64,
+    ) -> Innovation<S> {
+        let zero = S::constant(0.0);
+        let one = S::constant(1.0);
+        let [ox, oy, oyaw] = physics.offset;
+        let (sin, cos) = (state.mean[2].sin(), state.mean[2].cos());
+        // derivatives of the tracked point by the heading
+        let lever = [-(ox * sin + oy * cos), ox * cos - oy * sin];
+        let mut difference = [
+            S::constant(z[0]) - state.mean[0] - lever[1],
+            S::constant(z[1]) - state.mean[1] + lever[0],
+            wrapped(S::constant(z[2]) - state.mean[2] - oyaw),
+        ];
+        let mut h = [
+            [one, zero, lever[0]],
+            [zero, one, lever[1]],
+            [zero, zero, one],
+        ];
+        // an error of the stamp displaces the row along the motion
+        let moved = [v * cos, v * sin, w];
+        let mut r = [[zero; 3]; 3];
+        for i in 0..3 {
+            for k in 0..3 {
+                r[i][k] = noise.stamp * moved[i] * moved[k];
+            }
+        }
+        r[0][0] += noise.place;
+        r[1][1] += noise.place;
+        r[2][2] += noise.yaw;
+        let mut parts = 3;
+        for i in 0..3 {
+            if !z[i].is_finite() {
+                parts -= 1;
+                difference[i] = zero;
+                h[i] = [zero; 3];
+                for k in 0..3 {
+                    r[i][k] = zero;
+                    r[k][i] = zero;
+                }
+                // a variance of 1/(2 π) with a difference of 0 adds nothing to the likelihood
+                r[i][i] = S::constant(1.0 / std::f64::consts::TAU);
+            }
+        }
+        let (log_likelihood, ordinary, covariance) = state.merge(&h, &r, &difference, self.robust);
+        Innovation {
+            time_s: *time_s,
+            weight,
+            ordinary,
+            log_likelihood,
+            difference,
+            covariance,
+            parts,
+        }
+    }
+}
+
+impl<S: Scalar> Physics<S> {
+    /// When a row with this stamp was measured.
+    fn time(&self, stamp_s: f64) -> S {
+        (S::constant(stamp_s) - self.latency_s) / (self.rate + 1.0)
+    }
+}
+
+fn noise<S: Scalar>(logs: &[S]) -> Noise<S> {
+    let variance = |i: usize| (logs[i] * 2.0).exp();
+    Noise {
+        along_per_m: variance(0),
+        across_per_m: variance(1),
+        yaw_per_m: variance(2),
+        yaw_per_rad: variance(3),
+        place_per_row: variance(4),
+        yaw_per_row: variance(5),
+        place: variance(6),
+        yaw: variance(7),
+        stamp: variance(8),
+    }
+}
+
+impl<S: Scalar> State<S> {
+    /// One arc of length `way` and angle `turn`, with variances along, across and of the heading.
+    fn advance(&mut self, way: S, turn: S, [along, across, heading]: [S; 3]) {
+        let middle = self.mean[2] + turn * 0.5;
+        let chord = way * (S::constant(1.0) - turn * turn * (1.0 / 24.0));
+        let (sin, cos) = (middle.sin(), middle.cos());
+        self.mean[0] += chord * cos;
+        self.mean[1] += chord * sin;
+        self.mean[2] += turn;
+        let [fx, fy] = [-(chord * sin), chord * cos];
+        let [xx, xy, yy] = [
+            along * cos * cos + across * sin * sin,
+            (along - across) * cos * sin,
+            along * sin * sin + across * cos * cos,
+        ];
+        for m in [&mut self.p, &mut self.q] {
+            let [x2, y2, h2] = [m[0][2], m[1][2], m[2][2]];
+            m[0][0] += fx * x2 * 2.0 + fx * fx * h2 + xx;
+            m[0][1] += fy * x2 + fx * y2 + fx * fy * h2 + xy;
+            m[1][1] += fy * y2 * 2.0 + fy * fy * h2 + yy;
+            m[0][2] += fx * h2;
+            m[1][2] += fy * h2;
+            m[2][2] += heading;
+            m[1][0] = m[0][1];
+            m[2][0] = m[0][2];
+            m[2][1] = m[1][2];
+        }
+    }
+
+    /// Updates with one row under every component and merges them by moments. Returns the
+    /// log-likelihood of the row, the probability that it is ordinary, and the covariance of its
+    /// difference if it is.
+    fn merge(
+        &mut self,
+        h: &Matrix3<S>,
+        r: &Matrix3<S>,
+        difference: &[S; 3],
+        robust: bool,
+    ) -> (S, f64, Matrix3<S>) {
+        let zero = S::constant(0.0);
+        let of_state = projected(h, &self.p);
+        let of_process = projected(h, &self.q);
+        let covariance = |component: usize| {
+            let mut s = [[zero; 3]; 3];
+            let extra = PROCESS[component] - 1.0;
+            for i in 0..3 {
+                for k in 0..3 {
+                    s[i][k] =
+                        of_state.1[i][k] + of_process.1[i][k] * extra + r[i][k] * SENSOR[component];
+                }
+            }
+            s
+        };
+        let used = if robust { COMPONENTS } else { 1 };
+        let values: [f64; COMPONENTS] = std::array::from_fn(|component| {
+            if component >= used {
+                return f64::NEG_INFINITY;
+            }
+            let s = covariance(component).map(|row| row.map(|x| x.value()));
+            let d = difference.map(|x| x.value());
+            log_density(&s, &d).map_or(f64::NEG_INFINITY, |(log, _)| {
+                log + PROBABILITY[component].ln()
+            })
+        });
+        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut inverses = [[[zero; 3]; 3]; COMPONENTS];
+        let logs: [Option<S>; COMPONENTS] = std::array::from_fn(|component| {
+            if component > 0 && values[component] < best - NEGLIGIBLE_NATS
+                || values[component] == f64::NEG_INFINITY
+            {
+                return None;
+            }
+            let (log, inverse) = log_density(&covariance(component), difference)?;
+            inverses[component] = inverse;
+            let prior = if robust {
+                PROBABILITY[component].ln()
+            } else {
+                0.0
+            };
+            Some(log + prior)
+        });
+        let ordinary_covariance = covariance(0);
+        let (weights, log_likelihood) = posterior(&logs);
+        let mut means = [[zero; 3]; COMPONENTS];
+        let mut covariances = [[[zero; 3]; 3]; COMPONENTS];
+        let mut mean = [zero; 3];
+        for component in 0..COMPONENTS {
+            if logs[component].is_none() {
+                continue;
+            }
+            let extra = PROCESS[component] - 1.0;
+            // rows of H (P + extra Q)
+            let hp: Matrix3<S> = std::array::from_fn(|i| {
+                std::array::from_fn(|k| of_state.0[i][k] + of_process.0[i][k] * extra)
+            });
+            let gain: Matrix3<S> = std::array::from_fn(|i| {
+                std::array::from_fn(|k| {
+                    (0..3).fold(zero, |sum, l| sum + hp[l][i] * inverses[component][l][k])
+                })
+            });
+            for i in 0..3 {
+                means[component][i] =
+                    (0..3).fold(self.mean[i], |sum, k| sum + gain[i][k] * difference[k]);
+                mean[i] += weights[component] * means[component][i];
+                for k in 0..3 {
+                    covariances[component][i][k] = (0..3)
+                        .fold(self.p[i][k] + self.q[i][k] * extra, |sum, l| {
+                            sum - gain[i][l] * hp[l][k]
+                        });
+                }
+            }
+        }
+        let mut p = [[zero; 3]; 3];
+        for component in (0..COMPONENTS).filter(|c| logs[*c].is_some()) {
+            for i in 0..3 {
+                for k in 0..3 {
+                    let spread = (means[component][i] - mean[i]) * (means[component][k] - mean[k]);
+                    p[i][k] += weights[component] * (covariances[component][i][k] + spread);
+                }
+            }
+        }
+        for i in 0..3 {
+            for k in 0..i {
+                p[i][k] = (p[i][k] + p[k][i]) * 0.5;
+                p[k][i] = p[i][k];
+            }
+        }
+        self.mean = mean;
+        self.p = p;
+        (log_likelihood, weights[0].value(), ordinary_covariance)
+    }
+}
+
+/// H M and H M Hᵀ.
+fn projected<S: Scalar>(h: &Matrix3<S>, m: &Matrix3<S>) -> (Matrix3<S>, Matrix3<S>) {
+    let zero = S::constant(0.0);
+    let hm: Matrix3<S> = std::array::from_fn(|i| {
+        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + h[i][l] * m[l][k]))
+    });
+    let hmh = std::array::from_fn(|i| {
+        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + hm[i][l] * h[k][l]))
+    });
+    (hm, hmh)
+}
+
+/// Log of the normal density of `d` with covariance `s`, and the inverse of `s`; `None` where `s` is
+/// not positive definite.
+fn log_density<S: Scalar>(s: &Matrix3<S>, d: &[S; 3]) -> Option<(S, Matrix3<S>)> {
+    let [a, b, c] = s[0];
+    let [e, f, i] = [s[1][1], s[1][2], s[2][2]];
+    let minor = [e * i - f * f, c * f - b * i, b * f - c * e];
+    let determinant = a * minor[0] + b * minor[1] + c * minor[2];
+    if determinant.value().partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let inverse = [
+        [minor[0], minor[1], minor[2]],
+        [minor[1], a * i - c * c, b * c - a * f],
+        [minor[2], b * c - a * f, a * e - b * b],
+    ]
+    .map(|row| row.map(|x| x / determinant));
+    let zero = S::constant(0.0);
+    let square = (0..3).fold(zero, |sum, i| {
+        sum + d[i] * (0..3).fold(zero, |sum, k| sum + inverse[i][k] * d[k])
+    });
+    let log = (square + determinant.ln()) * -0.5 - 3.0 * LOG_ROOT_TAU;
+    Some((log, inverse))
+}

@@ -1,0 +1,591 @@
+//! From wheel angles to pose and gyro, for one machine in one or several runs.
+//!
+//! The machine has one geometry, one mounting of its reference and one set of clocks. Floor and load
+//! belong to a run: how far it is carried for a turn of its wheels, and its effective track.
+
+use rayon::prelude::*;
+use slipstream_bus::RobotModel;
+use slipstream_recording::recording::{PosePoint, Robot};
+use slipstream_sim::Scalar;
+
+use super::nominal::{clock_rate, number};
+use crate::data::reference::{Span, Thinned, gyro, poses};
+use crate::data::wheels;
+use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::{BlockScore, Likelihood, Prior};
+use crate::filter::Innovation;
+use crate::filter::gyro::{self as gyro_filter, Gyro};
+use crate::filter::wheel_path::{WheelPath, median_interval};
+use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
+
+/// Parameters of the machine.
+pub(crate) const COMMON: usize = 0;
+pub(crate) const ASYMMETRY: usize = 1;
+pub(crate) const TRACK: usize = 2;
+pub(crate) const OFFSET_X: usize = 3;
+pub(crate) const OFFSET_Y: usize = 4;
+pub(crate) const OFFSET_YAW: usize = 5;
+pub(crate) const POSE_LATENCY: usize = 6;
+pub(crate) const POSE_RATE: usize = 7;
+pub(crate) const GYRO_LATENCY: usize = 8;
+pub(crate) const GYRO_RATE: usize = 9;
+/// How many there are.
+pub(crate) const MACHINE: usize = 10;
+/// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
+pub(crate) const RUN_SCALE: usize = 0;
+pub(crate) const RUN_TRACK: usize = 1;
+pub(crate) const RUN_BIAS: usize = 2;
+const RUN: usize = 3;
+const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
+
+/// Shortest block of the jackknife (s), and how many a run has.
+const BLOCK_S: f64 = 2.5;
+const BLOCKS: [f64; 2] = [10.0, 16.0];
+/// Least distance that a run's wheels have to roll, in half tracks.
+const LEAST_WAY: f64 = 4.0;
+
+/// One run.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub(crate) name: String,
+    pub(crate) wheels: WheelPath,
+    pub(crate) wheel_interval_s: f64,
+    pub(crate) pose: Option<Thinned<PoseRow>>,
+    pub(crate) gyro: Option<Thinned<(f64, f64)>>,
+    pub(crate) declared_m: f64,
+    pub(crate) first_heading_rad: f64,
+    /// First and last row that is compared (s), counted from the origin.
+    pub(crate) span_s: [f64; 2],
+    pub(crate) origin_s: f64,
+    first_block: usize,
+    blocks: usize,
+}
+
+/// The machine.
+#[derive(Debug)]
+pub(crate) struct FromWheels {
+    pub(crate) runs: Vec<Run>,
+    pub(crate) wheel_radius_m: f64,
+    pub(crate) half_track_m: f64,
+    /// Whether it steers by skidding: its effective track is then that of the floor.
+    pub(crate) skids: bool,
+}
+
+/// Its likelihood, with or without outliers.
+pub(crate) struct View<'a> {
+    pub(crate) machine: &'a FromWheels,
+    /// Whether rows may be outliers. Without, the likelihood has one smooth maximum: a start.
+    pub(crate) robust: bool,
+}
+
+impl FromWheels {
+    /// The machine of these runs; `None` without a run that has wheels and a reference.
+    pub(crate) fn new(
+        robots: &[&Robot],
+        model: &RobotModel,
+        excluded_s: &[[f64; 2]],
+    ) -> Option<Self> {
+        let b = model.robot.half_track_m;
+        let mut machine = Self {
+            runs: Vec::new(),
+            wheel_radius_m: model.robot.wheel_radius_m,
+            half_track_m: b,
+            skids: robots.iter().any(|robot| skids(robot)),
+        };
+        let mut first_block = 0;
+        for robot in robots {
+            if let Some(run) = Run::new(robot, model, excluded_s, first_block) {
+                first_block += run.blocks;
+                machine.runs.push(run);
+            }
+        }
+        for i in 0..machine.runs.len() {
+            machine.runs[i].first_heading_rad = machine.first_heading(&machine.runs[i]);
+        }
+        (!machine.runs.is_empty()).then_some(machine)
+    }
+
+    /// Number of parameters, noise sizes included.
+    pub(crate) fn parameters(&self) -> usize {
+        MACHINE + self.runs.len() * (RUN + RUN_NOISE)
+    }
+
+    /// Index of a parameter of a run.
+    pub(crate) fn of_run(&self, run: usize, parameter: usize) -> usize {
+        MACHINE + run * (RUN + RUN_NOISE) + parameter
+    }
+
+    /// Indices of the noise sizes of streams that are there.
+    pub(crate) fn noise(&self) -> Vec<usize> {
+        let of = |i: usize, run: &Run| {
+            let first = self.of_run(i, RUN);
+            let pose = if run.pose.is_some() {
+                wheels_to_pose::NOISE
+            } else {
+                0
+            };
+            let gyro = if run.gyro.is_some() {
+                gyro_filter::NOISE
+            } else {
+                0
+            };
+            let second = first + wheels_to_pose::NOISE;
+            (first..first + pose)
+                .chain(second..second + gyro)
+                .collect::<Vec<_>>()
+        };
+        self.runs
+            .iter()
+            .enumerate()
+            .flat_map(|(i, run)| of(i, run))
+            .collect()
+    }
+
+    pub(crate) fn has_pose(&self) -> bool {
+        self.runs.iter().any(|run| run.pose.is_some())
+    }
+
+    pub(crate) fn has_gyro(&self) -> bool {
+        self.runs.iter().any(|run| run.gyro.is_some())
+    }
+
+    pub(crate) fn has_heading(&self) -> bool {
+        self.runs.iter().any(Run::has_heading)
+    }
+
+    /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
+    pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
+        let mut at = vec![0.0; self.parameters()];
+        let factor = |effect: &str, name: &str| number(model, effect, name).unwrap_or(1.0).ln();
+        let plain = |effect: &str, name: &str| number(model, effect, name).unwrap_or(0.0);
+        let [right, left] = ["right_scale", "left_scale"]
+            .map(|name| factor("wheel_radius", name) - factor("encoder_scale", name));
+        at[COMMON] = (right + left) / 2.0;
+        at[ASYMMETRY] = right - left;
+        at[TRACK] = factor("track_width", "scale");
+        at[OFFSET_X] = plain("pose_offset", "x_m");
+        at[OFFSET_Y] = plain("pose_offset", "y_m");
+        at[OFFSET_YAW] = plain("pose_offset", "yaw_rad");
+        let wheels_s = plain("wheels_latency", "latency_s");
+        at[POSE_LATENCY] = plain("pose_latency", "latency_s") - wheels_s;
+        at[GYRO_LATENCY] = plain("imu_latency", "latency_s") - wheels_s;
+        at[POSE_RATE] = clock_rate(model, "pose").unwrap_or(0.0);
+        at[GYRO_RATE] = clock_rate(model, "imu").unwrap_or(0.0);
+        for (i, run) in self.runs.iter().enumerate() {
+            let first = self.of_run(i, RUN);
+            let guesses = run.noise_guesses(2.0 * self.half_track_m);
+            at[first..first + RUN_NOISE].copy_from_slice(&guesses);
+        }
+        at
+    }
+
+    /// Priors: weak ones, about the nominal values.
+    pub(crate) fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
+        let b = self.half_track_m;
+        let track = if self.skids { 0.6 } else { 0.3 };
+        let machine = [
+            0.3,
+            0.3,
+            track,
+            4.0 * b,
+            4.0 * b,
+            1.0,
+            0.3,
+            0.005,
+            0.3,
+            0.005,
+        ];
+        let run = [0.3, track, 0.02];
+        let mut deviations = machine.to_vec();
+        for _ in &self.runs {
+            deviations.extend(run);
+            deviations.extend([2.0; RUN_NOISE]);
+        }
+        let pairs = nominal.iter().zip(deviations);
+        pairs
+            .map(|(&mean, deviation)| Prior { mean, deviation })
+            .collect()
+    }
+
+    /// Longest step of each parameter in one iteration of a fit.
+    pub(crate) fn longest(&self) -> Vec<f64> {
+        let b = self.half_track_m;
+        let mut longest = vec![0.2, 0.2, 0.3, 2.0 * b, 2.0 * b, 0.5, 0.1, 2e-3, 0.1, 2e-3];
+        for _ in &self.runs {
+            longest.extend([0.2, 0.3, 0.02]);
+            longest.extend([1.0; RUN_NOISE]);
+        }
+        longest
+    }
+
+    /// The parameters of one run, out of all.
+    fn local<S: Copy>(&self, run: usize, at: &[S]) -> Vec<S> {
+        let first = self.of_run(run, 0);
+        at[..MACHINE]
+            .iter()
+            .chain(&at[first..first + RUN + RUN_NOISE])
+            .copied()
+            .collect()
+    }
+
+    fn local_indices(&self, run: usize) -> Vec<usize> {
+        let all: Vec<usize> = (0..self.parameters()).collect();
+        self.local(run, &all)
+    }
+
+    pub(crate) fn pose_filter<'a>(
+        &self,
+        run: &'a Run,
+        series: &'a [Vec<PoseRow>],
+        robust: bool,
+    ) -> WheelsToPose<'a> {
+        WheelsToPose {
+            wheels: &run.wheels,
+            series,
+            wheel_radius_m: self.wheel_radius_m,
+            half_track_m: self.half_track_m,
+            declared_m: run.declared_m,
+            wheel_interval_s: run.wheel_interval_s,
+            first_heading_rad: run.first_heading_rad,
+            robust,
+        }
+    }
+
+    /// Parameters of the pose filter of a run, out of all.
+    pub(crate) fn pose_parameters(&self, run: usize, at: &[f64]) -> Vec<f64> {
+        pose_parameters(&self.local(run, at))
+    }
+
+    /// Heading at the first pose where the reference has none: dead reckoning over the first part of
+    /// the way turned onto the positions (Procrustes).
+    fn first_heading(&self, run: &Run) -> f64 {
+        let Some(pose) = &run.pose else { return 0.0 };
+        let (mut hint, mut at) = (0, [0.0_f64; 3]);
+        let mut last: Option<[f64; 2]> = None;
+        let mut way = 0.0;
+        let mut points = Vec::new();
+        for (t_s, z) in &pose.all {
+            let angles: [f64; 2] = run.wheels.at(*t_s, &mut hint);
+            let turned = last.map_or([0.0; 2], |last| [angles[0] - last[0], angles[1] - last[1]]);
+            last = Some(angles);
+            let ds = (turned[0] + turned[1]) * self.wheel_radius_m / 2.0;
+            let turn = (turned[0] - turned[1]) * self.wheel_radius_m / (2.0 * self.half_track_m);
+            let (sin, cos) = (at[2] + turn / 2.0).sin_cos();
+            at = [at[0] + ds * cos, at[1] + ds * sin, at[2] + turn];
+            way += ds.abs();
+            points.push(([at[0], at[1]], [z[0], z[1]], way));
+        }
+        let enough = (6.0 * self.half_track_m).max(0.1 * way).min(0.5 * way);
+        let used: Vec<_> = points.iter().take_while(|p| p.2 <= enough).collect();
+        let mean = |which: fn(&([f64; 2], [f64; 2], f64)) -> [f64; 2]| {
+            let sum = used
+                .iter()
+                .fold([0.0; 2], |s, p| [s[0] + which(p)[0], s[1] + which(p)[1]]);
+            sum.map(|s| s / used.len().max(1) as f64)
+        };
+        let [u, q] = [mean(|p| p.0), mean(|p| p.1)];
+        let (mut dot, mut cross) = (0.0, 0.0);
+        for (a, b, _) in used.iter().copied() {
+            let [a, b] = [[a[0] - u[0], a[1] - u[1]], [b[0] - q[0], b[1] - q[1]]];
+            dot += a[0] * b[0] + a[1] * b[1];
+            cross += a[0] * b[1] - a[1] * b[0];
+        }
+        f64::atan2(cross, dot)
+    }
+}
+
+impl View<'_> {
+    /// Runs one filter of one run with the run's local parameters.
+    fn filter<S: Scalar>(
+        &self,
+        reference: Reference,
+        run: &Run,
+        local: &[S],
+        sink: &mut dyn FnMut(Innovation<S>),
+    ) {
+        match reference {
+            Reference::Pose => {
+                if let Some(pose) = &run.pose {
+                    let filter = self.machine.pose_filter(run, &pose.series, self.robust);
+                    filter.run(&pose_parameters(local), sink);
+                }
+            }
+            Reference::Gyro => {
+                if let Some(gyro) = &run.gyro {
+                    let filter = Gyro {
+                        wheels: &run.wheels,
+                        series: &gyro.series,
+                        wheel_radius_m: self.machine.wheel_radius_m,
+                        half_track_m: self.machine.half_track_m,
+                        robust: self.robust,
+                    };
+                    filter.run(&gyro_parameters(local), sink);
+                }
+            }
+        }
+    }
+}
+
+/// What the wheels are compared with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reference {
+    Pose,
+    Gyro,
+}
+
+impl Reference {
+    const ALL: [Self; 2] = [Self::Pose, Self::Gyro];
+
+    /// Whether the filter of this reference reads a local parameter.
+    fn reads(self, local: usize) -> bool {
+        let geometry = local <= TRACK || (MACHINE..=MACHINE + RUN_TRACK).contains(&local);
+        let pose_noise = MACHINE + RUN..MACHINE + RUN + wheels_to_pose::NOISE;
+        geometry
+            || match self {
+                Self::Pose => {
+                    (OFFSET_X..=POSE_RATE).contains(&local) || pose_noise.contains(&local)
+                }
+                Self::Gyro => {
+                    local == GYRO_LATENCY
+                        || local == GYRO_RATE
+                        || local == MACHINE + RUN_BIAS
+                        || local >= pose_noise.end
+                }
+            }
+    }
+}
+
+impl Likelihood for View<'_> {
+    fn blocks(&self) -> usize {
+        self.machine
+            .runs
+            .last()
+            .map_or(0, |run| run.first_block + run.blocks)
+    }
+
+    fn run_of(&self) -> Vec<usize> {
+        let runs = self.machine.runs.iter().enumerate();
+        runs.flat_map(|(i, run)| vec![i; run.blocks]).collect()
+    }
+
+    fn is_shared(&self, parameter: usize) -> bool {
+        parameter < MACHINE
+    }
+
+    fn value(&self, at: &[f64]) -> Vec<f64> {
+        let machine = self.machine;
+        let runs = machine.runs.par_iter().enumerate().map(|(i, run)| {
+            let local = machine.local(i, at);
+            let each = Reference::ALL.par_iter().map(|reference| {
+                let mut own = vec![0.0; run.blocks];
+                self.filter(*reference, run, &local, &mut |row: Innovation<f64>| {
+                    own[run.block_of(row.time_s)] += row.weight * row.log_likelihood;
+                });
+                own
+            });
+            let each: Vec<Vec<f64>> = each.collect();
+            each[0]
+                .iter()
+                .zip(&each[1])
+                .map(|(a, b)| a + b)
+                .collect::<Vec<f64>>()
+        });
+        runs.collect::<Vec<_>>().concat()
+    }
+
+    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        let machine = self.machine;
+        let mut blocks = empty(Likelihood::blocks(self), free.len());
+        let all = machine.runs.par_iter().enumerate();
+        let all = all.flat_map(|run| Reference::ALL.par_iter().map(move |r| (run, *r)));
+        let all = all.map(|((i, run), reference)| {
+            let own = machine.local_indices(i);
+            // places of the run's parameters among the free ones
+            let (local, to): (Vec<usize>, Vec<usize>) = own
+                .iter()
+                .enumerate()
+                .filter(|(l, _)| reference.reads(*l))
+                .filter_map(|(l, g)| Some((l, free.iter().position(|f| f == g)?)))
+                .unzip();
+            let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
+                self.filter(reference, run, p, sink);
+            };
+            let block = |t_s: f64| run.first_block + run.block_of(t_s);
+            (Rows::new(&machine.local(i, at), &local, filter, block), to)
+        });
+        for (rows, to) in all.collect::<Vec<_>>() {
+            rows.add_to(&mut blocks, &to);
+        }
+        blocks
+    }
+}
+
+fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
+    let run = &local[MACHINE..];
+    let scale = local[COMMON] + run[RUN_SCALE];
+    let half = local[ASYMMETRY] * 0.5;
+    let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
+    all.extend(&local[OFFSET_X..=POSE_RATE]);
+    all.extend(&run[RUN..RUN + wheels_to_pose::NOISE]);
+    all
+}
+
+fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
+    let run = &local[MACHINE..];
+    let scale = local[COMMON] + run[RUN_SCALE];
+    let half = local[ASYMMETRY] * 0.5;
+    let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
+    all.extend([local[GYRO_LATENCY], local[GYRO_RATE], run[RUN_BIAS]]);
+    all.extend(&run[RUN + wheels_to_pose::NOISE..]);
+    all
+}
+
+/// Whether a recording says that the robot steers by skidding.
+fn skids(robot: &Robot) -> bool {
+    let drive = robot.notes.get("drive").and_then(|value| value.as_str());
+    drive.is_some_and(|drive| drive.to_lowercase().contains("skid"))
+}
+
+impl Run {
+    fn new(
+        robot: &Robot,
+        model: &RobotModel,
+        excluded_s: &[[f64; 2]],
+        first_block: usize,
+    ) -> Option<Self> {
+        let firsts = [
+            robot.wheels.as_ref().and_then(|s| s.t_s.first()),
+            robot.odometry.as_ref().and_then(|s| s.t_s.first()),
+            robot.pose.as_ref().and_then(|s| s.t_s.first()),
+            robot.imu.as_ref().and_then(|s| s.t_s.first()),
+            robot.command.as_ref().and_then(|s| s.t_s.first()),
+        ];
+        let first_s = firsts
+            .into_iter()
+            .flatten()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let origin_s = crate::data::origin(first_s);
+        let wheels = wheels::path(robot, model, origin_s)?;
+        let turned = |i: usize| {
+            let pairs = wheels.angles_rad.windows(2);
+            pairs.map(|p| (p[1][i] - p[0][i]).abs()).sum::<f64>()
+        };
+        let way_m = (turned(0) + turned(1)) * model.robot.wheel_radius_m;
+        if way_m < LEAST_WAY * model.robot.half_track_m {
+            return None;
+        }
+        let wheel_interval_s = wheels.interval_s();
+        let span = Span {
+            origin_s,
+            excluded_s,
+            wheels_s: [wheels.times_s[0], *wheels.times_s.last()?],
+        };
+        let pose = poses(robot, span);
+        let gyro = gyro(robot, span, wheel_interval_s);
+        let ends = |rows: Option<(f64, f64)>| rows.into_iter().flat_map(|(a, b)| [a, b]);
+        let pose_ends = pose
+            .as_ref()
+            .and_then(|p| Some((p.all.first()?.0, p.all.last()?.0)));
+        let gyro_ends = gyro
+            .as_ref()
+            .and_then(|p| Some((p.all.first()?.0, p.all.last()?.0)));
+        let all: Vec<f64> = ends(pose_ends).chain(ends(gyro_ends)).collect();
+        let from_s = all.iter().copied().fold(f64::INFINITY, f64::min);
+        let to_s = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if all.is_empty() {
+            return None;
+        }
+        let ahead_m = model.robot.com_to_axle_m.unwrap_or(0.0);
+        let axle = robot.pose_point == Some(PosePoint::Axle);
+        Some(Self {
+            name: robot.name.clone(),
+            wheel_interval_s,
+            wheels,
+            pose,
+            gyro,
+            declared_m: if axle { 0.0 } else { ahead_m },
+            first_heading_rad: 0.0,
+            span_s: [from_s, to_s],
+            origin_s,
+            first_block,
+            blocks: ((to_s - from_s) / BLOCK_S).clamp(BLOCKS[0], BLOCKS[1]) as usize,
+        })
+    }
+
+    pub(crate) fn has_heading(&self) -> bool {
+        self.pose.as_ref().is_some_and(|pose| {
+            let seen = pose.all.iter().filter(|(_, z)| z[2].is_finite()).count();
+            2 * seen > pose.all.len()
+        })
+    }
+
+    /// Median time between poses (s).
+    pub(crate) fn pose_interval_s(&self) -> f64 {
+        let times = |pose: &Thinned<PoseRow>| pose.all.iter().map(|row| row.0).collect::<Vec<_>>();
+        self.pose
+            .as_ref()
+            .map_or(0.0, |pose| median_interval(&times(pose)))
+    }
+
+    /// Block of a time within this run.
+    pub(crate) fn block_of(&self, time_s: f64) -> usize {
+        let [from_s, to_s] = self.span_s;
+        let share = (time_s - from_s) / (to_s - from_s).max(1e-9);
+        ((share * self.blocks as f64) as usize).min(self.blocks - 1)
+    }
+
+    /// Block of a time among the blocks of the machine.
+    pub(crate) fn whole_block_of(&self, time_s: f64) -> usize {
+        self.first_block + self.block_of(time_s)
+    }
+
+    /// Logs of noise sizes to start from; those of the pose's sensor from second differences.
+    fn noise_guesses(&self, track_m: f64) -> [f64; RUN_NOISE] {
+        let [place, yaw] = self
+            .pose
+            .as_ref()
+            .map_or([1e-2; 2], |pose| sensor_noise(&pose.all));
+        let root = track_m.sqrt();
+        [
+            0.1 * root,
+            0.05 * root,
+            0.05 / root,
+            0.05,
+            0.3 * place,
+            0.3 * yaw,
+            place,
+            yaw,
+            0.01,
+            0.02 / root,
+            0.03,
+            0.003,
+            0.001,
+            0.005,
+            0.03,
+            0.5,
+        ]
+        .map(f64::ln)
+    }
+}
+
+/// Order of the white noise of poses: place (m), yaw (rad), from medians of second differences.
+fn sensor_noise(rows: &[PoseRow]) -> [f64; 2] {
+    let median = |i: usize| {
+        let seconds = rows.windows(3).map(|w| {
+            let d = [w[1].1[i] - w[0].1[i], w[2].1[i] - w[1].1[i]];
+            let d = if i == 2 {
+                d.map(crate::filter::wrapped::<f64>)
+            } else {
+                d
+            };
+            (d[1] - d[0]).abs()
+        });
+        let mut all: Vec<f64> = seconds.filter(|d| d.is_finite() && *d > 0.0).collect();
+        all.sort_by(f64::total_cmp);
+        // deviation of a second difference of white noise is sqrt 6; median of |normal| is 0.67
+        all.get(all.len() / 2).map(|m| m / 0.67 / 6.0_f64.sqrt())
+    };
+    let place = [median(0), median(1)].into_iter().flatten().sum::<f64>() / 2.0;
+    [place.max(1e-5), median(2).unwrap_or(0.01).max(1e-5)]
+}

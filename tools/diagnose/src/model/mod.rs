@@ -1,0 +1,4 @@
+//! Models under test: what their parameters are, where they start, and what is known of them before.
+
+pub(crate) mod from_wheels;
+pub(crate) mod nominal;

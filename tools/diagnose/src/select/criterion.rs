@@ -1,0 +1,68 @@
+//! The one criterion: a false-alarm rate for each recording, over everything that is looked at.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
+
+/// Probability that a recording in which nothing is to be found yields a finding.
+pub(crate) const FALSE_ALARM: f64 = 0.01;
+
+/// A test of one recording, among `tried` terms, with `blocks` independent pieces of data.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Criterion {
+    pub(crate) tried: usize,
+    pub(crate) blocks: usize,
+}
+
+impl Criterion {
+    /// Gain (nats) that a term of `parameters` parameters has to bring.
+    pub(crate) fn least_gain(&self, parameters: usize) -> f64 {
+        let rate = FALSE_ALARM / self.tried.max(1) as f64;
+        ChiSquared::new(parameters.max(1) as f64)
+            .map_or(f64::INFINITY, |chi2| chi2.inverse_cdf(1.0 - rate) / 2.0)
+    }
+
+    /// Least Wald statistic d' V⁻¹ d (Hotelling's T² with the blocks as observations).
+    pub(crate) fn least_wald(&self, parameters: usize) -> f64 {
+        let rate = FALSE_ALARM / self.tried.max(1) as f64;
+        let (k, n) = (parameters as f64, self.blocks as f64 - 1.0);
+        let second = n - k + 1.0;
+        if second < 1.0 {
+            return f64::INFINITY;
+        }
+        FisherSnedecor::new(k, second).map_or(f64::INFINITY, |f| {
+            f.inverse_cdf(1.0 - rate) * k * n / second
+        })
+    }
+
+    /// Probability of a Wald statistic at least as large without the term, over everything tried.
+    pub(crate) fn p_value(&self, wald: f64, parameters: usize) -> f64 {
+        let (k, n) = (parameters as f64, self.blocks as f64 - 1.0);
+        let second = n - k + 1.0;
+        let one = FisherSnedecor::new(k, second.max(1.0))
+            .map_or(1.0, |f| f.sf(wald * second.max(1.0) / (k * n.max(1.0))));
+        (one * self.tried as f64).min(1.0)
+    }
+
+    /// Half width of a 95 % interval in standard deviations.
+    pub(crate) fn half_width(&self) -> f64 {
+        let freedom = (self.blocks as f64 - 1.0).max(1.0);
+        StudentsT::new(0.0, 1.0, freedom).map_or(1.96, |t| t.inverse_cdf(0.975))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thresholds_are_those_of_tables() {
+        let one = Criterion {
+            tried: 1,
+            blocks: 16,
+        };
+        // chi-square with 1 degree: 6.635 at 1 %; t with 15 degrees: 2.947 at 1 %, 2.131 at 5 %
+        assert!((one.least_gain(1) - 6.635 / 2.0).abs() < 1e-3);
+        assert!((one.least_wald(1) - 2.947_f64.powi(2)).abs() < 1e-2);
+        assert!((one.half_width() - 2.131).abs() < 1e-3);
+        assert!((one.p_value(2.947_f64.powi(2), 1) - 0.01).abs() < 1e-4);
+    }
+}

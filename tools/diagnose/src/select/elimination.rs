@@ -1,0 +1,224 @@
+//! Backward elimination: from a fit with every term, those that the recording does not need go, the
+//! least needed first; the rest is refitted each time, noise sizes included.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::criterion::Criterion;
+use crate::estimate::cluster::{LEAST_RUNS, Precision};
+use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
+
+/// A term: physics that is there or not.
+#[derive(Debug, Clone)]
+pub(crate) struct Term {
+    /// Its name, for messages.
+    pub(crate) name: &'static str,
+    /// Its parameters.
+    pub(crate) parameters: Vec<usize>,
+    /// Variance of each that nobody would call a difference.
+    pub(crate) floors: Vec<f64>,
+    /// How much wider than the blocks say its error is.
+    pub(crate) caution: f64,
+}
+
+/// A term that was kept, with what it is worth.
+#[derive(Debug, Clone)]
+pub(crate) struct Kept {
+    pub(crate) term: Term,
+    /// Gain over the model without it (nats).
+    pub(crate) gain: f64,
+    /// d' V⁻¹ d.
+    pub(crate) wald: f64,
+}
+
+/// The outcome of an elimination.
+pub(crate) struct Selected {
+    pub(crate) fit: Fit,
+    pub(crate) precision: Precision,
+    pub(crate) kept: Vec<Kept>,
+}
+
+/// What one round of the elimination did.
+enum Round {
+    /// A fit without a term was better than the one with it: that one was not finished.
+    Better(Fit),
+    /// A term went.
+    Removed(Fit, Vec<Term>),
+    /// All that are left are needed.
+    Done(Precision, Vec<Kept>),
+}
+
+/// Rounds after which an elimination that does not end is given up.
+const MOST_ROUNDS: usize = 60;
+/// A fit without a term that is better by this much shows that the fit with it was not finished
+/// (nats).
+const UNFINISHED_NATS: f64 = 0.2;
+
+/// A search for the terms that are needed.
+pub(crate) struct Elimination<'a> {
+    pub(crate) problem: &'a Problem<'a>,
+    /// Value of each parameter without its term.
+    pub(crate) neutral: &'a [f64],
+    /// Parameters that are always free and no noise sizes.
+    pub(crate) always: &'a [usize],
+    /// Noise sizes.
+    pub(crate) noise: &'a [usize],
+    pub(crate) criterion: Criterion,
+}
+
+impl Elimination<'_> {
+    /// Parameters that are free with these terms: physics first, noise sizes last.
+    pub(crate) fn free(&self, terms: &[Term]) -> (Vec<usize>, usize) {
+        let mut free: Vec<usize> = self.always.to_vec();
+        free.extend(terms.iter().flat_map(|term| &term.parameters));
+        let physics = free.len();
+        free.extend(self.noise);
+        (free, physics)
+    }
+
+    /// Fits with these terms, others at their neutral values, from `start`.
+    pub(crate) fn fit(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Fit {
+        let mut at = start.to_vec();
+        for term in all
+            .iter()
+            .filter(|t| terms.iter().all(|own| own.name != t.name))
+        {
+            for index in &term.parameters {
+                at[*index] = self.neutral[*index];
+            }
+        }
+        let (free, _) = self.free(terms);
+        let first = self.problem.fit(&at, &free, FULL);
+        // noise that was fitted with more terms may be too small a start
+        let mut wider = at;
+        for index in self.noise {
+            wider[*index] += 0.5;
+        }
+        let second = self.problem.fit(&wider, &free, SHORT);
+        if second.objective > first.objective + 0.5 {
+            return self.problem.fit(&second.at, &free, FULL);
+        }
+        first
+    }
+
+    /// Removes terms from `fit`, which has all of `terms`, until each that is left is needed.
+    pub(crate) fn run(&self, fit: Fit, terms: &[Term]) -> Option<Selected> {
+        let mut left = terms.to_vec();
+        let mut fit = fit;
+        for _ in 0..MOST_ROUNDS {
+            match self.round(&fit, &left, terms)? {
+                Round::Better(better) => fit = better,
+                Round::Removed(less, rest) => (fit, left) = (less, rest),
+                Round::Done(precision, kept) => {
+                    return Some(Selected {
+                        fit,
+                        precision,
+                        kept,
+                    });
+                }
+            }
+        }
+        None
+    }
+
+    /// Tries to remove each term, the weakest first.
+    fn round(&self, fit: &Fit, left: &[Term], terms: &[Term]) -> Option<Round> {
+        let (_, physics) = self.free(left);
+        let precision = Precision::new(self.problem, fit, physics)?;
+        let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
+        let share = |i: &usize| walds[*i] / self.criterion.least_wald(left[*i].parameters.len());
+        let mut order: Vec<usize> = (0..left.len()).collect();
+        order.sort_by(|a, b| share(a).total_cmp(&share(b)));
+        let mut kept = Vec::new();
+        for i in order {
+            let term = left[i].clone();
+            let rest: Vec<Term> = left
+                .iter()
+                .filter(|t| t.name != term.name)
+                .cloned()
+                .collect();
+            let less = self.fit(&fit.at, &rest, terms);
+            let gain = fit.objective - less.objective;
+            if gain < -UNFINISHED_NATS {
+                let better = self.problem.fit(&less.at, &fit.free, FULL);
+                if better.objective > fit.objective + UNFINISHED_NATS {
+                    return Some(Round::Better(better));
+                }
+            }
+            let clear = self.needed(&term, gain, walds[i], &precision, fit, &less);
+            if !clear {
+                return Some(Round::Removed(less, rest));
+            }
+            kept.push(Kept {
+                term,
+                gain,
+                wald: walds[i],
+            });
+        }
+        Some(Round::Done(precision, kept))
+    }
+
+    /// Whether a term passes: gain after overdispersion, Wald statistic, a gain without its best
+    /// block, and an estimate that the data know better than the prior.
+    fn needed(
+        &self,
+        term: &Term,
+        gain: f64,
+        wald: f64,
+        precision: &Precision,
+        fit: &Fit,
+        less: &Fit,
+    ) -> bool {
+        let count = term.parameters.len();
+        let with = self.problem.likelihood.value(&fit.at);
+        let without = self.problem.likelihood.value(&less.at);
+        let gains: Vec<f64> = with.iter().zip(&without).map(|(a, b)| a - b).collect();
+        let best = gains.iter().copied().fold(0.0, f64::max);
+        let best = best.max(self.best_run(&gains));
+        let known = term.parameters.iter().any(|index| {
+            let place = fit.free.iter().position(|f| f == index);
+            place.is_some_and(|p| {
+                precision.covariance[(p, p)].sqrt() < 0.25 * self.problem.priors[*index].deviation
+            })
+        });
+        known
+            && gain / precision.overdispersion > self.criterion.least_gain(count)
+            && wald > self.criterion.least_wald(count) * term.caution * term.caution
+            && gain - best > 0.0
+    }
+
+    /// Gain of the run that gains most, where there are enough runs to do without it.
+    fn best_run(&self, gains: &[f64]) -> f64 {
+        let runs = self.problem.likelihood.run_of();
+        let count = runs.last().map_or(0, |run| run + 1);
+        let of = |run: usize| {
+            gains
+                .iter()
+                .zip(&runs)
+                .filter(|(_, r)| **r == run)
+                .map(|(g, _)| g)
+                .sum()
+        };
+        let sums = (0..count).map(of).fold(0.0, f64::max);
+        if count >= LEAST_RUNS { sums } else { 0.0 }
+    }
+
+    /// d' V⁻¹ d of a term's parameters, with its floors.
+    pub(crate) fn wald(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
+        let places: Vec<usize> = term
+            .parameters
+            .iter()
+            .filter_map(|index| fit.free.iter().position(|f| f == index))
+            .collect();
+        let k = places.len();
+        let d = DVector::from_iterator(
+            k,
+            term.parameters
+                .iter()
+                .map(|i| fit.at[*i] - self.neutral[*i]),
+        );
+        let v = DMatrix::from_fn(k, k, |i, j| {
+            precision.covariance[(places[i], places[j])] + if i == j { term.floors[i] } else { 0.0 }
+        });
+        v.cholesky().map_or(0.0, |c| d.dot(&c.solve(&d)))
+    }
+}
