@@ -50,14 +50,8 @@ fn jackknife(left_out: &[DVector<f64>]) -> DVector<f64> {
 pub(crate) struct Precision {
     /// Covariance of the free parameters, in the order of `Fit::free`.
     pub(crate) covariance: DMatrix<f64>,
-    /// Inverse of the Fisher information.
-    pub(crate) model: DMatrix<f64>,
-    /// Leave-one-block-out estimates of the free parameters.
-    pub(crate) left_out: Vec<DVector<f64>>,
     /// Geometric mean of variance over the model's, at least 1: overdispersion.
     pub(crate) overdispersion: f64,
-    /// Number of blocks with data.
-    pub(crate) blocks: usize,
 }
 
 impl Precision {
@@ -123,10 +117,7 @@ impl Precision {
         let overdispersion = (log_sum / physics.max(1) as f64).exp().max(1.0);
         Some(Self {
             covariance,
-            model,
-            left_out,
             overdispersion,
-            blocks: filled.len(),
         })
     }
 }

@@ -113,7 +113,6 @@ struct Derivatives {
     /// Inverse of the Cholesky factor of S.
     inverse: [[f64; 3]; 3],
     weight: f64,
-    parts: usize,
 }
 
 fn part(number: &Dual) -> SVector<f64, LANES> {
@@ -122,7 +121,6 @@ fn part(number: &Dual) -> SVector<f64, LANES> {
 
 impl Derivatives {
     fn new(row: &Innovation<Dual>) -> Self {
-        let parts = row.difference.len();
         let mut s = row.covariance.map(|line| line.map(|x| x.re));
         for (i, line) in s.iter_mut().enumerate() {
             if line[i] <= 0.0 {
@@ -137,7 +135,6 @@ impl Derivatives {
             }),
             inverse: inverse_factor(&s),
             weight: (row.weight * row.ordinary).sqrt(),
-            parts,
         }
     }
 
@@ -145,18 +142,15 @@ impl Derivatives {
     fn whitened(&self, lane: usize) -> [f64; WIDTH] {
         let c = &self.inverse;
         let mut out = [0.0; WIDTH];
-        for i in 0..self.parts {
+        for i in 0..3 {
             out[i] = (0..=i)
                 .map(|k| c[i][k] * self.difference[k][lane])
                 .sum::<f64>()
                 * self.weight;
         }
-        let mut half = [[0.0; 3]; 3];
-        for i in 0..3 {
-            for k in 0..3 {
-                half[i][k] = (0..=i).map(|l| c[i][l] * self.covariance[l][k][lane]).sum();
-            }
-        }
+        let half: [[f64; 3]; 3] = std::array::from_fn(|i| {
+            std::array::from_fn(|k| (0..=i).map(|l| c[i][l] * self.covariance[l][k][lane]).sum())
+        });
         for i in 0..3 {
             for k in 0..3 {
                 let full: f64 = (0..=k).map(|l| half[i][l] * c[k][l]).sum();

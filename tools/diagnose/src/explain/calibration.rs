@@ -3,14 +3,15 @@
 
 use slipstream_bus::RobotModel;
 
+use super::terms;
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
-    POSE_LATENCY, POSE_RATE, RUN_BIAS, RUN_SCALE, RUN_TRACK, TRACK, View,
+    COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS, RUN_SCALE,
+    RUN_TRACK, TRACK, View,
 };
 use crate::select::criterion::Criterion;
-use crate::select::elimination::{Elimination, Kept, Selected, Term};
+use crate::select::elimination::{Elimination, Selected, Term};
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -27,42 +28,26 @@ const BESIDE_S: [f64; 6] = [-0.1, -0.05, -0.025, 0.025, 0.05, 0.1];
 const FOLLOWED_NATS: f64 = 5.0;
 /// What the rate of a clock has to gain before anything may lean on it (nats).
 const RATE_NATS: f64 = 6.0;
-/// What the stamp of a row means within a sampling interval is a convention: this share of it.
-const STAMP_SHARE: f64 = 0.1;
 /// Runs differ when the probability of their spread without a difference is below this.
 const RUNS_DIFFER: f64 = 1e-3;
 /// Differences of scale and of track between runs that nobody would call one.
 const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
-/// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
-const CAUTION: [f64; 2] = [1.3, 1.75];
-
-/// Wheels that differ by less than this cannot be told from the gyro's own errors.
-const GYRO_ASYMMETRY: f64 = 0.004;
-/// Radii and track are one calibration: they are estimated, kept and removed together.
-pub(crate) const GEOMETRY: &str = "geometry";
 
 /// What a calibration found.
 pub(crate) struct Calibration {
-    pub(crate) machine: FromWheels,
-    pub(crate) nominal: Vec<f64>,
-    /// The nominal model, with the noise sizes that it needs.
-    pub(crate) before: Fit,
     pub(crate) after: Selected,
-    pub(crate) criterion: Criterion,
-    /// Whether scale and track are those of each run.
-    pub(crate) by_run: [bool; 2],
 }
 
 impl Calibration {
     /// Calibrates; `None` where nothing can be compared.
     pub(crate) fn new(
-        machine: FromWheels,
+        machine: &FromWheels,
         model: &RobotModel,
         excluded: &[String],
     ) -> Option<Self> {
         let nominal = machine.nominal(model);
         let robust = View {
-            machine: &machine,
+            machine,
             robust: true,
         };
         let problem = Problem {
@@ -75,16 +60,15 @@ impl Calibration {
             .map(|i| machine.of_run(i, RUN_BIAS))
             .collect();
         let noise = machine.noise();
-        let mut by_run = [false; 2];
         let search = Search {
-            machine: &machine,
+            machine,
             problem: &problem,
             nominal: &nominal,
             always: &always,
             noise: &noise,
             excluded,
         };
-        let mut terms = search.terms(by_run);
+        let mut terms = search.terms([false; 2]);
         let mut fit = search.full(&mut terms);
         if machine.runs.len() > 1 {
             let same = |other: &[Term]| {
@@ -98,7 +82,7 @@ impl Calibration {
             let apart = same(&search.terms([true; 2]));
             let (free, physics) = search.elimination(&apart).free(&apart);
             let own = problem.fit(&fit.at, &free, FULL);
-            by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
+            let by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
             if by_run != [false; 2] {
                 terms = same(&search.terms(by_run));
                 let mut at = own.at.clone();
@@ -106,23 +90,8 @@ impl Calibration {
                 fit = problem.fit(&at, &search.elimination(&terms).free(&terms).0, FULL);
             }
         }
-        let elimination = search.elimination(&terms);
-        let before = elimination.fit(&nominal, &[], &terms);
-        let criterion = elimination.criterion;
-        let after = elimination.run(fit, &terms)?;
-        Some(Self {
-            nominal,
-            before,
-            after,
-            criterion,
-            by_run,
-            machine,
-        })
-    }
-
-    /// The kept term of this name.
-    pub(crate) fn kept(&self, name: &str) -> Option<&Kept> {
-        self.after.kept.iter().find(|kept| kept.term.name == name)
+        let after = search.elimination(&terms).run(fit, &terms)?;
+        Some(Self { after })
     }
 
     /// Deviation of a linear combination of free parameters, given as (index, weight).
@@ -145,8 +114,11 @@ impl Calibration {
     }
 
     fn floor(&self, index: usize) -> f64 {
-        let terms = self.after.kept.iter().map(|kept| &kept.term);
-        let mut floors = terms.flat_map(|t| t.parameters.iter().zip(&t.floors));
+        let mut floors = self
+            .after
+            .kept
+            .iter()
+            .flat_map(|t| t.parameters.iter().zip(&t.floors));
         floors
             .find(|(own, _)| **own == index)
             .map_or(0.0, |(_, floor)| *floor)
@@ -179,121 +151,7 @@ impl Search<'_> {
 
     /// Every term that the streams can show. `by_run`: scale and track are those of each run.
     fn terms(&self, by_run: [bool; 2]) -> Vec<Term> {
-        let m = self.machine;
-        let b = m.half_track_m;
-        let pose = m.has_pose();
-        let of_runs = |parameter: usize| {
-            (0..m.runs.len())
-                .map(|run| m.of_run(run, parameter))
-                .collect::<Vec<_>>()
-        };
-        let tiny = |size: f64| (1e-3 * size).powi(2);
-        let stamp = |interval: fn(&crate::model::from_wheels::Run) -> f64| {
-            let all = m.runs.iter().map(interval);
-            (STAMP_SHARE * all.fold(0.0, f64::max)).powi(2)
-        };
-        let duration_s = m
-            .runs
-            .iter()
-            .map(|r| r.span_s[1] - r.span_s[0])
-            .fold(1.0, f64::max);
-        let pose_stamp = stamp(crate::model::from_wheels::Run::pose_interval_s);
-        let gyro_stamp = stamp(|run| run.wheel_interval_s);
-        let mut terms = Vec::new();
-        let allowed = |effect: &str| !self.excluded.iter().any(|own| own == effect);
-        let mut add = |name, effect: &str, parameters: Vec<usize>, floor: f64, caution| {
-            if allowed(effect) {
-                terms.push(Term {
-                    name,
-                    floors: vec![floor; parameters.len()],
-                    parameters,
-                    caution,
-                });
-            }
-        };
-        if pose {
-            add(
-                "offset",
-                "pose_offset",
-                vec![OFFSET_X, OFFSET_Y],
-                tiny(b),
-                1.0,
-            );
-            if m.has_heading() {
-                add(
-                    "offset yaw",
-                    "pose_offset",
-                    vec![OFFSET_YAW],
-                    tiny(0.1),
-                    1.0,
-                );
-            }
-            let rate = pose_stamp / (duration_s * duration_s);
-            add(
-                "pose latency",
-                "pose_latency",
-                vec![POSE_LATENCY],
-                pose_stamp,
-                CAUTION[0],
-            );
-            add(
-                "pose rate",
-                "clock_drift",
-                vec![POSE_RATE],
-                rate,
-                CAUTION[1],
-            );
-        }
-        if m.has_gyro() {
-            let rate = gyro_stamp / (duration_s * duration_s);
-            add(
-                "gyro latency",
-                "imu_latency",
-                vec![GYRO_LATENCY],
-                gyro_stamp,
-                CAUTION[0],
-            );
-            add(
-                "gyro rate",
-                "clock_drift",
-                vec![GYRO_RATE],
-                rate,
-                CAUTION[1],
-            );
-        }
-        let mut geometry: Vec<(usize, f64)> = Vec::new();
-        if allowed("wheel_radius") {
-            let scales = if by_run[0] {
-                of_runs(RUN_SCALE)
-            } else {
-                vec![COMMON]
-            };
-            geometry.extend(scales.into_iter().filter(|_| pose).map(|i| (i, tiny(0.1))));
-            let floor = if pose {
-                tiny(0.1)
-            } else {
-                GYRO_ASYMMETRY * GYRO_ASYMMETRY
-            };
-            geometry.push((ASYMMETRY, floor));
-        }
-        if allowed("track_width") {
-            let tracks = if by_run[1] {
-                of_runs(RUN_TRACK)
-            } else {
-                vec![TRACK]
-            };
-            geometry.extend(tracks.into_iter().map(|i| (i, tiny(0.1))));
-        }
-        if !geometry.is_empty() {
-            let (parameters, floors) = geometry.into_iter().unzip();
-            terms.push(Term {
-                name: GEOMETRY,
-                parameters,
-                floors,
-                caution: 1.0,
-            });
-        }
-        terms
+        terms::terms(self.machine, self.excluded, by_run)
     }
 
     /// The fit with all of `terms`: first without outliers and clocks, then with outliers, then from
@@ -320,7 +178,7 @@ impl Search<'_> {
         }
         let first = self.problem.fit(&at, &still, ROUGH);
         let lean = free_of(&|i| i != POSE_RATE && i != GYRO_RATE, terms);
-        let mut best = self.from_latencies(&first, &lean);
+        let mut best = self.best_of_latencies(&first, &lean);
         for clock in [POSE_LATENCY, GYRO_LATENCY] {
             if lean.contains(&clock) {
                 best = self.beside(best, &lean, clock);
@@ -340,7 +198,7 @@ impl Search<'_> {
         best
     }
 
-    fn from_latencies(&self, first: &Fit, lean: &[usize]) -> Fit {
+    fn best_of_latencies(&self, first: &Fit, lean: &[usize]) -> Fit {
         let value = self.problem.objective(&first.at, lean);
         let mut starts = vec![first.at.clone()];
         for clock in [POSE_LATENCY, GYRO_LATENCY] {
@@ -450,6 +308,8 @@ mod tests {
     use slipstream_recording::recording::{Pose, Robot, Stream, Wheels};
 
     use super::*;
+    use crate::explain::terms::GEOMETRY;
+    use crate::model::from_wheels::{ASYMMETRY, OFFSET_X, OFFSET_Y};
 
     const RADIUS_M: f64 = 0.1;
     const HALF_TRACK_M: f64 = 0.3;
@@ -546,13 +406,13 @@ mod tests {
 
     fn calibrated(robot: &Robot) -> Option<Calibration> {
         let machine = FromWheels::new(&[robot], &nominal(), &[])?;
-        Calibration::new(machine, &nominal(), &[])
+        Calibration::new(&machine, &nominal(), &[])
     }
 
     #[test]
     fn a_model_that_is_right_needs_nothing() -> Result<(), &'static str> {
         let found = calibrated(&robot(1.0, [0.0; 2], 0.0)).ok_or("no calibration")?;
-        let names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
+        let names: Vec<&str> = found.after.kept.iter().map(|kept| kept.name).collect();
         assert!(names.is_empty(), "{names:?}");
         Ok(())
     }
@@ -560,7 +420,7 @@ mod tests {
     #[test]
     fn radius_camera_and_latency_are_found_together() -> Result<(), &'static str> {
         let found = calibrated(&robot(0.95, [-0.2, 0.05], 0.08)).ok_or("no calibration")?;
-        let mut names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
+        let mut names: Vec<&str> = found.after.kept.iter().map(|kept| kept.name).collect();
         names.sort_unstable();
         assert_eq!(names, [GEOMETRY, "offset", "pose latency"]);
         for (index, truth) in [

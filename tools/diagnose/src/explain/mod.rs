@@ -1,3 +1,4 @@
 //! What a recording says beyond a fit: which terms it needs, and what each is worth.
 
 pub(crate) mod calibration;
+mod terms;

@@ -94,7 +94,6 @@ impl Gyro<'_> {
                     log_likelihood,
                     difference: [difference, zero, zero],
                     covariance: [[variance, zero, zero], [zero; 3], [zero; 3]],
-                    parts: 1,
                 });
             }
         }

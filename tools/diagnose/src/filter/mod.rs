@@ -6,6 +6,7 @@
 
 pub(crate) mod gyro;
 pub(crate) mod mixture;
+mod row_update;
 pub(crate) mod wheel_path;
 pub(crate) mod wheels_to_pose;
 
@@ -25,12 +26,10 @@ pub(crate) struct Innovation<S> {
     pub(crate) ordinary: f64,
     /// Log-likelihood of the row given the rows before it (nats).
     pub(crate) log_likelihood: S,
-    /// Measured minus predicted; the first `parts` numbers count.
+    /// Measured minus predicted; 0 where nothing was measured.
     pub(crate) difference: [S; 3],
     /// Covariance of `difference` if the row is an ordinary one.
     pub(crate) covariance: Matrix3<S>,
-    /// How many numbers the row has.
-    pub(crate) parts: usize,
 }
 
 /// A whole turn is taken off an angle until it lies within half a turn of zero.

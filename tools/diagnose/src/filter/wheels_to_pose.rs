@@ -8,9 +8,9 @@
 
 use slipstream_sim::Scalar;
 
-use super::mixture::{COMPONENTS, NEGLIGIBLE_NATS, PROBABILITY, PROCESS, SENSOR, posterior};
+use super::row_update::{Row, State};
 use super::wheel_path::WheelPath;
-use super::{Innovation, Matrix3, wrapped};
+use super::{Innovation, wrapped};
 
 /// Physical parameters: see [`Physics`].
 pub(crate) const PHYSICS: usize = 8;
@@ -18,8 +18,6 @@ pub(crate) const PHYSICS: usize = 8;
 pub(crate) const NOISE: usize = 9;
 /// Longest piece of an arc (s).
 const PIECE_S: f64 = 0.1;
-/// log sqrt(2 π).
-const LOG_ROOT_TAU: f64 = 0.918_938_533_204_672_7;
 
 /// Rows of one series: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
 pub(crate) type PoseRow = (f64, [f64; 3]);
@@ -66,13 +64,6 @@ struct Noise<S> {
     place: S,
     yaw: S,
     stamp: S,
-}
-
-/// State and covariance; `q` is what the process added since the last row.
-struct State<S> {
-    mean: [S; 3],
-    p: Matrix3<S>,
-    q: Matrix3<S>,
 }
 
 impl WheelsToPose<'_> {
@@ -234,30 +225,23 @@ impl WheelsToPose<'_> {
         ];
         // an error of the stamp displaces the row along the motion
         let moved = [v * cos, v * sin, w];
-        let mut r = [[zero; 3]; 3];
-        for i in 0..3 {
-            for k in 0..3 {
-                r[i][k] = noise.stamp * moved[i] * moved[k];
-            }
-        }
+        let mut r = moved.map(|a| moved.map(|b| noise.stamp * a * b));
         r[0][0] += noise.place;
         r[1][1] += noise.place;
         r[2][2] += noise.yaw;
-        let mut parts = 3;
         for i in 0..3 {
             if !z[i].is_finite() {
-                parts -= 1;
                 difference[i] = zero;
                 h[i] = [zero; 3];
-                for k in 0..3 {
-                    r[i][k] = zero;
-                    r[k][i] = zero;
-                }
+                r[i] = [zero; 3];
+                r.iter_mut().for_each(|line| line[i] = zero);
                 // a variance of 1/(2 π) with a difference of 0 adds nothing to the likelihood
                 r[i][i] = S::constant(1.0 / std::f64::consts::TAU);
             }
         }
-        let (log_likelihood, ordinary, covariance) = state.merge(&h, &r, &difference, self.robust);
+        let row = Row::new(state, &h, &r, &difference);
+        let (log_likelihood, ordinary) = state.merge(&row, self.robust);
+        let covariance = row.covariance(0);
         Innovation {
             time_s: *time_s,
             weight,
@@ -265,7 +249,6 @@ impl WheelsToPose<'_> {
             log_likelihood,
             difference,
             covariance,
-            parts,
         }
     }
 }
@@ -320,143 +303,4 @@ impl<S: Scalar> State<S> {
             m[2][1] = m[1][2];
         }
     }
-
-    /// Updates with one row under every component and merges them by moments. Returns the
-    /// log-likelihood of the row, the probability that it is ordinary, and the covariance of its
-    /// difference if it is.
-    fn merge(
-        &mut self,
-        h: &Matrix3<S>,
-        r: &Matrix3<S>,
-        difference: &[S; 3],
-        robust: bool,
-    ) -> (S, f64, Matrix3<S>) {
-        let zero = S::constant(0.0);
-        let of_state = projected(h, &self.p);
-        let of_process = projected(h, &self.q);
-        let covariance = |component: usize| {
-            let mut s = [[zero; 3]; 3];
-            let extra = PROCESS[component] - 1.0;
-            for i in 0..3 {
-                for k in 0..3 {
-                    s[i][k] =
-                        of_state.1[i][k] + of_process.1[i][k] * extra + r[i][k] * SENSOR[component];
-                }
-            }
-            s
-        };
-        let used = if robust { COMPONENTS } else { 1 };
-        let values: [f64; COMPONENTS] = std::array::from_fn(|component| {
-            if component >= used {
-                return f64::NEG_INFINITY;
-            }
-            let s = covariance(component).map(|row| row.map(|x| x.value()));
-            let d = difference.map(|x| x.value());
-            log_density(&s, &d).map_or(f64::NEG_INFINITY, |(log, _)| {
-                log + PROBABILITY[component].ln()
-            })
-        });
-        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let mut inverses = [[[zero; 3]; 3]; COMPONENTS];
-        let logs: [Option<S>; COMPONENTS] = std::array::from_fn(|component| {
-            if component > 0 && values[component] < best - NEGLIGIBLE_NATS
-                || values[component] == f64::NEG_INFINITY
-            {
-                return None;
-            }
-            let (log, inverse) = log_density(&covariance(component), difference)?;
-            inverses[component] = inverse;
-            let prior = if robust {
-                PROBABILITY[component].ln()
-            } else {
-                0.0
-            };
-            Some(log + prior)
-        });
-        let ordinary_covariance = covariance(0);
-        let (weights, log_likelihood) = posterior(&logs);
-        let mut means = [[zero; 3]; COMPONENTS];
-        let mut covariances = [[[zero; 3]; 3]; COMPONENTS];
-        let mut mean = [zero; 3];
-        for component in 0..COMPONENTS {
-            if logs[component].is_none() {
-                continue;
-            }
-            let extra = PROCESS[component] - 1.0;
-            // rows of H (P + extra Q)
-            let hp: Matrix3<S> = std::array::from_fn(|i| {
-                std::array::from_fn(|k| of_state.0[i][k] + of_process.0[i][k] * extra)
-            });
-            let gain: Matrix3<S> = std::array::from_fn(|i| {
-                std::array::from_fn(|k| {
-                    (0..3).fold(zero, |sum, l| sum + hp[l][i] * inverses[component][l][k])
-                })
-            });
-            for i in 0..3 {
-                means[component][i] =
-                    (0..3).fold(self.mean[i], |sum, k| sum + gain[i][k] * difference[k]);
-                mean[i] += weights[component] * means[component][i];
-                for k in 0..3 {
-                    covariances[component][i][k] = (0..3)
-                        .fold(self.p[i][k] + self.q[i][k] * extra, |sum, l| {
-                            sum - gain[i][l] * hp[l][k]
-                        });
-                }
-            }
-        }
-        let mut p = [[zero; 3]; 3];
-        for component in (0..COMPONENTS).filter(|c| logs[*c].is_some()) {
-            for i in 0..3 {
-                for k in 0..3 {
-                    let spread = (means[component][i] - mean[i]) * (means[component][k] - mean[k]);
-                    p[i][k] += weights[component] * (covariances[component][i][k] + spread);
-                }
-            }
-        }
-        for i in 0..3 {
-            for k in 0..i {
-                p[i][k] = (p[i][k] + p[k][i]) * 0.5;
-                p[k][i] = p[i][k];
-            }
-        }
-        self.mean = mean;
-        self.p = p;
-        (log_likelihood, weights[0].value(), ordinary_covariance)
-    }
-}
-
-/// H M and H M Hᵀ.
-fn projected<S: Scalar>(h: &Matrix3<S>, m: &Matrix3<S>) -> (Matrix3<S>, Matrix3<S>) {
-    let zero = S::constant(0.0);
-    let hm: Matrix3<S> = std::array::from_fn(|i| {
-        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + h[i][l] * m[l][k]))
-    });
-    let hmh = std::array::from_fn(|i| {
-        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + hm[i][l] * h[k][l]))
-    });
-    (hm, hmh)
-}
-
-/// Log of the normal density of `d` with covariance `s`, and the inverse of `s`; `None` where `s` is
-/// not positive definite.
-fn log_density<S: Scalar>(s: &Matrix3<S>, d: &[S; 3]) -> Option<(S, Matrix3<S>)> {
-    let [a, b, c] = s[0];
-    let [e, f, i] = [s[1][1], s[1][2], s[2][2]];
-    let minor = [e * i - f * f, c * f - b * i, b * f - c * e];
-    let determinant = a * minor[0] + b * minor[1] + c * minor[2];
-    if determinant.value().partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
-        return None;
-    }
-    let inverse = [
-        [minor[0], minor[1], minor[2]],
-        [minor[1], a * i - c * c, b * c - a * f],
-        [minor[2], b * c - a * f, a * e - b * b],
-    ]
-    .map(|row| row.map(|x| x / determinant));
-    let zero = S::constant(0.0);
-    let square = (0..3).fold(zero, |sum, i| {
-        sum + d[i] * (0..3).fold(zero, |sum, k| sum + inverse[i][k] * d[k])
-    });
-    let log = (square + determinant.ln()) * -0.5 - 3.0 * LOG_ROOT_TAU;
-    Some((log, inverse))
 }

@@ -47,7 +47,6 @@ const LEAST_WAY: f64 = 4.0;
 /// One run.
 #[derive(Debug)]
 pub(crate) struct Run {
-    pub(crate) name: String,
     pub(crate) wheels: WheelPath,
     pub(crate) wheel_interval_s: f64,
     pub(crate) pose: Option<Thinned<PoseRow>>,
@@ -56,7 +55,6 @@ pub(crate) struct Run {
     pub(crate) first_heading_rad: f64,
     /// First and last row that is compared (s), counted from the origin.
     pub(crate) span_s: [f64; 2],
-    pub(crate) origin_s: f64,
     first_block: usize,
     blocks: usize,
 }
@@ -251,11 +249,6 @@ impl FromWheels {
         }
     }
 
-    /// Parameters of the pose filter of a run, out of all.
-    pub(crate) fn pose_parameters(&self, run: usize, at: &[f64]) -> Vec<f64> {
-        pose_parameters(&self.local(run, at))
-    }
-
     /// Heading at the first pose where the reference has none: dead reckoning over the first part of
     /// the way turned onto the positions (Procrustes).
     fn first_heading(&self, run: &Run) -> f64 {
@@ -277,7 +270,8 @@ impl FromWheels {
         }
         let enough = (6.0 * self.half_track_m).max(0.1 * way).min(0.5 * way);
         let used: Vec<_> = points.iter().take_while(|p| p.2 <= enough).collect();
-        let mean = |which: fn(&([f64; 2], [f64; 2], f64)) -> [f64; 2]| {
+        type Pair = ([f64; 2], [f64; 2], f64);
+        let mean = |which: fn(&Pair) -> [f64; 2]| {
             let sum = used
                 .iter()
                 .fold([0.0; 2], |s, p| [s[0] + which(p)[0], s[1] + which(p)[1]]);
@@ -499,7 +493,6 @@ impl Run {
         let ahead_m = model.robot.com_to_axle_m.unwrap_or(0.0);
         let axle = robot.pose_point == Some(PosePoint::Axle);
         Some(Self {
-            name: robot.name.clone(),
             wheel_interval_s,
             wheels,
             pose,
@@ -507,7 +500,6 @@ impl Run {
             declared_m: if axle { 0.0 } else { ahead_m },
             first_heading_rad: 0.0,
             span_s: [from_s, to_s],
-            origin_s,
             first_block,
             blocks: ((to_s - from_s) / BLOCK_S).clamp(BLOCKS[0], BLOCKS[1]) as usize,
         })
@@ -533,11 +525,6 @@ impl Run {
         let [from_s, to_s] = self.span_s;
         let share = (time_s - from_s) / (to_s - from_s).max(1e-9);
         ((share * self.blocks as f64) as usize).min(self.blocks - 1)
-    }
-
-    /// Block of a time among the blocks of the machine.
-    pub(crate) fn whole_block_of(&self, time_s: f64) -> usize {
-        self.first_block + self.block_of(time_s)
     }
 
     /// Logs of noise sizes to start from; those of the pose's sensor from second differences.

@@ -20,21 +20,11 @@ pub(crate) struct Term {
     pub(crate) caution: f64,
 }
 
-/// A term that was kept, with what it is worth.
-#[derive(Debug, Clone)]
-pub(crate) struct Kept {
-    pub(crate) term: Term,
-    /// Gain over the model without it (nats).
-    pub(crate) gain: f64,
-    /// d' V⁻¹ d.
-    pub(crate) wald: f64,
-}
-
 /// The outcome of an elimination.
 pub(crate) struct Selected {
     pub(crate) fit: Fit,
     pub(crate) precision: Precision,
-    pub(crate) kept: Vec<Kept>,
+    pub(crate) kept: Vec<Term>,
 }
 
 /// What one round of the elimination did.
@@ -44,7 +34,7 @@ enum Round {
     /// A term went.
     Removed(Fit, Vec<Term>),
     /// All that are left are needed.
-    Done(Precision, Vec<Kept>),
+    Done(Precision, Vec<Term>),
 }
 
 /// Rounds after which an elimination that does not end is given up.
@@ -148,11 +138,7 @@ impl Elimination<'_> {
             if !clear {
                 return Some(Round::Removed(less, rest));
             }
-            kept.push(Kept {
-                term,
-                gain,
-                wald: walds[i],
-            });
+            kept.push(term);
         }
         Some(Round::Done(precision, kept))
     }

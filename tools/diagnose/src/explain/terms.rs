@@ -1,0 +1,115 @@
+//! The terms that wheels and a reference can show, with what nobody would call a difference.
+
+use crate::model::from_wheels::{
+    ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
+    POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
+};
+use crate::select::elimination::Term;
+
+/// What the stamp of a row means within a sampling interval is a convention: this share of it.
+const STAMP_SHARE: f64 = 0.1;
+/// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
+const LATENCY_CAUTION: f64 = 1.3;
+const RATE_CAUTION: f64 = 1.75;
+/// Two simulators differ by this much in factors and angles, and in lengths by this share of the half
+/// track.
+const FACTOR_FLOOR: f64 = 1e-4;
+const LENGTH_SHARE: f64 = 1e-3;
+/// Wheels that differ by less than this cannot be told from the gyro's own errors.
+const GYRO_ASYMMETRY: f64 = 0.004;
+/// Radii and track are one calibration: they are estimated, kept and removed together.
+pub(crate) const GEOMETRY: &str = "geometry";
+
+/// Every term that the streams can show, without effects that are excluded. `by_run`: scale and track
+/// are those of each run.
+pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]) -> Vec<Term> {
+    let allowed = |effect: &str| !excluded.iter().any(|own| own == effect);
+    let mut terms = Vec::new();
+    for (effect, term) in sensor_terms(machine) {
+        if allowed(effect) {
+            terms.push(term);
+        }
+    }
+    let mut geometry: Vec<(usize, f64)> = Vec::new();
+    if allowed("wheel_radius") {
+        geometry.extend(radii(machine, by_run[0]));
+    }
+    if allowed("track_width") {
+        let tracks = shared_or_of_runs(machine, by_run[1], TRACK, RUN_TRACK);
+        geometry.extend(tracks.into_iter().map(|index| (index, FACTOR_FLOOR)));
+    }
+    if !geometry.is_empty() {
+        terms.push(term(GEOMETRY, &geometry, 1.0));
+    }
+    terms
+}
+
+/// Scales of both wheels and their difference, with floors. A gyro alone sees the difference only.
+fn radii(machine: &FromWheels, by_run: bool) -> Vec<(usize, f64)> {
+    if !machine.has_pose() {
+        return vec![(ASYMMETRY, GYRO_ASYMMETRY)];
+    }
+    let scales = shared_or_of_runs(machine, by_run, COMMON, RUN_SCALE);
+    let all = scales.into_iter().chain([ASYMMETRY]);
+    all.map(|index| (index, FACTOR_FLOOR)).collect()
+}
+
+/// Effects of the sensors and their terms.
+fn sensor_terms(machine: &FromWheels) -> Vec<(&'static str, Term)> {
+    let stamp_s = |interval_s: fn(&Run) -> f64| {
+        let intervals_s = machine.runs.iter().map(interval_s);
+        STAMP_SHARE * intervals_s.fold(0.0, f64::max)
+    };
+    let durations_s = machine.runs.iter().map(|run| run.span_s[1] - run.span_s[0]);
+    let duration_s = durations_s.fold(1.0, f64::max);
+    let [pose_s, gyro_s] = [
+        stamp_s(Run::pose_interval_s),
+        stamp_s(|run| run.wheel_interval_s),
+    ];
+    let length_m = LENGTH_SHARE * machine.half_track_m;
+    let mut terms = Vec::new();
+    if machine.has_pose() {
+        let offset = [(OFFSET_X, length_m), (OFFSET_Y, length_m)];
+        terms.push(("pose_offset", term("offset", &offset, 1.0)));
+        let latency = [(POSE_LATENCY, pose_s)];
+        terms.push((
+            "pose_latency",
+            term("pose latency", &latency, LATENCY_CAUTION),
+        ));
+        let rate = [(POSE_RATE, pose_s / duration_s)];
+        terms.push(("clock_drift", term("pose rate", &rate, RATE_CAUTION)));
+    }
+    if machine.has_heading() {
+        let yaw = [(OFFSET_YAW, FACTOR_FLOOR)];
+        terms.push(("pose_offset", term("offset yaw", &yaw, 1.0)));
+    }
+    if machine.has_gyro() {
+        let latency = [(GYRO_LATENCY, gyro_s)];
+        terms.push((
+            "imu_latency",
+            term("gyro latency", &latency, LATENCY_CAUTION),
+        ));
+        let rate = [(GYRO_RATE, gyro_s / duration_s)];
+        terms.push(("clock_drift", term("gyro rate", &rate, RATE_CAUTION)));
+    }
+    terms
+}
+
+fn shared_or_of_runs(machine: &FromWheels, by_run: bool, shared: usize, own: usize) -> Vec<usize> {
+    if by_run {
+        (0..machine.runs.len())
+            .map(|run| machine.of_run(run, own))
+            .collect()
+    } else {
+        vec![shared]
+    }
+}
+
+fn term(name: &'static str, parameters: &[(usize, f64)], caution: f64) -> Term {
+    Term {
+        name,
+        parameters: parameters.iter().map(|(index, _)| *index).collect(),
+        floors: parameters.iter().map(|(_, floor)| floor * floor).collect(),
+        caution,
+    }
+}

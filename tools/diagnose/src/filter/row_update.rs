@@ -1,0 +1,171 @@
+//! Update of a pose by one row under a scale mixture, merged by moments.
+
+use slipstream_sim::Scalar;
+
+use super::Matrix3;
+use super::mixture::{COMPONENTS, NEGLIGIBLE_NATS, PROBABILITY, PROCESS, SENSOR, posterior};
+
+/// log sqrt(2 π).
+const LOG_ROOT_TAU: f64 = 0.918_938_533_204_672_7;
+
+/// State and covariance; `q` is what the process added since the last row.
+pub(super) struct State<S> {
+    pub(super) mean: [S; 3],
+    pub(super) p: Matrix3<S>,
+    pub(super) q: Matrix3<S>,
+}
+
+/// One row: its linearised observation, sensor covariance, and measured minus predicted.
+pub(super) struct Row<'a, S> {
+    r: &'a Matrix3<S>,
+    difference: &'a [S; 3],
+    /// H P and H P Hᵀ, H Q and H Q Hᵀ.
+    of_state: (Matrix3<S>, Matrix3<S>),
+    of_process: (Matrix3<S>, Matrix3<S>),
+}
+
+/// What one component makes of the state.
+#[derive(Clone, Copy)]
+struct Posterior<S> {
+    mean: [S; 3],
+    p: Matrix3<S>,
+}
+
+/// A matrix with these elements.
+fn matrix<S>(element: impl Fn(usize, usize) -> S) -> Matrix3<S> {
+    std::array::from_fn(|i| std::array::from_fn(|k| element(i, k)))
+}
+
+impl<'a, S: Scalar> Row<'a, S> {
+    pub(super) fn new(
+        state: &State<S>,
+        h: &Matrix3<S>,
+        r: &'a Matrix3<S>,
+        difference: &'a [S; 3],
+    ) -> Self {
+        Self {
+            r,
+            difference,
+            of_state: projected(h, &state.p),
+            of_process: projected(h, &state.q),
+        }
+    }
+
+    /// Covariance of the difference under one component.
+    pub(super) fn covariance(&self, component: usize) -> Matrix3<S> {
+        let extra = PROCESS[component] - 1.0;
+        matrix(|i, k| {
+            self.of_state.1[i][k]
+                + self.of_process.1[i][k] * extra
+                + self.r[i][k] * SENSOR[component]
+        })
+    }
+
+    /// Log-density of the row under one component, without derivatives.
+    fn value(&self, component: usize) -> f64 {
+        let s = self.covariance(component).map(|row| row.map(|x| x.value()));
+        let d = self.difference.map(|x| x.value());
+        log_density(&s, &d).map_or(f64::NEG_INFINITY, |(log, _)| {
+            log + PROBABILITY[component].ln()
+        })
+    }
+}
+
+impl<S: Scalar> State<S> {
+    /// Updates with one row under every component and merges them by moments. Returns the
+    /// log-likelihood of the row and the probability that it is an ordinary one.
+    pub(super) fn merge(&mut self, row: &Row<'_, S>, robust: bool) -> (S, f64) {
+        let zero = S::constant(0.0);
+        let used = if robust { COMPONENTS } else { 1 };
+        let mut values = [f64::NEG_INFINITY; COMPONENTS];
+        for (component, value) in values.iter_mut().enumerate().take(used) {
+            *value = row.value(component);
+        }
+        let best = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut each: [Option<Posterior<S>>; COMPONENTS] = [None; COMPONENTS];
+        let logs: [Option<S>; COMPONENTS] = std::array::from_fn(|component| {
+            let value = values[component];
+            if !value.is_finite() || component > 0 && value < best - NEGLIGIBLE_NATS {
+                return None;
+            }
+            let (log, inverse) = log_density(&row.covariance(component), row.difference)?;
+            each[component] = Some(self.updated(row, component, &inverse));
+            let prior = if robust {
+                PROBABILITY[component].ln()
+            } else {
+                0.0
+            };
+            Some(log + prior)
+        });
+        let (weights, log_likelihood) = posterior(&logs);
+        let parts = || {
+            weights
+                .iter()
+                .zip(&each)
+                .filter_map(|(w, e)| Some((*w, e.as_ref()?)))
+        };
+        let mean: [S; 3] =
+            std::array::from_fn(|i| parts().fold(zero, |sum, (w, own)| sum + w * own.mean[i]));
+        let p = matrix(|i, k| {
+            parts().fold(zero, |sum, (w, own)| {
+                sum + w * (own.p[i][k] + (own.mean[i] - mean[i]) * (own.mean[k] - mean[k]))
+            })
+        });
+        self.mean = mean;
+        self.p = matrix(|i, k| (p[i][k] + p[k][i]) * 0.5);
+        (log_likelihood, weights[0].value())
+    }
+
+    /// Kalman update under one component; `inverse` is that of the difference's covariance.
+    fn updated(&self, row: &Row<'_, S>, component: usize, inverse: &Matrix3<S>) -> Posterior<S> {
+        let zero = S::constant(0.0);
+        let extra = PROCESS[component] - 1.0;
+        let hp = matrix(|i, k| row.of_state.0[i][k] + row.of_process.0[i][k] * extra);
+        let gain = matrix(|i, k| (0..3).fold(zero, |sum, l| sum + hp[l][i] * inverse[l][k]));
+        Posterior {
+            mean: std::array::from_fn(|i| {
+                (0..3).fold(self.mean[i], |sum, k| sum + gain[i][k] * row.difference[k])
+            }),
+            p: matrix(|i, k| {
+                let prior = self.p[i][k] + self.q[i][k] * extra;
+                (0..3).fold(prior, |sum, l| sum - gain[i][l] * hp[l][k])
+            }),
+        }
+    }
+}
+
+/// H M and H M Hᵀ.
+fn projected<S: Scalar>(h: &Matrix3<S>, m: &Matrix3<S>) -> (Matrix3<S>, Matrix3<S>) {
+    let zero = S::constant(0.0);
+    let hm: Matrix3<S> = std::array::from_fn(|i| {
+        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + h[i][l] * m[l][k]))
+    });
+    let hmh = std::array::from_fn(|i| {
+        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + hm[i][l] * h[k][l]))
+    });
+    (hm, hmh)
+}
+
+/// Log of the normal density of `d` with covariance `s`, and the inverse of `s`; `None` where `s` is
+/// not positive definite.
+fn log_density<S: Scalar>(s: &Matrix3<S>, d: &[S; 3]) -> Option<(S, Matrix3<S>)> {
+    let [a, b, c] = s[0];
+    let [e, f, i] = [s[1][1], s[1][2], s[2][2]];
+    let minor = [e * i - f * f, c * f - b * i, b * f - c * e];
+    let determinant = a * minor[0] + b * minor[1] + c * minor[2];
+    if determinant.value().partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let inverse = [
+        [minor[0], minor[1], minor[2]],
+        [minor[1], a * i - c * c, b * c - a * f],
+        [minor[2], b * c - a * f, a * e - b * b],
+    ]
+    .map(|row| row.map(|x| x / determinant));
+    let zero = S::constant(0.0);
+    let square = (0..3).fold(zero, |sum, i| {
+        sum + d[i] * (0..3).fold(zero, |sum, k| sum + inverse[i][k] * d[k])
+    });
+    let log = (square + determinant.ln()) * -0.5 - 3.0 * LOG_ROOT_TAU;
+    Some((log, inverse))
+}
