@@ -7,7 +7,9 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_sim::effects::Domain;
 use slipstream_sim::{ListedEffect, Robot, lift};
 
-use crate::windows::hypothesis::{KINETIC, STATIC, come_round, is_bound_to_place, is_limit, least_probe};
+use crate::windows::hypothesis::{
+    KINETIC, STATIC, come_round, is_bound_to_place, is_limit, least_probe,
+};
 use crate::windows::law::Law;
 use crate::windows::linear::{self, Linear, Normal};
 use crate::windows::misfit::Misfit;
