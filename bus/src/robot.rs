@@ -86,6 +86,8 @@ pub enum Parameter {
     Number(f64),
     /// A text, such as the name of a stream.
     Text(String),
+    /// Numbers, such as the knots of a table.
+    List(Vec<f64>),
 }
 
 impl EffectSpec {

@@ -5,13 +5,13 @@ use crate::effects::{Motion, Wrench};
 use crate::parts::scalar::{Pair, Scalar, Vector, heading};
 use crate::robot::Robot;
 
-/// Generalised applied force at velocity `nu` and heading `yaw` (rad), averaged over `span` =
-/// [start (s), length (s)], with `torque` at the wheels (N m).
+/// Generalised applied force at velocity `nu` and `pose`, averaged over `span` = [start (s), length
+/// (s)], with `torque` at the wheels (N m).
 #[inline]
 pub(crate) fn applied_forces<S: Scalar>(
     robot: &Robot<S>,
     nu: &Vector<S>,
-    yaw: S,
+    pose: [S; 3],
     span: Pair<f64>,
     torque: Pair<S>,
 ) -> Vector<S> {
@@ -24,14 +24,14 @@ pub(crate) fn applied_forces<S: Scalar>(
         moment: -(sx * u + sy * w) * rate,
     };
     if robot.slope_gravity.is_some() || robot.effects.has_force {
-        add_external_forces(robot, nu, yaw, span, &mut wrench);
+        add_external_forces(robot, nu, pose, span, &mut wrench);
     }
     Vector::from([
         wrench.along,
         wrench.across,
         wrench.moment,
-        torque[0],
-        torque[1],
+        torque[0] * robot.travel[0],
+        torque[1] * robot.travel[1],
     ])
 }
 
@@ -39,11 +39,11 @@ pub(crate) fn applied_forces<S: Scalar>(
 fn add_external_forces<S: Scalar>(
     robot: &Robot<S>,
     nu: &Vector<S>,
-    yaw: S,
+    pose: [S; 3],
     span: Pair<f64>,
     wrench: &mut Wrench<S>,
 ) {
-    let [cos, sin] = heading(yaw);
+    let [cos, sin] = heading(pose[2]);
     if let Some([x, y]) = robot.slope_gravity {
         let (along, across) = (x * cos + y * sin, y * cos - x * sin);
         let [sx, sy] = robot.first_moment;
@@ -51,12 +51,30 @@ fn add_external_forces<S: Scalar>(
         wrench.across += robot.mass * across;
         wrench.moment += sx * across - sy * along;
     }
-    let [t_s, over_s] = span;
-    let motion = Motion {
+    let motion = motion(nu, pose, [cos, sin], span);
+    robot.effects.force(&motion, wrench);
+}
+
+/// The motion on which effects may depend; `heading` = cosine and sine of the heading.
+pub(crate) fn motion<S: Scalar>(
+    nu: &Vector<S>,
+    pose: [S; 3],
+    heading: Pair<S>,
+    [t_s, over_s]: Pair<f64>,
+) -> Motion<S> {
+    Motion {
         t_s,
         over_s,
-        heading: [cos, sin],
+        heading,
         velocity: [nu[0], nu[1]],
-    };
-    robot.effects.force(&motion, wrench);
+        yaw_rate: nu[2],
+        pose,
+    }
+}
+
+/// Forces from outside, as the equations of motion take them.
+pub(crate) fn outside_force<S: Scalar>(robot: &Robot<S>, force: Vector<S>) -> Vector<S> {
+    let [right, left] = robot.travel;
+    let one = S::constant(1.0);
+    force.component_mul(&Vector::from([one, one, one, right, left]))
 }

@@ -74,16 +74,16 @@ pub(crate) fn effective_inertia<S: Scalar>(
     matrix
 }
 
-/// Inertia that turns with each wheel (kg m²): with backlash, the motor's share only while the gear
-/// is engaged.
+/// Inertia that turns with each wheel, times 1 - s of the wheel (kg m²): with backlash, the motor's share
+/// only while the gear is engaged.
 pub(crate) fn wheel_inertias<S: Scalar>(robot: &Robot<S>, gear: [Gear; 2]) -> Pair<S> {
-    gear.map(|gear| {
-        let share = if gear.is_engaged() {
+    [0, 1].map(|i| {
+        let share = if gear[i].is_engaged() {
             1.0
         } else {
             1.0 - MOTOR_SHARE
         };
-        robot.wheel_inertia * share
+        robot.wheel_inertia * share * robot.travel[i]
     })
 }
 

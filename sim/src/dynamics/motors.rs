@@ -59,7 +59,8 @@ pub(crate) fn motor_damping<S: Scalar>(robot: &Robot<S>, kind: CommandKind) -> S
     }
 }
 
-/// Viscous damping of each velocity: drag at c, and losses of the motors that are engaged.
+/// Viscous damping of each velocity: drag at c, and losses of the motors that are engaged, times 1 - s of
+/// the wheel.
 pub(crate) fn damping_vector<S: Scalar>(
     robot: &Robot<S>,
     kind: CommandKind,
@@ -68,7 +69,7 @@ pub(crate) fn damping_vector<S: Scalar>(
     let mut damping = robot.damping;
     for (i, gear) in gear.into_iter().enumerate() {
         damping[3 + i] = if gear.is_engaged() {
-            motor_damping(robot, kind)
+            motor_damping(robot, kind) * robot.travel[i]
         } else {
             S::constant(0.0)
         };

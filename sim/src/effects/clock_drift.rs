@@ -20,7 +20,7 @@ impl<S: Scalar> FromValues<S> for ClockDrift<S> {
     fn from_values(values: &Values<S>) -> Self {
         Self {
             rate: values.number("rate"),
-            stream: values.text,
+            stream: values.text("stream"),
         }
     }
 }

@@ -71,6 +71,7 @@ impl<S: Scalar> Effect<S> for CommandSaturation<S> {
     fn apply(&self, parameters: &mut RobotParameters<S>) {
         parameters.actuator.saturation = CommandLimits {
             torque_nm: self.torque_nm,
+            voltage_v: None,
             speed_rad_s: self.speed_rad_s,
         };
     }

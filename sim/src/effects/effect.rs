@@ -5,28 +5,71 @@ use super::info::Info;
 use crate::parts::parameters::{Friction, RobotParameters};
 use crate::parts::scalar::{Pair, Scalar};
 
-/// Values of one effect's parameters, validated against [`Info::parameters`].
+/// Values of one effect's parameters by name, validated against [`Info::parameters`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values<S> {
     numbers: Vec<(&'static str, S)>,
-    pub(super) text: &'static str,
+    lists: Vec<(&'static str, Vec<S>)>,
+    texts: Vec<(&'static str, &'static str)>,
 }
 
 impl<S: Scalar> Values<S> {
-    pub(crate) fn new(numbers: Vec<(&'static str, S)>, text: &'static str) -> Self {
-        Self { numbers, text }
+    pub(crate) fn none() -> Self {
+        Self {
+            numbers: Vec::new(),
+            lists: Vec::new(),
+            texts: Vec::new(),
+        }
     }
 
-    /// The same parameters with numbers of another scalar type.
-    pub(crate) fn map<T: Scalar>(&self, mut number: impl FnMut(&'static str, S) -> T) -> Values<T> {
-        let numbers = self
-            .numbers
-            .iter()
-            .map(|&(name, value)| (name, number(name, value)));
+    pub(crate) fn add_number(&mut self, name: &'static str, value: S) {
+        self.numbers.push((name, value));
+    }
+
+    pub(crate) fn add_list(&mut self, name: &'static str, list: Vec<S>) {
+        self.lists.push((name, list));
+    }
+
+    pub(crate) fn add_text(&mut self, name: &'static str, text: &'static str) {
+        self.texts.push((name, text));
+    }
+
+    /// The same parameters with numbers of another scalar type. `number` gets a parameter's name, the
+    /// place in its list (0 for a single number) and the value.
+    pub(crate) fn map<T: Scalar>(
+        &self,
+        mut number: impl FnMut(&'static str, usize, S) -> T,
+    ) -> Values<T> {
+        let numbers = self.numbers.iter();
+        let numbers = numbers
+            .map(|&(name, value)| (name, number(name, 0, value)))
+            .collect();
+        let mut list = |name, list: &[S]| {
+            let values = list.iter().enumerate();
+            values.map(|(at, &value)| number(name, at, value)).collect()
+        };
+        let lists = self.lists.iter();
         Values {
-            numbers: numbers.collect(),
-            text: self.text,
+            numbers,
+            lists: lists
+                .map(|(name, values)| (*name, list(name, values)))
+                .collect(),
+            texts: self.texts.clone(),
         }
+    }
+
+    /// The list of this name; empty without one.
+    pub fn list(&self, name: &str) -> &[S] {
+        let mut lists = self.lists.iter();
+        let list = lists.find(|(known, _)| *known == name);
+        list.map_or(&[], |(_, values)| values)
+    }
+
+    /// The text of this name; empty without one.
+    pub(super) fn text(&self, name: &str) -> &'static str {
+        let mut texts = self.texts.iter();
+        let text = texts.find(|(known, _)| *known == name);
+        text.map_or("", |(_, text)| text)
     }
 
     /// The value of a numerical parameter, if it is given.
@@ -55,6 +98,10 @@ pub struct Motion<S> {
     pub heading: Pair<S>,
     /// Velocity of c along and across the body (m/s).
     pub velocity: Pair<S>,
+    /// Yaw rate (rad/s).
+    pub yaw_rate: S,
+    /// x and y of c (m) and heading φ (rad, not wrapped), world frame.
+    pub pose: [S; 3],
 }
 
 /// Force along and across the body (N) and moment about the vertical (N m), at c.
@@ -108,6 +155,15 @@ pub trait Effect<S: Scalar>: FromValues<S> {
 
     /// Whether [`Effect::force`] ever adds a force.
     fn has_force(&self) -> bool {
+        false
+    }
+
+    /// Adds to the speed (m/s) and the turn rate (rad/s) with which the wheels carry the body. `motion`
+    /// is that of the wheels alone; called in every step.
+    fn carry(&self, _motion: &Motion<S>, _added: &mut Pair<S>) {}
+
+    /// Whether [`Effect::carry`] ever adds motion.
+    fn has_carry(&self) -> bool {
         false
     }
 

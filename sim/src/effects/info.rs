@@ -74,7 +74,20 @@ pub enum Domain {
     },
     /// One of these words.
     Text(&'static [&'static str]),
+    /// Numbers in [`lower`, `upper`], from 1 to [`LIST_MAX`] of them. All lists of an effect have the
+    /// same length.
+    List {
+        /// Smallest value of each.
+        lower: f64,
+        /// Largest value of each.
+        upper: f64,
+        /// Whether each number is larger than the one before.
+        increasing: bool,
+    },
 }
+
+/// Largest number of values in a list.
+pub const LIST_MAX: usize = 64;
 
 /// Meaning of a parameter, which determines how a search treats it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,6 +110,10 @@ pub enum Role {
     Direction,
     /// Name of a part of the robot, as text.
     Name,
+    /// Values of a driver at which a table has entries.
+    Knots,
+    /// Entries of a table.
+    Entries,
 }
 
 impl Role {
@@ -112,6 +129,8 @@ impl Role {
             Self::Radius => "radius",
             Self::Direction => "direction",
             Self::Name => "name",
+            Self::Knots => "knots",
+            Self::Entries => "entries",
         }
     }
 }
@@ -129,6 +148,8 @@ pub struct ParameterInfo {
     pub domain: Domain,
     /// Whether it is one of several alternatives, of which a model gives exactly one.
     pub alternative: bool,
+    /// Whether a model may leave it out: it is then 0.
+    pub optional: bool,
 }
 
 impl ParameterInfo {
@@ -151,6 +172,7 @@ impl ParameterInfo {
             unit,
             domain,
             alternative: false,
+            optional: false,
         }
     }
 
@@ -161,6 +183,27 @@ impl ParameterInfo {
             unit: "text",
             domain: Domain::Text(words),
             alternative: false,
+            optional: false,
+        }
+    }
+
+    pub(super) const fn list(
+        role: Role,
+        name: &'static str,
+        unit: &'static str,
+        [lower, upper]: [f64; 2],
+    ) -> Self {
+        Self {
+            role,
+            name,
+            unit,
+            domain: Domain::List {
+                lower,
+                upper,
+                increasing: matches!(role, Role::Knots),
+            },
+            alternative: false,
+            optional: false,
         }
     }
 
@@ -168,6 +211,14 @@ impl ParameterInfo {
     pub(super) const fn as_alternative(self) -> Self {
         Self {
             alternative: true,
+            ..self
+        }
+    }
+
+    /// The same parameter, which is 0 where it is left out.
+    pub(super) const fn as_optional(self) -> Self {
+        Self {
+            optional: true,
             ..self
         }
     }
@@ -208,5 +259,11 @@ impl Info {
     /// The parameter with this name, if there is one.
     pub fn parameter(&self, name: &str) -> Option<&'static ParameterInfo> {
         self.parameters.iter().find(|known| known.name == name)
+    }
+
+    /// Whether it is a table: some of its parameters are lists.
+    pub fn is_table(&self) -> bool {
+        let mut parameters = self.parameters.iter();
+        parameters.any(|known| matches!(known.domain, Domain::List { .. }))
     }
 }

@@ -3,14 +3,18 @@
 //! Each effect is one file here and one line in the list below; plant, `robot.toml`, diagnosis,
 //! trials, report and `slipstream effects` get it from the catalogue. Texts of [`Info`] and
 //! [`Manoeuvre::words`] appear in answers of the commands byte for byte.
+//!
+//! Order of the effects on the command: delay, dead band, dead zone, saturation, lag, gain and supply
+//! sag. The loss of the dead zone is counted behind the gain (see `command_dead_zone`).
 
 mod effect;
 mod info;
+mod law;
 mod observability;
 
 use effect::numbers;
 pub use effect::{Effect, FromValues, Motion, Values, Wrench};
-pub use info::{Channel, Domain, Info, ModelSite, ParameterInfo, Role};
+pub use info::{Channel, Domain, Info, LIST_MAX, ModelSite, ParameterInfo, Role};
 pub use observability::{Manoeuvre, Variable, When};
 
 use crate::parts::parameters::{Friction, RobotParameters};
@@ -29,6 +33,8 @@ macro_rules! catalogue {
             $($module: Vec<$module::$name<S>>,)*
             /// Whether any effect adds a force.
             pub(crate) has_force: bool,
+            /// Whether any effect adds to the motion that the wheels give the body.
+            pub(crate) has_carry: bool,
             /// Whether any effect replaces the friction of a part of the floor.
             pub(crate) has_floor: bool,
         }
@@ -39,6 +45,7 @@ macro_rules! catalogue {
                 let mut effects = Self {
                     $($module: Vec::new(),)*
                     has_force: false,
+                    has_carry: false,
                     has_floor: false,
                 };
                 for (info, values) in list {
@@ -46,6 +53,7 @@ macro_rules! catalogue {
                         let effect = <$module::$name<S> as FromValues<S>>::from_values(values);
                         let origin = [S::constant(0.0); 2];
                         effects.has_force |= effect.has_force();
+                        effects.has_carry |= effect.has_carry();
                         effects.has_floor |= effect.floor(origin).is_some();
                         effects.$module.push(effect);
                     })*
@@ -61,6 +69,11 @@ macro_rules! catalogue {
             /// Adds the forces of all effects.
             pub(crate) fn force(&self, motion: &Motion<S>, wrench: &mut Wrench<S>) {
                 $(for effect in &self.$module { effect.force(motion, wrench); })*
+            }
+
+            /// Adds the speed (m/s) and the turn rate (rad/s) of all effects.
+            pub(crate) fn carry(&self, motion: &Motion<S>, added: &mut Pair<S>) {
+                $(for effect in &self.$module { effect.carry(motion, added); })*
             }
 
             /// Calls `visit` for each part of the floor whose friction an effect replaces, with the
@@ -86,6 +99,7 @@ catalogue! {
     yaw_scrub::YawScrub,
     actuator_delay::ActuatorDelay,
     command_dead_band::CommandDeadBand,
+    command_dead_zone::CommandDeadZone,
     command_saturation::CommandSaturation,
     actuator_lag::ActuatorLag,
     motor_gain::MotorGain,
@@ -95,10 +109,13 @@ catalogue! {
     axle_friction::AxleFriction,
     load_transfer::LoadTransfer,
     wheel_radius::WheelRadius,
+    slip_ratio::SlipRatio,
     track_width::TrackWidth,
     payload::Payload,
     floor_slope::FloorSlope,
     push::Push,
+    force_law::ForceLaw,
+    motion_law::MotionLaw,
     pose_offset::PoseOffset,
     pose_latency::PoseLatency,
     wheels_latency::WheelsLatency,

@@ -52,7 +52,7 @@ fn transmitted_torque<S: Scalar>(
     if kind == CommandKind::Speed {
         // the wheel's speed is prescribed: the motor transmits what the wheel needs
         return body.acceleration[3 + i] * robot.wheel_inertia * (1.0 - MOTOR_SHARE)
-            + robot.radius[i] * body.contact.longitudinal_n[i];
+            + robot.radius[i] / robot.travel[i] * body.contact.longitudinal_n[i];
     }
     let inertia = robot.wheel_inertia * MOTOR_SHARE;
     body.torque[i] - inertia * body.acceleration[3 + i]
@@ -99,7 +99,7 @@ fn impact<S: Scalar>(robot: &Robot<S>, state: &mut State<S>, i: usize) {
         let impulse = if prescribed {
             jump / mobility
         } else {
-            jump / (mobility + motor.recip())
+            jump / (mobility + (motor * robot.travel[i]).recip())
         };
         body.nu += dynamics.acceleration.column(3 + i) * impulse;
     }

@@ -2,6 +2,7 @@
 
 use super::active_set::{ActiveSetChange, slip_speed, update_active_set};
 use super::gears::close_gears;
+use super::kinematics::carried_at_rest;
 use super::state::State;
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::{Command, CommandKind};
@@ -13,7 +14,7 @@ use crate::robot::Robot;
 impl<S: Scalar> Robot<S> {
     /// Sets the velocity of `state`: of c along and across the body (m/s), yaw rate (rad/s), and
     /// wheel speeds (rad/s). Contacts with slip slide from then on; slip of wheels that cannot
-    /// slide is projected out.
+    /// slide is projected out. With a motion law it is the velocity that the wheels give.
     pub fn set_motion(&self, state: &mut State<S>, velocity: [S; 3], wheel_speed: Pair<S>) {
         let [u, w, rate] = velocity;
         state.body.nu = Vector::from([u, w, rate, wheel_speed[0], wheel_speed[1]]);
@@ -29,6 +30,7 @@ impl<S: Scalar> Robot<S> {
         };
         update_active_set(self, state, [0.0, 0.0], &ActuatorOutput::zero(), change);
         state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
+        state.body.carried = carried_at_rest(self, &state.body);
     }
 
     /// Sets `state` rolling without slip at forward speed `u` (m/s) and yaw rate `rate` (rad/s).

@@ -1,7 +1,7 @@
 //! Applied forces at the present instant of a state, outside of a trial step.
 
 use super::state::State;
-use crate::dynamics::applied::applied_forces;
+use crate::dynamics::applied::{applied_forces, outside_force};
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::motors::{motor_damping, motor_torque};
 use crate::dynamics::prescribed::prescribed_motion;
@@ -38,13 +38,13 @@ pub(super) fn applied_now<S: Scalar>(
             S::constant(0.0)
         };
     }
-    let mut force = applied_forces(robot, &body.nu, body.pose[2], span, torque);
+    let mut force = applied_forces(robot, &body.nu, body.pose, span, torque);
     for i in 0..2 {
         force[i] -= robot.damping[i] * body.nu[i];
     }
     let force = state
         .external_force
-        .map_or(force, |external| force + external);
+        .map_or(force, |outside| force + outside_force(robot, outside));
     match prescribed_motion(robot, dynamics, key, span[1], actuation) {
         None => Applied {
             force,

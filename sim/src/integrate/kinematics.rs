@@ -1,26 +1,28 @@
 //! Kinematics: pose, wheel angles and motors from the velocities at both ends of a step.
 
 use super::state::State;
+use crate::dynamics::applied::motion;
 use crate::dynamics::motors::{MOTOR_SHARE, motor_damping};
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::CommandKind;
 use crate::parts::friction_constraints::FrictionConstraint;
 use crate::parts::pose::advance_pose;
-use crate::parts::scalar::{Pair, Scalar};
+use crate::parts::scalar::{Pair, Scalar, Vector, heading};
 use crate::robot::Robot;
-use crate::robot::body::Body;
+use crate::robot::body::{Body, Carried};
 
-/// Advances pose, wheel angles and motors from `state` over `over_s` (s) to the velocity that
-/// `body` already has. `torque` is that of the motors, without what they lose with speed (N m).
+/// Advances pose, wheel angles and motors from `state` over `span` = [start (s), length (s)] to the
+/// velocity that `body` already has. `torque` is that of the motors, without what they lose with speed (N m).
 pub(super) fn advance_configuration<S: Scalar>(
     robot: &Robot<S>,
     state: &State<S>,
     body: &mut Body<S>,
-    over_s: f64,
+    span: Pair<f64>,
     actuation: &ActuatorOutput<S>,
     torque: Pair<S>,
 ) {
     let from = &state.body;
+    let over_s = span[1];
     let mut mean = (from.nu + body.nu) * S::constant(0.5);
     let prescribed = state.mode.kind == CommandKind::Speed;
     if prescribed && robot.actuator.lag_s.is_some() {
@@ -30,7 +32,12 @@ pub(super) fn advance_configuration<S: Scalar>(
             mean += state.dynamics.response(axle.rows()[0], excess);
         }
     }
-    body.pose = advance_pose(from.pose, &mean, &(body.nu - from.nu), over_s);
+    let change = body.nu - from.nu;
+    if robot.effects.has_carry {
+        carry(robot, from, body, [&mean, &change], span);
+    } else {
+        body.pose = advance_pose(from.pose, &mean, &change, over_s);
+    }
     body.angle = [0, 1].map(|i| from.angle[i] + mean[3 + i] * over_s);
     let damping = motor_damping(robot, state.mode.kind);
     if robot.actuator.gap_rad.is_none() && !prescribed {
@@ -43,7 +50,7 @@ pub(super) fn advance_configuration<S: Scalar>(
             body.motor_angle[i] = from.motor_angle[i] + mean[3 + i] * over_s;
             body.torque[i] = if prescribed {
                 body.acceleration[3 + i] * robot.wheel_inertia
-                    + robot.radius[i] * body.contact.longitudinal_n[i]
+                    + robot.radius[i] / robot.travel[i] * body.contact.longitudinal_n[i]
             } else {
                 torque[i] - damping * mean[3 + i]
             };
@@ -65,4 +72,54 @@ pub(super) fn advance_configuration<S: Scalar>(
         body.motor_angle[i] = from.motor_angle[i] + mean * over_s;
         body.torque[i] = S::constant(0.0);
     }
+}
+
+/// Advances the pose with what effects add to the motion of the wheels: the `mean` velocity with its
+/// `change` over `span`, by the midpoint rule.
+fn carry<S: Scalar>(
+    robot: &Robot<S>,
+    from: &Body<S>,
+    body: &mut Body<S>,
+    [mean, change]: [&Vector<S>; 2],
+    [t_s, over_s]: Pair<f64>,
+) {
+    let start = carried_velocity(robot, &from.nu, from.pose, [t_s, 0.0]);
+    let half_s = over_s / 2.0;
+    let early = from.nu + start;
+    let middle = advance_pose(from.pose, &early, &Vector::zeros(), half_s);
+    let added = carried_velocity(robot, mean, middle, [t_s, over_s]);
+    body.pose = advance_pose(from.pose, &(mean + added), change, over_s);
+    let end = carried_velocity(robot, &body.nu, body.pose, [t_s + over_s, 0.0]);
+    let rate = (end - start) * S::constant(over_s.recip());
+    body.carried = Some(Carried {
+        velocity: [end[0], end[1], end[2]],
+        rate: [rate[0], rate[1], rate[2]],
+    });
+}
+
+/// What effects add to the motion of `body` before its first step, at time 0; `None` without such effects.
+pub(super) fn carried_at_rest<S: Scalar>(robot: &Robot<S>, body: &Body<S>) -> Option<Carried<S>> {
+    robot.effects.has_carry.then(|| {
+        let velocity = carried_velocity(robot, &body.nu, body.pose, [0.0; 2]);
+        Carried {
+            velocity: [velocity[0], velocity[1], velocity[2]],
+            rate: [S::constant(0.0); 3],
+        }
+    })
+}
+
+/// Velocity that effects add to `nu`, the one that the wheels give. A turn is about the middle of the
+/// axle: c, which lies ahead of it, moves across the body.
+fn carried_velocity<S: Scalar>(
+    robot: &Robot<S>,
+    nu: &Vector<S>,
+    pose: [S; 3],
+    span: Pair<f64>,
+) -> Vector<S> {
+    let zero = S::constant(0.0);
+    let mut added = [zero; 2];
+    let motion = motion(nu, pose, heading(pose[2]), span);
+    robot.effects.carry(&motion, &mut added);
+    let [speed, turn_rate] = added;
+    Vector::from([speed, robot.com_to_axle * turn_rate, turn_rate, zero, zero])
 }

@@ -65,9 +65,10 @@ fn shift_along<S: Scalar>(
     let torque = motor_torque(robot, kind, actuation.mean);
     let body = &mut state.body;
     let [cos, sin] = heading(body.pose[2]);
-    body.pose[0] += (body.nu[0] * cos - body.nu[1] * sin) * shift;
-    body.pose[1] += (body.nu[0] * sin + body.nu[1] * cos) * shift;
-    body.pose[2] += body.nu[2] * shift;
+    let [along, across, rate] = body.velocity();
+    body.pose[0] += (along * cos - across * sin) * shift;
+    body.pose[1] += (along * sin + across * cos) * shift;
+    body.pose[2] += rate * shift;
     body.nu += acceleration * shift;
     for (i, torque) in torque.into_iter().enumerate() {
         body.angle[i] += body.nu[3 + i] * shift;

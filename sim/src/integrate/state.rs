@@ -4,6 +4,7 @@ use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::inertia::constrained_dynamics;
 use crate::integrate::fast::FastPath;
 use crate::integrate::floor::friction_at;
+use crate::integrate::kinematics::carried_at_rest;
 use crate::parts::command::CommandKind;
 use crate::parts::command_history::CommandHistory;
 use crate::parts::friction_constraints::{ConstraintSet, FRICTION_CONSTRAINTS, FrictionConstraint};
@@ -53,8 +54,10 @@ impl<S: Scalar> Robot<S> {
         let dynamics_key = mode.dynamics_key(mode.active, 0.0);
         let dynamics = constrained_dynamics(self, &dynamics_key);
         let fast_path = FastPath::new(self, &mode, &dynamics);
+        let mut body = Body::at_rest(pose);
+        body.carried = carried_at_rest(self, &body);
         State {
-            body: Body::at_rest(pose),
+            body,
             mode,
             dynamics,
             dynamics_key,
@@ -80,7 +83,7 @@ impl<S: Scalar> State<S> {
 
     /// Velocity of c along and across the body (m/s) and yaw rate (rad/s).
     pub fn velocity(&self) -> [S; 3] {
-        [self.body.nu[0], self.body.nu[1], self.body.nu[2]]
+        self.body.velocity()
     }
 
     /// Wheel angles θ, right and left (rad).
@@ -101,7 +104,7 @@ impl<S: Scalar> State<S> {
     /// Acceleration of c relative to the floor, resolved along and across the body (m/s²), and yaw
     /// acceleration (rad/s²), at the end of the last step.
     pub fn acceleration(&self) -> [S; 3] {
-        let (a, nu) = (&self.body.acceleration, &self.body.nu);
+        let (a, nu) = (self.body.velocity_rate(), self.body.velocity());
         [a[0] - nu[1] * nu[2], a[1] + nu[0] * nu[2], a[2]]
     }
 

@@ -7,7 +7,7 @@ use super::kinematics::advance_configuration;
 use super::mode_check::check_mode;
 use super::outcome::StepOutcome;
 use super::state::State;
-use crate::dynamics::applied::applied_forces;
+use crate::dynamics::applied::{applied_forces, outside_force};
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::forces::{Forces, forces_at};
 use crate::dynamics::inertia::{inertia_matrix, wheel_inertias};
@@ -15,7 +15,7 @@ use crate::dynamics::motors::{damping_vector, is_damped, motor_torque};
 use crate::dynamics::prescribed::{PrescribedMotion, enforce_rolling, prescribed_motion};
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::friction_constraints::ConstraintSet;
-use crate::parts::scalar::{Pair, Scalar, Vector};
+use crate::parts::scalar::{Pair, Scalar, Vector, heading};
 use crate::robot::Robot;
 use crate::robot::body::Body;
 
@@ -42,7 +42,7 @@ pub(super) fn trial_step<S: Scalar>(
         outcome,
     };
     let stage = Stage::new(robot, state, span, actuation);
-    let first = stage.forces(&state.dynamics, &from.nu, from.pose[2]);
+    let first = stage.forces(&state.dynamics, &from.nu, from.pose);
     let margin = friction_margin(robot, mode, &state.dynamics, &first);
     let exceeded = margin.map_or(ConstraintSet::default(), |margin| margin.exceeded);
     if !exceeded.is_empty() {
@@ -57,8 +57,11 @@ pub(super) fn trial_step<S: Scalar>(
 
     let start = dynamics.accelerate(&first.force) + stage.prescribed_acceleration;
     let guess = from.nu + start * S::constant(over_s);
-    let yaw = from.pose[2] + (from.nu[2] + guess[2]) * (0.5 * over_s);
-    let second = stage.forces(dynamics, &guess, yaw);
+    let second = stage.forces(
+        dynamics,
+        &guess,
+        predicted_pose(robot, from, &guess, over_s),
+    );
     let end = dynamics.accelerate(&second.force) + stage.prescribed_acceleration;
 
     let mut body = *from;
@@ -70,7 +73,7 @@ pub(super) fn trial_step<S: Scalar>(
     body.acceleration = end;
     body.contact = second.contact;
     body.lagged = actuation.lagged;
-    advance_configuration(robot, state, &mut body, over_s, actuation, stage.torque);
+    advance_configuration(robot, state, &mut body, span, actuation, stage.torque);
     let mut outcome = check_mode(robot, state, &body, &guess, [&first, &second]);
     if let StepOutcome::Event(event) = &mut outcome {
         event.before = start;
@@ -128,19 +131,41 @@ impl<'a, S: Scalar> Stage<'a, S> {
         }
     }
 
-    /// Forces at velocity `nu` and heading `yaw`.
+    /// Forces at velocity `nu` and `pose`.
     #[inline]
-    fn forces(&self, dynamics: &ConstrainedDynamics<S>, nu: &Vector<S>, yaw: S) -> Forces<S> {
+    fn forces(&self, dynamics: &ConstrainedDynamics<S>, nu: &Vector<S>, pose: [S; 3]) -> Forces<S> {
         let (robot, state) = (self.robot, self.state);
-        let force = applied_forces(robot, nu, yaw, self.span, self.wheel_torque);
+        let force = applied_forces(robot, nu, pose, self.span, self.wheel_torque);
         let force = self.damping.map_or(force, |damping| force - damping);
         let force = self.prescribed.map_or(force, |motion| force - motion.force);
         let force = state
             .external_force
-            .map_or(force, |external| force + external);
+            .map_or(force, |outside| force + outside_force(robot, outside));
         let surge = self.prescribed_acceleration[0];
         forces_at(robot, &state.mode, dynamics, nu, force, surge)
     }
+}
+
+/// The pose after `over_s` (s) at which forces of the second stage are taken, where the velocity is
+/// `guess`. Its position follows only where an effect may depend on it.
+#[inline]
+fn predicted_pose<S: Scalar>(
+    robot: &Robot<S>,
+    from: &Body<S>,
+    guess: &Vector<S>,
+    over_s: f64,
+) -> [S; 3] {
+    let [x, y, yaw] = from.pose;
+    let end = yaw + (from.nu[2] + guess[2]) * (0.5 * over_s);
+    if !robot.effects.has_force {
+        return [x, y, end];
+    }
+    let [cos, sin] = heading(yaw);
+    [
+        x + (from.nu[0] * cos - from.nu[1] * sin) * over_s,
+        y + (from.nu[0] * sin + from.nu[1] * cos) * over_s,
+        end,
+    ]
 }
 
 /// Velocity at the end of a step of the two-stage Rosenbrock method, which is of second order with

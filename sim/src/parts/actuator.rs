@@ -1,5 +1,6 @@
-//! Actuator chain from command to motor: delay, dead band, saturation, first-order lag, gain and
-//! supply sag, in this order, integrated exactly over a step.
+//! Actuator chain from command to motor: delay, dead band, dead zone, saturation, first-order lag, gain
+//! and supply sag, in this order, integrated exactly over a step. The loss of the dead zone is counted
+//! behind the gain.
 
 use slipstream_bus::{Motor, RobotModel};
 
@@ -14,6 +15,8 @@ pub struct Actuator<S> {
     pub delay_s: Option<S>,
     /// Commands smaller than this are ignored.
     pub dead_band: CommandLimits<S>,
+    /// Commands lose this, counted behind the gain.
+    pub dead_zone: CommandLimits<S>,
     /// Commands larger than this are cut to it.
     pub saturation: CommandLimits<S>,
     /// Time constant of a first-order lag (s); `None` without.
@@ -30,7 +33,7 @@ pub struct Actuator<S> {
     pub droop: S,
     /// Backlash between motor and wheel (rad); `None` without.
     pub gap_rad: Option<S>,
-    /// Dead band and saturation are all that acts on the command: no delay, lag, gain or sag.
+    /// Dead band, dead zone and saturation are all that acts on the command: no delay, lag, gain or sag.
     pub direct: bool,
 }
 
@@ -39,6 +42,9 @@ pub struct Actuator<S> {
 pub struct CommandLimits<S> {
     /// Limit of a torque (N m).
     pub torque_nm: Option<S>,
+    /// Limit of a voltage (V). Without it a torque limit bounds the voltage that gives this torque at
+    /// standstill.
+    pub voltage_v: Option<S>,
     /// Limit of a wheel speed (rad/s).
     pub speed_rad_s: Option<S>,
 }
@@ -74,6 +80,7 @@ impl<S: Scalar> Actuator<S> {
     pub(crate) fn ideal(model: &RobotModel) -> Self {
         let none = CommandLimits {
             torque_nm: None,
+            voltage_v: None,
             speed_rad_s: None,
         };
         let zero = S::constant(0.0);
@@ -82,6 +89,7 @@ impl<S: Scalar> Actuator<S> {
         Self {
             delay_s: None,
             dead_band: none,
+            dead_zone: none,
             saturation: none,
             lag_s: None,
             gain: [S::constant(1.0); 2],
@@ -96,8 +104,8 @@ impl<S: Scalar> Actuator<S> {
 
     /// Whether a commanded torque reaches the motors unchanged.
     pub(crate) fn passes_torque(&self) -> bool {
-        let limited = self.dead_band.torque_nm.is_some() || self.saturation.torque_nm.is_some();
-        self.direct && !limited
+        let limits = [&self.dead_band, &self.dead_zone, &self.saturation];
+        self.direct && limits.iter().all(|limits| limits.torque_nm.is_none())
     }
 
     /// Output over `span` = [start (s), length (s)] under a `command` that is given throughout, if
@@ -112,10 +120,7 @@ impl<S: Scalar> Actuator<S> {
         span: Pair<f64>,
     ) -> ActuatorOutput<S> {
         let limited = match self.delay_s {
-            None => [
-                self.limited(kind, command[0]),
-                self.limited(kind, command[1]),
-            ],
+            None => self.limited(kind, command),
             Some(delay_s) => history.delayed(delay_s, span, |u| self.limited(kind, u)),
         };
         if self.direct {
@@ -161,24 +166,39 @@ impl<S: Scalar> Actuator<S> {
         history.next_change(self.delay_s?, span)
     }
 
-    /// Applies dead band and saturation.
+    /// Applies dead band, dead zone and saturation.
     #[inline]
-    fn limited(&self, kind: CommandKind, u: S) -> S {
-        let dead = self.limit(kind, &self.dead_band);
-        if dead.is_some_and(|dead| u.value().abs() < dead.value()) {
-            return S::constant(0.0);
-        }
-        self.limit(kind, &self.saturation)
-            .map_or(u, |top| clamp(u, -top, top))
+    fn limited(&self, kind: CommandKind, command: Pair<S>) -> Pair<S> {
+        let [dead, loss, top] = [&self.dead_band, &self.dead_zone, &self.saturation]
+            .map(|limits| self.limit(kind, limits));
+        [0, 1].map(|i| {
+            let u = command[i];
+            if dead.is_some_and(|dead| u.value().abs() < dead.value()) {
+                return S::constant(0.0);
+            }
+            let u = loss.map_or(u, |loss| lessened(u, loss, self.gain[i]));
+            top.map_or(u, |top| clamp(u, -top, top))
+        })
     }
 
-    /// A limit in the unit of the command. A torque limit bounds the voltage that gives this torque
-    /// at standstill.
+    /// A limit in the unit of the command.
     fn limit(&self, kind: CommandKind, limits: &CommandLimits<S>) -> Option<S> {
         match kind {
             CommandKind::Torque => limits.torque_nm,
-            CommandKind::Voltage => Some(limits.torque_nm? / self.torque_per_volt?),
+            CommandKind::Voltage => limits
+                .voltage_v
+                .or_else(|| Some(limits.torque_nm? / self.torque_per_volt?)),
             CommandKind::Speed => limits.speed_rad_s,
         }
     }
+}
+
+/// The command `u` less `loss`, counted behind `gain`; 0 if nothing is left.
+fn lessened<S: Scalar>(u: S, loss: S, gain: S) -> S {
+    let behind = (u * gain).value();
+    if behind.abs() <= loss.value() {
+        return S::constant(0.0);
+    }
+    let loss = loss / gain;
+    if behind > 0.0 { u - loss } else { u + loss }
 }

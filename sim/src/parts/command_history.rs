@@ -43,12 +43,17 @@ impl<S: Scalar> CommandHistory<S> {
     /// first mapped by `map`. No command changes in the span's interior (see
     /// [`CommandHistory::next_change`]). One that changes at its very end has no weight, but its
     /// derivative with respect to the delay has.
-    pub(crate) fn delayed(&self, delay_s: S, span: Pair<f64>, map: impl Fn(S) -> S) -> Pair<S> {
+    pub(crate) fn delayed(
+        &self,
+        delay_s: S,
+        span: Pair<f64>,
+        map: impl Fn(Pair<S>) -> Pair<S>,
+    ) -> Pair<S> {
         let [t_s, over_s] = span;
         let mut acting = [S::constant(0.0); 2];
         for &(since_s, command) in &self.0 {
             let acts_s = delay_s + since_s;
-            let next = command.map(&map);
+            let next = map(command);
             if acts_s.value() <= t_s + SIMULTANEOUS_S {
                 acting = next;
             } else if acts_s.value() <= t_s + over_s + SIMULTANEOUS_S {

@@ -7,4 +7,5 @@ pub(crate) mod friction_constraints;
 pub(crate) mod parameters;
 pub(crate) mod pose;
 pub(crate) mod scalar;
+pub(crate) mod table;
 pub(crate) mod tolerances;

@@ -89,6 +89,10 @@ pub struct RobotParameters<S> {
     pub caster_friction: Option<S>,
     /// Viscous drag coefficient at c (N s/m).
     pub drag: S,
+    /// Share of what each wheel turns by which its contact moves (1); `None`: all of it.
+    pub travel: Option<Pair<S>>,
+    /// The effect that needs commands of wheel speeds, if there is one.
+    pub of_speeds: Option<&'static str>,
     /// Height of c for longitudinal load transfer (m); `None`: no transfer (Eq. 6).
     pub transfer_height: Option<S>,
     /// Slope of the floor: grade times the unit vector downhill, world frame (1).
@@ -142,6 +146,8 @@ impl<S: Scalar> RobotParameters<S> {
             yaw_moment: None,
             caster_friction: None,
             drag: zero,
+            travel: None,
+            of_speeds: None,
             transfer_height: None,
             gradient: [zero; 2],
             actuator: Actuator::ideal(model),

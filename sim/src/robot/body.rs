@@ -17,6 +17,8 @@ pub(crate) struct Body<S> {
     pub(crate) motor_speed: Pair<S>,
     /// State of the actuators' lag, in the unit of the command.
     pub(crate) lagged: Pair<S>,
+    /// What effects add to the motion that the wheels give; `None` without such effects.
+    pub(crate) carried: Option<Carried<S>>,
     /// dν/dt at the end of the last step.
     pub(crate) acceleration: Vector<S>,
     /// Mean torque at each wheel over the last step, motor curve and droop included (N m).
@@ -36,9 +38,39 @@ impl<S: Scalar> Body<S> {
             motor_angle: [zero; 2],
             motor_speed: [zero; 2],
             lagged: [zero; 2],
+            carried: None,
             acceleration: Vector::zeros(),
             torque: [zero; 2],
             contact: ContactForces::zero(),
+        }
+    }
+}
+
+/// Motion that effects add to the one that the wheels give.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Carried<S> {
+    /// Velocity along and across the body (m/s) and yaw rate (rad/s), at the end of the last step.
+    pub(crate) velocity: [S; 3],
+    /// Its mean rate of change over the last step (m/s² and rad/s²).
+    pub(crate) rate: [S; 3],
+}
+
+impl<S: Scalar> Body<S> {
+    /// Velocity of c along and across the body (m/s) and yaw rate (rad/s).
+    pub(crate) fn velocity(&self) -> [S; 3] {
+        let nu = [self.nu[0], self.nu[1], self.nu[2]];
+        match self.carried {
+            None => nu,
+            Some(carried) => [0, 1, 2].map(|i| nu[i] + carried.velocity[i]),
+        }
+    }
+
+    /// Rate of change of [`Body::velocity`] (m/s² and rad/s²).
+    pub(crate) fn velocity_rate(&self) -> [S; 3] {
+        let rate = [0, 1, 2].map(|i| self.acceleration[i]);
+        match self.carried {
+            None => rate,
+            Some(carried) => [0, 1, 2].map(|i| rate[i] + carried.rate[i]),
         }
     }
 }

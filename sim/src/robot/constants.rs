@@ -31,8 +31,16 @@ pub struct Robot<S = f64> {
     pub(crate) yaw_inertia: S,
     /// I_wy (kg m²).
     pub(crate) wheel_inertia: S,
-    /// r, right and left (m).
+    /// What each wheel's contact rolls by per angle that the wheel turns, right and left (m): r, or
+    /// (1 - s) r with a slip ratio s.
     pub(crate) radius: Pair<S>,
+    /// 1 - s of each wheel (1); 1 without a slip ratio. The equation of each wheel's rotation is
+    /// multiplied by it: with the inertia and the torques of the wheel multiplied by 1 - s, the contact
+    /// force enters with the lever (1 - s) r, by which the contact rolls, and the equations stay
+    /// symmetric.
+    pub(crate) travel: Pair<S>,
+    /// Whether the model has a slip ratio.
+    pub(crate) has_slip_ratio: bool,
     /// b (m).
     pub(crate) half_track: S,
     /// d (m).
@@ -59,6 +67,8 @@ pub struct Robot<S = f64> {
     pub(crate) tolerances: Tolerances,
     /// The first key of the dynamic model that is not given.
     missing: Option<&'static str>,
+    /// The effect that needs commands of wheel speeds, if there is one.
+    of_speeds: Option<&'static str>,
 }
 
 impl Robot<f64> {
@@ -120,6 +130,7 @@ impl<S: Scalar> Robot<S> {
         let cosine = (grade_square + 1.0).sqrt().recip();
         let gravity = cosine * GRAVITY_M_S2;
         let load = NormalLoad::new(&parameters, mass, bodies, gravity)?;
+        let travel = travel(&parameters)?;
         let (drag, droop) = (parameters.drag, parameters.actuator.droop);
         let slope_gravity = [gravity * gradient[0], gravity * gradient[1]];
         Ok(Self {
@@ -130,12 +141,14 @@ impl<S: Scalar> Robot<S> {
             ],
             yaw_inertia: parameters.body_yaw_inertia + wheels + parameters.payload_inertia,
             wheel_inertia: parameters.wheel_spin_inertia,
-            radius: parameters.radius,
+            radius: [0, 1].map(|i| parameters.radius[i] * travel[i]),
+            travel,
+            has_slip_ratio: parameters.travel.is_some(),
             half_track: b,
             com_to_axle: d,
             com_to_caster: parameters.com_to_caster,
             nominal: parameters.nominal,
-            dry_friction: DryFriction::new(&parameters, load.total),
+            dry_friction: DryFriction::new(&parameters, load.total, travel),
             load,
             wheel_friction: parameters.wheel_friction,
             damping: Vector::from([drag, drag, S::constant(0.0), droop, droop]),
@@ -146,14 +159,26 @@ impl<S: Scalar> Robot<S> {
             effects,
             tolerances: Tolerances::ACCURATE,
             missing: parameters.missing,
+            of_speeds: parameters.of_speeds,
         })
     }
 
     /// Checks that this robot can be driven by commands of `kind`.
     ///
     /// # Errors
-    /// Names the key that such a command needs and the model does not give.
+    /// Names the key that such a command needs and the model does not give, or the effect that needs
+    /// another command.
     pub fn accepts(&self, kind: CommandKind) -> Result<(), InputError> {
+        if let (Some(key), true) = (self.of_speeds, kind != CommandKind::Speed) {
+            return Err(InputError::new(
+                key,
+                format!(
+                    "needs commanded wheel speeds, and a {} command is given",
+                    kind.name()
+                ),
+                "list a force_law, or command wheel speeds or twists",
+            ));
+        }
         let needed = match kind {
             CommandKind::Speed => None,
             CommandKind::Voltage if self.actuator.torque_per_volt.is_none() => Some("motor"),
@@ -166,5 +191,27 @@ impl<S: Scalar> Robot<S> {
                 "give the robot's masses, lengths and motor, or command wheel speeds",
             ))
         })
+    }
+}
+
+/// Least share of what a wheel turns by which its contact moves (1).
+const TRAVEL_MIN: f64 = 0.02;
+
+/// 1 - s of each wheel.
+fn travel<S: Scalar>(parameters: &RobotParameters<S>) -> Result<Pair<S>, InputError> {
+    let travel = parameters.travel.unwrap_or([S::constant(1.0); 2]);
+    match travel.iter().find(|travel| travel.value() < TRAVEL_MIN) {
+        None => Ok(travel),
+        Some(travel) => Err(InputError::new(
+            "effects.slip_ratio.asymmetry",
+            format!(
+                "leaves a wheel with a slip ratio of {}",
+                1.0 - travel.value()
+            ),
+            format!(
+                "give numbers that leave both wheels at {} or less",
+                1.0 - TRAVEL_MIN
+            ),
+        )),
     }
 }

@@ -3,15 +3,15 @@
 
 use crate::parts::friction_constraints::{ConstraintSet, FrictionConstraint};
 use crate::parts::parameters::RobotParameters;
-use crate::parts::scalar::Scalar;
+use crate::parts::scalar::{Pair, Scalar};
 
 /// Friction limits; `None` where there is no friction.
 #[derive(Debug, Clone)]
 pub(crate) struct DryFriction<S> {
     /// The constraints that have friction.
     pub(crate) constraints: ConstraintSet,
-    /// Torque limit at each axle (N m).
-    axle: Option<S>,
+    /// Torque limit at each axle, times 1 - s of its wheel (N m).
+    axle: Option<Pair<S>>,
     /// Force limit along the body (N).
     surge: Option<S>,
     /// Moment limit about the vertical (N m).
@@ -21,7 +21,7 @@ pub(crate) struct DryFriction<S> {
 }
 
 impl<S: Scalar> DryFriction<S> {
-    pub(super) fn new(parameters: &RobotParameters<S>, weight: S) -> Self {
+    pub(super) fn new(parameters: &RobotParameters<S>, weight: S, travel: Pair<S>) -> Self {
         let present = [
             (
                 parameters.axle_torque.is_some(),
@@ -46,7 +46,9 @@ impl<S: Scalar> DryFriction<S> {
                 .into_iter()
                 .filter_map(|(present, constraint)| present.then_some(constraint))
                 .collect(),
-            axle: parameters.axle_torque,
+            axle: parameters
+                .axle_torque
+                .map(|torque| travel.map(|t| torque * t)),
             surge: parameters.rolling_coefficient.map(|c| c * weight),
             yaw: parameters.yaw_moment,
             caster: parameters.caster_friction,
@@ -58,7 +60,8 @@ impl<S: Scalar> DryFriction<S> {
     pub(crate) fn limit(&self, constraint: FrictionConstraint, caster_normal: S) -> S {
         match constraint {
             FrictionConstraint::WheelRight | FrictionConstraint::WheelLeft => None,
-            FrictionConstraint::AxleRight | FrictionConstraint::AxleLeft => self.axle,
+            FrictionConstraint::AxleRight => self.axle.map(|[right, _]| right),
+            FrictionConstraint::AxleLeft => self.axle.map(|[_, left]| left),
             FrictionConstraint::Surge => self.surge,
             FrictionConstraint::Yaw => self.yaw,
             FrictionConstraint::Caster => self.caster.map(|friction| friction * caster_normal),

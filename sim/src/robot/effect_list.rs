@@ -3,7 +3,7 @@
 use slipstream_bus::range::within;
 use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
 
-use crate::effects::{self, Domain, Info, ParameterInfo, Values};
+use crate::effects::{self, Domain, Info, LIST_MAX, ParameterInfo, Values};
 use crate::parts::scalar::Scalar;
 
 /// An effect of the catalogue with the values of its parameters.
@@ -33,7 +33,8 @@ pub fn read_effects(model: &RobotModel) -> Result<Vec<ListedEffect<f64>>, InputE
 }
 
 /// Converts the parameters of `list` into another scalar type, for [`crate::Robot::assemble`].
-/// `number` gets the effect's index in the list, the parameter's name and its value.
+/// `number` gets the effect's index in the list, the parameter's name and its value; of a parameter that
+/// is a list, each value in turn.
 ///
 /// With dual numbers the plant carries derivatives with respect to the parameters that `number`
 /// seeds with a derivative of one:
@@ -65,15 +66,26 @@ pub fn lift<S: Scalar>(
     list: &[ListedEffect<f64>],
     mut number: impl FnMut(usize, &'static str, f64) -> S,
 ) -> Vec<ListedEffect<S>> {
+    lift_entries(list, |i, name, _, value| number(i, name, value))
+}
+
+/// The same as [`lift`], where `number` gets before the value its place in the parameter's list: 0 for a
+/// single number.
+pub fn lift_entries<S: Scalar>(
+    list: &[ListedEffect<f64>],
+    mut number: impl FnMut(usize, &'static str, usize, f64) -> S,
+) -> Vec<ListedEffect<S>> {
     let lifted = list.iter().enumerate();
     lifted
-        .map(|(i, (info, values))| (*info, values.map(|name, value| number(i, name, value))))
+        .map(|(i, (info, values))| {
+            let values = values.map(|name, at, value| number(i, name, at, value));
+            (*info, values)
+        })
         .collect()
 }
 
 fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>, InputError> {
-    let mut numbers = Vec::new();
-    let mut text = "";
+    let mut values = Values::none();
     for (name, value) in &spec.parameters {
         let at = format!("{key}.{name}");
         let known = info.parameter(name).ok_or_else(|| {
@@ -84,23 +96,92 @@ fn read_values(info: &Info, spec: &EffectSpec, key: &str) -> Result<Values<f64>,
         match (known.domain, value) {
             (Domain::Number { lower, upper, .. }, &Parameter::Number(number)) => {
                 within(&at, number, [lower, upper])?;
-                numbers.push((known.name, number));
+                values.add_number(known.name, number);
             }
             (Domain::Text(words), Parameter::Text(word)) => {
                 let found = words.iter().find(|known| *known == word);
-                text = found.ok_or_else(|| not_one_of(&at, word, words))?;
+                let found = found.ok_or_else(|| not_one_of(&at, word, words))?;
+                values.add_text(known.name, found);
             }
-            (Domain::Number { .. }, Parameter::Text(word)) => {
-                let problem = format!("is \"{word}\"");
+            (
+                Domain::List {
+                    lower,
+                    upper,
+                    increasing,
+                },
+                Parameter::List(list),
+            ) => {
+                check_list(&at, list, [lower, upper], increasing)?;
+                values.add_list(known.name, list.clone());
+            }
+            (Domain::Number { .. }, _) => {
+                let problem = format!("is {}", words_of(value));
                 return Err(InputError::new(at, problem, "give a number"));
             }
             (Domain::Text(words), Parameter::Number(number)) => {
                 return Err(not_one_of(&at, &number.to_string(), words));
             }
+            (Domain::Text(words), Parameter::List(_)) => {
+                return Err(not_one_of(&at, "a list", words));
+            }
+            (Domain::List { .. }, _) => {
+                let problem = format!("is {}", words_of(value));
+                let remedy = "give a list of numbers, such as [0.0, 0.5]";
+                return Err(InputError::new(at, problem, remedy));
+            }
         }
     }
     check_complete(info, spec, key)?;
-    Ok(Values::new(numbers, text))
+    check_lengths(info, &values, key)?;
+    Ok(values)
+}
+
+/// A parameter's value in an error.
+fn words_of(value: &Parameter) -> String {
+    match value {
+        Parameter::Number(number) => number.to_string(),
+        Parameter::Text(word) => format!("\"{word}\""),
+        Parameter::List(_) => "a list".to_owned(),
+    }
+}
+
+/// Checks the values of a list, each by itself and in order.
+fn check_list(at: &str, list: &[f64], range: [f64; 2], increasing: bool) -> Result<(), InputError> {
+    if list.is_empty() || list.len() > LIST_MAX {
+        let problem = format!("has {} values", list.len());
+        let remedy = format!("give from 1 to {LIST_MAX}");
+        return Err(InputError::new(at, problem, remedy));
+    }
+    for (i, &value) in list.iter().enumerate() {
+        within(&format!("{at}[{i}]"), value, range)?;
+    }
+    let mut pairs = list.windows(2).enumerate();
+    match pairs.find(|(_, pair)| increasing && pair[0] >= pair[1]) {
+        None => Ok(()),
+        Some((i, pair)) => Err(InputError::new(
+            format!("{at}[{}]", i + 1),
+            format!("is {}, not larger than the {} before it", pair[1], pair[0]),
+            "give numbers that increase",
+        )),
+    }
+}
+
+/// Checks that all lists have the length of the first.
+fn check_lengths(info: &Info, values: &Values<f64>, key: &str) -> Result<(), InputError> {
+    let is_list = |p: &&ParameterInfo| matches!(p.domain, Domain::List { .. });
+    let mut lists = info.parameters.iter().filter(is_list);
+    let Some(first) = lists.next() else {
+        return Ok(());
+    };
+    let length = |p: &ParameterInfo| values.list(p.name).len();
+    match lists.find(|other| length(other) != length(first)) {
+        None => Ok(()),
+        Some(other) => Err(InputError::new(
+            format!("{key}.{}", other.name),
+            format!("has {} values", length(other)),
+            format!("give as many as {}: {}", first.name, length(first)),
+        )),
+    }
 }
 
 fn not_one_of(at: &str, given: &str, words: &[&str]) -> InputError {
@@ -108,12 +189,12 @@ fn not_one_of(at: &str, given: &str, words: &[&str]) -> InputError {
     InputError::new(at, format!("is \"{given}\""), remedy)
 }
 
-/// Checks that every parameter is given once, and of alternatives exactly one.
+/// Checks that every parameter is given once unless it is optional, and of alternatives exactly one.
 fn check_complete(info: &Info, spec: &EffectSpec, key: &str) -> Result<(), InputError> {
     let given = |p: &ParameterInfo| spec.parameters.iter().filter(|(n, _)| n == p.name).count();
     for parameter in info.parameters {
         let problem = match given(parameter) {
-            0 if parameter.alternative => continue,
+            0 if parameter.alternative || parameter.optional => continue,
             0 => "is missing",
             1 => continue,
             _ => "is given twice",

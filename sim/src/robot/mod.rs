@@ -10,4 +10,4 @@ pub(crate) mod mode;
 mod normal_load;
 
 pub use constants::{GRAVITY_M_S2, Robot};
-pub use effect_list::{ListedEffect, lift, read_effects};
+pub use effect_list::{ListedEffect, lift, lift_entries, read_effects};

@@ -184,6 +184,7 @@ fn with_all_effects() -> RobotModel {
                     Parameter::Number(probes.first().copied().unwrap_or(lower))
                 }
                 Domain::Text(words) => Parameter::Text(words[0].to_owned()),
+                Domain::List { .. } => Parameter::List(vec![0.0, 1.0]),
             };
             spec.parameters.push((parameter.name.to_owned(), value));
         }

@@ -170,6 +170,9 @@ fn robots() -> Vec<(String, String)> {
                     Domain::Text(words) => {
                         parameters.push(format!("{} = {:?}", parameter.name, words[0]));
                     }
+                    Domain::List { .. } => {
+                        parameters.push(format!("{} = [0.0, 1.0]", parameter.name));
+                    }
                 }
             }
             let slip = RobotModel::paper_with_slip();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 use slipstream_bus::InputError;
-use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo, find};
+use slipstream_sim::effects::{CATALOGUE, Domain, Info, LIST_MAX, ParameterInfo, find};
 
 use crate::exit::{Error, Exit};
 use crate::print::print_line;
@@ -76,6 +76,14 @@ fn describe_parameter(parameter: &ParameterInfo) -> String {
             format!("{name} ({unit}) from {lower} to {upper}{or}")
         }
         Domain::Text(words) => format!("{name}: one of {}", words.join(", ")),
+        Domain::List {
+            lower,
+            upper,
+            increasing,
+        } => {
+            let order = if *increasing { ", rising" } else { "" };
+            format!("{name} ({unit}): 1 to {LIST_MAX} numbers from {lower} to {upper}{order}")
+        }
     }
 }
 
@@ -90,6 +98,14 @@ fn to_json(info: &Info) -> Value {
             }),
             Domain::Text(words) => json!({
                 "name": parameter.name, "role": parameter.role.name(), "unit": parameter.unit, "words": words,
+            }),
+            Domain::List {
+                lower,
+                upper,
+                increasing,
+            } => json!({
+                "name": parameter.name, "role": parameter.role.name(), "unit": parameter.unit, "lower": lower, "upper": upper,
+                "list": true, "longest": LIST_MAX, "increasing": increasing,
             }),
         })
         .collect();

@@ -101,6 +101,8 @@ pub enum ParameterValue {
     Number(f64),
     /// For example the name of a stream.
     Text(String),
+    /// For example the knots of a table.
+    List(Vec<f64>),
 }
 
 /// Reads a file of labels.

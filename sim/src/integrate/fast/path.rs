@@ -32,7 +32,8 @@ impl<S: Scalar> FastPath<S> {
             && robot.load.transfer.is_none()
             && robot.actuator.gap_rad.is_none()
             && robot.actuator.passes_torque()
-            && !(robot.damped || robot.effects.has_force || robot.effects.has_floor);
+            && !(robot.damped || robot.has_slip_ratio)
+            && !(robot.effects.has_force || robot.effects.has_floor || robot.effects.has_carry);
         if !plain || mode.kind != CommandKind::Torque {
             return None;
         }

@@ -234,6 +234,10 @@ fn is_factor(parameter: &ParameterInfo) -> bool {
 pub(crate) const STATIC: &str = "friction_static";
 pub(crate) const KINETIC: &str = "friction_kinetic";
 
+/// Effects that this engine takes as a model lists them: it has no means to tell them from their
+/// look-alikes (a radius, a dead band, a force without a name).
+const NOT_TRIED: [&str; 4] = ["slip_ratio", "command_dead_zone", "force_law", "motion_law"];
+
 /// All hypotheses that `model` can express and `tracks` can show, without `excluded`.
 pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> Vec<Hypothesis> {
     let Some(track) = tracks.first() else {
@@ -242,7 +246,8 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
     let able = |info: &&Info| {
         // what links do several robots show together
         let search = !is_local(info) && info.site != ModelSite::Link;
-        search && !excluded.iter().any(|id| id == info.id) && shows(info, track)
+        let left_out = NOT_TRIED.contains(&info.id) || excluded.iter().any(|id| id == info.id);
+        search && !left_out && shows(info, track)
     };
     let fresh = CATALOGUE
         .iter()
@@ -302,13 +307,14 @@ fn listed(model: &RobotModel, excluded: &[String]) -> Vec<Hypothesis> {
     let listed = model.effects.iter().enumerate();
     let known = listed.filter_map(|(i, spec)| Some((i, spec, find(&spec.effect)?)));
     known
+        .filter(|(_, _, info)| !NOT_TRIED.contains(&info.id))
         .filter(|(_, _, info)| !excluded.iter().any(|id| id == info.id))
         .map(|(i, spec, info)| {
             let numbers = info.parameters.iter().filter_map(|p| {
                 let own = spec.parameters.iter().find(|(name, _)| name == p.name)?;
                 match own.1 {
                     Parameter::Number(number) => Some((p.name, number)),
-                    Parameter::Text(_) => None,
+                    Parameter::Text(_) | Parameter::List(_) => None,
                 }
             });
             let text = info.parameters.iter().find_map(|p| {
@@ -356,7 +362,7 @@ fn of(info: &'static Info, track: &Track, model: &RobotModel) -> Vec<Hypothesis>
         .iter()
         .find_map(|p| match p.domain {
             Domain::Text(words) => Some(words.iter().map(|w| Some((p.name, *w))).collect()),
-            Domain::Number { .. } => None,
+            Domain::Number { .. } | Domain::List { .. } => None,
         })
         .unwrap_or_else(|| vec![None]);
     starts(info, &numbers, track, model)
@@ -379,7 +385,7 @@ pub(crate) fn least_probe(info: &Info, name: &str) -> Option<f64> {
 fn probes(p: &ParameterInfo) -> &'static [f64] {
     match p.domain {
         Domain::Number { probes, .. } => probes,
-        Domain::Text(_) => &[],
+        Domain::Text(_) | Domain::List { .. } => &[],
     }
 }
 

@@ -153,7 +153,13 @@ fn parse_parameter(entry: &Entry<'_>) -> std::result::Result<Parameter, InputErr
     match entry.value {
         DeValue::String(text) => Ok(Parameter::Text(text.to_string())),
         DeValue::Integer(_) | DeValue::Float(_) => Ok(Parameter::Number(entry.number()?)),
-        _ => Err(entry.wrong_type("a number or a string")),
+        DeValue::Array(_) => {
+            let numbers = entry.elements().into_iter().map(|number| number.number());
+            Ok(Parameter::List(
+                numbers.collect::<std::result::Result<_, _>>()?,
+            ))
+        }
+        _ => Err(entry.wrong_type("a number, a string or a list of numbers")),
     }
 }
 
@@ -268,6 +274,10 @@ fn inline_table(effect: &EffectSpec) -> String {
                     toml::Value::String(value.clone())
                 )
             }
+            Parameter::List(values) => {
+                let values: Vec<String> = values.iter().copied().map(toml_number).collect();
+                format!("{} = [{}]", toml_key(name), values.join(", "))
+            }
         })
         .collect();
     format!("{{ {} }}", parameters.join(", "))
@@ -326,6 +336,26 @@ mod tests {
             Parameter::Text("pose".into())
         );
         assert_eq!(parse_text(&to_text(&model)), Ok(model));
+    }
+
+    #[test]
+    fn an_effect_can_have_lists_of_numbers_and_occur_twice() {
+        let text = "format = 1\n[robot]\nwheel_radius_m = 1\nhalf_track_m = 2\n\
+                    [effects]\nmotion_law = [{ acts_on = \"speed\", driver = \"v\", knots = [0, 0.5], \
+                    values = [-1e-3, 0.1] }, { acts_on = \"turn_rate\", driver = \"w\", knots = [0], \
+                    values = [0.25] }]\n";
+        let model = parse_text(text).unwrap();
+        assert_eq!(model.effects.len(), 2);
+        assert_eq!(
+            model.effects[0].parameters[3].1,
+            Parameter::List(vec![-1e-3, 0.1])
+        );
+        assert_eq!(parse_text(&to_text(&model)), Ok(model));
+        let wrong = text.replace("[0, 0.5]", "[0, \"a\"]");
+        assert_eq!(
+            parse_text(&wrong).unwrap_err(),
+            "robot.toml:6: effects.motion_law[0].knots[1] is a string; give a number"
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Actuators, from command to torque or speed: delay, dead band, saturation, lag, gain, supply sag.
+//! Actuators, from command to torque or speed: delay, dead band, dead zone, saturation, lag, gain, supply
+//! sag. The dead zone takes a constant size off the command times the gain.
 
 use crate::physics::Physics;
 use crate::state::State;
@@ -65,13 +66,14 @@ impl Commands {
             Quantity::Speed => Some(1),
             Quantity::Voltage => None,
         };
-        let command = self
-            .held(t + h / 2.0, physics.delay_s)
-            .map(|value| match limit {
-                Some(at) if value.abs() < physics.dead_band[at] => 0.0,
-                Some(at) => value.clamp(-physics.saturation[at], physics.saturation[at]),
-                None => value,
-            });
+        let lost = self.lost(physics);
+        let held = self.held(t + h / 2.0, physics.delay_s);
+        let command = [0, 1].map(|i| match limit {
+            Some(at) if held[i].abs() < physics.dead_band[at] => 0.0,
+            Some(at) => behind_zone(held[i], physics.gain[i], lost)
+                .clamp(-physics.saturation[at], physics.saturation[at]),
+            None => behind_zone(held[i], physics.gain[i], lost),
+        });
         // Exact exponential decay towards the command: its value at the end and its mean.
         let (decay, mean) = if physics.lag_s > 0.0 {
             let exponent = -h / physics.lag_s;
@@ -113,12 +115,37 @@ impl Commands {
         }
     }
 
+    /// What the dead zone takes off the command times the gain, in the unit of the command. One that is
+    /// given as a torque takes the voltage of that torque off a voltage.
+    fn lost(&self, physics: &Physics) -> f64 {
+        let [torque, voltage, speed] = physics.dead_zone;
+        match self.quantity {
+            Quantity::Torque => torque,
+            Quantity::Voltage if torque > 0.0 => torque / physics.per_volt,
+            Quantity::Voltage => voltage,
+            Quantity::Speed => speed,
+        }
+    }
+
     /// Torque lost per wheel speed (N m s/rad).
     pub(crate) fn loss(&self, physics: &Physics) -> f64 {
         match self.quantity {
             Quantity::Voltage => physics.droop + physics.back_emf,
             Quantity::Torque | Quantity::Speed => physics.droop,
         }
+    }
+}
+
+/// The command that, times the gain, is what a dead zone leaves of `value` times the gain.
+fn behind_zone(value: f64, gain: f64, lost: f64) -> f64 {
+    if lost == 0.0 {
+        return value;
+    }
+    let left = (value.abs() * gain - lost).max(0.0);
+    if left == 0.0 {
+        0.0
+    } else {
+        (left / gain).copysign(value)
     }
 }
 

@@ -49,9 +49,20 @@ pub(crate) struct Rolling {
     correction: [Velocity; 3],
 }
 
-/// The rows of Eq. 2: longitudinal slip of right and left wheel, and lateral slip of both.
+/// The rows of Eq. 2: longitudinal slip of right and left wheel, and lateral slip of both. With a slip
+/// ratio a contact without slip moves by less than its wheel turns.
 pub(crate) fn slip_rows(physics: &Physics) -> [Velocity; 3] {
-    let (b, d, [right, left]) = (physics.half_track, physics.to_axle, physics.radius);
+    rows(physics, physics.rolls())
+}
+
+/// The directions in which forces at these contacts act on body and wheels: on a wheel with its radius,
+/// whatever its slip ratio.
+fn force_rows(physics: &Physics) -> [Velocity; 3] {
+    rows(physics, physics.radius)
+}
+
+fn rows(physics: &Physics, [right, left]: [f64; 2]) -> [Velocity; 3] {
+    let (b, d) = (physics.half_track, physics.to_axle);
     [
         [1.0, 0.0, b, -right, 0.0, 0.0, 0.0],
         [1.0, 0.0, -b, 0.0, -left, 0.0, 0.0],
@@ -80,7 +91,7 @@ impl Rolling {
             return None;
         }
         let rows = slip_rows(physics);
-        let responses = rows.map(|row| times(&body.inverse, &row));
+        let responses = force_rows(physics).map(|row| times(&body.inverse, &row));
         let stiffness = Matrix3::from_fn(|i, j| dot(&rows[i], &responses[j]));
         let inverse = stiffness.try_inverse()?;
         let correction = std::array::from_fn(|j| {
@@ -93,7 +104,7 @@ impl Rolling {
         Some(Self { rows, correction })
     }
 
-    /// Projects the velocities onto rolling, in the metric of the mass matrix.
+    /// Projects the velocities onto rolling, by impulses of the contacts.
     pub(crate) fn restore(&self, velocity: &mut Velocity) {
         let slips = self.rows.map(|row| dot(&row, velocity));
         for (slip, correction) in slips.iter().zip(&self.correction) {
@@ -108,6 +119,7 @@ pub(crate) fn contacts(physics: &Physics, body: &Body, rolling: Option<&Rolling>
     let zero = [0.0; N];
     let unit = |at: usize| std::array::from_fn(|i| f64::from(u8::from(i == at)));
     let mut list = Vec::new();
+    let forces = force_rows(physics);
     let mut put = |there: bool, kind: ContactKind, rows: [Velocity; 2]| {
         if there {
             list.push((kind, rows));
@@ -134,7 +146,11 @@ pub(crate) fn contacts(physics: &Physics, body: &Body, rolling: Option<&Rolling>
         put(dry, ContactKind::OutsideEffect(i), [unit(0), zero]);
     }
     let contact = |(kind, rows): (ContactKind, [Velocity; 2])| {
-        let change = rows.map(|row| {
+        let pushes = match kind {
+            ContactKind::Wheel(i) => [forces[i], forces[2]],
+            _ => rows,
+        };
+        let change = pushes.map(|row| {
             let mut change = times(&body.inverse, &row);
             if let Some(rolling) = rolling {
                 rolling.restore(&mut change);

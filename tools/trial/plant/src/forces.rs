@@ -1,12 +1,13 @@
 //! Smooth forces on a robot at the midpoint of a step.
 
+use crate::law::Gives;
 use crate::physics::Push;
 use crate::plant::Plant;
 use crate::state::{State, Velocity};
 
 impl Plant {
     /// Smooth forces at the midpoint of a step of `h` (s): inertial forces of Eq. 3 in the body frame,
-    /// drag, gravity on a slope, pushes, disturbances and effects outside the vocabulary.
+    /// drag, gravity on a slope, pushes, laws, disturbances and effects outside the vocabulary.
     pub(crate) fn smooth_forces(&self, state: &State, middle: &Velocity, h: f64) -> Velocity {
         let (p, body) = (&self.physics, &self.body);
         let [u, v, w, ..] = *middle;
@@ -46,6 +47,14 @@ impl Plant {
         for outside in &p.outside {
             let [fx, fy, moment] = outside.wrench(t_s, [x, y, yaw], w);
             add([fx, fy], [0.0; 2], moment);
+        }
+        for law in &p.laws {
+            let given = law.at(t_s, [x, y, yaw], [u, w]);
+            match law.gives {
+                Gives::Force => force[0] += given,
+                Gives::Moment => force[2] += given,
+                Gives::Speed | Gives::TurnRate => {}
+            }
         }
         for outside in &p.outside {
             for i in 0..2 {

@@ -15,6 +15,7 @@ mod contact;
 mod contact_solver;
 mod forces;
 mod friction_disc;
+mod law;
 mod outside;
 mod physics;
 mod plant;
@@ -23,6 +24,7 @@ mod step;
 
 pub use actuators::{Commands, Quantity};
 pub use constants::GRAVITY_M_S2;
+pub use law::{Gives, Law, Over};
 pub use outside::OutsideEffect;
 pub use physics::{Patch, Physics, Push};
 pub use plant::Plant;

@@ -2,6 +2,7 @@
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 
+use crate::law::Law;
 use crate::outside::OutsideEffect;
 
 /// The parameters of a robot and its floor. Pairs are [right, left].
@@ -19,6 +20,8 @@ pub struct Physics {
     pub wheel_yaw_inertia: f64,
     /// True r (m).
     pub radius: [f64; 2],
+    /// Slip ratio of each wheel: its contact moves by 1 - s of what it turns.
+    pub slip: [f64; 2],
     /// True b (m).
     pub half_track: f64,
     /// Nominal r and b, which the commands are made with (m).
@@ -63,6 +66,8 @@ pub struct Physics {
     pub sag_per_s: f64,
     /// Dead band of torque (N m) and of speed (rad/s).
     pub dead_band: [f64; 2],
+    /// What is lost of a torque (N m), a voltage (V) and a speed (rad/s), behind the gain.
+    pub dead_zone: [f64; 3],
     /// Largest torque (N m) and speed (rad/s).
     pub saturation: [f64; 2],
     /// Backlash between motor and wheel (rad); 0 for none.
@@ -73,6 +78,8 @@ pub struct Physics {
     pub grade: [f64; 2],
     /// Pushes.
     pub pushes: Vec<Push>,
+    /// Forces and motions as tables.
+    pub laws: Vec<Law>,
     /// Effects outside the vocabulary.
     pub outside: Vec<OutsideEffect>,
 }
@@ -125,6 +132,7 @@ impl Physics {
             spin_inertia: known(robot.wheel_spin_inertia_kg_m2, "wheel_spin_inertia_kg_m2")?,
             wheel_yaw_inertia: known(robot.wheel_yaw_inertia_kg_m2, "wheel_yaw_inertia_kg_m2")?,
             radius: [robot.wheel_radius_m; 2],
+            slip: [0.0; 2],
             half_track: robot.half_track_m,
             nominal: [robot.wheel_radius_m, robot.half_track_m],
             to_axle: known(robot.com_to_axle_m, "com_to_axle_m")?,
@@ -147,11 +155,13 @@ impl Physics {
             gain: [1.0; 2],
             sag_per_s: 0.0,
             dead_band: [0.0; 2],
+            dead_zone: [0.0; 3],
             saturation: [f64::INFINITY; 2],
             gap: 0.0,
             transfer_height: 0.0,
             grade: [0.0; 2],
             pushes: Vec::new(),
+            laws: Vec::new(),
             outside: Vec::new(),
         };
         for effect in &model.effects {
@@ -209,6 +219,10 @@ impl Physics {
             "motor_gain" => self.gain = [number("right")?, number("left")?],
             "supply_sag" => self.sag_per_s = number("rate_per_s")?,
             "command_dead_band" => self.dead_band = torque_and_speed(0.0),
+            "command_dead_zone" => {
+                let sizes = ["torque_nm", "voltage_v", "speed_rad_s"];
+                self.dead_zone = sizes.map(|name| values.optional(name).unwrap_or(0.0));
+            }
             "command_saturation" => self.saturation = torque_and_speed(f64::INFINITY),
             "backlash" => self.gap = number("gap_rad")?,
             _ => return Ok(false),
@@ -224,6 +238,11 @@ impl Physics {
             "wheel_radius" => {
                 self.radius[0] *= number("right_scale")?;
                 self.radius[1] *= number("left_scale")?;
+            }
+            "slip_ratio" => {
+                let (mean, apart) = (number("ratio")?, values.optional("asymmetry"));
+                let half = apart.unwrap_or(0.0) / 2.0;
+                self.slip = [mean + half, mean - half];
             }
             "track_width" => self.half_track *= number("scale")?,
             "payload" => self
@@ -243,13 +262,19 @@ impl Physics {
                     impulse,
                 });
             }
+            "force_law" | "motion_law" => self.laws.push(values.law()?),
             _ => return Ok(false),
         }
         Ok(true)
     }
+
+    /// By how much each wheel's contact moves per angle of the wheel (m).
+    pub(crate) fn rolls(&self) -> [f64; 2] {
+        [0, 1].map(|i| (1.0 - self.slip[i]) * self.radius[i])
+    }
 }
 
-/// The numeric parameters of an effect.
+/// The parameters of an effect.
 struct Values<'a>(&'a EffectSpec);
 
 impl Values<'_> {
@@ -268,5 +293,25 @@ impl Values<'_> {
     fn number(&self, name: &str) -> Result<f64, String> {
         self.optional(name)
             .ok_or_else(|| format!("{}.{name} is missing", self.id()))
+    }
+
+    fn law(&self) -> Result<Law, String> {
+        let find = |name: &str| {
+            let mut parameters = self.0.parameters.iter();
+            parameters.find_map(|(known, value)| (known == name).then_some(value))
+        };
+        let (Some(Parameter::Text(gives)), Some(Parameter::Text(over))) =
+            (find("acts_on"), find("driver"))
+        else {
+            return Err(format!("{} does not say what it is over", self.id()));
+        };
+        let (Some(Parameter::List(knots)), Some(Parameter::List(values))) =
+            (find("knots"), find("values"))
+        else {
+            return Err(format!("{} has no table", self.id()));
+        };
+        let points = knots.iter().zip(values).map(|(&at, &value)| [at, value]);
+        Law::new(gives, over, points.collect())
+            .ok_or_else(|| format!("{}: {gives} over {over} is not known", self.id()))
     }
 }

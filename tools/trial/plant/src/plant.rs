@@ -88,8 +88,8 @@ impl Plant {
         for (velocity, change) in state.velocity.iter_mut().zip(body) {
             *velocity += change;
         }
-        for (i, (rim, radius)) in wheels.into_iter().zip(self.physics.radius).enumerate() {
-            let speed = rim / radius;
+        for (i, (rim, rolls)) in wheels.into_iter().zip(self.physics.rolls()).enumerate() {
+            let speed = rim / rolls;
             state.velocity[3 + i] += speed;
             state.velocity[5 + i] += speed;
         }

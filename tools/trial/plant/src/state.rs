@@ -20,6 +20,9 @@ pub struct State {
     pub motor: [f64; 2],
     /// Velocities.
     pub velocity: Velocity,
+    /// Velocity that laws of motion add to that of the wheels: along and across the body (m/s), and yaw
+    /// rate (rad/s).
+    pub carried: [f64; 3],
     /// Mean acceleration of c along and across the body over the last step (m/s²).
     pub acceleration: [f64; 2],
     /// Speed at which each wheel's contact slides (m/s).
@@ -55,6 +58,7 @@ impl State {
             wheel: [0.0; 2],
             motor: [0.0; 2],
             velocity: [0.0; N],
+            carried: [0.0; 3],
             acceleration: [0.0; 2],
             slip_m_s: [0.0; 2],
             lagged: [0.0; 2],

@@ -3,6 +3,7 @@
 use crate::actuators::Commands;
 use crate::contact::{ContactKind, dot};
 use crate::contact_solver::{CONVERGED, ContactImpulses};
+use crate::law::Gives;
 use crate::plant::Plant;
 use crate::state::{CONTACTS, State, Velocity};
 
@@ -94,9 +95,13 @@ impl Plant {
             ],
             ..*state
         };
-        next.pose[0] += h * (u * cos - v * sin);
-        next.pose[1] += h * (u * sin + v * cos);
-        next.pose[2] += h * w;
+        if self.is_carried() {
+            self.carry(state, [begin, &middle, end], h, &mut next);
+        } else {
+            next.pose[0] += h * (u * cos - v * sin);
+            next.pose[1] += h * (u * sin + v * cos);
+            next.pose[2] += h * w;
+        }
         for i in 0..2 {
             next.wheel[i] += h * middle[3 + i];
             if self.physics.gap > 0.0 {
@@ -122,6 +127,55 @@ impl Plant {
             next.settled = outside.settled(state.settled, moves, h);
         }
         next
+    }
+}
+
+impl Plant {
+    /// Whether laws of motion add to the motion of the wheels.
+    fn is_carried(&self) -> bool {
+        let moves = |gives| matches!(gives, Gives::Speed | Gives::TurnRate);
+        self.physics.laws.iter().any(|law| moves(law.gives))
+    }
+
+    /// Velocity that laws of motion add to that of the wheels, [m/s, m/s, rad/s].
+    fn carried(&self, t_s: f64, pose: [f64; 3], wheels: &Velocity) -> [f64; 3] {
+        let (mut speed, mut turn) = (0.0, 0.0);
+        for law in &self.physics.laws {
+            let given = law.at(t_s, pose, [wheels[0], wheels[2]]);
+            match law.gives {
+                Gives::Speed => speed += given,
+                Gives::TurnRate => turn += given,
+                Gives::Force | Gives::Moment => {}
+            }
+        }
+        // The middle of the axle does not move sideways.
+        [speed, turn * self.physics.to_axle, turn]
+    }
+
+    /// Moves `next` from `state` by the wheels' velocities at begin, middle and end, and by what laws of
+    /// motion add to them: implicit midpoint rule.
+    fn carry(&self, state: &State, [begin, middle, end]: [&Velocity; 3], h: f64, next: &mut State) {
+        let t_s = state.t_s;
+        let mut added = state.carried;
+        let mut moved = [0.0; 3];
+        for _ in 0..MIDPOINT_ITERATIONS {
+            let [u, v, w] = [0, 1, 2].map(|i| middle[i] + added[i]);
+            let (sin, cos) = (state.pose[2] + w * h / 2.0).sin_cos();
+            moved = [u * cos - v * sin, u * sin + v * cos, w];
+            let there = [0, 1, 2].map(|i| state.pose[i] + moved[i] * h / 2.0);
+            added = self.carried(t_s + h / 2.0, there, middle);
+        }
+        for (value, rate) in next.pose.iter_mut().zip(moved) {
+            *value += h * rate;
+        }
+        let from = self.carried(t_s, state.pose, begin);
+        let to = self.carried(t_s + h, next.pose, end);
+        next.carried = to;
+        let [u, v, w] = [0, 1, 2].map(|i| middle[i] + (from[i] + to[i]) / 2.0);
+        next.acceleration = [
+            (end[0] - begin[0] + to[0] - from[0]) / h - v * w,
+            (end[1] - begin[1] + to[1] - from[1]) / h + u * w,
+        ];
     }
 }
 

@@ -197,6 +197,10 @@ impl<'a> Grader<'a> {
     /// Compares the parameters.
     fn check_parameters(&mut self, concealed: &ConcealedEffect, finding: &ReportedFinding) {
         for (name, truth) in &concealed.parameters {
+            if matches!(truth, ParameterValue::List(_)) {
+                // An answer has no lists.
+                continue;
+            }
             let Some(reported) = finding
                 .parameters
                 .iter()
@@ -213,6 +217,7 @@ impl<'a> Grader<'a> {
                         .push(format!("{}.{name} is not {text}", concealed.effect));
                 }
                 ParameterValue::Number(truth) => self.score_parameter(concealed, *truth, reported),
+                ParameterValue::List(_) => {}
             }
         }
     }
@@ -306,6 +311,7 @@ fn distance(concealed: &ConcealedEffect, finding: &ReportedFinding) -> f64 {
             {
                 0.0
             }
+            (ParameterValue::List(_), _) => 0.0,
             _ => 1e3,
         };
     concealed.parameters.iter().map(part).sum()

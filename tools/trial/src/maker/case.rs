@@ -170,6 +170,7 @@ pub(super) fn value((name, value): &(String, Parameter)) -> (String, ParameterVa
     let value = match value {
         Parameter::Number(number) => ParameterValue::Number(*number),
         Parameter::Text(text) => ParameterValue::Text(text.clone()),
+        Parameter::List(list) => ParameterValue::List(list.clone()),
     };
     (name.clone(), value)
 }

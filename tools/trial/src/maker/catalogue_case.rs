@@ -102,6 +102,7 @@ fn parameter(info: &ParameterInfo, size: f64) -> Parameter {
             let at = (last as f64 * size).round() as usize;
             Parameter::Number(probes.get(at).copied().unwrap_or(0.0))
         }
+        Domain::List { .. } => Parameter::List(vec![0.0]),
     }
 }
 

@@ -268,7 +268,7 @@ pub(crate) fn scaled(effect: &EffectSpec, factor: f64) -> EffectSpec {
     let parameters = effect.parameters.iter().map(|(name, parameter)| {
         let parameter = match parameter {
             Parameter::Number(number) => Parameter::Number(fine(value(name, *number))),
-            Parameter::Text(text) => Parameter::Text(text.clone()),
+            other => other.clone(),
         };
         (name.clone(), parameter)
     });

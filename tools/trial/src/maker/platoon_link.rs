@@ -64,6 +64,6 @@ pub(crate) fn send(
 fn number((_, value): &(String, Parameter)) -> f64 {
     match value {
         Parameter::Number(number) => *number,
-        Parameter::Text(_) => 0.0,
+        Parameter::Text(_) | Parameter::List(_) => 0.0,
     }
 }

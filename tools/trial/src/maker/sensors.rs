@@ -104,7 +104,8 @@ impl Sensors {
         let [x, y] = self.gravity;
         let gravity = [x * cos + y * sin, y * cos - x * sin];
         let [along, across] = state.acceleration;
-        [along - gravity[0], across - gravity[1], state.velocity[2]]
+        let yaw_rate = state.velocity[2] + state.carried[2];
+        [along - gravity[0], across - gravity[1], yaw_rate]
     }
 }
 
@@ -119,7 +120,7 @@ fn number(effect: &EffectSpec, wanted: &str) -> f64 {
 fn stream(effect: &EffectSpec) -> Stream {
     let word = effect.parameters.iter().find_map(|(_, value)| match value {
         Parameter::Text(word) => Some(word.as_str()),
-        Parameter::Number(_) => None,
+        Parameter::Number(_) | Parameter::List(_) => None,
     });
     match word {
         Some("wheels") => Stream::Wheels,

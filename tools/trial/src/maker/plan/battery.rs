@@ -5,7 +5,7 @@ use super::case_spec::{CaseSpec, PAIRED, WITHHELD};
 use crate::maker::draw_effect::{OUTSIDE_KINDS, VOCABULARY};
 use crate::maker::manoeuvre::{CommandKind, Style};
 use crate::maker::scene::Control;
-use slipstream_sim::effects::{CATALOGUE, ModelSite};
+use slipstream_sim::effects::{CATALOGUE, Domain, ModelSite};
 
 /// Effects that do not vanish as their parameter goes to zero.
 const THRESHOLDS: [&str; 6] = [
@@ -62,7 +62,14 @@ fn sized() -> Vec<CaseSpec> {
 fn catalogue_only() -> Vec<CaseSpec> {
     let new = CATALOGUE
         .iter()
-        .filter(|info| !VOCABULARY.contains(&info.id) && info.site != ModelSite::Link);
+        .filter(|info| !VOCABULARY.contains(&info.id) && info.site != ModelSite::Link)
+        // a table has no probe values
+        .filter(|info| {
+            !info
+                .parameters
+                .iter()
+                .any(|p| matches!(p.domain, Domain::List { .. }))
+        });
     new.flat_map(|info| {
         [0.0, 1.0].map(|size| CaseSpec {
             by_sim: Some(size),
