@@ -35,6 +35,9 @@ pub struct TrialReport {
     pub failed: usize,
     /// Kind of case → grade → count.
     pub kinds: BTreeMap<String, BTreeMap<Cow<'static, str>, usize>>,
+    /// Kind of case → counts of its cases.
+    #[serde(default)]
+    pub families: BTreeMap<String, FamilyCounts>,
     /// True effect → reported effect → count.
     pub confusion: BTreeMap<String, BTreeMap<String, usize>>,
     /// Share of the 95 % intervals that contain the true value; null without any.
@@ -56,6 +59,45 @@ pub struct TrialReport {
     pub commitments: Vec<String>,
     /// All cases.
     pub each: Vec<ScoredCase>,
+}
+
+/// The cases of one kind, counted by grade.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FamilyCounts {
+    /// Number of cases.
+    pub cases: usize,
+    /// Graded exact.
+    pub exact: usize,
+    /// Graded inexact.
+    pub inexact: usize,
+    /// A declared look-alike reported.
+    pub look_alike: usize,
+    /// An effect of the vocabulary reported as unknown.
+    pub flagged: usize,
+    /// An effect not found.
+    pub missed: usize,
+    /// A wrong effect reported.
+    pub wrong: usize,
+    /// Something reported although nothing is there.
+    pub false_alarms: usize,
+    /// Without an answer.
+    pub failed: usize,
+}
+
+impl FamilyCounts {
+    fn add(&mut self, grade: TrialGrade) {
+        self.cases += 1;
+        *match grade {
+            TrialGrade::Exact => &mut self.exact,
+            TrialGrade::Inexact => &mut self.inexact,
+            TrialGrade::LookAlike => &mut self.look_alike,
+            TrialGrade::Flagged => &mut self.flagged,
+            TrialGrade::Missed => &mut self.missed,
+            TrialGrade::Wrong => &mut self.wrong,
+            TrialGrade::FalseAlarm => &mut self.false_alarms,
+            TrialGrade::Failed => &mut self.failed,
+        } += 1;
+    }
 }
 
 /// One case with its score.
@@ -123,6 +165,7 @@ pub fn tally(each: Vec<ScoredCase>, commitments: Vec<String>) -> TrialReport {
         false_alarms: count(TrialGrade::FalseAlarm),
         failed: count(TrialGrade::Failed),
         kinds: kinds(&each),
+        families: families(&each),
         confusion: confusion(&each),
         coverage95: (!covered.is_empty()).then(|| hits as f64 / covered.len() as f64),
         error_over_stated: rms(parameters().filter_map(|p| p.error_in_stated_deviations)),
@@ -146,6 +189,15 @@ fn kinds(each: &[ScoredCase]) -> BTreeMap<String, BTreeMap<Cow<'static, str>, us
         *grades.entry(entry.score.grade.name().into()).or_default() += 1;
     }
     kinds
+}
+
+fn families(each: &[ScoredCase]) -> BTreeMap<String, FamilyCounts> {
+    let mut families: BTreeMap<String, FamilyCounts> = BTreeMap::new();
+    for entry in each {
+        let family = families.entry(entry.kind.clone()).or_default();
+        family.add(entry.score.grade);
+    }
+    families
 }
 
 fn confusion(each: &[ScoredCase]) -> BTreeMap<String, BTreeMap<String, usize>> {

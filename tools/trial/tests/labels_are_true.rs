@@ -5,7 +5,9 @@
 use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::recording::{Robot, Wheels};
 use slipstream_recording::{Recording, compare};
-use slipstream_trial::maker::{Camera, CommandKind, Control, Scene, Style, TrueRobot, make};
+use slipstream_trial::maker::{
+    Camera, CommandKind, Control, Recorded, Scene, Start, Style, TrueRobot, make,
+};
 
 const TICK_RAD: f64 = std::f64::consts::TAU / 1856.0;
 
@@ -24,6 +26,9 @@ fn scene(concealed: Option<EffectSpec>, command_kind: CommandKind, style: Style)
         duration_s: 8.0,
         imu: true,
         disturbance_n: 0.0,
+        noise: None,
+        recorded: Recorded::default(),
+        start: Start::Rest,
         step_s: 1e-4,
         without: Vec::new(),
         seed: 7,

@@ -87,6 +87,12 @@ enum PlanKind {
     Sealed,
     /// Every effect at three sizes, pairs of effects, no effect, and physics outside the vocabulary
     Battery,
+    /// Robots without known masses, under commanded speeds
+    Kinematic,
+    /// Process noise: no effect, single effects and pairs
+    Noise,
+    /// Recordings that start inside what acts
+    Starts,
 }
 
 /// Runs the command.
@@ -139,6 +145,9 @@ fn score_new(arguments: &Arguments, stop: &AtomicBool) -> Result<Option<TrialRep
     let plan = match arguments.plan {
         PlanKind::Sealed => Plan::sealed(arguments.cases, arguments.seed),
         PlanKind::Battery => Plan::battery(arguments.seed),
+        PlanKind::Kinematic => Plan::kinematic(arguments.seed),
+        PlanKind::Noise => Plan::noise(arguments.seed),
+        PlanKind::Starts => Plan::starts(arguments.seed),
     };
     let plan = match &arguments.effect {
         Some(id) => plan.with_effect(id),

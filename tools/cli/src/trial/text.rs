@@ -41,12 +41,7 @@ pub(super) fn print_report(report: &TrialReport) {
             .count();
         print_line!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
-    for (kind, outcomes) in report.kinds.iter().filter(|(kind, _)| !kind.is_empty()) {
-        let counts = outcomes
-            .iter()
-            .map(|(name, count)| format!("{count} {}", name.replace('_', " ")));
-        print_line!("{kind}: {}", counts.collect::<Vec<_>>().join(", "));
-    }
+    print_families(report);
     let print_figure = |what: &str, value: Option<f64>| {
         if let Some(value) = value {
             print_line!("{what} {value:.4}");
@@ -87,6 +82,31 @@ pub(super) fn print_report(report: &TrialReport) {
             );
         }
     }
+}
+
+/// Prints the cases of each kind by grade; `other` is inexact, look alike, flagged and failed.
+fn print_families(report: &TrialReport) {
+    let named = || report.families.iter().filter(|(kind, _)| !kind.is_empty());
+    let width = named().map(|(kind, _)| kind.len()).max();
+    let Some(width) = width.map(|width| width.max("kind".len())) else {
+        return;
+    };
+    print_line!(
+        "\n{:<width$}  cases  exact  missed  wrong  false alarms  other",
+        "kind"
+    );
+    for (kind, counts) in named() {
+        let other = counts.inexact + counts.look_alike + counts.flagged + counts.failed;
+        print_line!(
+            "{kind:<width$}{:7}{:7}{:8}{:7}{:14}{other:7}",
+            counts.cases,
+            counts.exact,
+            counts.missed,
+            counts.wrong,
+            counts.false_alarms
+        );
+    }
+    print_line!("");
 }
 
 /// Prints grade, matched effects and remarks of one case.

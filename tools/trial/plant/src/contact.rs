@@ -106,9 +106,20 @@ impl Rolling {
 
     /// Projects the velocities onto rolling, by impulses of the contacts.
     pub(crate) fn restore(&self, velocity: &mut Velocity) {
+        self.restore_to(velocity, [0.0; 2]);
+    }
+
+    /// The same with a speed (m/s) and a turn rate (rad/s) of the robot beyond what its wheels turn.
+    pub(crate) fn restore_to(&self, velocity: &mut Velocity, [along, turn]: [f64; 2]) {
         let slips = self.rows.map(|row| dot(&row, velocity));
-        for (slip, correction) in slips.iter().zip(&self.correction) {
-            add(velocity, correction, -slip);
+        // The third entry of a wheel's row is its lever arm about c.
+        let wanted = [
+            along + self.rows[0][2] * turn,
+            along + self.rows[1][2] * turn,
+            0.0,
+        ];
+        for ((slip, wanted), correction) in slips.iter().zip(wanted).zip(&self.correction) {
+            add(velocity, correction, wanted - slip);
         }
     }
 }

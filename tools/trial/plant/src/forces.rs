@@ -20,8 +20,8 @@ impl Plant {
             (body.mass * v + sx * w) * w - drag * u + state.disturbance[0],
             (sy * w - body.mass * u) * w - drag * v + state.disturbance[1],
             -(sx * u + sy * v) * w + state.disturbance[2],
-            0.0,
-            0.0,
+            state.wheel_disturbance[0],
+            state.wheel_disturbance[1],
             0.0,
             0.0,
         ];

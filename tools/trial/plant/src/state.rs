@@ -42,6 +42,11 @@ pub struct State {
     pub(crate) settled: f64,
     /// Disturbance: forces along and across the body (N) and moment (N m), constant until changed.
     pub disturbance: [f64; 3],
+    /// Disturbance: torque on each wheel (N m), constant until changed.
+    pub wheel_disturbance: [f64; 2],
+    /// Disturbance of a robot that rolls at prescribed wheel speeds: its speed (m/s) and turn rate (rad/s) beyond
+    /// what the wheels turn, constant until changed.
+    pub contact_disturbance: [f64; 2],
 }
 
 impl State {
@@ -68,6 +73,8 @@ impl State {
             gear: [0; 2],
             settled: 0.0,
             disturbance: [0.0; 3],
+            wheel_disturbance: [0.0; 2],
+            contact_disturbance: [0.0; 2],
         }
     }
 }

@@ -14,7 +14,8 @@ impl Plant {
     /// The state `h` (s) later, if no event ends the step before.
     pub(crate) fn trial_step(&self, commands: &Commands, state: &State, h: f64) -> State {
         let drive = commands.drive(&self.physics, state, h);
-        let begin = self.prescribe(state.velocity, drive.speed.map(|[begin, _]| begin));
+        let speed = drive.speed.map(|[begin, _]| begin);
+        let begin = self.prescribe(state.velocity, speed, state.contact_disturbance);
         let motor = if self.physics.gap > 0.0 { 5 } else { 3 };
         let loss = commands.loss(&self.physics);
         let mut impulses = ContactImpulses {
@@ -37,7 +38,7 @@ impl Plant {
                 free[motor..motor + 2].copy_from_slice(&last);
             }
             if let Some(rolling) = &self.rolling {
-                rolling.restore(&mut free);
+                rolling.restore_to(&mut free, state.contact_disturbance);
             }
             let next = self.solve_contacts(state, &begin, free, h, &mut impulses);
             let change = largest(&next, &end);
@@ -61,12 +62,17 @@ impl Plant {
     }
 
     /// Sets prescribed wheel speeds, and the body velocities that follow if the robot rolls.
-    fn prescribe(&self, mut velocity: Velocity, speed: Option<[f64; 2]>) -> Velocity {
+    fn prescribe(
+        &self,
+        mut velocity: Velocity,
+        speed: Option<[f64; 2]>,
+        contact_disturbance: [f64; 2],
+    ) -> Velocity {
         if let Some(speed) = speed {
             let motor = if self.physics.gap > 0.0 { 5 } else { 3 };
             velocity[motor..motor + 2].copy_from_slice(&speed);
             if let Some(rolling) = &self.rolling {
-                rolling.restore(&mut velocity);
+                rolling.restore_to(&mut velocity, contact_disturbance);
             }
         }
         velocity

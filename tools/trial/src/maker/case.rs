@@ -7,7 +7,7 @@ use slipstream_recording::Recording;
 
 use super::detectability::detectability;
 use super::record::record;
-use super::scene::{Camera, Scene};
+use super::scene::{Camera, Recorded, Scene, Start};
 use super::simulate::{SimulatedScene, simulate};
 use super::truth::Truth;
 use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
@@ -32,7 +32,7 @@ pub fn make(scene: &Scene, name: &str) -> Result<MadeCase, String> {
     let simulated = simulate(scene)?;
     Ok(MadeCase {
         recording: record(scene, &simulated, name),
-        model: scene.nominal.clone(),
+        model: scene.published(),
         label: label(scene, &simulated, name)?,
     })
 }
@@ -125,7 +125,7 @@ fn notes(scene: &Scene) -> BTreeMap<String, String> {
         .filter(|(_, robot)| robot.camera == Camera::Absent);
     let blind: Vec<String> = blind.map(|(i, _)| Scene::name(i)).collect();
     let word = |what: &dyn std::fmt::Debug| format!("{what:?}").to_lowercase();
-    [
+    let mut notes: BTreeMap<String, String> = [
         ("control", word(&scene.control)),
         ("command", word(&scene.command_kind)),
         ("style", word(&scene.style)),
@@ -135,7 +135,52 @@ fn notes(scene: &Scene) -> BTreeMap<String, String> {
     ]
     .into_iter()
     .map(|(key, text)| (key.to_owned(), text))
-    .collect()
+    .collect();
+    // Only where they say something: the text of a label is part of its commitment.
+    let mut note = |key: &str, text: String| notes.insert(key.to_owned(), text);
+    if let Some(noise) = scene.noise {
+        let [surge, yaw] = if noise.of_speeds {
+            ["m/s", "rad/s"]
+        } else {
+            ["N", "N m"]
+        };
+        note("noise", noise.kind.name().to_owned());
+        note("noise_surge", format!("{} {surge}", noise.surge));
+        note("noise_yaw", format!("{} {yaw}", noise.yaw));
+        note(
+            "noise_correlation_time_s",
+            noise.correlation_time_s.to_string(),
+        );
+        note("noise_pulses_per_min", noise.pulses_per_minute.to_string());
+    }
+    if scene.start != Start::Rest {
+        note("start", format!("{:?}", scene.start).to_lowercase());
+    }
+    if scene.recorded != Recorded::default() {
+        note("recorded", recorded(scene));
+    }
+    notes
+}
+
+/// The streams beside the command, and whether masses are known.
+fn recorded(scene: &Scene) -> String {
+    let camera = match scene.robots.first().map(|robot| robot.camera) {
+        Some(Camera::Pose) => "camera",
+        Some(Camera::Position) => "camera without heading",
+        _ => "",
+    };
+    let words = [
+        if scene.recorded.wheels { "wheels" } else { "" },
+        camera,
+        match (scene.imu, scene.recorded.accelerometer) {
+            (false, _) => "",
+            (true, false) => "gyro",
+            (true, true) => "imu",
+        },
+        if scene.recorded.masses { "masses" } else { "" },
+    ];
+    let words: Vec<&str> = words.into_iter().filter(|word| !word.is_empty()).collect();
+    words.join(", ")
 }
 
 /// The label of an effect that the diagnosis does not have in its catalogue.

@@ -15,7 +15,7 @@ use super::case::{MadeCase, value};
 use super::manoeuvre::{COMMAND_PERIOD_S, CommandKind, Style, desired_twists, open_loop};
 use super::random::RandomStream;
 use super::record::record;
-use super::scene::{Camera, Control, Scene, TrueRobot};
+use super::scene::{Camera, Control, Recorded, Scene, Start, TrueRobot};
 use super::sensors::{Sensors, Stream, sample_times};
 use super::simulate::{SimulatedRobot, SimulatedScene};
 use super::truth::Truth;
@@ -71,6 +71,9 @@ fn scene(info: &Info, size: f64, kind: &str, seed: u64) -> Scene {
         duration_s: DURATION_S,
         imu: info.channels.contains(&Channel::SensorImu),
         disturbance_n: 0.0,
+        noise: None,
+        recorded: Recorded::default(),
+        start: Start::Rest,
         step_s: STEP_S,
         without: Vec::new(),
         seed,

@@ -19,7 +19,7 @@ const MIN_SCALE: f64 = 1e-2;
 /// How well the concealed effects of one robot can be detected.
 pub(crate) struct Detectability {
     /// Expected log-likelihood gain of the true model over the model without each effect (nats), with a
-    /// standard deviation of one count for the encoders.
+    /// standard deviation of one count for the encoders. Under process noise, less.
     pub(crate) gains: Vec<f64>,
     /// Cramér-Rao bound of each numeric parameter of each effect, all estimated together, with the standard
     /// deviation of rounding (1/√12 counts) for the encoders.
@@ -44,10 +44,12 @@ pub(crate) fn detectability(
     let windows = Windows::new(scene, i, robot_run);
     let predictions = windows.predict(&truth, None);
     let perturbed = perturbed(&windows, &truth);
+    let measured = scene.noise.map(|_| windows.measured(&truth));
     let [for_gains, for_bounds] = [1.0, 12f64.sqrt()].map(|weight| TruePrediction {
         windows: &windows,
         predictions: &predictions,
         nuisances: windows.nuisances(&predictions, &perturbed, weight),
+        measured: measured.as_deref(),
     });
     let mut gains = Vec::new();
     let mut columns: Vec<Vec<DVector<f64>>> = Vec::new();
@@ -68,7 +70,12 @@ pub(crate) fn detectability(
         None => 0.0,
         Some(_) => for_gains.gain_over(&PredictionModel::new(scene, &model, None)?),
     };
-    let deviations = named(concealed, &cramer_rao(&columns));
+    let deviations = if scene.noise.is_some() {
+        // The bound knows only the noise of the sensors.
+        vec![Vec::new(); concealed.len()]
+    } else {
+        named(concealed, &cramer_rao(&columns))
+    };
     Ok(Detectability {
         gains,
         deviations,
@@ -83,6 +90,8 @@ struct TruePrediction<'a> {
     predictions: &'a [DVector<f64>],
     /// By window.
     nuisances: Vec<Nuisance>,
+    /// What was measured in each window, where process noise drives it away from the prediction.
+    measured: Option<&'a [DVector<f64>]>,
 }
 
 impl TruePrediction<'_> {
@@ -96,9 +105,25 @@ impl TruePrediction<'_> {
     }
 
     /// Expected log-likelihood gain over another model (nats).
+    ///
+    /// Under process noise half the square of the effect's size in standard deviations of its least-squares
+    /// estimate, whose variance is taken from the sums over the windows (Huber's sandwich).
     fn gain_over(&self, model: &PredictionModel) -> f64 {
         let parts = self.difference(model);
-        parts.iter().map(|part| part.norm_squared() / 2.0).sum()
+        let square: f64 = parts.iter().map(DVector::norm_squared).sum();
+        let Some(measured) = self.measured else {
+            return square / 2.0;
+        };
+        let windows = measured.iter().zip(self.predictions).zip(&self.nuisances);
+        let driven = windows
+            .map(|((measured, predicted), nuisance)| nuisance.project_out(measured - predicted));
+        let along = driven.zip(&parts).map(|(driven, part)| driven.dot(part));
+        let variance = square + along.map(|sum| sum * sum).sum::<f64>();
+        if variance > 0.0 {
+            square * square / (2.0 * variance)
+        } else {
+            0.0
+        }
     }
 }
 

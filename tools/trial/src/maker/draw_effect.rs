@@ -70,6 +70,8 @@ pub(crate) struct Setting<'a> {
     pub(crate) imu: bool,
     /// There is a camera.
     pub(crate) camera: bool,
+    /// There are encoders.
+    pub(crate) wheels: bool,
 }
 
 /// Draws an effect of this size, from the smallest (0) to the largest (1).
@@ -235,7 +237,10 @@ fn scales(size: f64, random: &mut RandomStream) -> Vec<(String, Parameter)> {
 }
 
 fn drift(size: f64, setting: &Setting<'_>, random: &mut RandomStream) -> Vec<(String, Parameter)> {
-    let mut streams = vec!["wheels"];
+    let mut streams = Vec::new();
+    if setting.wheels {
+        streams.push("wheels");
+    }
     if setting.camera {
         streams.push("pose");
     }

@@ -55,6 +55,7 @@ pub(crate) struct Windows<'a> {
     /// Encoder counts per revolution.
     counts: f64,
     camera: Camera,
+    accelerometer: bool,
 }
 
 impl<'a> Windows<'a> {
@@ -64,6 +65,7 @@ impl<'a> Windows<'a> {
             robot_run,
             counts: scene.counts_per_rev(),
             camera: scene.robots[i].camera,
+            accelerometer: scene.recorded.accelerometer,
         }
     }
 
@@ -78,6 +80,27 @@ impl<'a> Windows<'a> {
         windows
             .map(|(start, end_s)| self.predict_window(model, start, end_s, component))
             .collect()
+    }
+
+    /// What was measured in each window, without the noise of the sensors, in the order and the units of
+    /// [`Self::predict`].
+    pub(crate) fn measured(&self, model: &PredictionModel) -> Vec<DVector<f64>> {
+        let truth = &self.robot_run.truth;
+        let window = |(start, end_s): (&State, f64)| {
+            let mut rows = Vec::new();
+            for (stream, times) in truth.sample_times.0.iter().enumerate() {
+                let sampled = &truth.sampled[stream];
+                for (at, t_s) in times.iter().enumerate() {
+                    // The last samples may lie behind the end of the simulation.
+                    let state = sampled.get(at).or(sampled.last());
+                    if let Some(state) = state.filter(|_| within(*t_s, [start.t_s, end_s])) {
+                        self.rows(model, stream, state, &mut rows);
+                    }
+                }
+            }
+            DVector::from_vec(rows)
+        };
+        self.initial_states().map(window).collect()
     }
 
     /// The initial state and the end (s) of each window.
@@ -123,11 +146,11 @@ impl<'a> Windows<'a> {
 
     /// The sample times of a stream in a window, without the first 0.2 s: with another clock these might lie
     /// before its start.
-    fn samples_in(&self, stream: Stream, [from_s, end_s]: [f64; 2]) -> impl Iterator<Item = f64> {
+    fn samples_in(&self, stream: Stream, window_s: [f64; 2]) -> impl Iterator<Item = f64> {
         let sample_times = self.robot_run.truth.sample_times.0[stream as usize]
             .iter()
             .copied();
-        sample_times.filter(move |t_s| (from_s + MAX_CLOCK_SHIFT_S..end_s).contains(t_s))
+        sample_times.filter(move |t_s| within(*t_s, window_s))
     }
 
     fn predict_window(
@@ -195,10 +218,18 @@ impl<'a> Windows<'a> {
             }
             _ => {
                 let [along, across, rate] = model.sensors.inertial(state);
-                rows.extend([along / IMU_M_S2, across / IMU_M_S2, rate / IMU_RAD_S]);
+                if self.accelerometer {
+                    rows.extend([along / IMU_M_S2, across / IMU_M_S2]);
+                }
+                rows.push(rate / IMU_RAD_S);
             }
         }
     }
+}
+
+/// Whether a sample counts in a window: not in its first 0.2 s.
+fn within(t_s: f64, [from_s, end_s]: [f64; 2]) -> bool {
+    (from_s + MAX_CLOCK_SHIFT_S..end_s).contains(&t_s)
 }
 
 /// Predicts the windows with each component of the initial state perturbed.

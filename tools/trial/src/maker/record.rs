@@ -41,7 +41,10 @@ fn robot(scene: &Scene, i: usize, robot_run: &SimulatedRobot) -> Robot {
     let mut robot = Robot::named(Scene::name(i));
     robot.encoder_counts_per_rev = counts;
     robot.command = Some(command(scene.command_kind, &robot_run.truth.commands));
-    robot.wheels = Some(wheels(robot_run, scene.counts_per_rev()));
+    robot.wheels = scene
+        .recorded
+        .wheels
+        .then(|| wheels(robot_run, scene.counts_per_rev()));
     if camera != Camera::Absent {
         robot.pose = Some(pose(robot_run, camera, &mut random(1)));
         robot.noise = Noise {
@@ -51,9 +54,15 @@ fn robot(scene: &Scene, i: usize, robot_run: &SimulatedRobot) -> Robot {
         };
     }
     if scene.imu {
-        robot.imu = Some(imu(robot_run, &mut random(2)));
-        robot.imu_kind = Some(ImuKind::SpecificForce);
-        robot.noise.imu_m_s2 = Some(IMU_M_S2);
+        let mut rows = imu(robot_run, &mut random(2));
+        if scene.recorded.accelerometer {
+            robot.imu_kind = Some(ImuKind::SpecificForce);
+            robot.noise.imu_m_s2 = Some(IMU_M_S2);
+        } else {
+            rows.values.ax_m_s2 = None;
+            rows.values.ay_m_s2 = None;
+        }
+        robot.imu = Some(rows);
         robot.noise.imu_rad_s = Some(IMU_RAD_S);
     }
     robot

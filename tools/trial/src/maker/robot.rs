@@ -6,14 +6,13 @@ use slipstream_trial_plant::{Commands, Plant, State};
 
 use super::controller::Controller;
 use super::manoeuvre::{COMMAND_PERIOD_S, CommandKind, Style, rounded};
+use super::process_noise::{NOISE_PERIOD_S, NoiseProcess};
 use super::random::RandomStream;
 use super::reference::{Reference, SPACING_M};
-use super::scene::{Camera, Control, Scene};
+use super::scene::{Camera, Control, Scene, Start};
 use super::sensors::{Sensors, sample_times};
 use super::truth::{Truth, WINDOW_S};
 
-/// Period in which the disturbance changes (s).
-const DISTURBANCE_PERIOD_S: f64 = 0.005;
 /// Correlation time of the disturbance (s).
 const CORRELATION_S: f64 = 0.3;
 /// Number of random streams reserved for the scene, and for each robot.
@@ -32,14 +31,15 @@ pub(crate) struct Robot {
     /// Phase of the encoders, in counts.
     pub(crate) phase: [f64; 2],
     disturbance: RandomStream,
+    noise: Option<NoiseProcess>,
 }
 
 impl Robot {
-    /// Robot `i` of a scene, at rest at its initial pose.
+    /// Robot `i` of a scene at its initial pose. `first` is the first desired [v (m/s), w (rad/s)].
     ///
     /// # Errors
     /// A model that cannot be simulated.
-    pub(crate) fn new(scene: &Scene, i: usize) -> Result<Self, String> {
+    pub(crate) fn new(scene: &Scene, i: usize, first: [f64; 2]) -> Result<Self, String> {
         let random =
             |purpose: u64| RandomStream::new(scene.seed, STREAMS * (i as u64 + 1) + purpose);
         let physics = scene.physics(i)?;
@@ -47,7 +47,7 @@ impl Robot {
         let sensors = Sensors::new(&scene.model(i).effects, physics.grade);
         let sample_times = sample_times(
             scene.duration_s,
-            [true, camera != Camera::Absent, scene.imu],
+            [scene.recorded.wheels, camera != Camera::Absent, scene.imu],
             &mut random(1),
         );
         let mut phases = random(2);
@@ -59,6 +59,7 @@ impl Robot {
         let ahead = -SPACING_M * i as f64;
         let (x, y) = (initial.uniform(-0.5, 0.5), initial.uniform(-0.5, 0.5));
         let state = plant.start([x + ahead * yaw.cos(), y + ahead * yaw.sin(), yaw]);
+        let state = started(&plant, state, scene, first);
         let mut truth = Truth::new(sensors, sample_times);
         truth.window_starts.push(state);
         truth.poses.push(state.pose);
@@ -73,6 +74,7 @@ impl Robot {
             controller: None,
             phase,
             disturbance: random(3),
+            noise: scene.noise.map(|noise| NoiseProcess::new(noise, random(4))),
         };
         if scene.control != Control::Open {
             robot.controller = Some(robot.new_controller(scene));
@@ -147,12 +149,15 @@ impl Robot {
         self.commands.rows.push((t_s, at_wheels));
         let mut until_s = t_s;
         while until_s < to_s - 1e-9 {
-            until_s = if scene.disturbance_n > 0.0 {
-                (until_s + DISTURBANCE_PERIOD_S).min(to_s)
+            until_s = if scene.disturbance_n > 0.0 || self.noise.is_some() {
+                (until_s + NOISE_PERIOD_S).min(to_s)
             } else {
                 to_s
             };
             self.disturb(scene.disturbance_n);
+            if let Some(noise) = &mut self.noise {
+                noise.step(&self.plant.physics, &mut self.state);
+            }
             let Self {
                 plant,
                 state,
@@ -173,11 +178,32 @@ impl Robot {
     /// Exact step of an Ornstein-Uhlenbeck process over one period of the disturbance.
     fn disturb(&mut self, deviation: f64) {
         if deviation > 0.0 {
-            let decay = (-DISTURBANCE_PERIOD_S / CORRELATION_S).exp();
+            let decay = (-NOISE_PERIOD_S / CORRELATION_S).exp();
             let innovation = (1.0 - decay * decay).sqrt();
             for (value, share) in self.state.disturbance.iter_mut().zip([1.0, 1.0, 0.1]) {
                 *value = *value * decay + self.disturbance.normal(deviation * share * innovation);
             }
         }
     }
+}
+
+/// The first state of a robot whose state at rest is `state`.
+fn started(plant: &Plant, state: State, scene: &Scene, [v, w]: [f64; 2]) -> State {
+    let [radius, half_track] = plant.physics.nominal;
+    let (body, sideways) = match scene.start {
+        Start::Rest | Start::Pressing { .. } => return state,
+        Start::Moving => ([v, w], 0.0),
+        Start::Sliding { sideways_m_s } => ([v / 2.0, w], sideways_m_s),
+    };
+    let mut moving = state;
+    let wheels = Commands::wheel_speeds([v, w], [radius, half_track]);
+    let across = plant.physics.to_axle * w + sideways;
+    moving.velocity = [
+        body[0], across, body[1], wheels[0], wheels[1], wheels[0], wheels[1],
+    ];
+    let commands = Commands {
+        quantity: scene.command_kind.quantity(),
+        rows: Vec::new(),
+    };
+    plant.adopt(&moving, &commands)
 }

@@ -3,6 +3,7 @@
 use slipstream_bus::{EffectSpec, RobotModel};
 
 use super::manoeuvre::{CommandKind, Style};
+use super::process_noise::ProcessNoise;
 use slipstream_trial_plant::{OutsideEffect, Physics};
 
 /// Who decides on the commands.
@@ -38,6 +39,49 @@ pub struct TrueRobot {
     pub camera: Camera,
 }
 
+/// What is recorded beside the command, and known of the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Recorded {
+    /// Whether there are encoders.
+    pub wheels: bool,
+    /// Whether the inertial sensor has an accelerometer beside its gyroscope.
+    pub accelerometer: bool,
+    /// Whether the nominal model has masses. Without them it is kinematic.
+    pub masses: bool,
+}
+
+impl Default for Recorded {
+    fn default() -> Self {
+        Self {
+            wheels: true,
+            accelerometer: true,
+            masses: true,
+        }
+    }
+}
+
+/// How a recording starts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Start {
+    /// At rest.
+    #[default]
+    Rest,
+    /// In the middle of a manoeuvre, rolling at its speeds.
+    Moving,
+    /// Rolling at half the speed that the wheels turn at, and sliding sideways (m/s).
+    Sliding {
+        /// To the left.
+        sideways_m_s: f64,
+    },
+    /// At rest under a command of constant size at both wheels (N m, V, rad/s).
+    Pressing {
+        /// The command.
+        command: f64,
+        /// How long it lasts (s).
+        for_s: f64,
+    },
+}
+
 /// A scene: robots, manoeuvre, sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
@@ -62,6 +106,12 @@ pub struct Scene {
     pub disturbance_n: f64,
     /// Longest step of the simulation (s).
     pub step_s: f64,
+    /// Process noise on every robot; `None`: none.
+    pub noise: Option<ProcessNoise>,
+    /// What is recorded beside the command.
+    pub recorded: Recorded,
+    /// How the recording starts.
+    pub start: Start,
     /// Effects removed from the catalogue of the diagnosis.
     pub without: Vec<String>,
     /// Seed of all its random numbers.
@@ -80,6 +130,27 @@ impl Scene {
                 .all(|effect| effect.effect != listed.effect)
         });
         model.effects.extend(concealed.iter().cloned());
+        model
+    }
+
+    /// The nominal model as the diagnosis gets it.
+    pub(crate) fn published(&self) -> RobotModel {
+        let mut model = self.nominal.clone();
+        if !self.recorded.masses {
+            let body = &mut model.robot;
+            for mass in [
+                &mut body.body_mass_kg,
+                &mut body.body_yaw_inertia_kg_m2,
+                &mut body.wheel_mass_kg,
+                &mut body.wheel_spin_inertia_kg_m2,
+                &mut body.wheel_yaw_inertia_kg_m2,
+                &mut body.com_to_caster_m,
+                &mut body.com_height_m,
+            ] {
+                *mass = None;
+            }
+            model.motor = None;
+        }
         model
     }
 

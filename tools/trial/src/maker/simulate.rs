@@ -3,16 +3,20 @@
 use slipstream_recording::recording::LinkMessage;
 use slipstream_trial_plant::{Commands, Physics};
 
-use super::manoeuvre::{COMMAND_PERIOD_S, desired_twists, open_loop};
+use super::manoeuvre::{COMMAND_PERIOD_S, DesiredTwists, desired_twists, open_loop};
 use super::platoon_link::{latest, send};
 use super::random::RandomStream;
 use super::reference::{Path, Reference};
 use super::robot::Robot;
-use super::scene::{Control, Scene};
+use super::scene::{Control, Scene, Start};
 use super::truth::Truth;
 
 /// Number of commands from one message to the next.
 const MESSAGE_EVERY: usize = 3;
+/// Least speed of a recording that starts in motion (m/s), and in how much of the manoeuvre it is looked for
+/// (s).
+const START_M_S: f64 = 0.25;
+const SEARCH_S: f64 = 20.0;
 
 /// A simulated robot.
 #[derive(Debug)]
@@ -31,19 +35,39 @@ pub(crate) struct SimulatedScene {
     pub(crate) messages: Vec<LinkMessage>,
 }
 
+/// The desired twists of a scene, in agreement with how it starts.
+fn desired(scene: &Scene) -> DesiredTwists {
+    let mut random = RandomStream::new(scene.seed, 1);
+    let rows = |duration_s: f64| (duration_s / COMMAND_PERIOD_S).round() as usize;
+    match scene.start {
+        Start::Rest => desired_twists(scene.style, scene.duration_s, &mut random),
+        Start::Pressing { for_s, .. } => {
+            let later = desired_twists(scene.style, scene.duration_s - for_s, &mut random);
+            let mut desired = vec![[0.0; 2]; rows(scene.duration_s) - later.len()];
+            desired.extend(later);
+            desired
+        }
+        Start::Moving | Start::Sliding { .. } => {
+            let longer = desired_twists(scene.style, scene.duration_s + SEARCH_S, &mut random);
+            let wanted = rows(scene.duration_s);
+            let last = longer.len() - wanted;
+            let moves = |k: &usize| longer[*k][0] > START_M_S;
+            let from = (0..last).find(moves).unwrap_or(last);
+            longer[from..from + wanted].to_vec()
+        }
+    }
+}
+
 /// Simulates a scene.
 ///
 /// # Errors
 /// A model that cannot be simulated.
 pub(crate) fn simulate(scene: &Scene) -> Result<SimulatedScene, String> {
     let nominal = Physics::new(&scene.nominal)?;
-    let desired = desired_twists(
-        scene.style,
-        scene.duration_s,
-        &mut RandomStream::new(scene.seed, 1),
-    );
+    let desired = desired(scene);
+    let first = desired.first().copied().unwrap_or([0.0; 2]);
     let mut robots: Vec<Robot> = (0..scene.robots.len())
-        .map(|i| Robot::new(scene, i))
+        .map(|i| Robot::new(scene, i, first))
         .collect::<Result<_, _>>()?;
     let mut link = RandomStream::new(scene.seed, 2);
     let mut messages: Vec<LinkMessage> = Vec::new();
@@ -55,7 +79,10 @@ pub(crate) fn simulate(scene: &Scene) -> Result<SimulatedScene, String> {
         }
         for (i, robot) in robots.iter_mut().enumerate() {
             let command = match scene.control {
-                Control::Open => open_loop(scene.command_kind, &desired, k, &nominal),
+                Control::Open => match scene.start {
+                    Start::Pressing { command, for_s } if t_s < for_s => [command; 2],
+                    _ => open_loop(scene.command_kind, &desired, k, &nominal),
+                },
                 Control::Closed | Control::Platoon if i == 0 => {
                     robot.decide(k, &Reference::on_path(&path, desired[k]))
                 }

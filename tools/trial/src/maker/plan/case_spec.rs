@@ -1,7 +1,8 @@
 //! The specification of a case: what it conceals, and which choices are fixed.
 
 use crate::maker::manoeuvre::{CommandKind, Style};
-use crate::maker::scene::Control;
+use crate::maker::process_noise::NoiseKind;
+use crate::maker::scene::{Camera, Control};
 
 /// The specification of a case. Choices that are `None` are drawn at random.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,8 +29,40 @@ pub(super) struct CaseSpec {
     pub(super) command_kind: Option<CommandKind>,
     /// Whether random disturbance forces act on the robots.
     pub(super) disturbed: bool,
+    /// Process noise: its kind, and its size from 0 to 1.
+    pub(super) noise: Option<(NoiseKind, f64)>,
+    /// What is recorded; `None`: drawn, with encoders.
+    pub(super) streams: Option<Streams>,
+    /// How the recording starts.
+    pub(super) start: Begin,
     /// Longest step of the simulation (s).
     pub(super) step_s: f64,
+}
+
+/// The streams recorded beside the command of a robot without known masses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Streams {
+    /// Whether there are encoders.
+    pub(super) wheels: bool,
+    /// What the camera measures.
+    pub(super) camera: Camera,
+    /// Whether there is a gyroscope.
+    pub(super) gyro: bool,
+}
+
+/// How a recording starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Begin {
+    /// At rest.
+    Rest,
+    /// In the middle of a manoeuvre.
+    Moving,
+    /// With sliding wheels.
+    Sliding,
+    /// At rest in a friction patch.
+    InPatch,
+    /// Under a command within the dead band.
+    Pressing,
 }
 
 impl CaseSpec {
@@ -47,6 +80,9 @@ impl CaseSpec {
             control: None,
             command_kind: None,
             disturbed: false,
+            noise: None,
+            streams: None,
+            start: Begin::Rest,
             step_s: 1e-4,
         }
     }

@@ -1,12 +1,14 @@
 //! Draws a scene for the specification of a case.
 
-use slipstream_bus::RobotModel;
+use slipstream_bus::{EffectSpec, Parameter, RobotModel};
+use slipstream_trial_plant::Physics;
 
-use super::case_spec::CaseSpec;
+use super::case_spec::{Begin, CaseSpec};
 use crate::maker::draw_effect::{OF_SPEEDS, Setting, effect, outside_effect};
 use crate::maker::manoeuvre::{CommandKind, Style};
+use crate::maker::process_noise::draw_noise;
 use crate::maker::random::RandomStream;
-use crate::maker::scene::{Camera, Control, Scene, TrueRobot};
+use crate::maker::scene::{Camera, Control, Recorded, Scene, Start, TrueRobot};
 use crate::maker::simulate::simulate;
 
 /// Draws a scene from a seed.
@@ -30,6 +32,7 @@ pub(super) fn draw_scene(spec: &CaseSpec, seed: u64) -> Result<Scene, String> {
     let robot = robot(robots, spec, &mut random);
     let cameras: Vec<Camera> = (0..robots)
         .map(|i| camera(i == robot, spec, &mut random))
+        .map(|drawn| spec.streams.map_or(drawn, |streams| streams.camera))
         .collect();
     let mut scene = Scene {
         kind: spec.kind.clone(),
@@ -52,6 +55,9 @@ pub(super) fn draw_scene(spec: &CaseSpec, seed: u64) -> Result<Scene, String> {
         } else {
             0.0
         },
+        noise: None,
+        recorded: Recorded::default(),
+        start: Start::Rest,
         step_s: spec.step_s,
         without: if spec.withheld {
             vec![spec.effects[0].to_owned()]
@@ -60,8 +66,66 @@ pub(super) fn draw_scene(spec: &CaseSpec, seed: u64) -> Result<Scene, String> {
         },
         seed,
     };
+    complete(spec, &mut scene, speeds)?;
     conceal(spec, &mut scene, robot, &mut random)?;
+    if let (Begin::Pressing, Some(band)) = (spec.start, dead_band(&scene.robots[robot].concealed)) {
+        scene.start = Start::Pressing {
+            command: 0.8 * band,
+            for_s: 2.0,
+        };
+    }
     Ok(scene)
+}
+
+/// Adds process noise, the streams of a robot without known masses, and how the recording starts. It has
+/// random numbers of its own, so that it does not change what else is drawn.
+fn complete(spec: &CaseSpec, scene: &mut Scene, speeds: bool) -> Result<(), String> {
+    let mut random = RandomStream::new(scene.seed, 4);
+    if let Some((kind, size)) = spec.noise {
+        let nominal = Physics::new(&scene.nominal)?;
+        scene.noise = Some(draw_noise(kind, size, speeds, &nominal, &mut random));
+    }
+    if let Some(streams) = spec.streams {
+        scene.imu = streams.gyro;
+        scene.recorded = Recorded {
+            wheels: streams.wheels,
+            accelerometer: false,
+            masses: false,
+        };
+    }
+    scene.start = match spec.start {
+        Begin::Rest | Begin::InPatch | Begin::Pressing => Start::Rest,
+        Begin::Moving => Start::Moving,
+        Begin::Sliding => Start::Sliding {
+            sideways_m_s: (random.sign() * random.uniform(0.1, 0.25) * 1e6).round() / 1e6,
+        },
+    };
+    Ok(())
+}
+
+/// The size of a concealed dead band (N m or rad/s).
+fn dead_band(concealed: &[EffectSpec]) -> Option<f64> {
+    let band = concealed
+        .iter()
+        .find(|effect| effect.effect == "command_dead_band")?;
+    band.parameters.iter().find_map(|(_, value)| match value {
+        Parameter::Number(number) => Some(*number),
+        Parameter::Text(_) => None,
+    })
+}
+
+/// Moves a friction patch to where the wheels stand at first.
+fn under_the_wheels(effect: &mut EffectSpec, path: &[[f64; 3]], to_axle_m: f64) {
+    let [x, y, yaw] = path.first().copied().unwrap_or([0.0; 3]);
+    let centre = [x - to_axle_m * yaw.cos(), y - to_axle_m * yaw.sin()];
+    for (name, value) in &mut effect.parameters {
+        let place = match name.as_str() {
+            "x_m" => centre[0],
+            "y_m" => centre[1],
+            _ => continue,
+        };
+        *value = Parameter::Number((place * 1e6).round() / 1e6);
+    }
 }
 
 /// Draws the concealed effects; some depend on the robot's path without them.
@@ -86,14 +150,18 @@ fn conceal(
         path: &path,
         imu: scene.imu,
         camera: scene.robots[robot].camera != Camera::Absent,
+        wheels: scene.recorded.wheels,
     };
     let mut size = || spec.size.unwrap_or_else(|| random.unit());
     let sizes: Vec<f64> = spec.effects.iter().map(|_| size()).collect();
     let outside_size = size();
     for (id, size) in spec.effects.iter().zip(sizes) {
-        scene.robots[robot]
-            .concealed
-            .push(effect(id, size, &setting, random));
+        let mut effect = effect(id, size, &setting, random);
+        if *id == "friction_patch" && spec.start == Begin::InPatch {
+            let to_axle_m = scene.nominal.robot.com_to_axle_m.unwrap_or(0.0);
+            under_the_wheels(&mut effect, &path, to_axle_m);
+        }
+        scene.robots[robot].concealed.push(effect);
     }
     scene.robots[robot].outside = spec
         .outside

@@ -3,7 +3,10 @@
 use super::battery::battery;
 use super::case_spec::CaseSpec;
 use super::draw_scene::draw_scene;
+use super::kinematic::kinematic;
+use super::noise::noise;
 use super::sealed::sealed;
+use super::starts::starts;
 use crate::label::{ConcealedEffect, Label};
 use crate::maker::case::{MadeCase, make};
 use crate::maker::catalogue_case;
@@ -52,6 +55,30 @@ impl Plan {
         Self {
             seed,
             specs: battery(),
+        }
+    }
+
+    /// Robots without known masses under commanded speeds, without and with process noise.
+    pub fn kinematic(seed: u64) -> Self {
+        Self {
+            seed,
+            specs: kinematic(),
+        }
+    }
+
+    /// Nulls, single effects and pairs under process noise, and nulls without it.
+    pub fn noise(seed: u64) -> Self {
+        Self {
+            seed,
+            specs: noise(),
+        }
+    }
+
+    /// Recordings that start inside what acts.
+    pub fn starts(seed: u64) -> Self {
+        Self {
+            seed,
+            specs: starts(),
         }
     }
 
@@ -126,7 +153,21 @@ impl PlannedCase {
     }
 
     fn scene(&self, draw: u64) -> Result<Scene, String> {
-        draw_scene(&self.spec, self.seed.wrapping_add(draw))
+        let seed = self.seed.wrapping_add(draw);
+        if !self.stands_out() {
+            return draw_scene(&self.spec, seed);
+        }
+        // Larger from draw to draw, until it stands out of the noise.
+        let spec = CaseSpec {
+            size: Some(0.4 + 0.6 * draw as f64 / (MAX_DRAWS - 1) as f64),
+            ..self.spec.clone()
+        };
+        draw_scene(&spec, seed)
+    }
+
+    /// Whether its effects must stand out of process noise.
+    fn stands_out(&self) -> bool {
+        self.spec.noise.is_some() && self.spec.size.is_none()
     }
 }
 
