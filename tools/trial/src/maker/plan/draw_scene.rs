@@ -110,7 +110,7 @@ fn dead_band(concealed: &[EffectSpec]) -> Option<f64> {
         .find(|effect| effect.effect == "command_dead_band")?;
     band.parameters.iter().find_map(|(_, value)| match value {
         Parameter::Number(number) => Some(*number),
-        Parameter::Text(_) => None,
+        Parameter::Text(_) | Parameter::List(_) => None,
     })
 }
 
