@@ -1,8 +1,8 @@
 //! Initial conditions: velocity, and what past commands have left in delay, lag and gears.
 
 use super::active_set::{ActiveSetChange, slip_speed, update_active_set};
+use super::carried::carried_at_rest;
 use super::gears::close_gears;
-use super::kinematics::carried_at_rest;
 use super::state::State;
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::{Command, CommandKind};

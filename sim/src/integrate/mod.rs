@@ -2,6 +2,7 @@
 //! of the active set.
 
 mod active_set;
+mod carried;
 mod event_step;
 mod fast;
 mod floor;

@@ -2,9 +2,9 @@
 
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::dynamics::inertia::constrained_dynamics;
+use crate::integrate::carried::carried_at_rest;
 use crate::integrate::fast::FastPath;
 use crate::integrate::floor::friction_at;
-use crate::integrate::kinematics::carried_at_rest;
 use crate::parts::command::CommandKind;
 use crate::parts::command_history::CommandHistory;
 use crate::parts::friction_constraints::{ConstraintSet, FRICTION_CONSTRAINTS, FrictionConstraint};
