@@ -6,18 +6,35 @@
 //! interleaved series whose log-likelihoods are averaged (composite likelihood; Varin, Reid and Firth
 //! 2011).
 
+pub(crate) mod command;
 pub(crate) mod reference;
+pub(crate) mod wheel_rows;
 pub(crate) mod wheels;
+
+use slipstream_recording::recording::Robot;
 
 /// Stamps beyond this are those of a calendar or a boot: the clock's rate is then counted from the
 /// first row.
 const EPOCH_S: f64 = 1e5;
 
 /// The instant (s) that counts as zero in the fit, given the first stamp of the recording.
-pub(crate) fn origin(first_s: f64) -> f64 {
+fn origin(first_s: f64) -> f64 {
     if first_s.abs() > EPOCH_S {
         first_s
     } else {
         0.0
     }
+}
+
+/// The instant (s) that counts as zero in the recording of a robot.
+pub(crate) fn origin_of(robot: &Robot) -> f64 {
+    let firsts = [
+        robot.wheels.as_ref().and_then(|s| s.t_s.first()),
+        robot.odometry.as_ref().and_then(|s| s.t_s.first()),
+        robot.pose.as_ref().and_then(|s| s.t_s.first()),
+        robot.imu.as_ref().and_then(|s| s.t_s.first()),
+        robot.command.as_ref().and_then(|s| s.t_s.first()),
+    ];
+    let firsts = firsts.into_iter().flatten().copied();
+    origin(firsts.fold(f64::INFINITY, f64::min))
 }

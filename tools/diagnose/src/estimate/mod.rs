@@ -3,6 +3,7 @@
 //!
 //! Nothing here knows a robot: a [`Likelihood`] is a function of a vector, summed over blocks.
 
+pub(crate) mod blocks;
 pub(crate) mod cluster;
 pub(crate) mod information;
 pub(crate) mod scoring;

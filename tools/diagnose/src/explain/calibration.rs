@@ -118,7 +118,7 @@ impl Calibration {
             .after
             .kept
             .iter()
-            .flat_map(|t| t.parameters.iter().zip(&t.floors));
+            .flat_map(|k| k.term.parameters.iter().zip(&k.term.floors));
         floors
             .find(|(own, _)| **own == index)
             .map_or(0.0, |(_, floor)| *floor)
@@ -146,6 +146,7 @@ impl Search<'_> {
                 tried: terms.len(),
                 blocks: self.problem.likelihood.blocks().min(16),
             },
+            useful: &|_, _| true,
         }
     }
 
@@ -412,7 +413,7 @@ mod tests {
     #[test]
     fn a_model_that_is_right_needs_nothing() -> Result<(), &'static str> {
         let found = calibrated(&robot(1.0, [0.0; 2], 0.0)).ok_or("no calibration")?;
-        let names: Vec<&str> = found.after.kept.iter().map(|kept| kept.name).collect();
+        let names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
         assert!(names.is_empty(), "{names:?}");
         Ok(())
     }
@@ -420,7 +421,7 @@ mod tests {
     #[test]
     fn radius_camera_and_latency_are_found_together() -> Result<(), &'static str> {
         let found = calibrated(&robot(0.95, [-0.2, 0.05], 0.08)).ok_or("no calibration")?;
-        let mut names: Vec<&str> = found.after.kept.iter().map(|kept| kept.name).collect();
+        let mut names: Vec<&str> = found.after.kept.iter().map(|kept| kept.term.name).collect();
         names.sort_unstable();
         assert_eq!(names, [GEOMETRY, "offset", "pose latency"]);
         for (index, truth) in [

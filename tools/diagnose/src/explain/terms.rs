@@ -60,7 +60,7 @@ fn sensor_terms(machine: &FromWheels) -> Vec<(&'static str, Term)> {
         let intervals_s = machine.runs.iter().map(interval_s);
         STAMP_SHARE * intervals_s.fold(0.0, f64::max)
     };
-    let durations_s = machine.runs.iter().map(|run| run.span_s[1] - run.span_s[0]);
+    let durations_s = machine.runs.iter().map(|run| run.blocks.span_s[1] - run.blocks.span_s[0]);
     let duration_s = durations_s.fold(1.0, f64::max);
     let [pose_s, gyro_s] = [
         stamp_s(Run::pose_interval_s),
@@ -105,11 +105,14 @@ fn shared_or_of_runs(machine: &FromWheels, by_run: bool, shared: usize, own: usi
     }
 }
 
-fn term(name: &'static str, parameters: &[(usize, f64)], caution: f64) -> Term {
+pub(super) fn term(name: &'static str, parameters: &[(usize, f64)], caution: f64) -> Term {
     Term {
         name,
         parameters: parameters.iter().map(|(index, _)| *index).collect(),
         floors: parameters.iter().map(|(_, floor)| floor * floor).collect(),
         caution,
+        by_profile: false,
+        positive: false,
+        lasting: false,
     }
 }

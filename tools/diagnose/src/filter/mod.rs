@@ -7,6 +7,7 @@
 pub(crate) mod gyro;
 pub(crate) mod mixture;
 mod row_update;
+pub(crate) mod wheel_channel;
 pub(crate) mod wheel_path;
 pub(crate) mod wheels_to_pose;
 

@@ -11,6 +11,7 @@ use slipstream_sim::Scalar;
 use super::nominal::{clock_rate, number};
 use crate::data::reference::{Span, Thinned, gyro, poses};
 use crate::data::wheels;
+use crate::estimate::blocks::Blocks;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
@@ -38,9 +39,6 @@ pub(crate) const RUN_BIAS: usize = 2;
 const RUN: usize = 3;
 const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
-/// Shortest block of the jackknife (s), and how many a run has.
-const BLOCK_S: f64 = 2.5;
-const BLOCKS: [f64; 2] = [10.0, 16.0];
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
 
@@ -53,10 +51,7 @@ pub(crate) struct Run {
     pub(crate) gyro: Option<Thinned<(f64, f64)>>,
     pub(crate) declared_m: f64,
     pub(crate) first_heading_rad: f64,
-    /// First and last row that is compared (s), counted from the origin.
-    pub(crate) span_s: [f64; 2],
-    first_block: usize,
-    blocks: usize,
+    pub(crate) blocks: Blocks,
 }
 
 /// The machine.
@@ -93,7 +88,7 @@ impl FromWheels {
         let mut first_block = 0;
         for robot in robots {
             if let Some(run) = Run::new(robot, model, excluded_s, first_block) {
-                first_block += run.blocks;
+                first_block = run.blocks.end();
                 machine.runs.push(run);
             }
         }
@@ -351,15 +346,12 @@ impl Reference {
 
 impl Likelihood for View<'_> {
     fn blocks(&self) -> usize {
-        self.machine
-            .runs
-            .last()
-            .map_or(0, |run| run.first_block + run.blocks)
+        self.machine.runs.last().map_or(0, |run| run.blocks.end())
     }
 
     fn run_of(&self) -> Vec<usize> {
         let runs = self.machine.runs.iter().enumerate();
-        runs.flat_map(|(i, run)| vec![i; run.blocks]).collect()
+        runs.flat_map(|(i, run)| vec![i; run.blocks.count]).collect()
     }
 
     fn is_shared(&self, parameter: usize) -> bool {
@@ -371,9 +363,9 @@ impl Likelihood for View<'_> {
         let runs = machine.runs.par_iter().enumerate().map(|(i, run)| {
             let local = machine.local(i, at);
             let each = Reference::ALL.par_iter().map(|reference| {
-                let mut own = vec![0.0; run.blocks];
+                let mut own = vec![0.0; run.blocks.count];
                 self.filter(*reference, run, &local, &mut |row: Innovation<f64>| {
-                    own[run.block_of(row.time_s)] += row.weight * row.log_likelihood;
+                    own[run.blocks.of(row.time_s)] += row.weight * row.log_likelihood;
                 });
                 own
             });
@@ -404,7 +396,7 @@ impl Likelihood for View<'_> {
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
                 self.filter(reference, run, p, sink);
             };
-            let block = |t_s: f64| run.first_block + run.block_of(t_s);
+            let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
             (Rows::new(&machine.local(i, at), &local, filter, block), to)
         });
         for (rows, to) in all.collect::<Vec<_>>() {
@@ -447,19 +439,7 @@ impl Run {
         excluded_s: &[[f64; 2]],
         first_block: usize,
     ) -> Option<Self> {
-        let firsts = [
-            robot.wheels.as_ref().and_then(|s| s.t_s.first()),
-            robot.odometry.as_ref().and_then(|s| s.t_s.first()),
-            robot.pose.as_ref().and_then(|s| s.t_s.first()),
-            robot.imu.as_ref().and_then(|s| s.t_s.first()),
-            robot.command.as_ref().and_then(|s| s.t_s.first()),
-        ];
-        let first_s = firsts
-            .into_iter()
-            .flatten()
-            .copied()
-            .fold(f64::INFINITY, f64::min);
-        let origin_s = crate::data::origin(first_s);
+        let origin_s = crate::data::origin_of(robot);
         let wheels = wheels::path(robot, model, origin_s)?;
         let turned = |i: usize| {
             let pairs = wheels.angles_rad.windows(2);
@@ -499,9 +479,7 @@ impl Run {
             gyro,
             declared_m: if axle { 0.0 } else { ahead_m },
             first_heading_rad: 0.0,
-            span_s: [from_s, to_s],
-            first_block,
-            blocks: ((to_s - from_s) / BLOCK_S).clamp(BLOCKS[0], BLOCKS[1]) as usize,
+            blocks: Blocks::new([from_s, to_s], first_block),
         })
     }
 
@@ -518,13 +496,6 @@ impl Run {
         self.pose
             .as_ref()
             .map_or(0.0, |pose| median_interval(&times(pose)))
-    }
-
-    /// Block of a time within this run.
-    pub(crate) fn block_of(&self, time_s: f64) -> usize {
-        let [from_s, to_s] = self.span_s;
-        let share = (time_s - from_s) / (to_s - from_s).max(1e-9);
-        ((share * self.blocks as f64) as usize).min(self.blocks - 1)
     }
 
     /// Logs of noise sizes to start from; those of the pose's sensor from second differences.

@@ -18,13 +18,29 @@ pub(crate) struct Term {
     pub(crate) floors: Vec<f64>,
     /// How much wider than the blocks say its error is.
     pub(crate) caution: f64,
+    /// The likelihood has no derivative by it: it was set by a profile, and its gain alone decides.
+    pub(crate) by_profile: bool,
+    /// It cannot be negative.
+    pub(crate) positive: bool,
+    /// It acts all the time: it has to be of use for predictions.
+    pub(crate) lasting: bool,
+}
+
+/// A term that is needed, and why.
+#[derive(Debug, Clone)]
+pub(crate) struct Kept {
+    pub(crate) term: Term,
+    /// Log-likelihood that it brings (nats).
+    pub(crate) gain: f64,
+    /// Its Wald statistic.
+    pub(crate) wald: f64,
 }
 
 /// The outcome of an elimination.
 pub(crate) struct Selected {
     pub(crate) fit: Fit,
     pub(crate) precision: Precision,
-    pub(crate) kept: Vec<Term>,
+    pub(crate) kept: Vec<Kept>,
 }
 
 /// What one round of the elimination did.
@@ -34,7 +50,7 @@ enum Round {
     /// A term went.
     Removed(Fit, Vec<Term>),
     /// All that are left are needed.
-    Done(Precision, Vec<Term>),
+    Done(Precision, Vec<Kept>),
 }
 
 /// Rounds after which an elimination that does not end is given up.
@@ -53,13 +69,16 @@ pub(crate) struct Elimination<'a> {
     /// Noise sizes.
     pub(crate) noise: &'a [usize],
     pub(crate) criterion: Criterion,
+    /// Whether the fit with a term predicts better than the one without.
+    pub(crate) useful: &'a dyn Fn(&Fit, &Fit) -> bool,
 }
 
 impl Elimination<'_> {
     /// Parameters that are free with these terms: physics first, noise sizes last.
     pub(crate) fn free(&self, terms: &[Term]) -> (Vec<usize>, usize) {
         let mut free: Vec<usize> = self.always.to_vec();
-        free.extend(terms.iter().flat_map(|term| &term.parameters));
+        let smooth = terms.iter().filter(|term| !term.by_profile);
+        free.extend(smooth.flat_map(|term| &term.parameters));
         let physics = free.len();
         free.extend(self.noise);
         (free, physics)
@@ -115,7 +134,12 @@ impl Elimination<'_> {
         let (_, physics) = self.free(left);
         let precision = Precision::new(self.problem, fit, physics)?;
         let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
-        let share = |i: &usize| walds[*i] / self.criterion.least_wald(left[*i].parameters.len());
+        let share = |i: &usize| {
+            if left[*i].by_profile {
+                return 1.0;
+            }
+            walds[*i] / self.criterion.least_wald(left[*i].parameters.len())
+        };
         let mut order: Vec<usize> = (0..left.len()).collect();
         order.sort_by(|a, b| share(a).total_cmp(&share(b)));
         let mut kept = Vec::new();
@@ -138,7 +162,11 @@ impl Elimination<'_> {
             if !clear {
                 return Some(Round::Removed(less, rest));
             }
-            kept.push(term);
+            kept.push(Kept {
+                term,
+                gain,
+                wald: walds[i],
+            });
         }
         Some(Round::Done(precision, kept))
     }
@@ -166,10 +194,13 @@ impl Elimination<'_> {
                 precision.covariance[(p, p)].sqrt() < 0.25 * self.problem.priors[*index].deviation
             })
         });
-        known
+        let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
+        let possible = !term.positive || term.parameters.iter().all(|i| fit.at[*i] >= 0.0);
+        possible
+            && (clear || term.by_profile)
             && gain / precision.overdispersion > self.criterion.least_gain(count)
-            && wald > self.criterion.least_wald(count) * term.caution * term.caution
             && gain - best > 0.0
+            && (!term.lasting || (self.useful)(fit, less))
     }
 
     /// Gain of the run that gains most, where there are enough runs to do without it.
@@ -196,6 +227,9 @@ impl Elimination<'_> {
             .filter_map(|index| fit.free.iter().position(|f| f == index))
             .collect();
         let k = places.len();
+        if term.by_profile || k < term.parameters.len() {
+            return 0.0;
+        }
         let d = DVector::from_iterator(
             k,
             term.parameters

@@ -1,0 +1,70 @@
+//! Wheel speeds that were commanded, whatever recorded them: a twist or the speeds themselves.
+
+use slipstream_bus::RobotModel;
+use slipstream_recording::recording::{Command, Robot};
+
+/// Commanded wheel speeds, [right, left] (rad/s): each holds until the next row.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct CommandPath {
+    pub(crate) times_s: Vec<f64>,
+    pub(crate) speeds_rad_s: Vec<[f64; 2]>,
+    /// The first command already held before the recording began.
+    pub(crate) running: bool,
+}
+
+/// The commanded wheel speeds of a robot by its nominal radius and track; times count from `origin_s`.
+/// `None` without commands, or where they are no speeds.
+pub(crate) fn commands(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<CommandPath> {
+    let stream = robot.command.as_ref()?;
+    let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
+    let speeds: Vec<[f64; 2]> = match &stream.values {
+        Command::Twist { v_m_s, w_rad_s } => {
+            let rows = v_m_s.iter().zip(w_rad_s);
+            rows.map(|(v, w)| [(v + b * w) / r, (v - b * w) / r])
+                .collect()
+        }
+        Command::WheelSpeed {
+            right_rad_s,
+            left_rad_s,
+        } => {
+            let rows = right_rad_s.iter().zip(left_rad_s);
+            rows.map(|(&right, &left)| [right, left]).collect()
+        }
+        Command::Torque { .. } | Command::Voltage { .. } => return None,
+    };
+    let mut path = CommandPath::default();
+    for (stamp_s, speed) in stream.t_s.iter().zip(speeds) {
+        let t_s = stamp_s - origin_s;
+        let known = speed.iter().all(|s| s.is_finite());
+        let later = path.times_s.last().is_none_or(|last| t_s > *last);
+        // a command that repeats the last one changes nothing
+        if known && later && path.speeds_rad_s.last() != Some(&speed) {
+            path.times_s.push(t_s);
+            path.speeds_rad_s.push(speed);
+        }
+    }
+    (!path.times_s.is_empty()).then_some(path)
+}
+
+impl CommandPath {
+    /// Largest commanded speed of a wheel (rad/s).
+    pub(crate) fn largest_rad_s(&self) -> f64 {
+        let all = self.speeds_rad_s.iter().flatten();
+        all.fold(0.0, |most, speed| f64::max(most, speed.abs()))
+    }
+
+    /// Distinct sizes of commands but 0 (rad/s), rising.
+    pub(crate) fn levels_rad_s(&self) -> Vec<f64> {
+        let all = self.speeds_rad_s.iter().flatten().map(|speed| speed.abs());
+        let mut levels: Vec<f64> = all.filter(|level| *level > 1e-9).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        levels
+    }
+
+    /// The command that holds at a time (s); none before the first.
+    pub(crate) fn at(&self, time_s: f64) -> Option<[f64; 2]> {
+        let next = self.times_s.partition_point(|t_s| *t_s <= time_s);
+        Some(self.speeds_rad_s[next.checked_sub(1)?])
+    }
+}

@@ -1,0 +1,307 @@
+//! What a drive does with its commands: a fit with every term, from several starts, then backward
+//! elimination.
+
+use slipstream_bus::RobotModel;
+
+use super::open_loop::drive_error;
+use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::model::command_to_wheels::CommandToWheels;
+use crate::model::drive::{
+    DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE, SLOW_TIME,
+};
+use crate::select::criterion::Criterion;
+use crate::select::elimination::{Elimination, Selected, Term};
+
+/// The first fits need not be finished.
+const ROUGH: SearchLimits = SearchLimits {
+    iterations: 15,
+    tolerance_nats: 0.5,
+};
+/// Delays from which the search starts (s).
+const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
+/// Lag from which it starts (s).
+const LAGS_S: [f64; 2] = [0.02, 0.15];
+/// Saturations from which it starts, as shares of the largest command.
+const SATURATIONS: [f64; 4] = [0.98, 0.9, 0.75, 0.55];
+/// Dead zone from which it starts, likewise.
+const DEAD_ZONE_SHARE: f64 = 0.02;
+/// Most dead bands that are tried.
+const BANDS: usize = 12;
+/// What lasts has to lower the error of predictions by this share.
+const USE_SHARE: f64 = 0.02;
+/// Sizes below which nobody would call it a difference: delay and lag (s), gain, share of the largest
+/// command, and sag (1/s).
+const TIME_FLOOR_S: f64 = 1e-3;
+const GAIN_FLOOR: f64 = 1e-3;
+const COMMAND_SHARE: f64 = 1e-3;
+const SAG_FLOOR: f64 = 2e-5;
+
+/// Names of the terms.
+pub(crate) const DELAY_TERM: &str = "delay";
+pub(crate) const LAG_TERM: &str = "lag";
+pub(crate) const GAIN_TERM: &str = "gain";
+pub(crate) const BAND_TERM: &str = "dead band";
+pub(crate) const ZONE_TERM: &str = "dead zone";
+pub(crate) const SATURATION_TERM: &str = "saturation";
+pub(crate) const SAG_TERM: &str = "sag";
+const SLOW_TERM: &str = "slow response";
+
+/// What was found of a drive.
+pub(crate) struct DriveFit {
+    pub(crate) after: Selected,
+    /// Without any term.
+    pub(crate) before: Fit,
+    pub(crate) nominal: Vec<f64>,
+    pub(crate) criterion: Criterion,
+    /// Ends of the interval in which a dead band cannot be told apart (rad/s).
+    pub(crate) band_rad_s: [f64; 2],
+}
+
+/// Terms of a drive whose parameters begin at `first`, without effects that are excluded. `top` is the
+/// largest command (rad/s).
+pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Term> {
+    let command = COMMAND_SHARE * top_rad_s;
+    let all: [(&str, &'static str, &[(usize, f64)]); 7] = [
+        ("actuator_delay", DELAY_TERM, &[(DELAY, TIME_FLOOR_S)]),
+        ("actuator_lag", LAG_TERM, &[(LAG, TIME_FLOOR_S)]),
+        (
+            "motor_gain",
+            GAIN_TERM,
+            &[(GAIN, GAIN_FLOOR), (GAIN_ASYMMETRY, GAIN_FLOOR)],
+        ),
+        ("command_dead_zone", ZONE_TERM, &[(DEAD_ZONE, command)]),
+        ("command_saturation", SATURATION_TERM, &[(SATURATION, command)]),
+        ("supply_sag", SAG_TERM, &[(SAG, SAG_FLOOR)]),
+        ("", SLOW_TERM, &[(SLOW_SHARE, 0.01), (SLOW_TIME, 1.0)]),
+    ];
+    let allowed = all
+        .into_iter()
+        .filter(|(effect, ..)| !excluded.iter().any(|own| own == effect));
+    let mut terms: Vec<Term> = allowed
+        .map(|(_, name, parameters)| {
+            let shifted: Vec<(usize, f64)> = parameters
+                .iter()
+                .map(|(index, floor)| (first + index, *floor))
+                .collect();
+            let mut term = super::terms::term(name, &shifted, 1.0);
+            term.positive = [ZONE_TERM, SATURATION_TERM, SAG_TERM].contains(&name);
+            term.lasting = [GAIN_TERM, ZONE_TERM, SATURATION_TERM, SAG_TERM].contains(&name);
+            term
+        })
+        .collect();
+    if !excluded.iter().any(|own| own == "command_dead_band") {
+        let mut band = super::terms::term(BAND_TERM, &[(first + DEAD_BAND, command)], 1.0);
+        band.by_profile = true;
+        band.lasting = true;
+        terms.push(band);
+    }
+    terms
+}
+
+/// Levels between which a dead band may lie (rad/s): halfway between sizes of commands.
+pub(super) fn bands(levels: &[f64]) -> Vec<[f64; 2]> {
+    let bounds: Vec<f64> = std::iter::once(0.0).chain(levels.iter().copied()).collect();
+    let gaps: Vec<[f64; 2]> = bounds
+        .windows(2)
+        .skip(1)
+        .map(|pair| [pair[0], pair[1]])
+        .collect();
+    let stride = gaps.len().div_ceil(BANDS).max(1);
+    gaps.into_iter().step_by(stride).collect()
+}
+
+struct Search<'a> {
+    drive: &'a CommandToWheels,
+    problem: Problem<'a>,
+    nominal: Vec<f64>,
+    noise: Vec<usize>,
+}
+
+impl DriveFit {
+    /// Fits a drive; `None` where the data do not allow it.
+    pub(crate) fn new(
+        drive: &CommandToWheels,
+        model: &RobotModel,
+        excluded: &[String],
+    ) -> Option<Self> {
+        let nominal = drive.nominal(model);
+        let search = Search {
+            drive,
+            problem: Problem {
+                likelihood: drive,
+                priors: drive.priors(&nominal),
+                longest: drive.longest(),
+            },
+            nominal,
+            noise: CommandToWheels::noise(),
+        };
+        search.run(excluded)
+    }
+}
+
+impl Search<'_> {
+    fn run(self, excluded: &[String]) -> Option<DriveFit> {
+        let mut terms = terms(0, self.drive.largest_rad_s, excluded);
+        let before = self.noise_alone();
+        let (full, band_rad_s) = self.full(&before, &mut terms);
+        let useful = |with: &Fit, without: &Fit| {
+            drive_error(self.drive, &with.at)
+                < (1.0 - USE_SHARE) * drive_error(self.drive, &without.at)
+        };
+        let elimination = self.elimination(&terms, &useful);
+        let after = elimination.run(full, &terms)?;
+        let criterion = elimination.criterion;
+        Some(DriveFit {
+            after,
+            before,
+            nominal: self.nominal,
+            criterion,
+            band_rad_s,
+        })
+    }
+
+    fn elimination<'b>(
+        &'b self,
+        terms: &[Term],
+        useful: &'b dyn Fn(&Fit, &Fit) -> bool,
+    ) -> Elimination<'b> {
+        Elimination {
+            problem: &self.problem,
+            neutral: &self.nominal,
+            always: &[],
+            noise: &self.noise,
+            criterion: Criterion {
+                tried: terms.len(),
+                blocks: self.problem.likelihood.blocks().min(16),
+            },
+            useful,
+        }
+    }
+
+    /// The noise sizes of the nominal model: the better of two maxima.
+    fn noise_alone(&self) -> Fit {
+        let mut quick = self.nominal.clone();
+        for (index, shift) in self.noise.iter().zip([-1.5, 1.5, 0.0, -1.5, 1.5]) {
+            quick[*index] += shift;
+        }
+        let one = self.problem.fit(&self.nominal, &self.noise, FULL);
+        let other = self.problem.fit(&quick, &self.noise, FULL);
+        if other.objective > one.objective {
+            other
+        } else {
+            one
+        }
+    }
+
+    fn free(&self, names: &[&str], terms: &[Term]) -> Vec<usize> {
+        let own = terms
+            .iter()
+            .filter(|t| names.contains(&t.name) && !t.by_profile);
+        let physics = own.flat_map(|t| t.parameters.iter().copied());
+        physics.chain(self.noise.iter().copied()).collect()
+    }
+
+    /// The fit with all of `terms`, those taken out that are not there even so; and the interval of the
+    /// dead band.
+    fn full(&self, before: &Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let first = self.response(before, terms);
+        let mut names: Vec<&str> = terms
+            .iter()
+            .map(|t| t.name)
+            .filter(|name| *name != SATURATION_TERM)
+            .collect();
+        let mut at = first.at.clone();
+        if at[DEAD_ZONE] == 0.0 {
+            at[DEAD_ZONE] = DEAD_ZONE_SHARE * self.drive.largest_rad_s;
+        }
+        at[SLOW_SHARE] = 0.05;
+        let mut best = self.problem.fit(&at, &self.free(&names, terms), FULL);
+        if terms.iter().any(|t| t.name == SATURATION_TERM) {
+            names.push(SATURATION_TERM);
+            let free = self.free(&names, terms);
+            let limited = SATURATIONS.iter().map(|share| {
+                let mut at = best.at.clone();
+                if at[SATURATION] == 0.0 {
+                    at[SATURATION] = share * self.drive.largest_rad_s;
+                }
+                self.problem.fit(&at, &free, SHORT)
+            });
+            let limited = limited.max_by(|a, b| a.objective.total_cmp(&b.objective));
+            match limited {
+                Some(limited) if limited.objective > best.objective => {
+                    best = self.problem.fit(&limited.at, &free, FULL);
+                }
+                _ => terms.retain(|t| t.name != SATURATION_TERM),
+            }
+        }
+        self.banded(best, terms)
+    }
+
+    /// Delay, lag and gain from several starts.
+    fn response(&self, before: &Fit, terms: &[Term]) -> Fit {
+        let free = self.free(&[DELAY_TERM, LAG_TERM, GAIN_TERM], terms);
+        let gained = self
+            .problem
+            .fit(&before.at, &self.free(&[GAIN_TERM], terms), ROUGH);
+        let has = |name: &str| terms.iter().any(|t| t.name == name);
+        let (mut starts, mut fits) = (Vec::new(), vec![gained.clone()]);
+        let delays_s: &[f64] = if has(DELAY_TERM) { &DELAYS_S } else { &[0.0] };
+        let lags_s: &[f64] = if has(LAG_TERM) { &LAGS_S } else { &[0.0] };
+        for delay_s in delays_s {
+            for lag_s in lags_s {
+                let mut at = gained.at.clone();
+                at[DELAY] += delay_s;
+                at[LAG] += lag_s;
+                starts.push((self.problem.objective(&at, &free), at));
+            }
+        }
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        fits.extend(
+            starts
+                .iter()
+                .take(3)
+                .map(|(_, at)| self.problem.fit(at, &free, ROUGH)),
+        );
+        let best = fits
+            .into_iter()
+            .max_by(|a, b| a.objective.total_cmp(&b.objective));
+        best.unwrap_or(gained)
+    }
+
+    /// Tries every dead band beside `best`.
+    fn banded(&self, best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let own = |t: &Term| t.name == BAND_TERM;
+        let mut levels: Vec<f64> = self
+            .drive
+            .runs
+            .iter()
+            .flat_map(|run| run.commands.levels_rad_s())
+            .collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        let of = |band: [f64; 2]| {
+            let mut at = best.at.clone();
+            at[DEAD_BAND] = f64::midpoint(band[0], band[1]);
+            (self.problem.objective(&at, &best.free), at, band)
+        };
+        let tried = bands(&levels).into_iter().map(of);
+        let found = tried.max_by(|a, b| a.0.total_cmp(&b.0));
+        let found = found.filter(|_| terms.iter().any(own));
+        if let Some((value, at, band)) = found {
+            if value > best.objective {
+                let fit = self.problem.fit(&at, &best.free, FULL);
+                return (fit, band);
+            }
+        }
+        terms.retain(|t| !own(t));
+        (best, [0.0; 2])
+    }
+}
+
+/// Whether a parameter belongs to the slow response, which is no effect.
+pub(crate) fn is_nuisance(term: &Term) -> bool {
+    term.name == SLOW_TERM
+}
+
+/// Parameters of the gains.
+pub(crate) const GAINS: [usize; 2] = [GAIN, GAIN_ASYMMETRY];

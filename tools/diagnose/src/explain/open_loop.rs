@@ -1,0 +1,67 @@
+//! Open loop over a horizon of 5 s: the state at the start is the filter's, then nothing is heard.
+
+use crate::data::wheel_rows::WheelKind;
+use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
+use crate::model::drive::{DRIVE, Response};
+
+/// The horizon (s).
+pub(crate) const HORIZON_S: f64 = 5.0;
+
+/// Geometric mean over both wheels of the rms error (rad, or rad/s) of a drive with these parameters,
+/// over the horizon.
+pub(super) fn drive_error(drive: &CommandToWheels, at: &[f64]) -> f64 {
+    let (mut squares, mut count) = ([0.0; 2], 0.0);
+    for run in &drive.runs {
+        let (own, rows) = run_error(run, at);
+        squares = [squares[0] + own[0], squares[1] + own[1]];
+        count += rows;
+    }
+    let mean = squares.map(|s| (s / f64::max(count, 1.0) + 1e-16).sqrt());
+    (mean[0] * mean[1]).sqrt()
+}
+
+/// Sums of square errors of both wheels, and how many rows they are of.
+fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
+    let rows = &run.wheels.rows;
+    let mut disturbance = [vec![0.0; 0], vec![0.0; 0]];
+    run.filter(at, &mut |_| (), &mut |channel, _, d: f64| {
+        disturbance[channel].push(d);
+    });
+    let times_s = [at[DRIVE + 1].exp(), at[DRIVE + 4].exp()];
+    let response = Response::new(&run.commands, at);
+    let mut hint = 0;
+    let (mut squares, mut count) = ([0.0; 2], 0.0);
+    let mut start = 0;
+    let mut from = response.at(rows[0].time_s, &mut hint).angle_rad;
+    for (k, row) in rows.iter().enumerate() {
+        let now = response.at(row.time_s, &mut hint);
+        let h = row.time_s - rows[start].time_s;
+        let [sum, difference] = [0, 1].map(|channel| {
+            let (d, time_s): (f64, f64) = (disturbance[channel][start], times_s[channel]);
+            match run.wheels.kind {
+                WheelKind::Angle => d * time_s * (1.0 - (-h / time_s).exp()),
+                WheelKind::Speed => d * (-h / time_s).exp(),
+            }
+        });
+        let added = [sum + difference, sum - difference];
+        if row.counts {
+            count += 1.0;
+            for i in 0..2 {
+                let error = match run.wheels.kind {
+                    WheelKind::Angle => {
+                        row.values[i]
+                            - rows[start].values[i]
+                            - (now.angle_rad[i] - from[i])
+                            - added[i]
+                    }
+                    WheelKind::Speed => row.values[i] - now.speed_rad_s[i] - added[i],
+                };
+                squares[i] += error * error;
+            }
+        }
+        if h >= HORIZON_S {
+            (start, from) = (k, now.angle_rad);
+        }
+    }
+    (squares, count)
+}

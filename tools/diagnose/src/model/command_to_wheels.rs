@@ -1,0 +1,247 @@
+//! From commanded to measured wheel speeds, for one drive in one or several runs.
+
+use rayon::prelude::*;
+use slipstream_bus::RobotModel;
+use slipstream_recording::recording::Robot;
+use slipstream_sim::Scalar;
+
+use super::drive::{
+    DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG, SATURATION,
+    SLOW_SHARE, SLOW_TIME,
+};
+use super::nominal::number;
+use crate::data::command::{CommandPath, commands};
+use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, rows};
+use crate::estimate::blocks::Blocks;
+use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::{BlockScore, Likelihood, Prior};
+use crate::filter::Innovation;
+use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow};
+
+/// Logarithms of noise sizes: disturbance (rad/s), its time (s) and walk (rad/√s) of the sum and of
+/// the difference of both wheels, sensor noise (rad, or rad/s), stamp noise (s).
+pub(crate) const NOISE: usize = 8;
+
+/// One run.
+#[derive(Debug)]
+pub(crate) struct DriveRun {
+    pub(crate) commands: CommandPath,
+    pub(crate) wheels: WheelRows,
+    pub(crate) blocks: Blocks,
+}
+
+/// The drive.
+#[derive(Debug)]
+pub(crate) struct CommandToWheels {
+    pub(crate) runs: Vec<DriveRun>,
+    /// Largest commanded wheel speed (rad/s).
+    pub(crate) largest_rad_s: f64,
+}
+
+impl CommandToWheels {
+    /// The drive of these runs; `None` without a run that has commanded speeds and wheels.
+    pub(crate) fn new(
+        robots: &[&Robot],
+        model: &RobotModel,
+        excluded_s: &[[f64; 2]],
+    ) -> Option<Self> {
+        let mut runs: Vec<DriveRun> = Vec::new();
+        for robot in robots {
+            let first = runs.last().map_or(0, |run| run.blocks.end());
+            runs.extend(DriveRun::new(robot, model, excluded_s, first));
+        }
+        let largest = runs.iter().map(|run| run.commands.largest_rad_s());
+        let largest_rad_s = largest.fold(0.0, f64::max);
+        (largest_rad_s > 0.0).then_some(Self {
+            runs,
+            largest_rad_s,
+        })
+    }
+
+    /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
+    pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
+        let mut at = drive_of(model);
+        let top = self.largest_rad_s;
+        let sensor = match self.runs[0].wheels.kind {
+            WheelKind::Angle => [3e-3, 3e-3],
+            WheelKind::Speed => [0.03, 0.01],
+        };
+        let noise = [0.02 * top, 1.0, 1e-4 * top, 0.01 * top, 1.0, 1e-4 * top];
+        at.extend(noise.into_iter().chain(sensor).map(f64::ln));
+        at
+    }
+
+    /// Priors: weak ones, about the nominal values.
+    pub(crate) fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
+        let mut deviations = deviations(self.largest_rad_s).to_vec();
+        deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
+        let pairs = nominal.iter().zip(deviations);
+        pairs
+            .map(|(&mean, deviation)| Prior { mean, deviation })
+            .collect()
+    }
+
+    /// Longest step of each parameter in one iteration of a fit.
+    pub(crate) fn longest(&self) -> Vec<f64> {
+        let mut longest = longest(self.largest_rad_s).to_vec();
+        longest.extend([1.0; NOISE]);
+        longest
+    }
+
+    /// Indices of the noise sizes.
+    pub(crate) fn noise() -> Vec<usize> {
+        (DRIVE..DRIVE + NOISE).collect()
+    }
+}
+
+/// Parameters of the drive as the model lists them.
+pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
+    let plain = |effect: &str, name: &str| number(model, effect, name).unwrap_or(0.0);
+    let mut at = vec![0.0; DRIVE];
+    at[DELAY] = plain("actuator_delay", "delay_s");
+    at[LAG] = plain("actuator_lag", "time_constant_s");
+    let [right, left] =
+        ["right", "left"].map(|name| number(model, "motor_gain", name).unwrap_or(1.0).ln());
+    let [right_count, left_count] = ["right_scale", "left_scale"]
+        .map(|name| number(model, "encoder_scale", name).unwrap_or(1.0).ln());
+    at[GAIN] = (right + left + right_count + left_count) / 2.0;
+    at[GAIN_ASYMMETRY] = right - left + right_count - left_count;
+    at[DEAD_BAND] = plain("command_dead_band", "speed_rad_s");
+    at[DEAD_ZONE] = plain("command_dead_zone", "speed_rad_s");
+    at[SATURATION] = plain("command_saturation", "speed_rad_s");
+    at[SAG] = plain("supply_sag", "rate_per_s");
+    at[DELAY] += plain("wheels_latency", "latency_s");
+    at
+}
+
+/// How far each parameter of the drive may plausibly lie from its nominal value.
+pub(crate) fn deviations(top_rad_s: f64) -> [f64; DRIVE] {
+    let mut all = [0.0; DRIVE];
+    all[DELAY] = 0.3;
+    all[LAG] = 0.5;
+    all[GAIN] = 0.3;
+    all[GAIN_ASYMMETRY] = 0.3;
+    all[DEAD_BAND] = top_rad_s;
+    all[DEAD_ZONE] = 0.3 * top_rad_s;
+    all[SATURATION] = top_rad_s;
+    all[SAG] = 0.02;
+    all[SLOW_SHARE] = 0.3;
+    all[SLOW_TIME] = 2.0;
+    all
+}
+
+/// Longest step of each parameter of the drive in one iteration.
+pub(crate) fn longest(top_rad_s: f64) -> [f64; DRIVE] {
+    deviations(top_rad_s).map(|deviation| deviation / 4.0)
+}
+
+impl DriveRun {
+    fn new(
+        robot: &Robot,
+        model: &RobotModel,
+        excluded_s: &[[f64; 2]],
+        first_block: usize,
+    ) -> Option<Self> {
+        let origin_s = crate::data::origin_of(robot);
+        let mut commands = commands(robot, model, origin_s)?;
+        let wheels = rows(robot, model, &commands, origin_s, excluded_s)?;
+        commands.running = is_running(&wheels, &commands);
+        let span_s = [
+            wheels.rows.first()?.time_s,
+            wheels.rows.last()?.time_s,
+        ];
+        Some(Self {
+            commands,
+            blocks: Blocks::new(span_s, first_block),
+            wheels,
+        })
+    }
+
+    /// Filters both channels. `after` hears channel, time and disturbance behind every row.
+    pub(crate) fn filter<S: Scalar>(
+        &self,
+        at: &[S],
+        sink: &mut dyn FnMut(Innovation<S>),
+        after: &mut dyn FnMut(usize, f64, S),
+    ) {
+        let response = Response::new(&self.commands, at);
+        let mut hint = 0;
+        let simulated = self.wheels.rows.iter().map(|row| {
+            let now = response.at(S::constant(row.time_s), &mut hint);
+            let value = match self.wheels.kind {
+                WheelKind::Angle => now.angle_rad,
+                WheelKind::Speed => now.speed_rad_s,
+            };
+            let rest = [0, 1].map(|i| S::constant(row.values[i]) - value[i]);
+            (row, rest, now.speed_rad_s)
+        });
+        let simulated: Vec<_> = simulated.collect();
+        let sizes: [S; NOISE] = std::array::from_fn(|i| at[DRIVE + i].exp());
+        let rounding = self.wheels.rounding_rad;
+        let sensor = ((sizes[6] * sizes[6] + rounding * rounding) * 0.5).sqrt();
+        for (channel, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let noise = ChannelNoise {
+                disturbance_rad_s: sizes[3 * channel],
+                time_s: sizes[3 * channel + 1],
+                walk: sizes[3 * channel + 2],
+                sensor,
+                stamp_s: sizes[7],
+            };
+            let half = |pair: &[S; 2]| (pair[0] + pair[1] * sign) * 0.5;
+            let rows = simulated.iter().map(|(row, rest, speed)| ChannelRow {
+                time_s: row.time_s,
+                rest: half(rest),
+                speed_rad_s: half(speed),
+                counts: row.counts,
+            });
+            let mut after = |t_s: f64, d: S| after(channel, t_s, d);
+            match self.wheels.kind {
+                WheelKind::Angle => wheel_channel::angles(rows, &noise, sink, &mut after),
+                WheelKind::Speed => wheel_channel::speeds(rows, &noise, sink, &mut after),
+            }
+        }
+    }
+}
+
+impl Likelihood for CommandToWheels {
+    fn blocks(&self) -> usize {
+        self.runs.last().map_or(0, |run| run.blocks.end())
+    }
+
+    fn run_of(&self) -> Vec<usize> {
+        let runs = self.runs.iter().enumerate();
+        runs.flat_map(|(i, run)| vec![i; run.blocks.count])
+            .collect()
+    }
+
+    fn is_shared(&self, _: usize) -> bool {
+        true
+    }
+
+    fn value(&self, at: &[f64]) -> Vec<f64> {
+        let runs = self.runs.par_iter().map(|run| {
+            let mut own = vec![0.0; run.blocks.count];
+            let mut sink = |row: Innovation<f64>| {
+                own[run.blocks.of(row.time_s)] += row.weight * row.log_likelihood;
+            };
+            run.filter(at, &mut sink, &mut |_, _, _| ());
+            own
+        });
+        runs.collect::<Vec<_>>().concat()
+    }
+
+    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        let mut blocks = empty(Likelihood::blocks(self), free.len());
+        let places: Vec<usize> = (0..free.len()).collect();
+        let all = self.runs.par_iter().map(|run| {
+            let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
+                run.filter(p, sink, &mut |_, _, _| ());
+            };
+            Rows::new(at, free, filter, |t_s| run.blocks.first + run.blocks.of(t_s))
+        });
+        for rows in all.collect::<Vec<_>>() {
+            rows.add_to(&mut blocks, &places);
+        }
+        blocks
+    }
+}
