@@ -1,21 +1,23 @@
 //! Recording and model in; what the model leaves out, where, how much and how sure, out.
 
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
+mod answer;
 mod data;
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
+mod dev;
+mod diagnosis;
 mod estimate;
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
 mod explain;
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
 mod filter;
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
 mod model;
-#[cfg_attr(not(test), allow(dead_code, reason = "the new engine, not in use yet"))]
 mod select;
+pub use dev::{dev, dev2};
 mod windows;
 
-pub use windows::{
-    Against, Answer, Figures, Finding, HeldOut, HeldOutChannel, Illustrated, InputError, Limit,
-    MissingForce, ParameterEstimate, Paths, Point, Prediction, Request, Residuals, Seen,
-    Unexplained, Verdict, Warning, diagnose, diagnose_with_figures, in_digits, manoeuvre, predict,
+pub use answer::{
+    Against, Answer, Budget, BudgetPart, Evidence, Figures, Finding, HeldOut, HeldOutChannel,
+    Limit, MissingForce, Outliers, ParameterEstimate, Paths, Place, Point, ProcessNoise, Residuals,
+    Seen, Unexplained, Verdict, Warning, in_digits, manoeuvre,
 };
+pub use diagnosis::{Illustrated, Request, diagnose, diagnose_with_figures};
+/// Why a recording cannot be diagnosed.
+pub use slipstream_bus::InputError;
+pub use windows::{Prediction, predict};

@@ -9,7 +9,7 @@ use crate::filter::wheels_to_pose::PoseRow;
 const LEAST_POSES: usize = 20;
 const LEAST_RATES: usize = 40;
 /// Time between the rows of a thinned series (s): poses, gyro.
-const POSE_STEP_S: f64 = 0.5;
+pub(crate) const POSE_STEP_S: f64 = 0.5;
 const GYRO_STEP_S: f64 = 0.25;
 /// Most rows of one series, and of all series together.
 const SERIES_ROWS: f64 = 1000.0;

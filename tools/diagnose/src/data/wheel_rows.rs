@@ -81,7 +81,8 @@ pub(crate) fn rows(
 }
 
 fn values(robot: &Robot, model: &RobotModel) -> Option<(WheelKind, f64, Vec<[f64; 2]>)> {
-    let pairs = |right: &[f64], left: &[f64]| right.iter().zip(left).map(|(&r, &l)| [r, l]).collect();
+    let pairs =
+        |right: &[f64], left: &[f64]| right.iter().zip(left).map(|(&r, &l)| [r, l]).collect();
     match &robot.wheels.as_ref()?.values {
         Wheels::Ticks { right, left } => {
             let tick = TAU / f64::from(robot.counts_per_rev(Some(model))?);
@@ -172,9 +173,7 @@ pub(crate) fn is_running(wheels: &WheelRows, commands: &CommandPath) -> bool {
     let command = commands.speeds_rad_s[0];
     (0..2).all(|i| {
         let speed = match wheels.kind {
-            WheelKind::Angle => {
-                (later.values[i] - first.values[i]) / (later.time_s - first.time_s)
-            }
+            WheelKind::Angle => (later.values[i] - first.values[i]) / (later.time_s - first.time_s),
             WheelKind::Speed => first.values[i],
         };
         (speed - command[i]).abs() <= RUNNING_SHARE * command[i].abs()

@@ -6,6 +6,7 @@
 pub(crate) mod blocks;
 pub(crate) mod cluster;
 pub(crate) mod information;
+pub(crate) mod masked;
 pub(crate) mod scoring;
 
 use nalgebra::{DMatrix, DVector};

@@ -3,15 +3,17 @@
 
 use slipstream_bus::RobotModel;
 
-use super::terms;
+use super::terms::{self, OFFSET, OFFSET_TURN};
+use super::thresholds::{Thresholds, levels};
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::model::drive::{DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
-    COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS, RUN_SCALE,
-    RUN_TRACK, TRACK, View,
+    COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
+    RUN_SCALE, RUN_TRACK, Source, TRACK, View,
 };
 use crate::select::criterion::Criterion;
-use crate::select::elimination::{Elimination, Selected, Term};
+use crate::select::elimination::{Elimination, Kept, Selected, Term};
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -24,10 +26,14 @@ const LATENCIES_S: [f64; 12] = [
 ];
 /// Side maxima lie about one sampling interval beside the best one (s).
 const BESIDE_S: [f64; 6] = [-0.1, -0.05, -0.025, 0.025, 0.05, 0.1];
+/// Where the search looks for them.
+const LATENCIES: [usize; 3] = [POSE_LATENCY, GYRO_LATENCY, DRIVE_FIRST + DELAY];
+/// Lag of a drive from which the search starts (s).
+const LAG_S: f64 = 0.05;
 /// A start this much worse than the best is not followed (nats).
 const FOLLOWED_NATS: f64 = 5.0;
 /// What the rate of a clock has to gain before anything may lean on it (nats).
-const RATE_NATS: f64 = 6.0;
+pub(super) const RATE_NATS: f64 = 6.0;
 /// Runs differ when the probability of their spread without a difference is below this.
 const RUNS_DIFFER: f64 = 1e-3;
 /// Differences of scale and of track between runs that nobody would call one.
@@ -36,6 +42,11 @@ const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
 /// What a calibration found.
 pub(crate) struct Calibration {
     pub(crate) after: Selected,
+    /// Whether scale and track are those of each run.
+    pub(crate) by_run: [bool; 2],
+    pub(crate) criterion: Criterion,
+    /// Ends of the interval in which a dead band of the drive cannot be told apart (rad/s).
+    pub(crate) band_rad_s: [f64; 2],
 }
 
 impl Calibration {
@@ -45,6 +56,9 @@ impl Calibration {
         model: &RobotModel,
         excluded: &[String],
     ) -> Option<Self> {
+        if !machine.has_pose() && !machine.has_gyro() {
+            return None;
+        }
         let nominal = machine.nominal(model);
         let robust = View {
             machine,
@@ -69,7 +83,8 @@ impl Calibration {
             excluded,
         };
         let mut terms = search.terms([false; 2]);
-        let mut fit = search.full(&mut terms);
+        let (mut fit, band_rad_s) = search.full(&mut terms);
+        let mut by_run = [false; 2];
         if machine.runs.len() > 1 {
             let same = |other: &[Term]| {
                 let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
@@ -82,7 +97,7 @@ impl Calibration {
             let apart = same(&search.terms([true; 2]));
             let (free, physics) = search.elimination(&apart).free(&apart);
             let own = problem.fit(&fit.at, &free, FULL);
-            let by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
+            by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
             if by_run != [false; 2] {
                 terms = same(&search.terms(by_run));
                 let mut at = own.at.clone();
@@ -90,38 +105,15 @@ impl Calibration {
                 fit = problem.fit(&at, &search.elimination(&terms).free(&terms).0, FULL);
             }
         }
-        let after = search.elimination(&terms).run(fit, &terms)?;
-        Some(Self { after })
-    }
-
-    /// Deviation of a linear combination of free parameters, given as (index, weight).
-    pub(crate) fn deviation(&self, weights: &[(usize, f64)]) -> f64 {
-        let place = |index: usize| self.after.fit.free.iter().position(|f| *f == index);
-        let used: Vec<(usize, f64)> = weights
-            .iter()
-            .filter_map(|(i, w)| Some((place(*i)?, *w)))
-            .collect();
-        let mut variance = 0.0;
-        for (a, wa) in &used {
-            for (b, wb) in &used {
-                variance += wa * wb * self.after.precision.covariance[(*a, *b)];
-            }
-        }
-        for (index, weight) in weights {
-            variance += weight * weight * self.floor(*index);
-        }
-        variance.max(0.0).sqrt()
-    }
-
-    fn floor(&self, index: usize) -> f64 {
-        let mut floors = self
-            .after
-            .kept
-            .iter()
-            .flat_map(|k| k.term.parameters.iter().zip(&k.term.floors));
-        floors
-            .find(|(own, _)| **own == index)
-            .map_or(0.0, |(_, floor)| *floor)
+        let elimination = search.elimination(&terms);
+        let after = elimination.run(fit, &terms)?;
+        let after = search.offsets_together(after, &terms)?;
+        Some(Self {
+            after,
+            by_run,
+            criterion: elimination.criterion,
+            band_rad_s,
+        })
     }
 }
 
@@ -157,8 +149,15 @@ impl Search<'_> {
 
     /// The fit with all of `terms`: first without outliers and clocks, then with outliers, then from
     /// several latencies. Rates of clocks that gain little are taken out of `terms`.
-    fn full(&self, terms: &mut Vec<Term>) -> Fit {
-        let clocks = [POSE_LATENCY, GYRO_LATENCY, POSE_RATE, GYRO_RATE];
+    fn full(&self, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let clocks = [
+            POSE_LATENCY,
+            GYRO_LATENCY,
+            POSE_RATE,
+            GYRO_RATE,
+            DRIVE_FIRST + DELAY,
+            DRIVE_FIRST + LAG,
+        ];
         let free_of = |keep: &dyn Fn(usize) -> bool, terms: &[Term]| {
             let (free, _) = self.elimination(terms).free(terms);
             free.into_iter().filter(|i| keep(*i)).collect::<Vec<_>>()
@@ -178,17 +177,29 @@ impl Search<'_> {
             at[*index] -= 0.3;
         }
         let first = self.problem.fit(&at, &still, ROUGH);
-        let lean = free_of(&|i| i != POSE_RATE && i != GYRO_RATE, terms);
+        let saturation = DRIVE_FIRST + SATURATION;
+        let rates = [POSE_RATE, GYRO_RATE];
+        let lean = free_of(&|i| !rates.contains(&i) && i != saturation, terms);
+        let mut first = first;
+        if lean.contains(&(DRIVE_FIRST + LAG)) {
+            // without any lag there is no derivative by it
+            first.at[DRIVE_FIRST + LAG] += LAG_S;
+        }
         let mut best = self.best_of_latencies(&first, &lean);
-        for clock in [POSE_LATENCY, GYRO_LATENCY] {
+        for clock in LATENCIES {
             if lean.contains(&clock) {
                 best = self.beside(best, &lean, clock);
             }
         }
-        let all = free_of(&|_| true, terms);
+        let mut band_rad_s = [0.0; 2];
+        if self.machine.is_commanded() {
+            (best, band_rad_s) = self.with_thresholds(best, terms);
+        }
+        let has_saturation = terms.iter().any(|t| t.parameters.contains(&saturation));
+        let all = free_of(&|i| i != saturation || has_saturation, terms);
         let rated = self.problem.fit(&best.at, &all, FULL);
         if rated.objective - best.objective > RATE_NATS {
-            return rated;
+            return (rated, band_rad_s);
         }
         terms.retain(|term| {
             !term
@@ -196,13 +207,13 @@ impl Search<'_> {
                 .iter()
                 .any(|i| *i == POSE_RATE || *i == GYRO_RATE)
         });
-        best
+        (best, band_rad_s)
     }
 
     fn best_of_latencies(&self, first: &Fit, lean: &[usize]) -> Fit {
         let value = self.problem.objective(&first.at, lean);
         let mut starts = vec![first.at.clone()];
-        for clock in [POSE_LATENCY, GYRO_LATENCY] {
+        for clock in LATENCIES {
             if !lean.contains(&clock) {
                 continue;
             }
@@ -230,6 +241,26 @@ impl Search<'_> {
         let best = fits.max_by(|a, b| a.objective.total_cmp(&b.objective));
         let best = best.unwrap_or_else(|| first.clone());
         self.problem.fit(&best.at, lean, FULL)
+    }
+
+    /// The fit with thresholds of the drive.
+    fn with_thresholds(&self, best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let commands = self
+            .machine
+            .runs
+            .iter()
+            .filter_map(|run| match &run.wheels {
+                Source::Measured(_) => None,
+                Source::Commanded(path) => Some(path),
+            });
+        let thresholds = Thresholds {
+            problem: self.problem,
+            first: DRIVE_FIRST,
+            top_rad_s: self.machine.largest_rad_s(),
+            levels_rad_s: levels(commands),
+        };
+        let best = thresholds.saturated(best, terms);
+        thresholds.banded(best, terms)
     }
 
     /// Looks for a better maximum beside the one that was found.
@@ -282,6 +313,34 @@ impl Search<'_> {
                 .sum();
             let spread = ChiSquared::new(values.len() as f64 - 1.0).map_or(1.0, |c| c.sf(q));
             spread < RUNS_DIFFER || parameter == RUN_TRACK && self.machine.skids
+        })
+    }
+
+    /// A mounting is known by place and yaw: where one of them is needed, both are estimated.
+    fn offsets_together(&self, found: Selected, terms: &[Term]) -> Option<Selected> {
+        let has = |name: &str| found.kept.iter().any(|kept| kept.term.name == name);
+        let missing = match [OFFSET, OFFSET_TURN].map(has) {
+            [true, false] => OFFSET_TURN,
+            [false, true] => OFFSET,
+            _ => return Some(found),
+        };
+        let Some(term) = terms.iter().find(|term| term.name == missing) else {
+            return Some(found);
+        };
+        let mut kept = found.kept;
+        kept.push(Kept {
+            term: term.clone(),
+            gain: 0.0,
+            wald: 0.0,
+        });
+        let all: Vec<Term> = kept.iter().map(|kept| kept.term.clone()).collect();
+        let (free, physics) = self.elimination(&all).free(&all);
+        let fit = self.problem.fit(&found.fit.at, &free, FULL);
+        let precision = Precision::new(self.problem, &fit, physics)?;
+        Some(Selected {
+            fit,
+            precision,
+            kept,
         })
     }
 
@@ -433,7 +492,7 @@ mod tests {
             (POSE_LATENCY, 0.08),
         ] {
             let error = (found.after.fit.at[index] - truth).abs();
-            let deviation = found.deviation(&[(index, 1.0)]);
+            let deviation = found.after.deviation(&[(index, 1.0)]);
             // the interval has a floor: what nobody would call a difference
             assert!(error < 3.5 * deviation, "{index}: {error} of {deviation}");
             assert!(deviation < 0.012, "{index}: {deviation}");

@@ -3,11 +3,15 @@
 
 use slipstream_bus::RobotModel;
 
+use super::calibration::RATE_NATS;
 use super::open_loop::drive_error;
-use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use super::terms::RATE_CAUTION;
+use super::thresholds::{Thresholds, levels};
+use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{
-    DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE, SLOW_TIME,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
+    SLOW_TIME,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected, Term};
@@ -21,12 +25,8 @@ const ROUGH: SearchLimits = SearchLimits {
 const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
 /// Lag from which it starts (s).
 const LAGS_S: [f64; 2] = [0.02, 0.15];
-/// Saturations from which it starts, as shares of the largest command.
-const SATURATIONS: [f64; 4] = [0.98, 0.9, 0.75, 0.55];
-/// Dead zone from which it starts, likewise.
+/// Dead zone from which it starts, as a share of the largest command.
 const DEAD_ZONE_SHARE: f64 = 0.02;
-/// Most dead bands that are tried.
-const BANDS: usize = 12;
 /// What lasts has to lower the error of predictions by this share.
 const USE_SHARE: f64 = 0.02;
 /// Sizes below which nobody would call it a difference: delay and lag (s), gain, share of the largest
@@ -35,6 +35,7 @@ const TIME_FLOOR_S: f64 = 1e-3;
 const GAIN_FLOOR: f64 = 1e-3;
 const COMMAND_SHARE: f64 = 1e-3;
 const SAG_FLOOR: f64 = 2e-5;
+const CLOCK_FLOOR: f64 = 1e-5;
 
 /// Names of the terms.
 pub(crate) const DELAY_TERM: &str = "delay";
@@ -44,6 +45,7 @@ pub(crate) const BAND_TERM: &str = "dead band";
 pub(crate) const ZONE_TERM: &str = "dead zone";
 pub(crate) const SATURATION_TERM: &str = "saturation";
 pub(crate) const SAG_TERM: &str = "sag";
+pub(crate) const CLOCK_TERM: &str = "wheel clock";
 const SLOW_TERM: &str = "slow response";
 
 /// What was found of a drive.
@@ -61,7 +63,7 @@ pub(crate) struct DriveFit {
 /// largest command (rad/s).
 pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Term> {
     let command = COMMAND_SHARE * top_rad_s;
-    let all: [(&str, &'static str, &[(usize, f64)]); 7] = [
+    let all: [(&str, &'static str, &[(usize, f64)]); 8] = [
         ("actuator_delay", DELAY_TERM, &[(DELAY, TIME_FLOOR_S)]),
         ("actuator_lag", LAG_TERM, &[(LAG, TIME_FLOOR_S)]),
         (
@@ -70,8 +72,13 @@ pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Te
             &[(GAIN, GAIN_FLOOR), (GAIN_ASYMMETRY, GAIN_FLOOR)],
         ),
         ("command_dead_zone", ZONE_TERM, &[(DEAD_ZONE, command)]),
-        ("command_saturation", SATURATION_TERM, &[(SATURATION, command)]),
+        (
+            "command_saturation",
+            SATURATION_TERM,
+            &[(SATURATION, command)],
+        ),
         ("supply_sag", SAG_TERM, &[(SAG, SAG_FLOOR)]),
+        ("clock_drift", CLOCK_TERM, &[(CLOCK, CLOCK_FLOOR)]),
         ("", SLOW_TERM, &[(SLOW_SHARE, 0.01), (SLOW_TIME, 1.0)]),
     ];
     let allowed = all
@@ -83,7 +90,12 @@ pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Te
                 .iter()
                 .map(|(index, floor)| (first + index, *floor))
                 .collect();
-            let mut term = super::terms::term(name, &shifted, 1.0);
+            let caution = if name == CLOCK_TERM {
+                RATE_CAUTION
+            } else {
+                1.0
+            };
+            let mut term = super::terms::term(name, &shifted, caution);
             term.positive = [ZONE_TERM, SATURATION_TERM, SAG_TERM].contains(&name);
             term.lasting = [GAIN_TERM, ZONE_TERM, SATURATION_TERM, SAG_TERM].contains(&name);
             term
@@ -96,18 +108,6 @@ pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Te
         terms.push(band);
     }
     terms
-}
-
-/// Levels between which a dead band may lie (rad/s): halfway between sizes of commands.
-pub(super) fn bands(levels: &[f64]) -> Vec<[f64; 2]> {
-    let bounds: Vec<f64> = std::iter::once(0.0).chain(levels.iter().copied()).collect();
-    let gaps: Vec<[f64; 2]> = bounds
-        .windows(2)
-        .skip(1)
-        .map(|pair| [pair[0], pair[1]])
-        .collect();
-    let stride = gaps.len().div_ceil(BANDS).max(1);
-    gaps.into_iter().step_by(stride).collect()
 }
 
 struct Search<'a> {
@@ -205,10 +205,10 @@ impl Search<'_> {
     /// dead band.
     fn full(&self, before: &Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
         let first = self.response(before, terms);
-        let mut names: Vec<&str> = terms
+        let names: Vec<&str> = terms
             .iter()
             .map(|t| t.name)
-            .filter(|name| *name != SATURATION_TERM)
+            .filter(|name| ![SATURATION_TERM, CLOCK_TERM].contains(name))
             .collect();
         let mut at = first.at.clone();
         if at[DEAD_ZONE] == 0.0 {
@@ -216,25 +216,23 @@ impl Search<'_> {
         }
         at[SLOW_SHARE] = 0.05;
         let mut best = self.problem.fit(&at, &self.free(&names, terms), FULL);
-        if terms.iter().any(|t| t.name == SATURATION_TERM) {
-            names.push(SATURATION_TERM);
-            let free = self.free(&names, terms);
-            let limited = SATURATIONS.iter().map(|share| {
-                let mut at = best.at.clone();
-                if at[SATURATION] == 0.0 {
-                    at[SATURATION] = share * self.drive.largest_rad_s;
-                }
-                self.problem.fit(&at, &free, SHORT)
-            });
-            let limited = limited.max_by(|a, b| a.objective.total_cmp(&b.objective));
-            match limited {
-                Some(limited) if limited.objective > best.objective => {
-                    best = self.problem.fit(&limited.at, &free, FULL);
-                }
-                _ => terms.retain(|t| t.name != SATURATION_TERM),
-            }
+        let thresholds = Thresholds {
+            problem: &self.problem,
+            first: 0,
+            top_rad_s: self.drive.largest_rad_s,
+            levels_rad_s: levels(self.drive.runs.iter().map(|run| &run.commands)),
+        };
+        best = thresholds.saturated(best, terms);
+        let (mut best, band_rad_s) = thresholds.banded(best, terms);
+        let mut free = self.free(&[CLOCK_TERM], terms);
+        free.extend(best.free.iter().filter(|i| !self.noise.contains(i)));
+        let rated = self.problem.fit(&best.at, &free, FULL);
+        if rated.objective - best.objective > RATE_NATS {
+            best = rated;
+        } else {
+            terms.retain(|t| t.name != CLOCK_TERM);
         }
-        self.banded(best, terms)
+        (best, band_rad_s)
     }
 
     /// Delay, lag and gain from several starts.
@@ -267,41 +265,9 @@ impl Search<'_> {
             .max_by(|a, b| a.objective.total_cmp(&b.objective));
         best.unwrap_or(gained)
     }
-
-    /// Tries every dead band beside `best`.
-    fn banded(&self, best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
-        let own = |t: &Term| t.name == BAND_TERM;
-        let mut levels: Vec<f64> = self
-            .drive
-            .runs
-            .iter()
-            .flat_map(|run| run.commands.levels_rad_s())
-            .collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        let of = |band: [f64; 2]| {
-            let mut at = best.at.clone();
-            at[DEAD_BAND] = f64::midpoint(band[0], band[1]);
-            (self.problem.objective(&at, &best.free), at, band)
-        };
-        let tried = bands(&levels).into_iter().map(of);
-        let found = tried.max_by(|a, b| a.0.total_cmp(&b.0));
-        let found = found.filter(|_| terms.iter().any(own));
-        if let Some((value, at, band)) = found {
-            if value > best.objective {
-                let fit = self.problem.fit(&at, &best.free, FULL);
-                return (fit, band);
-            }
-        }
-        terms.retain(|t| !own(t));
-        (best, [0.0; 2])
-    }
 }
 
 /// Whether a parameter belongs to the slow response, which is no effect.
 pub(crate) fn is_nuisance(term: &Term) -> bool {
     term.name == SLOW_TERM
 }
-
-/// Parameters of the gains.
-pub(crate) const GAINS: [usize; 2] = [GAIN, GAIN_ASYMMETRY];

@@ -1,6 +1,14 @@
 //! What a recording says beyond a fit: which terms it needs, and what each is worth.
 
+mod budget;
 pub(crate) mod calibration;
+pub(crate) mod claim;
 pub(crate) mod drive;
+pub(crate) mod finding;
+pub(crate) mod kinematic;
 mod open_loop;
+pub(crate) mod pictures;
+pub(crate) mod prediction;
+pub(crate) mod reading;
 mod terms;
+mod thresholds;

@@ -1,8 +1,9 @@
 //! The terms that wheels and a reference can show, with what nobody would call a difference.
 
+use super::drive::{self, CLOCK_TERM, GAIN_TERM};
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y, OFFSET_YAW,
-    POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y,
+    OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
 };
 use crate::select::elimination::Term;
 
@@ -10,7 +11,7 @@ use crate::select::elimination::Term;
 const STAMP_SHARE: f64 = 0.1;
 /// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
 const LATENCY_CAUTION: f64 = 1.3;
-const RATE_CAUTION: f64 = 1.75;
+pub(super) const RATE_CAUTION: f64 = 1.75;
 /// Two simulators differ by this much in factors and angles, and in lengths by this share of the half
 /// track.
 const FACTOR_FLOOR: f64 = 1e-4;
@@ -19,6 +20,12 @@ const LENGTH_SHARE: f64 = 1e-3;
 const GYRO_ASYMMETRY: f64 = 0.004;
 /// Radii and track are one calibration: they are estimated, kept and removed together.
 pub(crate) const GEOMETRY: &str = "geometry";
+pub(crate) const OFFSET: &str = "offset";
+pub(crate) const OFFSET_TURN: &str = "offset yaw";
+pub(crate) const POSE_LATE: &str = "pose latency";
+pub(crate) const POSE_CLOCK: &str = "pose rate";
+pub(crate) const GYRO_LATE: &str = "gyro latency";
+pub(crate) const GYRO_CLOCK: &str = "gyro rate";
 
 /// Every term that the streams can show, without effects that are excluded. `by_run`: scale and track
 /// are those of each run.
@@ -41,6 +48,13 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
     if !geometry.is_empty() {
         terms.push(term(GEOMETRY, &geometry, 1.0));
     }
+    if machine.is_commanded() {
+        let drive = drive::terms(DRIVE_FIRST, machine.largest_rad_s(), excluded);
+        // a gain and a radius are one where no wheels were recorded, a clock runs against those of
+        // the sensors, and a slow response is no effect
+        let apart = |t: &Term| ![GAIN_TERM, CLOCK_TERM].contains(&t.name) && !drive::is_nuisance(t);
+        terms.extend(drive.into_iter().filter(apart));
+    }
     terms
 }
 
@@ -60,7 +74,10 @@ fn sensor_terms(machine: &FromWheels) -> Vec<(&'static str, Term)> {
         let intervals_s = machine.runs.iter().map(interval_s);
         STAMP_SHARE * intervals_s.fold(0.0, f64::max)
     };
-    let durations_s = machine.runs.iter().map(|run| run.blocks.span_s[1] - run.blocks.span_s[0]);
+    let durations_s = machine
+        .runs
+        .iter()
+        .map(|run| run.blocks.span_s[1] - run.blocks.span_s[0]);
     let duration_s = durations_s.fold(1.0, f64::max);
     let [pose_s, gyro_s] = [
         stamp_s(Run::pose_interval_s),
@@ -70,27 +87,26 @@ fn sensor_terms(machine: &FromWheels) -> Vec<(&'static str, Term)> {
     let mut terms = Vec::new();
     if machine.has_pose() {
         let offset = [(OFFSET_X, length_m), (OFFSET_Y, length_m)];
-        terms.push(("pose_offset", term("offset", &offset, 1.0)));
-        let latency = [(POSE_LATENCY, pose_s)];
-        terms.push((
-            "pose_latency",
-            term("pose latency", &latency, LATENCY_CAUTION),
-        ));
+        terms.push(("pose_offset", term(OFFSET, &offset, 1.0)));
+        if !machine.is_commanded() {
+            // else a late pose and a late command are one
+            let latency = [(POSE_LATENCY, pose_s)];
+            terms.push(("pose_latency", term(POSE_LATE, &latency, LATENCY_CAUTION)));
+        }
         let rate = [(POSE_RATE, pose_s / duration_s)];
-        terms.push(("clock_drift", term("pose rate", &rate, RATE_CAUTION)));
+        terms.push(("clock_drift", term(POSE_CLOCK, &rate, RATE_CAUTION)));
     }
     if machine.has_heading() {
         let yaw = [(OFFSET_YAW, FACTOR_FLOOR)];
-        terms.push(("pose_offset", term("offset yaw", &yaw, 1.0)));
+        terms.push(("pose_offset", term(OFFSET_TURN, &yaw, 1.0)));
     }
     if machine.has_gyro() {
-        let latency = [(GYRO_LATENCY, gyro_s)];
-        terms.push((
-            "imu_latency",
-            term("gyro latency", &latency, LATENCY_CAUTION),
-        ));
+        if machine.has_pose() || !machine.is_commanded() {
+            let latency = [(GYRO_LATENCY, gyro_s)];
+            terms.push(("imu_latency", term(GYRO_LATE, &latency, LATENCY_CAUTION)));
+        }
         let rate = [(GYRO_RATE, gyro_s / duration_s)];
-        terms.push(("clock_drift", term("gyro rate", &rate, RATE_CAUTION)));
+        terms.push(("clock_drift", term(GYRO_CLOCK, &rate, RATE_CAUTION)));
     }
     terms
 }

@@ -7,7 +7,7 @@ use slipstream_sim::Scalar;
 
 use super::Innovation;
 use super::mixture::{COMPONENTS, PROBABILITY, PROCESS, SENSOR, posterior};
-use super::wheel_path::WheelPath;
+use super::wheel_path::Turned;
 
 /// Physical parameters.
 pub(crate) const PHYSICS: usize = 6;
@@ -24,7 +24,6 @@ const LEAST_VARIANCE: f64 = 1e-16;
 /// One robot's data and nominal geometry.
 #[derive(Debug)]
 pub(crate) struct Gyro<'a> {
-    pub(crate) wheels: &'a WheelPath,
     /// Thinned series of the integrated gyro: stamp (s), angle (rad).
     pub(crate) series: &'a [Vec<(f64, f64)>],
     pub(crate) wheel_radius_m: f64,
@@ -37,7 +36,12 @@ impl Gyro<'_> {
     /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, latency
     /// (s), clock rate, bias (rad/s); then logs of: yaw per root metre, per root radian, per root
     /// second, angle noise (rad), stamp noise (s), disturbance relative to the motion, its time (s).
-    pub(crate) fn run<S: Scalar>(&self, p: &[S], sink: &mut dyn FnMut(Innovation<S>)) {
+    pub(crate) fn run<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        p: &[S],
+        sink: &mut dyn FnMut(Innovation<S>),
+    ) {
         let weight = 1.0 / self.series.len() as f64;
         let metres_per_rad = [
             p[0].exp() * self.wheel_radius_m,
@@ -51,7 +55,7 @@ impl Gyro<'_> {
         for rows in self.series {
             let Some(first) = rows.first() else { continue };
             let (mut hint, mut last_s) = (0, time(first.0));
-            let mut angles = self.wheels.at(last_s, &mut hint);
+            let mut angles = wheels.angles_at(last_s, &mut hint);
             let zero = S::constant(0.0);
             let mut state = [zero; 2];
             let mut cov = [q[3], zero, zero];
@@ -61,7 +65,7 @@ impl Gyro<'_> {
                 let next_s = time(row.0);
                 let dt = next_s - last_s;
                 last_s = next_s;
-                let next = self.wheels.at(next_s, &mut hint);
+                let next = wheels.angles_at(next_s, &mut hint);
                 let turned = [next[0] - angles[0], next[1] - angles[1]];
                 angles = next;
                 let turn =

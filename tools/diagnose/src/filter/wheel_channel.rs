@@ -56,8 +56,7 @@ impl<S: Scalar> ChannelNoise<S> {
         let reach_s = self.time_s * (one - decay);
         let variance = self.disturbance_rad_s * self.disturbance_rad_s;
         let both = variance * self.time_s * (one - decay) * (one - decay);
-        let angle =
-            variance * (self.time_s * (S::constant(h) - reach_s) * 2.0 - reach_s * reach_s);
+        let angle = variance * (self.time_s * (S::constant(h) - reach_s) * 2.0 - reach_s * reach_s);
         // the difference of nearly equal numbers, where h is much shorter than the time constant
         let angle = if angle.value() > 0.0 {
             angle
@@ -76,10 +75,9 @@ impl<S: Scalar> ChannelNoise<S> {
 fn innovation<S: Scalar>(row: &ChannelRow<S>, difference: S, variance: S) -> Innovation<S> {
     let zero = S::constant(0.0);
     let z = difference * difference / variance;
-    let log_likelihood = (variance.ln()
-        + (z * (1.0 / (FREEDOM - 2.0)) + 1.0).ln() * (FREEDOM + 1.0))
-        * -0.5
-        + LOG_NORMALISATION;
+    let log_likelihood =
+        (variance.ln() + (z * (1.0 / (FREEDOM - 2.0)) + 1.0).ln() * (FREEDOM + 1.0)) * -0.5
+            + LOG_NORMALISATION;
     let weight = (FREEDOM + 1.0) / (FREEDOM - 2.0 + z.value());
     Innovation {
         time_s: row.time_s,
@@ -117,7 +115,9 @@ pub(crate) fn angles<S: Scalar>(
         x += reach_s * d;
         d *= decay;
         let own = [
-            p[0] + reach_s * p[1] * 2.0 + reach_s * reach_s * p[2] + q[0]
+            p[0] + reach_s * p[1] * 2.0
+                + reach_s * reach_s * p[2]
+                + q[0]
                 + noise.walk * noise.walk * h,
             decay * (p[1] + reach_s * p[2]) + q[1],
             decay * decay * p[2] + q[2],
@@ -198,7 +198,10 @@ mod tests {
         let x = 1.0 + p / s * 0.5;
         let next = p - p * p / s + 0.18 + 0.04;
         for ((e, v), (wanted_e, wanted_v)) in seen.iter().zip([(0.5, s), (1.2 - x, next)]) {
-            assert!((e - wanted_e).abs() < 1e-9 && (v - wanted_v).abs() < 1e-9, "{e} {v}");
+            assert!(
+                (e - wanted_e).abs() < 1e-9 && (v - wanted_v).abs() < 1e-9,
+                "{e} {v}"
+            );
         }
     }
 }

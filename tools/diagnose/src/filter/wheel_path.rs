@@ -1,6 +1,12 @@
-//! Angles of both wheels over time, interpolated linearly.
+//! Angles of both wheels over time: measured and interpolated linearly, or simulated.
 
 use slipstream_sim::{Pair, Scalar};
+
+/// Wheel angles, [right, left] (rad), at any time.
+pub(crate) trait Turned<S> {
+    /// The angles at `time_s`. `hint` is what was found last and makes rising times cheap.
+    fn angles_at(&self, time_s: S, hint: &mut usize) -> Pair<S>;
+}
 
 /// Measured wheel angles, [right, left] (rad), at rising times (s).
 #[derive(Debug, Clone, Default)]
@@ -9,10 +15,9 @@ pub(crate) struct WheelPath {
     pub(crate) angles_rad: Vec<[f64; 2]>,
 }
 
-impl WheelPath {
-    /// The angles at `time_s`; before the first and after the last row the wheels stand. `hint` is
-    /// the row found last and makes rising times cheap.
-    pub(crate) fn at<S: Scalar>(&self, time_s: S, hint: &mut usize) -> Pair<S> {
+impl<S: Scalar> Turned<S> for WheelPath {
+    /// Before the first and after the last row the wheels stand.
+    fn angles_at(&self, time_s: S, hint: &mut usize) -> Pair<S> {
         let t = time_s.value();
         let times = &self.times_s;
         let last = times.len() - 1;
@@ -36,7 +41,9 @@ impl WheelPath {
         let passed_s = time_s - S::constant(times[row]);
         [0, 1].map(|wheel| passed_s * ((to[wheel] - from[wheel]) / span_s) + from[wheel])
     }
+}
 
+impl WheelPath {
     /// Median time between rows (s).
     pub(crate) fn interval_s(&self) -> f64 {
         median_interval(&self.times_s)

@@ -9,7 +9,7 @@
 use slipstream_sim::Scalar;
 
 use super::row_update::{Row, State};
-use super::wheel_path::WheelPath;
+use super::wheel_path::Turned;
 use super::{Innovation, wrapped};
 
 /// Physical parameters: see [`Physics`].
@@ -25,7 +25,6 @@ pub(crate) type PoseRow = (f64, [f64; 3]);
 /// One robot's data and nominal geometry.
 #[derive(Debug)]
 pub(crate) struct WheelsToPose<'a> {
-    pub(crate) wheels: &'a WheelPath,
     /// Thinned series; their log-likelihoods are averaged (composite likelihood; Varin, Reid and
     /// Firth 2011).
     pub(crate) series: &'a [Vec<PoseRow>],
@@ -69,13 +68,19 @@ struct Noise<S> {
 impl WheelsToPose<'_> {
     /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, offset
     /// x, y (m), yaw (rad), latency (s), clock rate; then the logs of the nine noise sizes.
-    pub(crate) fn run<S: Scalar>(&self, parameters: &[S], sink: &mut dyn FnMut(Innovation<S>)) {
-        self.follow(parameters, sink, &mut |_, _| ());
+    pub(crate) fn run<S: Scalar>(
+        &self,
+        wheels: &dyn Turned<S>,
+        parameters: &[S],
+        sink: &mut dyn FnMut(Innovation<S>),
+    ) {
+        self.follow(wheels, parameters, sink, &mut |_, _| ());
     }
 
     /// As [`run`](Self::run); `seen` also hears the filtered pose of the axle after every row.
     pub(crate) fn follow<S: Scalar>(
         &self,
+        wheels: &dyn Turned<S>,
         parameters: &[S],
         sink: &mut dyn FnMut(Innovation<S>),
         seen: &mut dyn FnMut(f64, [S; 3]),
@@ -88,13 +93,14 @@ impl WheelsToPose<'_> {
             let mut state = self.first(&physics, first);
             let mut hint = 0;
             let mut time_s = physics.time(first.0);
-            let mut angles = self.wheels.at(time_s, &mut hint);
+            let mut angles = wheels.angles_at(time_s, &mut hint);
             for (at, row) in rows.iter().enumerate() {
                 let mut rates = [S::constant(0.0); 2];
                 state.q = [[S::constant(0.0); 3]; 3];
                 if at > 0 {
                     let next_s = physics.time(row.0);
                     rates = self.travel(
+                        wheels,
                         &physics,
                         &noise,
                         &mut state,
@@ -157,6 +163,7 @@ impl WheelsToPose<'_> {
     #[expect(clippy::too_many_arguments, reason = "one step of a filter")]
     fn travel<S: Scalar>(
         &self,
+        wheels: &dyn Turned<S>,
         physics: &Physics<S>,
         noise: &Noise<S>,
         state: &mut State<S>,
@@ -171,7 +178,7 @@ impl WheelsToPose<'_> {
         let mut rates = [S::constant(0.0); 2];
         for piece in 1..=(pieces as usize) {
             let t = from_s + span_s * (piece as f64 / pieces);
-            let next = self.wheels.at(t, hint);
+            let next = wheels.angles_at(t, hint);
             let turned = [next[0] - angles[0], next[1] - angles[1]];
             *angles = next;
             let [right, left] = [0, 1].map(|i| physics.metres_per_rad[i] * turned[i]);

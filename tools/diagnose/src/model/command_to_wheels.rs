@@ -6,10 +6,10 @@ use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
 use super::drive::{
-    DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG, SATURATION,
-    SLOW_SHARE, SLOW_TIME,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
+    SATURATION, SLOW_SHARE, SLOW_TIME,
 };
-use super::nominal::number;
+use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
 use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, rows};
 use crate::estimate::blocks::Blocks;
@@ -25,6 +25,8 @@ pub(crate) const NOISE: usize = 8;
 /// One run.
 #[derive(Debug)]
 pub(crate) struct DriveRun {
+    /// Which of the robots it is of.
+    pub(crate) robot: usize,
     pub(crate) commands: CommandPath,
     pub(crate) wheels: WheelRows,
     pub(crate) blocks: Blocks,
@@ -46,9 +48,12 @@ impl CommandToWheels {
         excluded_s: &[[f64; 2]],
     ) -> Option<Self> {
         let mut runs: Vec<DriveRun> = Vec::new();
-        for robot in robots {
+        for (at, robot) in robots.iter().enumerate() {
             let first = runs.last().map_or(0, |run| run.blocks.end());
-            runs.extend(DriveRun::new(robot, model, excluded_s, first));
+            if let Some(mut run) = DriveRun::new(robot, model, excluded_s, first) {
+                run.robot = at;
+                runs.push(run);
+            }
         }
         let largest = runs.iter().map(|run| run.commands.largest_rad_s());
         let largest_rad_s = largest.fold(0.0, f64::max);
@@ -111,6 +116,7 @@ pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
     at[SATURATION] = plain("command_saturation", "speed_rad_s");
     at[SAG] = plain("supply_sag", "rate_per_s");
     at[DELAY] += plain("wheels_latency", "latency_s");
+    at[CLOCK] = clock_rate(model, "wheels").unwrap_or(0.0);
     at
 }
 
@@ -127,6 +133,7 @@ pub(crate) fn deviations(top_rad_s: f64) -> [f64; DRIVE] {
     all[SAG] = 0.02;
     all[SLOW_SHARE] = 0.3;
     all[SLOW_TIME] = 2.0;
+    all[CLOCK] = 0.005;
     all
 }
 
@@ -146,11 +153,9 @@ impl DriveRun {
         let mut commands = commands(robot, model, origin_s)?;
         let wheels = rows(robot, model, &commands, origin_s, excluded_s)?;
         commands.running = is_running(&wheels, &commands);
-        let span_s = [
-            wheels.rows.first()?.time_s,
-            wheels.rows.last()?.time_s,
-        ];
+        let span_s = [wheels.rows.first()?.time_s, wheels.rows.last()?.time_s];
         Some(Self {
+            robot: 0,
             commands,
             blocks: Blocks::new(span_s, first_block),
             wheels,
@@ -237,7 +242,9 @@ impl Likelihood for CommandToWheels {
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
                 run.filter(p, sink, &mut |_, _, _| ());
             };
-            Rows::new(at, free, filter, |t_s| run.blocks.first + run.blocks.of(t_s))
+            Rows::new(at, free, filter, |t_s| {
+                run.blocks.first + run.blocks.of(t_s)
+            })
         });
         for rows in all.collect::<Vec<_>>() {
             rows.add_to(&mut blocks, &places);

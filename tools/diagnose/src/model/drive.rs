@@ -8,6 +8,7 @@
 use slipstream_sim::{Pair, Scalar};
 
 use crate::data::command::CommandPath;
+use crate::filter::wheel_path::Turned;
 
 /// Parameters of the drive.
 pub(crate) const DELAY: usize = 0;
@@ -22,8 +23,10 @@ pub(crate) const SAG: usize = 7;
 /// Share of the slow response, and log of its time (s).
 pub(crate) const SLOW_SHARE: usize = 8;
 pub(crate) const SLOW_TIME: usize = 9;
+/// Rate of the wheels' clock against that of the commands.
+pub(crate) const CLOCK: usize = 10;
 /// How many there are.
-pub(crate) const DRIVE: usize = 10;
+pub(crate) const DRIVE: usize = 11;
 
 /// A lag below this (s) is none.
 const INSTANT_S: f64 = 1e-6;
@@ -55,6 +58,7 @@ struct Piece<S> {
 pub(crate) struct Response<'a, S> {
     commands: &'a CommandPath,
     delay_s: S,
+    clock: S,
     lag_s: S,
     slow: Option<(S, S)>,
     pieces: Vec<Pair<Piece<S>>>,
@@ -165,6 +169,7 @@ impl<'a, S: Scalar> Response<'a, S> {
         Self {
             commands,
             delay_s: p[DELAY],
+            clock: p[CLOCK],
             lag_s,
             slow,
             pieces,
@@ -174,7 +179,7 @@ impl<'a, S: Scalar> Response<'a, S> {
     /// Angle and speed of the wheels at `time_s`; the angle is 0 when the first command arrives.
     /// `hint` is the command found last and makes rising times cheap.
     pub(crate) fn at(&self, time_s: S, hint: &mut usize) -> Turning<S> {
-        let t = time_s - self.delay_s;
+        let t = (time_s - self.delay_s) / (self.clock + 1.0);
         let times = &self.commands.times_s;
         let now = t.value();
         if now < times[0] {
@@ -213,6 +218,12 @@ impl<'a, S: Scalar> Response<'a, S> {
             angle_rad: both.map(|wheel| wheel.angle),
             speed_rad_s: both.map(|wheel| wheel.speed),
         }
+    }
+}
+
+impl<S: Scalar> Turned<S> for Response<'_, S> {
+    fn angles_at(&self, time_s: S, hint: &mut usize) -> Pair<S> {
+        self.at(time_s, hint).angle_rad
     }
 }
 

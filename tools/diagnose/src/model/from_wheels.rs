@@ -8,15 +8,18 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{PosePoint, Robot};
 use slipstream_sim::Scalar;
 
+use super::command_to_wheels::{self, drive_of};
+use super::drive::{DRIVE, Response};
 use super::nominal::{clock_rate, number};
-use crate::data::reference::{Span, Thinned, gyro, poses};
+use crate::data::command::{self, CommandPath};
+use crate::data::reference::{POSE_STEP_S, Span, Thinned, gyro, poses};
 use crate::data::wheels;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
-use crate::filter::wheel_path::{WheelPath, median_interval};
+use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
 use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
 /// Parameters of the machine.
@@ -30,8 +33,10 @@ pub(crate) const POSE_LATENCY: usize = 6;
 pub(crate) const POSE_RATE: usize = 7;
 pub(crate) const GYRO_LATENCY: usize = 8;
 pub(crate) const GYRO_RATE: usize = 9;
+/// Parameters of the drive begin here; they matter where no wheels were recorded.
+pub(crate) const DRIVE_FIRST: usize = 10;
 /// How many there are.
-pub(crate) const MACHINE: usize = 10;
+pub(crate) const MACHINE: usize = DRIVE_FIRST + DRIVE;
 /// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
 pub(crate) const RUN_SCALE: usize = 0;
 pub(crate) const RUN_TRACK: usize = 1;
@@ -41,11 +46,25 @@ const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
+/// Interval at which the wheels of a simulated drive count as known (s).
+const COMMANDED_STEP_S: f64 = 0.02;
+
+/// How the wheels turned.
+#[derive(Debug)]
+pub(crate) enum Source {
+    Measured(WheelPath),
+    /// No wheels were recorded: they turn as the drive follows its commands.
+    Commanded(CommandPath),
+}
 
 /// One run.
 #[derive(Debug)]
 pub(crate) struct Run {
-    pub(crate) wheels: WheelPath,
+    /// Which of the robots it is of.
+    pub(crate) robot: usize,
+    /// What its times count from (s).
+    pub(crate) origin_s: f64,
+    pub(crate) wheels: Source,
     pub(crate) wheel_interval_s: f64,
     pub(crate) pose: Option<Thinned<PoseRow>>,
     pub(crate) gyro: Option<Thinned<(f64, f64)>>,
@@ -60,6 +79,8 @@ pub(crate) struct FromWheels {
     pub(crate) runs: Vec<Run>,
     pub(crate) wheel_radius_m: f64,
     pub(crate) half_track_m: f64,
+    /// From the middle of the axle forward to the centre of mass (m).
+    pub(crate) com_to_axle_m: f64,
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
 }
@@ -83,11 +104,13 @@ impl FromWheels {
             runs: Vec::new(),
             wheel_radius_m: model.robot.wheel_radius_m,
             half_track_m: b,
+            com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
             skids: robots.iter().any(|robot| skids(robot)),
         };
         let mut first_block = 0;
-        for robot in robots {
-            if let Some(run) = Run::new(robot, model, excluded_s, first_block) {
+        for (at, robot) in robots.iter().enumerate() {
+            if let Some(mut run) = Run::new(robot, model, excluded_s, first_block) {
+                run.robot = at;
                 first_block = run.blocks.end();
                 machine.runs.push(run);
             }
@@ -134,6 +157,20 @@ impl FromWheels {
             .collect()
     }
 
+    /// Whether wheels turn as commanded, for none were recorded.
+    pub(crate) fn is_commanded(&self) -> bool {
+        self.runs.iter().any(|run| run.wheels.is_commanded())
+    }
+
+    /// Largest commanded wheel speed (rad/s), where wheels turn as commanded.
+    pub(crate) fn largest_rad_s(&self) -> f64 {
+        let each = self.runs.iter().map(|run| match &run.wheels {
+            Source::Measured(_) => 0.0,
+            Source::Commanded(path) => path.largest_rad_s(),
+        });
+        each.fold(0.0, f64::max).max(1e-3)
+    }
+
     pub(crate) fn has_pose(&self) -> bool {
         self.runs.iter().any(|run| run.pose.is_some())
     }
@@ -144,6 +181,27 @@ impl FromWheels {
 
     pub(crate) fn has_heading(&self) -> bool {
         self.runs.iter().any(Run::has_heading)
+    }
+
+    /// Deviations of speed (m/s) and turn rate (rad/s) from what the wheels say, over the time between
+    /// the rows of a thinned series, at the mean speed; the largest of all runs.
+    pub(crate) fn process_noise(&self, at: &[f64]) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for (i, run) in self
+            .runs
+            .iter()
+            .enumerate()
+            .filter(|(_, run)| run.pose.is_some())
+        {
+            let first = self.of_run(i, RUN);
+            let size = |k: usize| at[first + k].exp();
+            let [from_s, to_s] = run.blocks.span_s;
+            let way_m = run.wheels.turned_rad() * self.wheel_radius_m / 2.0;
+            let speed = way_m / (to_s - from_s).max(1.0);
+            let root = (speed / POSE_STEP_S).sqrt();
+            most = [most[0].max(size(0) * root), most[1].max(size(2) * root)];
+        }
+        most
     }
 
     /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
@@ -162,8 +220,10 @@ impl FromWheels {
         let wheels_s = plain("wheels_latency", "latency_s");
         at[POSE_LATENCY] = plain("pose_latency", "latency_s") - wheels_s;
         at[GYRO_LATENCY] = plain("imu_latency", "latency_s") - wheels_s;
-        at[POSE_RATE] = clock_rate(model, "pose").unwrap_or(0.0);
-        at[GYRO_RATE] = clock_rate(model, "imu").unwrap_or(0.0);
+        let rate = |stream: &str| clock_rate(model, stream).unwrap_or(0.0);
+        at[POSE_RATE] = rate("pose") - rate("wheels");
+        at[GYRO_RATE] = rate("imu") - rate("wheels");
+        at[DRIVE_FIRST..MACHINE].copy_from_slice(&drive_of(model));
         for (i, run) in self.runs.iter().enumerate() {
             let first = self.of_run(i, RUN);
             let guesses = run.noise_guesses(2.0 * self.half_track_m);
@@ -190,6 +250,7 @@ impl FromWheels {
         ];
         let run = [0.3, track, 0.02];
         let mut deviations = machine.to_vec();
+        deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
         for _ in &self.runs {
             deviations.extend(run);
             deviations.extend([2.0; RUN_NOISE]);
@@ -204,6 +265,7 @@ impl FromWheels {
     pub(crate) fn longest(&self) -> Vec<f64> {
         let b = self.half_track_m;
         let mut longest = vec![0.2, 0.2, 0.3, 2.0 * b, 2.0 * b, 0.5, 0.1, 2e-3, 0.1, 2e-3];
+        longest.extend(command_to_wheels::longest(self.largest_rad_s()));
         for _ in &self.runs {
             longest.extend([0.2, 0.3, 0.02]);
             longest.extend([1.0; RUN_NOISE]);
@@ -212,7 +274,7 @@ impl FromWheels {
     }
 
     /// The parameters of one run, out of all.
-    fn local<S: Copy>(&self, run: usize, at: &[S]) -> Vec<S> {
+    pub(crate) fn local<S: Copy>(&self, run: usize, at: &[S]) -> Vec<S> {
         let first = self.of_run(run, 0);
         at[..MACHINE]
             .iter()
@@ -233,7 +295,6 @@ impl FromWheels {
         robust: bool,
     ) -> WheelsToPose<'a> {
         WheelsToPose {
-            wheels: &run.wheels,
             series,
             wheel_radius_m: self.wheel_radius_m,
             half_track_m: self.half_track_m,
@@ -244,16 +305,48 @@ impl FromWheels {
         }
     }
 
+    /// Where a run went, filtered: time (s), x, y (m) and heading (rad) of the centre of mass.
+    pub(crate) fn course(&self, run: usize, at: &[f64]) -> Vec<(f64, [f64; 3])> {
+        let own = &self.runs[run];
+        let Some(pose) = &own.pose else {
+            return Vec::new();
+        };
+        let local = self.local(run, at);
+        let series = [pose.all.clone()];
+        let filter = self.pose_filter(own, &series, true);
+        let mut points = Vec::new();
+        own.wheels.turned(drive_parameters(&local), |wheels| {
+            let mut seen = |stamp_s: f64, [x, y, heading]: [f64; 3]| {
+                let t_s = (stamp_s - local[POSE_LATENCY]) / (1.0 + local[POSE_RATE]);
+                let (sin, cos) = heading.sin_cos();
+                let ahead = self.com_to_axle_m;
+                points.push((
+                    t_s + own.origin_s,
+                    [x + ahead * cos, y + ahead * sin, heading],
+                ));
+            };
+            filter.follow(wheels, &pose_parameters(&local), &mut |_| (), &mut seen);
+        });
+        points
+    }
+
     /// Heading at the first pose where the reference has none: dead reckoning over the first part of
     /// the way turned onto the positions (Procrustes).
     fn first_heading(&self, run: &Run) -> f64 {
         let Some(pose) = &run.pose else { return 0.0 };
-        let (mut hint, mut at) = (0, [0.0_f64; 3]);
+        let mut hint = 0;
+        let mut at = [0.0_f64; 3];
         let mut last: Option<[f64; 2]> = None;
         let mut way = 0.0;
         let mut points = Vec::new();
-        for (t_s, z) in &pose.all {
-            let angles: [f64; 2] = run.wheels.at(*t_s, &mut hint);
+        let rows = &pose.all;
+        let angles: Vec<[f64; 2]> = run.wheels.turned(&[0.0; DRIVE], |wheels| {
+            let all = rows
+                .iter()
+                .map(|(t_s, _)| wheels.angles_at(*t_s, &mut hint));
+            all.collect()
+        });
+        for ((_, z), angles) in rows.iter().zip(angles) {
             let turned = last.map_or([0.0; 2], |last| [angles[0] - last[0], angles[1] - last[1]]);
             last = Some(angles);
             let ds = (turned[0] + turned[1]) * self.wheel_radius_m / 2.0;
@@ -296,22 +389,49 @@ impl View<'_> {
             Reference::Pose => {
                 if let Some(pose) = &run.pose {
                     let filter = self.machine.pose_filter(run, &pose.series, self.robust);
-                    filter.run(&pose_parameters(local), sink);
+                    run.wheels.turned(drive_parameters(local), |wheels| {
+                        filter.run(wheels, &pose_parameters(local), sink);
+                    });
                 }
             }
             Reference::Gyro => {
                 if let Some(gyro) = &run.gyro {
                     let filter = Gyro {
-                        wheels: &run.wheels,
                         series: &gyro.series,
                         wheel_radius_m: self.machine.wheel_radius_m,
                         half_track_m: self.machine.half_track_m,
                         robust: self.robust,
                     };
-                    filter.run(&gyro_parameters(local), sink);
+                    run.wheels.turned(drive_parameters(local), |wheels| {
+                        filter.run(wheels, &gyro_parameters(local), sink);
+                    });
                 }
             }
         }
+    }
+}
+
+impl View<'_> {
+    /// Stamps (s) of the rows of each stream whose probability of being ordinary is below `least`.
+    pub(crate) fn extraordinary(&self, at: &[f64], least: f64) -> [(&'static str, Vec<f64>); 2] {
+        Reference::ALL.map(|reference| {
+            let mut times_s = Vec::new();
+            for (i, run) in self.machine.runs.iter().enumerate() {
+                let local = self.machine.local(i, at);
+                self.filter(reference, run, &local, &mut |row: Innovation<f64>| {
+                    if row.ordinary < least {
+                        times_s.push(row.time_s + run.origin_s);
+                    }
+                });
+            }
+            times_s.sort_by(f64::total_cmp);
+            times_s.dedup();
+            let name = match reference {
+                Reference::Pose => "pose",
+                Reference::Gyro => "imu",
+            };
+            (name, times_s)
+        })
     }
 }
 
@@ -326,7 +446,10 @@ impl Reference {
     const ALL: [Self; 2] = [Self::Pose, Self::Gyro];
 
     /// Whether the filter of this reference reads a local parameter.
-    fn reads(self, local: usize) -> bool {
+    fn reads(self, local: usize, commanded: bool) -> bool {
+        if (DRIVE_FIRST..MACHINE).contains(&local) {
+            return commanded;
+        }
         let geometry = local <= TRACK || (MACHINE..=MACHINE + RUN_TRACK).contains(&local);
         let pose_noise = MACHINE + RUN..MACHINE + RUN + wheels_to_pose::NOISE;
         geometry
@@ -351,7 +474,8 @@ impl Likelihood for View<'_> {
 
     fn run_of(&self) -> Vec<usize> {
         let runs = self.machine.runs.iter().enumerate();
-        runs.flat_map(|(i, run)| vec![i; run.blocks.count]).collect()
+        runs.flat_map(|(i, run)| vec![i; run.blocks.count])
+            .collect()
     }
 
     fn is_shared(&self, parameter: usize) -> bool {
@@ -390,7 +514,7 @@ impl Likelihood for View<'_> {
             let (local, to): (Vec<usize>, Vec<usize>) = own
                 .iter()
                 .enumerate()
-                .filter(|(l, _)| reference.reads(*l))
+                .filter(|(l, _)| reference.reads(*l, run.wheels.is_commanded()))
                 .filter_map(|(l, g)| Some((l, free.iter().position(|f| f == g)?)))
                 .unzip();
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
@@ -406,7 +530,11 @@ impl Likelihood for View<'_> {
     }
 }
 
-fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
+pub(crate) fn drive_parameters<S>(local: &[S]) -> &[S] {
+    &local[DRIVE_FIRST..MACHINE]
+}
+
+pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let run = &local[MACHINE..];
     let scale = local[COMMON] + run[RUN_SCALE];
     let half = local[ASYMMETRY] * 0.5;
@@ -416,7 +544,7 @@ fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     all
 }
 
-fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
+pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let run = &local[MACHINE..];
     let scale = local[COMMON] + run[RUN_SCALE];
     let half = local[ASYMMETRY] * 0.5;
@@ -432,6 +560,63 @@ fn skids(robot: &Robot) -> bool {
     drive.is_some_and(|drive| drive.to_lowercase().contains("skid"))
 }
 
+impl Source {
+    fn new(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<Self> {
+        if let Some(path) = wheels::path(robot, model, origin_s) {
+            return Some(Self::Measured(path));
+        }
+        command::commands(robot, model, origin_s).map(Self::Commanded)
+    }
+
+    /// How far both wheels turned, all told (rad).
+    fn turned_rad(&self) -> f64 {
+        match self {
+            Self::Measured(path) => {
+                let pairs = path.angles_rad.windows(2);
+                let turned = pairs.map(|p| (p[1][0] - p[0][0]).abs() + (p[1][1] - p[0][1]).abs());
+                turned.sum()
+            }
+            Self::Commanded(path) => {
+                let held_s = path.times_s.windows(2).map(|t| t[1] - t[0]);
+                let held_s = held_s.chain([1.0]).zip(&path.speeds_rad_s);
+                held_s.map(|(h, u)| h * (u[0].abs() + u[1].abs())).sum()
+            }
+        }
+    }
+
+    fn interval_s(&self) -> f64 {
+        match self {
+            Self::Measured(path) => path.interval_s(),
+            Self::Commanded(_) => COMMANDED_STEP_S,
+        }
+    }
+
+    /// When something is known of them (s).
+    fn span_s(&self) -> [f64; 2] {
+        match self {
+            Self::Measured(path) => [path.times_s[0], path.times_s[path.times_s.len() - 1]],
+            // the last command holds on
+            Self::Commanded(path) => [path.times_s[0], f64::INFINITY],
+        }
+    }
+
+    pub(crate) fn is_commanded(&self) -> bool {
+        matches!(self, Self::Commanded(_))
+    }
+
+    /// Calls `with` with the wheels of a drive with these parameters.
+    pub(crate) fn turned<S: Scalar, T>(
+        &self,
+        drive: &[S],
+        with: impl FnOnce(&dyn Turned<S>) -> T,
+    ) -> T {
+        match self {
+            Self::Measured(path) => with(path),
+            Self::Commanded(path) => with(&Response::new(path, drive)),
+        }
+    }
+}
+
 impl Run {
     fn new(
         robot: &Robot,
@@ -440,20 +625,15 @@ impl Run {
         first_block: usize,
     ) -> Option<Self> {
         let origin_s = crate::data::origin_of(robot);
-        let wheels = wheels::path(robot, model, origin_s)?;
-        let turned = |i: usize| {
-            let pairs = wheels.angles_rad.windows(2);
-            pairs.map(|p| (p[1][i] - p[0][i]).abs()).sum::<f64>()
-        };
-        let way_m = (turned(0) + turned(1)) * model.robot.wheel_radius_m;
-        if way_m < LEAST_WAY * model.robot.half_track_m {
+        let wheels = Source::new(robot, model, origin_s)?;
+        if wheels.turned_rad() * model.robot.wheel_radius_m < LEAST_WAY * model.robot.half_track_m {
             return None;
         }
         let wheel_interval_s = wheels.interval_s();
         let span = Span {
             origin_s,
             excluded_s,
-            wheels_s: [wheels.times_s[0], *wheels.times_s.last()?],
+            wheels_s: wheels.span_s(),
         };
         let pose = poses(robot, span);
         let gyro = gyro(robot, span, wheel_interval_s);
@@ -464,7 +644,10 @@ impl Run {
         let gyro_ends = gyro
             .as_ref()
             .and_then(|p| Some((p.all.first()?.0, p.all.last()?.0)));
-        let all: Vec<f64> = ends(pose_ends).chain(ends(gyro_ends)).collect();
+        let mut all: Vec<f64> = ends(pose_ends).chain(ends(gyro_ends)).collect();
+        if all.is_empty() && !wheels.is_commanded() {
+            all.extend(wheels.span_s());
+        }
         let from_s = all.iter().copied().fold(f64::INFINITY, f64::min);
         let to_s = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if all.is_empty() {
@@ -473,6 +656,8 @@ impl Run {
         let ahead_m = model.robot.com_to_axle_m.unwrap_or(0.0);
         let axle = robot.pose_point == Some(PosePoint::Axle);
         Some(Self {
+            robot: 0,
+            origin_s,
             wheel_interval_s,
             wheels,
             pose,
@@ -528,7 +713,7 @@ impl Run {
 }
 
 /// Order of the white noise of poses: place (m), yaw (rad), from medians of second differences.
-fn sensor_noise(rows: &[PoseRow]) -> [f64; 2] {
+pub(crate) fn sensor_noise(rows: &[PoseRow]) -> [f64; 2] {
     let median = |i: usize| {
         let seconds = rows.windows(3).map(|w| {
             let d = [w[1].1[i] - w[0].1[i], w[2].1[i] - w[1].1[i]];

@@ -42,6 +42,11 @@ impl Criterion {
         (one * self.tried as f64).min(1.0)
     }
 
+    /// The same for a single term.
+    pub(crate) fn alone(&self) -> Self {
+        Self { tried: 1, ..*self }
+    }
+
     /// Half width of a 95 % interval in standard deviations.
     pub(crate) fn half_width(&self) -> f64 {
         let freedom = (self.blocks as f64 - 1.0).max(1.0);

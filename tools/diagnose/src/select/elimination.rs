@@ -43,6 +43,42 @@ pub(crate) struct Selected {
     pub(crate) kept: Vec<Kept>,
 }
 
+impl Selected {
+    /// A term that was kept.
+    pub(crate) fn kept(&self, name: &str) -> Option<&Kept> {
+        self.kept.iter().find(|kept| kept.term.name == name)
+    }
+
+    /// Deviation of a linear combination of free parameters, given as (index, weight).
+    pub(crate) fn deviation(&self, weights: &[(usize, f64)]) -> f64 {
+        let place = |index: usize| self.fit.free.iter().position(|f| *f == index);
+        let used: Vec<(usize, f64)> = weights
+            .iter()
+            .filter_map(|(i, w)| Some((place(*i)?, *w)))
+            .collect();
+        let mut variance = 0.0;
+        for (a, wa) in &used {
+            for (b, wb) in &used {
+                variance += wa * wb * self.precision.covariance[(*a, *b)];
+            }
+        }
+        for (index, weight) in weights {
+            variance += weight * weight * self.floor(*index);
+        }
+        variance.max(0.0).sqrt()
+    }
+
+    fn floor(&self, index: usize) -> f64 {
+        let mut floors = self
+            .kept
+            .iter()
+            .flat_map(|k| k.term.parameters.iter().zip(&k.term.floors));
+        floors
+            .find(|(own, _)| **own == index)
+            .map_or(0.0, |(_, floor)| *floor)
+    }
+}
+
 /// What one round of the elimination did.
 enum Round {
     /// A fit without a term was better than the one with it: that one was not finished.

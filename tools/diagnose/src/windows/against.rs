@@ -3,33 +3,15 @@
 use slipstream_sim::CommandKind;
 use slipstream_sim::effects::{Info, Variable, When};
 
+use crate::answer::Against;
 use crate::windows::bench::Bench;
 use crate::windows::drivers::Driver;
-use crate::windows::figures::Point;
+use crate::answer::Point;
 use crate::windows::force::Part;
 use crate::windows::moment::{Moment, acting_on, quantity};
 use crate::windows::sampled::{Sampled, is_still, rate};
 use crate::windows::track::Sensor;
 use crate::windows::unknown::Unknown;
-
-/// A missing force against a variable.
-#[derive(Debug, Clone)]
-pub struct Against {
-    /// The finding's effect.
-    pub effect: String,
-    /// The force, with its unit.
-    pub quantity: String,
-    /// The variable, with its unit.
-    pub variable: String,
-    /// Every moment, without the finding.
-    pub before: Vec<Point>,
-    /// Every moment with what was found; empty for `unknown` and for what is measured.
-    pub after: Vec<Point>,
-    /// Of an effect outside of the catalogue: the force that was found.
-    pub curve: Vec<Point>,
-    /// The curve is a function of the variable, not of more.
-    pub is_function: bool,
-}
 
 /// Half of the time over which the camera's speed is taken (s).
 const CAMERA_S: f64 = 0.12;

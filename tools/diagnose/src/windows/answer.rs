@@ -1,155 +1,24 @@
-//! What is answered; its JSON has a schema in `tools/cli/schemas`.
+//! What the older engine answers.
 
-use serde::Serialize;
 use slipstream_sim::effects::Info;
+
+use crate::answer::statement::statement;
+use crate::answer::{
+    Answer, Evidence, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Place, Unexplained,
+    Warning,
+};
 
 use crate::windows::bench::Bench;
 use crate::windows::force::Part;
 use crate::windows::hypothesis::Hypothesis;
-use crate::windows::input::Warning;
 use crate::windows::misfit::Misfit;
 use crate::windows::score;
-use crate::windows::statement::statement;
-use crate::windows::track::{CHANNEL_NAMES, CHANNELS};
+use crate::windows::track::{CHANNEL_NAMES, CHANNELS, Sensor};
 use crate::windows::unknown::Unknown;
 use crate::windows::wander::{EXPLAINED, Wander};
 use crate::windows::weigh::Found;
+use crate::windows::window::WINDOW_S;
 use crate::windows::{interval, located};
-
-/// The answer of a diagnosis.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct Answer {
-    /// Version of this form.
-    pub format: u32,
-    /// What it comes to.
-    pub verdict: Verdict,
-    /// What the model leaves out.
-    pub findings: Vec<Finding>,
-    /// Prediction before and after.
-    pub held_out: HeldOut,
-    /// What remains.
-    pub unexplained: Vec<Unexplained>,
-    /// What about the recordings makes the answer poorer.
-    pub warnings: Vec<Warning>,
-}
-
-/// What a diagnosis comes to.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// Nothing beyond the noise was found.
-    #[default]
-    Match,
-    /// The findings bring the residuals to noise.
-    Explained,
-    /// Something significant remains.
-    Unexplained,
-}
-
-/// One effect that the model leaves out.
-#[derive(Debug, Clone, Serialize)]
-pub struct Finding {
-    /// Whose.
-    pub robot: String,
-    /// Its identity in the vocabulary, or `unknown`.
-    pub effect: String,
-    /// One sentence for a person.
-    pub statement: String,
-    /// How much.
-    pub parameters: Vec<ParameterEstimate>,
-    /// Where.
-    #[serde(rename = "where")]
-    pub place: Place,
-    /// What this recording cannot tell it from.
-    pub confused_with: Vec<String>,
-    /// How sure.
-    pub evidence: Evidence,
-    /// Of an effect outside of the catalogue: what it looks like.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub shape: Option<String>,
-    /// Of an effect outside of the catalogue: the variable that it follows.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub driver: Option<String>,
-}
-
-/// A parameter with its interval.
-#[derive(Debug, Clone, Serialize)]
-pub struct ParameterEstimate {
-    /// Its name.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What the model says.
-    pub nominal: Option<f64>,
-    /// What the recording says.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub estimate: Option<f64>,
-    /// Where it lies with 95 % confidence.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub ci95: Option<[f64; 2]>,
-    /// The value of a parameter that is a word.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub text: Option<String>,
-}
-
-/// Where a finding shows.
-#[derive(Debug, Clone, Serialize)]
-pub struct Place {
-    /// The channel.
-    pub channel: String,
-    /// When it is at work (s).
-    pub intervals_s: Vec<[f64; 2]>,
-    /// Under which condition.
-    pub condition: String,
-}
-
-/// How sure a finding is.
-#[derive(Debug, Clone, Serialize)]
-pub struct Evidence {
-    /// Nats on the data of the fit.
-    pub log_likelihood_gain: f64,
-    /// Over everything that was looked at.
-    pub p_value: f64,
-}
-
-/// Prediction over 5 s before and after.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct HeldOut {
-    /// Each channel.
-    pub channels: Vec<HeldOutChannel>,
-    /// All pose channels before.
-    pub nrmse_before: f64,
-    /// All pose channels after.
-    pub nrmse_after: f64,
-}
-
-/// Prediction of one channel.
-#[derive(Debug, Clone, Serialize)]
-pub struct HeldOutChannel {
-    /// Whose.
-    pub robot: String,
-    /// Which.
-    pub channel: String,
-    /// Deviations before.
-    pub nrmse_before: f64,
-    /// Deviations after.
-    pub nrmse_after: f64,
-}
-
-/// What remains.
-#[derive(Debug, Clone, Serialize)]
-pub struct Unexplained {
-    /// Whose.
-    pub robot: String,
-    /// In which channel.
-    pub channel: String,
-    /// On what it depends.
-    pub driver: String,
-    /// When (s).
-    pub intervals_s: Vec<[f64; 2]>,
-    /// What it looks like.
-    pub shape: String,
-}
 
 /// Level of the worst channel (deviations) from which on residuals that nothing explains are said
 /// to be unexplained; below, they may be forces without pattern.
@@ -177,7 +46,7 @@ impl Answer {
     ) {
         let before = score::prediction(bench, &bench.windows, &[]);
         let after = score::held_out(bench, hypotheses, unknown);
-        self.held_out.add(&bench.tracks[0].robot, &before, &after);
+        self.held_out.add(bench, &before, &after);
     }
 
     /// What the fitted model leaves beyond the noise.
@@ -259,33 +128,49 @@ impl Answer {
             .push(outside(&what, condition, gain, looked_at));
         self.unexplained.push(what);
     }
-
-    /// Draws the verdict from what was added.
-    pub(crate) fn conclude(&mut self) {
-        self.verdict = match (self.findings.is_empty(), self.unexplained.is_empty()) {
-            (_, false) => Verdict::Unexplained,
-            (true, true) => Verdict::Match,
-            (false, true) => Verdict::Explained,
-        };
-    }
 }
 
 impl HeldOut {
-    fn add(&mut self, robot: &str, before: &Misfit, after: &Misfit) {
+    fn add(&mut self, bench: &Bench, before: &Misfit, after: &Misfit) {
+        self.horizon_s = WINDOW_S;
+        let deviation = |channel: usize| {
+            let series = bench.tracks[0].series.iter();
+            let own = series.filter_map(|series| {
+                let part = channel.checked_sub(series.sensor.channel())?;
+                (part < series.sensor.width()).then(|| series.deviation[part])
+            });
+            own.last().unwrap_or(1.0)
+        };
+        let angles = bench.tracks[0].of(Sensor::WheelAngle).is_some();
         for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
             let levels = score::level(before, channel).zip(score::level(after, channel));
             if let Some((nrmse_before, nrmse_after)) = levels {
                 self.channels.push(HeldOutChannel {
-                    robot: robot.to_owned(),
+                    robot: bench.tracks[0].robot.clone(),
                     channel: (*name).to_owned(),
                     nrmse_before,
                     nrmse_after,
+                    unit: unit(channel, angles),
+                    rms_before: nrmse_before * deviation(channel),
+                    rms_after: nrmse_after * deviation(channel),
                 });
             }
         }
         // several robots: the one that is worst off
         self.nrmse_before = self.nrmse_before.max(score::total(before));
         self.nrmse_after = self.nrmse_after.max(score::total(after));
+    }
+}
+
+/// Unit of a channel; wheels are measured by `angles` or by speeds.
+fn unit(channel: usize, angles: bool) -> &'static str {
+    match CHANNEL_NAMES[channel] {
+        "wheel_right" | "wheel_left" if angles => "rad",
+        "pose_x" | "pose_y" => "m",
+        "pose_yaw" => "rad",
+        "odometry_v" => "m/s",
+        "imu_ax" | "imu_ay" => "m/s²",
+        _ => "rad/s",
     }
 }
 
@@ -340,6 +225,7 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
             intervals_s: located::intervals(bench, &found.node, at),
             condition,
         },
+        runs: None,
         confused_with: confused,
         // over all hypotheses that were tried, by Bonferroni
         evidence: Evidence {
@@ -404,6 +290,7 @@ fn outside(what: &Unexplained, condition: String, gain: f64, looked_at: usize) -
             intervals_s: what.intervals_s.clone(),
             condition,
         },
+        runs: None,
         confused_with: Vec::new(),
         evidence: Evidence {
             log_likelihood_gain: gain,

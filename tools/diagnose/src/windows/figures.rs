@@ -4,121 +4,58 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::Info;
 
-use crate::windows::Request;
-use crate::windows::against::{Against, of_effect, of_unknown};
+use crate::answer::{Figures, MissingForce, Paths, Point, Residuals};
+use crate::diagnosis::Request;
+use crate::answer::Against;
+use crate::windows::against::{of_effect, of_unknown};
 use crate::windows::bench::{Bench, Node};
 use crate::windows::force::Part;
 use crate::windows::hypothesis::{self, Hypothesis};
-use crate::windows::limits::{self, Limit};
+use crate::windows::limits;
 use crate::windows::moment::{Moment, acting_on, moments, quantity};
 use crate::windows::score;
 use crate::windows::track::{CHANNEL_NAMES, CHANNELS, Sensor};
 use crate::windows::weigh::Found;
 use crate::windows::window::{WINDOW_S, cut};
 
-/// A point of a figure: what stands on the axis across, what on the axis up.
-pub type Point = (f64, f64);
-
-/// What the figures of one machine show. A point that is not finite is a gap.
-#[derive(Debug, Clone)]
-pub struct Figures {
-    /// The machine.
-    pub robot: String,
-    /// Begin and end of each of its recordings (s).
-    pub spans_s: Vec<[f64; 2]>,
-    /// Simulated minus measured, one for each channel of each recording.
-    pub residuals: Vec<Residuals>,
-    /// The force that the models miss; none for robots that are driven by speeds.
-    pub forces: Vec<MissingForce>,
-    /// The same against the variable that tells most of each finding.
-    pub against: Vec<Against>,
-    /// Where the camera saw each run, and where the models predict it.
-    pub paths: Vec<Paths>,
-    /// From which size on each effect that was not found would have been seen.
-    pub limits: Vec<Limit>,
-}
-
-/// Residuals of one channel in the windows of the fit: time (s), standard deviations of the sensor.
-#[derive(Debug, Clone)]
-pub struct Residuals {
-    /// Number of the recording, from 0.
-    pub run: usize,
-    /// As in `held_out`.
-    pub channel: &'static str,
-    /// Of the nominal model.
-    pub before: Vec<Point>,
-    /// Of the model with what was found; empty where nothing was found.
-    pub after: Vec<Point>,
-}
-
-/// A force that a model misses over time (s), estimated every 50 ms without an idea of its cause,
-/// and its mean over a quarter of a second without the extremes.
-#[derive(Debug, Clone)]
-pub struct MissingForce {
-    /// Number of the recording, from 0.
-    pub run: usize,
-    /// What it is, with its unit.
-    pub quantity: String,
-    /// Of the nominal model.
-    pub before: Vec<Point>,
-    /// Of the model with what was found; empty where nothing was found.
-    pub after: Vec<Point>,
-}
-
-/// Paths on the floor (m) in pieces of 5 s: the start of each is fitted to its first half second,
-/// the rest is simulated from the commands alone.
-#[derive(Debug, Clone)]
-pub struct Paths {
-    /// Number of the recording, from 0.
-    pub run: usize,
-    /// Where the camera saw the tracked point.
-    pub camera: Vec<Point>,
-    /// Where the nominal model has it.
-    pub before: Vec<Point>,
-    /// Where the model with what was found has it; empty where nothing was found.
-    pub after: Vec<Point>,
-}
-
 /// A gap between pieces of a line.
 const GAP: Point = (f64::NAN, f64::NAN);
 
 /// Half of the time over which a missing force is shown (s).
 const SHOWN_S: f64 = 0.13;
-impl Figures {
-    /// What is shown of a machine and what was found on it.
-    pub(crate) fn new(bench: &Bench, found: &Found, request: &Request<'_>) -> Self {
-        let robot = bench.tracks[0].robot.clone();
-        (request.progress)(&format!("{robot}: figures"));
-        let has_findings = !found.node.hypotheses.is_empty();
-        let before = moments(bench, &found.nominal).unwrap_or_default();
-        let after = has_findings
-            .then(|| moments(bench, &found.node))
-            .flatten()
-            .unwrap_or_default();
-        let left = if has_findings { &after } else { &before };
-        let mut effects: Vec<&Info> = found.node.hypotheses.iter().map(|h| h.info).collect();
-        effects.sort_by_key(|info| info.id);
-        effects.dedup();
-        let of_effect = |info: &&Info| of_effect(bench, info, &before, &after);
-        let mut against: Vec<Against> = effects.iter().flat_map(of_effect).collect();
-        if let Some(unknown) = &found.unknown {
-            against.extend(of_unknown(bench, unknown, left));
-        }
-        (request.progress)(&format!("{robot}: what is ruled out"));
-        let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
-        Self {
-            robot,
-            spans_s: bench
-                .tracks
-                .iter()
-                .map(crate::windows::track::Track::span_s)
-                .collect(),
-            residuals: residuals(bench, found),
-            forces: over_time(bench, &before, &after),
-            against,
-            paths: paths(bench, found),
-            limits: limits::limits(bench, &all, found),
-        }
+/// What is shown of a machine and what was found on it.
+pub(crate) fn figures(bench: &Bench, found: &Found, request: &Request<'_>) -> Figures {
+    let robot = bench.tracks[0].robot.clone();
+    (request.progress)(&format!("{robot}: figures"));
+    let has_findings = !found.node.hypotheses.is_empty();
+    let before = moments(bench, &found.nominal).unwrap_or_default();
+    let after = has_findings
+        .then(|| moments(bench, &found.node))
+        .flatten()
+        .unwrap_or_default();
+    let left = if has_findings { &after } else { &before };
+    let mut effects: Vec<&Info> = found.node.hypotheses.iter().map(|h| h.info).collect();
+    effects.sort_by_key(|info| info.id);
+    effects.dedup();
+    let of_effect = |info: &&Info| of_effect(bench, info, &before, &after);
+    let mut against: Vec<Against> = effects.iter().flat_map(of_effect).collect();
+    if let Some(unknown) = &found.unknown {
+        against.extend(of_unknown(bench, unknown, left));
+    }
+    (request.progress)(&format!("{robot}: what is ruled out"));
+    let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
+    Figures {
+        robot,
+        spans_s: bench
+            .tracks
+            .iter()
+            .map(crate::windows::track::Track::span_s)
+            .collect(),
+        residuals: residuals(bench, found),
+        forces: over_time(bench, &before, &after),
+        against,
+        paths: paths(bench, found),
+        limits: limits::limits(bench, &all, found),
     }
 }
 

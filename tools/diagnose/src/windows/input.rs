@@ -1,10 +1,11 @@
 //! What is wrong with the recordings themselves. What would pose as physics is refused; what only
 //! makes an answer poorer is said.
 
-use serde::Serialize;
 use slipstream_recording::{Finding as Fault, faults};
 
-use crate::windows::{InputError, Request};
+use crate::answer::Warning;
+use crate::diagnosis::Request;
+use slipstream_bus::InputError;
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name
 /// a wrong physics.
@@ -17,21 +18,6 @@ const REFUSED: [&str; 7] = [
     "opposite_signs",
     "no_overlap",
 ];
-
-/// Something about a recording that makes the answer poorer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Warning {
-    /// The recording.
-    pub recording: String,
-    /// The robot; null when it is about all.
-    pub robot: Option<String>,
-    /// A word for programs, such as `gaps`.
-    pub id: String,
-    /// What it is.
-    pub statement: String,
-    /// What to do about it.
-    pub remedy: String,
-}
 
 /// Looks the recordings over.
 ///

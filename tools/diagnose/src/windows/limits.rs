@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::{Channel, Info, When};
 
+use crate::answer::{Limit, Seen};
 use crate::windows::bench::{Bench, Node};
 use crate::windows::hypothesis::{Hypothesis, least_probe, points_downhill, sizes_of};
 use crate::windows::linear;
@@ -13,36 +14,6 @@ use crate::windows::weigh::Found;
 const SIGMAS: f64 = 4.5;
 /// Δ(−2 ln L) from which on a size that was tried counts as refuted.
 const REFUTED: f64 = 24.0;
-
-/// How large an effect that was not found can be at most.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Limit {
-    /// The effect's identity.
-    pub effect: &'static str,
-    /// Of an effect with a word among its parameters, such as a stream: the word.
-    pub word: Option<&'static str>,
-    /// The parameter, and its unit.
-    pub parameter: &'static str,
-    /// Unit of the parameter.
-    pub unit: &'static str,
-    /// In which direction it would have been seen.
-    pub seen: Seen,
-    /// The size; `None` where this recording does not show the effect at any size.
-    pub size: Option<f64>,
-    /// The smallest size at which the catalogue expects the effect.
-    pub usual: f64,
-}
-
-/// In which direction from a size an effect would have been seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Seen {
-    /// Above the size.
-    Above,
-    /// Below the size.
-    Below,
-    /// Further than the size from this value.
-    Around(f64),
-}
 
 /// The limits of everything in `all` that `found` does not hold, the least well known first and what
 /// cannot be judged last.

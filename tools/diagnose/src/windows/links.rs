@@ -4,7 +4,7 @@ use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_sim::effects::find;
 
-use crate::windows::answer::{Answer, Evidence, Finding, HeldOutChannel, ParameterEstimate, Place};
+use crate::answer::{Answer, Evidence, Finding, HeldOutChannel, ParameterEstimate, Place};
 use crate::windows::bench::{Bench, Node};
 use crate::windows::misfit::inefficiency;
 use crate::windows::track::{Driver, Sensor};
@@ -28,6 +28,15 @@ pub(crate) struct Course {
 }
 
 impl Course {
+    /// The course of a robot, from points in time (s), x, y (m) and heading (rad).
+    pub(crate) fn of(robot: String, points: Vec<(f64, [f64; 3])>, deviation: [f64; 3]) -> Self {
+        Self {
+            robot,
+            points,
+            deviation,
+        }
+    }
+
     /// The course of a robot whose pose is known.
     pub(crate) fn new(bench: &Bench, node: &Node) -> Option<Self> {
         let track = &bench.tracks[0];
@@ -184,11 +193,16 @@ pub(crate) fn add(
             let deviation = deviation * excess.sqrt();
             let gain = (before - after) / (2.0 * excess);
             let found = gain > PAY && (delay_s - known.unwrap_or(0.0)).abs() > SIGMAS * deviation;
+            let [nrmse_before, nrmse_after] =
+                [before, if found { after } else { before }].map(|sum| (sum / count).sqrt());
             answer.held_out.channels.push(HeldOutChannel {
                 robot: receiver.clone(),
                 channel: "link".to_owned(),
-                nrmse_before: (before / count).sqrt(),
-                nrmse_after: (if found { after } else { before } / count).sqrt(),
+                nrmse_before,
+                nrmse_after,
+                unit: "m",
+                rms_before: nrmse_before * link.course.deviation[0],
+                rms_after: nrmse_after * link.course.deviation[0],
             });
             if !found {
                 continue;
@@ -234,6 +248,7 @@ impl Late<'_> {
         let (receiver, sender) = (self.receiver, self.sender);
         let [delay, low, high] = [self.delay_s, ci95[0], ci95[1]].map(|s| 1e3 * s);
         Finding {
+            runs: None,
             robot: receiver.to_owned(),
             effect: "link_delay".to_owned(),
             statement: format!(

@@ -10,7 +10,6 @@ mod against;
 mod answer;
 mod around;
 mod bench;
-mod digits;
 mod drivers;
 mod figures;
 mod fit;
@@ -19,7 +18,7 @@ mod fixture;
 mod follow;
 mod force;
 mod hypothesis;
-mod input;
+pub(crate) mod input;
 mod interval;
 mod law;
 mod limits;
@@ -27,7 +26,6 @@ mod linear;
 mod links;
 mod local;
 mod located;
-mod manoeuvre;
 mod misfit;
 mod moment;
 mod motion;
@@ -45,7 +43,6 @@ mod search;
 mod settle;
 mod simulate;
 mod start;
-mod statement;
 mod swell;
 mod track;
 mod unknown;
@@ -61,38 +58,20 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 use slipstream_sim::CommandKind;
 
-pub use against::Against;
-pub use answer::{
-    Answer, Finding, HeldOut, HeldOutChannel, ParameterEstimate, Unexplained, Verdict,
-};
-pub use digits::in_digits;
-pub use figures::{Figures, MissingForce, Paths, Point, Residuals};
-pub use input::Warning;
-pub use limits::{Limit, Seen};
-pub use manoeuvre::manoeuvre;
 pub use predict::{Prediction, predict};
+
+pub(crate) use figures::figures;
+pub(crate) use links::{Course, add as add_links};
+
+use crate::answer::Answer;
+use crate::diagnosis::{Request, model_of};
 
 use bench::Bench;
 use search::{Outcome, Search};
 use track::{Block, Track};
 use weigh::Found;
 
-/// Why a recording cannot be diagnosed.
-pub use slipstream_bus::InputError;
-
-/// What is asked.
-pub struct Request<'a> {
-    /// Recordings of the same machines, fitted together.
-    pub recordings: &'a [Recording],
-    /// The nominal model of each robot; without one, that of the recording.
-    pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
-    /// Effects that are not to be tried.
-    pub excluded: &'a [String],
-    /// Times (s) of which nothing is believed.
-    pub excluded_s: &'a [[f64; 2]],
-    /// Hears what is being done.
-    pub progress: &'a (dyn Fn(&str) + Sync),
-}
+use slipstream_bus::InputError;
 
 /// Rows of a series above which it is thinned: more say no more.
 const ROWS: usize = 9000;
@@ -100,134 +79,88 @@ const ROWS: usize = 9000;
 /// How often windows are cut anew, so that none begins in a slide.
 const CUTS: u32 = 4;
 
-/// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
-///
-/// # Errors
-/// A robot that cannot be diagnosed, or a model that is none.
-pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), InputError> {
-    examine(request, |_, _| ())
+/// What is added while machine after machine is diagnosed.
+#[derive(Default)]
+pub(crate) struct Collected {
+    pub(crate) answer: Answer,
+    pub(crate) improved: Vec<(String, RobotModel)>,
+    pub(crate) courses: Vec<Course>,
 }
 
-/// The answer, each robot's improved model, and the figures of each machine, block by block.
-pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
-
-/// The same, with what the figures of a report show.
-///
-/// # Errors
-/// As [`diagnose`].
-pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, InputError> {
-    let mut figures = Vec::new();
-    let each = |bench: &Bench, found: &Found| figures.push(Figures::new(bench, found, request));
-    let (answer, improved) = examine(request, each)?;
-    Ok((answer, improved, figures))
-}
-
-/// Diagnoses machine after machine; `each` sees what was found on it.
-fn examine(
+/// Diagnoses one machine; `each` sees what was found on it, block by block.
+pub(crate) fn examine(
     request: &Request<'_>,
+    machine: &[(&Recording, &Recorded)],
+    collected: &mut Collected,
     mut each: impl FnMut(&Bench, &Found),
-) -> Result<(Answer, Vec<(String, RobotModel)>), InputError> {
-    let mut answer = Answer {
-        warnings: input::warnings(request)?,
-        ..Answer::default()
-    };
-    let mut improved = Vec::new();
-    let mut courses = Vec::new();
-    for machine in machines(request.recordings) {
-        let name = &machine[0].1.name;
-        let whole = bench(request, &machine, Block::Whole)?;
-        let mut hypotheses = Vec::new();
-        let (mut judged, mut unknown) = (None, None);
-        for block in blocks(&whole, &machine) {
-            let part;
-            let bench = match block {
-                Block::Whole => &whole,
-                _ => {
-                    part = bench(request, &machine, block)?;
-                    &part
-                }
-            };
-            let unusable = || {
-                let remedy = "check masses, lengths and units, and the kind of the commands";
-                InputError::new(name, "cannot be simulated by its model", remedy)
-            };
-            let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-            let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
-            let mut cuts = 0;
-            let found = loop {
-                let bench = again.as_ref().unwrap_or(bench);
-                let search = Search {
-                    bench,
-                    all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
-                    excluded: request.excluded,
-                    known,
-                    cuts: cuts < CUTS,
-                    progress: &progress,
-                };
-                match search.run().ok_or_else(unusable)? {
-                    Outcome::Found(found) => break found,
-                    Outcome::Slides(more, found) => {
-                        slides.extend(more);
-                        let next = bench.avoiding(&slides);
-                        cuts = if next.begins_as(bench) {
-                            CUTS
-                        } else {
-                            cuts + 1
-                        };
-                        (known, again) = (found, Some(next));
-                    }
-                }
-            };
+) -> Result<(), InputError> {
+    let Collected {
+        answer,
+        improved,
+        courses,
+    } = collected;
+    let name = &machine[0].1.name;
+    let whole = bench(request, machine, Block::Whole)?;
+    let mut hypotheses = Vec::new();
+    let (mut judged, mut unknown) = (None, None);
+    for block in blocks(&whole, machine) {
+        let part;
+        let bench = match block {
+            Block::Whole => &whole,
+            _ => {
+                part = bench(request, machine, block)?;
+                &part
+            }
+        };
+        let unusable = || {
+            let remedy = "check masses, lengths and units, and the kind of the commands";
+            InputError::new(name, "cannot be simulated by its model", remedy)
+        };
+        let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
+        let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
+        let mut cuts = 0;
+        let found = loop {
             let bench = again.as_ref().unwrap_or(bench);
-            answer.add(bench, &found);
-            each(bench, &found);
-            courses.extend(links::Course::new(bench, &found.node));
-            hypotheses.extend(found.node.hypotheses);
-            match block {
-                Block::Whole => (judged, unknown) = (again, found.unknown),
-                // a law of how wheels turn acts on the whole robot as well
-                Block::ToWheels if found.unknown.is_some() => {
-                    (judged, unknown) = (Some(whole.cut_as(bench)), found.unknown);
+            let search = Search {
+                bench,
+                all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
+                excluded: request.excluded,
+                known,
+                cuts: cuts < CUTS,
+                progress: &progress,
+            };
+            match search.run().ok_or_else(unusable)? {
+                Outcome::Found(found) => break found,
+                Outcome::Slides(more, found) => {
+                    slides.extend(more);
+                    let next = bench.avoiding(&slides);
+                    cuts = if next.begins_as(bench) {
+                        CUTS
+                    } else {
+                        cuts + 1
+                    };
+                    (known, again) = (found, Some(next));
                 }
-                Block::ToWheels | Block::FromWheels => {}
             }
-        }
-        let judged = judged.as_ref().unwrap_or(&whole);
-        answer.judge(judged, &hypotheses, unknown.as_ref());
-        improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
-    }
-    if let [recording] = request.recordings {
-        links::add(
-            recording,
-            &courses,
-            request.excluded,
-            &mut answer,
-            &mut improved,
-        );
-    }
-    answer.conclude();
-    Ok((answer, improved))
-}
-
-/// The runs of each machine: robots of one name, or all robots of a recording that says so. Single
-/// robots of several recordings are one machine whatever they are called.
-fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
-    let alone = recordings.len() > 1 && recordings.iter().all(|r| r.robots.len() == 1);
-    let mut machines: Vec<Vec<(&Recording, &Recorded)>> = Vec::new();
-    for recording in recordings {
-        for robot in &recording.robots {
-            let known = machines.iter_mut().find(|machine| {
-                let (first, other) = machine[0];
-                let runs = recording.same_robot && std::ptr::eq(first, recording);
-                alone || runs || other.name == robot.name
-            });
-            match known {
-                Some(machine) => machine.push((recording, robot)),
-                None => machines.push(vec![(recording, robot)]),
+        };
+        let bench = again.as_ref().unwrap_or(bench);
+        answer.add(bench, &found);
+        each(bench, &found);
+        courses.extend(Course::new(bench, &found.node));
+        hypotheses.extend(found.node.hypotheses);
+        match block {
+            Block::Whole => (judged, unknown) = (again, found.unknown),
+            // a law of how wheels turn acts on the whole robot as well
+            Block::ToWheels if found.unknown.is_some() => {
+                (judged, unknown) = (Some(whole.cut_as(bench)), found.unknown);
             }
+            Block::ToWheels | Block::FromWheels => {}
         }
     }
-    machines
+    let judged = judged.as_ref().unwrap_or(&whole);
+    answer.judge(judged, &hypotheses, unknown.as_ref());
+    improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
+    Ok(())
 }
 
 /// The blocks that are diagnosed one by one. Where no mass is known, wheels turn as they are told
@@ -253,16 +186,8 @@ fn bench(
     machine: &[(&Recording, &Recorded)],
     block: Block,
 ) -> Result<Bench, InputError> {
-    let (recording, robot) = machine[0];
-    let model = (request.model_of)(&robot.name)
-        .or_else(|| recording.model.clone())
-        .ok_or_else(|| {
-            InputError::new(
-                &robot.name,
-                "has no model",
-                "give one with --robot robot.toml",
-            )
-        })?;
+    let robot = machine[0].1;
+    let model = model_of(request, machine[0])?;
     let constants = slipstream_sim::Robot::new(&model)?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {

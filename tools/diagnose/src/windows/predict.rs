@@ -5,7 +5,11 @@ use rayon::prelude::*;
 use crate::windows::score;
 use crate::windows::track::{Block, Sensor, Track};
 use crate::windows::window::{WINDOW_S, Window, cut};
-use crate::windows::{InputError, Point, Request, bench};
+use slipstream_bus::InputError;
+
+use crate::answer::Point;
+use crate::diagnosis::Request;
+use crate::windows::bench;
 
 /// How one robot of one recording is predicted over windows of 5 s: the start of each is fitted to
 /// its first half second, the rest is simulated from what drove the robot. The model is taken as it

@@ -1,7 +1,7 @@
 //! A finding as one sentence: who, where, when, what, how much, and what it could be instead.
 
-use crate::windows::answer::{Finding, ParameterEstimate};
-use crate::windows::{in_digits, manoeuvre};
+use crate::answer::{Finding, ParameterEstimate};
+use crate::answer::{in_digits, manoeuvre};
 
 /// Intervals that are spelled out; more are counted.
 const SPELLED: usize = 3;
@@ -88,7 +88,7 @@ fn told(finding: &Finding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::windows::answer::{Evidence, Place};
+    use crate::answer::{Evidence, Place};
 
     fn slip(intervals_s: Vec<[f64; 2]>, confused_with: Vec<String>) -> Finding {
         Finding {
@@ -108,6 +108,7 @@ mod tests {
                 intervals_s,
                 condition: "drive torque above 0.092 N m".to_owned(),
             },
+            runs: None,
             confused_with,
             evidence: Evidence {
                 log_likelihood_gain: 812.0,

@@ -1,0 +1,180 @@
+//! A diagnosis: machine after machine, by the engine that its model asks for.
+
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::Robot as Recorded;
+
+use crate::answer::{Answer, Figures};
+use crate::explain::finding::finding;
+use crate::explain::kinematic::{self, Task};
+use crate::explain::pictures::figures;
+use crate::windows::{self, Collected, Course, add_links, input};
+
+/// What is asked.
+pub struct Request<'a> {
+    /// Recordings of the same machines, fitted together.
+    pub recordings: &'a [Recording],
+    /// The nominal model of each robot; without one, that of the recording.
+    pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
+    /// Effects that are not to be tried.
+    pub excluded: &'a [String],
+    /// Times (s) of which nothing is believed.
+    pub excluded_s: &'a [[f64; 2]],
+    /// Hears what is being done.
+    pub progress: &'a (dyn Fn(&str) + Sync),
+}
+
+/// The answer, each robot's improved model, and the figures of each machine, block by block.
+pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
+
+/// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
+///
+/// # Errors
+/// A robot that cannot be diagnosed, or a model that is none.
+pub fn diagnose(request: &Request<'_>) -> Result<(Answer, Vec<(String, RobotModel)>), InputError> {
+    let (answer, improved, _) = examine(request, false)?;
+    Ok((answer, improved))
+}
+
+/// The same, with what the figures of a report show.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, InputError> {
+    examine(request, true)
+}
+
+fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, InputError> {
+    let mut collected = Collected {
+        answer: Answer {
+            format: 1,
+            warnings: input::warnings(request)?,
+            ..Answer::default()
+        },
+        ..Collected::default()
+    };
+    let mut all: Vec<Figures> = Vec::new();
+    for machine in machines(request.recordings) {
+        let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
+        let model = model_of(request, machine[0])?;
+        slipstream_sim::Robot::new(&model)?;
+        if kinematic::applies(&robots, &model) {
+            let illustrated: Figures = by_filter(request, &machine, &model, &mut collected)?;
+            all.extend(illustrate.then_some(illustrated));
+        } else {
+            windows::examine(request, &machine, &mut collected, |bench, found| {
+                if illustrate {
+                    all.push(windows::figures(bench, found, request));
+                }
+            })?;
+        }
+    }
+    let Collected {
+        mut answer,
+        mut improved,
+        courses,
+    } = collected;
+    if let [recording] = request.recordings {
+        add_links(
+            recording,
+            &courses,
+            request.excluded,
+            &mut answer,
+            &mut improved,
+        );
+    }
+    answer.conclude();
+    Ok((answer, improved, all))
+}
+
+/// Diagnoses a machine whose masses are unknown.
+fn by_filter(
+    request: &Request<'_>,
+    machine: &[(&Recording, &Recorded)],
+    model: &RobotModel,
+    collected: &mut Collected,
+) -> Result<Figures, InputError> {
+    let name = &machine[0].1.name;
+    let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
+    let found = kinematic::examine(&Task {
+        runs: machine,
+        model,
+        excluded: request.excluded,
+        excluded_s: request.excluded_s,
+        progress: &progress,
+    })?;
+    let runs: Vec<String> = found.robots.iter().map(|i| run_name(machine, *i)).collect();
+    let answer = &mut collected.answer;
+    for claim in &found.claims {
+        let run = claim.runs.as_ref().and_then(|runs| runs.first());
+        let span_s = found.spans_s[run.copied().unwrap_or(0)];
+        answer
+            .findings
+            .push(finding(claim, name, &runs, model, span_s));
+    }
+    answer.held_out.merge(&found.held_out);
+    answer.budget.extend(found.budget.clone());
+    answer.outliers.extend(found.outliers.clone());
+    answer.process_noise.extend(found.process_noise.clone());
+    answer.warnings.extend(found.warnings.clone());
+    collected
+        .improved
+        .push((name.clone(), found.improved.clone()));
+    collected.courses.extend(
+        found
+            .courses
+            .iter()
+            .map(|course| Course::of(name.clone(), course.points.clone(), course.deviation)),
+    );
+    Ok(figures(name, &found))
+}
+
+/// Name of a run: of its recording where there are several, else of its robot.
+fn run_name(machine: &[(&Recording, &Recorded)], run: usize) -> String {
+    let (recording, robot) = machine[run];
+    let alone = machine
+        .iter()
+        .all(|(other, _)| std::ptr::eq(*other, recording));
+    if alone {
+        robot.name.clone()
+    } else {
+        recording.name.clone()
+    }
+}
+
+/// The nominal model of a robot.
+pub(crate) fn model_of(
+    request: &Request<'_>,
+    (recording, robot): (&Recording, &Recorded),
+) -> Result<RobotModel, InputError> {
+    (request.model_of)(&robot.name)
+        .or_else(|| recording.model.clone())
+        .ok_or_else(|| {
+            InputError::new(
+                &robot.name,
+                "has no model",
+                "give one with --robot robot.toml",
+            )
+        })
+}
+
+/// The runs of each machine: robots of one name, or all robots of a recording that says so. Single
+/// robots of several recordings are one machine whatever they are called.
+fn machines(recordings: &[Recording]) -> Vec<Vec<(&Recording, &Recorded)>> {
+    let alone = recordings.len() > 1 && recordings.iter().all(|r| r.robots.len() == 1);
+    let mut machines: Vec<Vec<(&Recording, &Recorded)>> = Vec::new();
+    for recording in recordings {
+        for robot in &recording.robots {
+            let known = machines.iter_mut().find(|machine| {
+                let (first, other) = machine[0];
+                let runs = recording.same_robot && std::ptr::eq(first, recording);
+                alone || runs || other.name == robot.name
+            });
+            match known {
+                Some(machine) => machine.push((recording, robot)),
+                None => machines.push(vec![(recording, robot)]),
+            }
+        }
+    }
+    machines
+}

@@ -1,0 +1,120 @@
+//! A claim: one effect of the catalogue with the sizes that it has beyond the nominal model.
+
+use slipstream_bus::{EffectSpec, Parameter, RobotModel};
+
+use crate::model::nominal::number;
+
+/// How a parameter changes from its nominal value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scale {
+    /// The change is added.
+    Plain,
+    /// The change is the logarithm of a factor; 1 without the effect.
+    Factor,
+    /// The change is the logarithm of what a share leaves; 0 without the effect.
+    Loss,
+}
+
+/// The change of one parameter.
+#[derive(Debug, Clone)]
+pub(crate) struct Value {
+    pub(crate) name: &'static str,
+    pub(crate) scale: Scale,
+    pub(crate) change: f64,
+    /// Half widths of its 95 % interval, below and above.
+    pub(crate) half: [f64; 2],
+}
+
+/// One effect.
+#[derive(Debug, Clone)]
+pub(crate) struct Claim {
+    pub(crate) effect: &'static str,
+    pub(crate) values: Vec<Value>,
+    pub(crate) word: Option<(&'static str, &'static str)>,
+    /// Runs for which it holds; all without it.
+    pub(crate) runs: Option<Vec<usize>>,
+    /// Parameters of the machine that it explains.
+    pub(crate) toggles: Vec<usize>,
+    pub(crate) gain: f64,
+    pub(crate) p_value: f64,
+    pub(crate) confused: Vec<&'static str>,
+}
+
+impl Value {
+    pub(crate) fn new(name: &'static str, scale: Scale, change: f64, half: f64) -> Self {
+        Self {
+            name,
+            scale,
+            change,
+            half: [half; 2],
+        }
+    }
+
+    /// What the change makes of a nominal value.
+    pub(crate) fn applied(&self, nominal: Option<f64>, change: f64) -> f64 {
+        match self.scale {
+            Scale::Plain => nominal.unwrap_or(0.0) + change,
+            Scale::Factor => nominal.unwrap_or(1.0) * change.exp(),
+            Scale::Loss => 1.0 - (1.0 - nominal.unwrap_or(0.0)) * change.exp(),
+        }
+    }
+
+    pub(crate) fn estimate(&self, nominal: Option<f64>) -> f64 {
+        self.applied(nominal, self.change)
+    }
+
+    pub(crate) fn interval(&self, nominal: Option<f64>) -> [f64; 2] {
+        let [below, above] = self.half;
+        let [a, b] = [self.change - below, self.change + above].map(|c| self.applied(nominal, c));
+        [a.min(b), a.max(b)]
+    }
+}
+
+impl Claim {
+    /// The nominal value of a parameter; of a drift, that of its stream.
+    pub(crate) fn nominal(&self, model: &RobotModel, name: &str) -> Option<f64> {
+        match self.word {
+            Some((_, stream)) => crate::model::nominal::clock_rate(model, stream),
+            None => number(model, self.effect, name),
+        }
+    }
+
+    /// Puts the effect into a model, in place of its own.
+    pub(crate) fn write(&self, model: &mut RobotModel) {
+        let listed = |spec: &EffectSpec| {
+            let words = self.word.is_none_or(|(name, word)| {
+                spec.parameters.iter().any(|(own, value)| {
+                    own == name && matches!(value, Parameter::Text(text) if text == word)
+                })
+            });
+            spec.effect == self.effect && words
+        };
+        let values: Vec<(String, f64)> = self
+            .values
+            .iter()
+            .map(|v| (v.name.to_owned(), v.estimate(self.nominal(model, v.name))))
+            .collect();
+        let place = model.effects.iter().position(listed);
+        let mut spec = match place {
+            Some(place) => model.effects[place].clone(),
+            None => EffectSpec::new(self.effect, &[]),
+        };
+        for (name, value) in values {
+            let own = spec.parameters.iter_mut().find(|(own, _)| *own == name);
+            match own {
+                Some((_, own)) => *own = Parameter::Number(value),
+                None => spec.parameters.push((name, Parameter::Number(value))),
+            }
+        }
+        if let Some((name, word)) = self.word
+            && place.is_none()
+        {
+            spec.parameters
+                .push((name.to_owned(), Parameter::Text(word.to_owned())));
+        }
+        match place {
+            Some(place) => model.effects[place] = spec,
+            None => model.effects.push(spec),
+        }
+    }
+}

@@ -1,0 +1,533 @@
+//! Diagnosis of a machine whose masses are unknown: from commands to wheels, from wheels to poses and
+//! gyro, and what both say together.
+
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::Robot;
+
+use super::budget::{players, shares};
+use super::calibration::Calibration;
+use super::claim::Claim;
+use super::drive::DriveFit;
+use super::open_loop::HORIZON_S;
+use super::prediction::{CHANNELS, Errors, Predictor};
+use super::reading::Reading;
+use crate::answer::{Budget, BudgetPart, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
+use crate::estimate::masked::Masked;
+use crate::estimate::scoring::{Problem, SHORT};
+use crate::model::command_to_wheels::CommandToWheels;
+use crate::model::drive::{DRIVE, SLOW_SHARE};
+use crate::model::from_wheels::{DRIVE_FIRST, FromWheels, RUN_BIAS, View};
+
+/// A row with a smaller probability of being ordinary counts as an outlier.
+const ORDINARY: f64 = 0.5;
+/// Most windows of a run that a budget predicts.
+const BUDGET_WINDOWS: usize = 40;
+/// What two simulators differ by, in metres or radians; a smaller part is none.
+const NOTHING: f64 = 1e-6;
+
+/// What was found on one machine.
+pub(crate) struct Found {
+    pub(crate) claims: Vec<Claim>,
+    pub(crate) held_out: HeldOut,
+    pub(crate) budget: Vec<Budget>,
+    pub(crate) outliers: Vec<Outliers>,
+    pub(crate) process_noise: Vec<ProcessNoise>,
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) improved: RobotModel,
+    /// Errors of each run, of the nominal and of the improved model, and deviations of its sensors.
+    pub(crate) errors: Vec<[Errors; 2]>,
+    pub(crate) deviations: Vec<[f64; 6]>,
+    /// Begin and end of each run, and what its times count from (s).
+    pub(crate) spans_s: Vec<[f64; 2]>,
+    /// What the times of each run count from (s).
+    pub(crate) origins_s: Vec<f64>,
+    /// Where each run went, as the filter has it.
+    pub(crate) courses: Vec<Path>,
+    /// Number of each run's robot among those given.
+    pub(crate) robots: Vec<usize>,
+}
+
+/// Where a run went: time (s), x, y (m) and heading (rad) of the centre of mass, and deviations of the
+/// reference.
+pub(crate) struct Path {
+    pub(crate) points: Vec<(f64, [f64; 3])>,
+    pub(crate) deviation: [f64; 3],
+}
+
+/// One machine, and what was fitted to it.
+struct Machine<'a> {
+    name: &'a str,
+    robots: Vec<&'a Robot>,
+    model: &'a RobotModel,
+    machine: FromWheels,
+    drive: Option<CommandToWheels>,
+    nominal: Vec<f64>,
+}
+
+/// What is asked of a machine.
+pub(crate) struct Task<'a> {
+    pub(crate) runs: &'a [(&'a Recording, &'a Robot)],
+    pub(crate) model: &'a RobotModel,
+    pub(crate) excluded: &'a [String],
+    pub(crate) excluded_s: &'a [[f64; 2]],
+    pub(crate) progress: &'a dyn Fn(&str),
+}
+
+/// Diagnoses one machine.
+///
+/// # Errors
+/// A machine that is not known to have moved, or of which nothing can be compared.
+pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
+    let robots: Vec<&Robot> = task.runs.iter().map(|(_, robot)| *robot).collect();
+    let name = &robots[0].name;
+    let machine = FromWheels::new(&robots, task.model, task.excluded_s);
+    let drive = CommandToWheels::new(&robots, task.model, task.excluded_s);
+    let machine = machine.filter(|m| m.has_pose() || m.has_gyro() || drive.is_some());
+    let machine = machine.ok_or_else(|| {
+        let remedy = "record wheels or commands of a robot that drives, and beside them a pose, a \
+            gyro, or both wheels and commands";
+        InputError::new(name, "has nothing to compare", remedy)
+    })?;
+    let nominal = machine.nominal(task.model);
+    let machine = Machine {
+        name,
+        robots,
+        model: task.model,
+        machine,
+        drive,
+        nominal,
+    };
+    machine.examine(task)
+}
+
+impl Machine<'_> {
+    fn examine(&self, task: &Task<'_>) -> Result<Found, InputError> {
+        let mut warnings = Vec::new();
+        (task.progress)("wheels against pose and gyro");
+        let calibration = Calibration::new(&self.machine, self.model, task.excluded);
+        let compared = self.machine.has_pose() || self.machine.has_gyro();
+        if compared && calibration.is_none() {
+            warnings.push(self.warning(
+                task,
+                "not_fitted",
+                "wheels and reference do not determine a calibration",
+                "record a run with turns both ways and some metres of way",
+            ));
+        }
+        (task.progress)("commands against wheels");
+        let drive = self
+            .drive
+            .as_ref()
+            .and_then(|drive| DriveFit::new(drive, self.model, task.excluded));
+        if self.drive.is_some() && drive.is_none() {
+            warnings.push(self.warning(
+                task,
+                "drive_not_fitted",
+                "commands and wheels do not determine how the drive follows",
+                "record a run in which commands change",
+            ));
+        }
+        let reading = Reading {
+            machine: &self.machine,
+            nominal: &self.nominal,
+            calibration: calibration.as_ref(),
+            drive: drive.as_ref(),
+        };
+        let claims = reading.claims();
+        let fitted = self.settled(&claims, &reading.fitted());
+        (task.progress)("predictions over 5 s");
+        let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);
+        let errors = self.errors(&folds, &fitted);
+        let deviations: Vec<[f64; 6]> = (0..self.machine.runs.len())
+            .map(|run| {
+                let robot = self.robots[self.machine.runs[run].robot];
+                self.predictor(run).deviations(&robot.noise)
+            })
+            .collect();
+        Ok(Found {
+            held_out: self.held_out(&errors, &deviations),
+            budget: self.budget(&claims, &fitted, &deviations),
+            outliers: self.outliers(&reading.fitted()),
+            process_noise: self.process_noise(calibration.is_some(), &reading.fitted()),
+            improved: self.improved(&claims),
+            spans_s: self
+                .machine
+                .runs
+                .iter()
+                .map(|run| run.blocks.span_s.map(|t| t + run.origin_s))
+                .collect(),
+            origins_s: self.machine.runs.iter().map(|run| run.origin_s).collect(),
+            courses: self.courses(&reading.fitted(), &deviations),
+            robots: self.machine.runs.iter().map(|run| run.robot).collect(),
+            claims,
+            warnings,
+            errors,
+            deviations,
+        })
+    }
+
+    fn warning(&self, task: &Task<'_>, id: &str, statement: &str, remedy: &str) -> Warning {
+        Warning {
+            recording: task.runs[0].0.name.clone(),
+            robot: Some(self.name.to_owned()),
+            id: id.to_owned(),
+            statement: statement.to_owned(),
+            remedy: remedy.to_owned(),
+        }
+    }
+
+    fn predictor(&self, run: usize) -> Predictor<'_> {
+        let own = &self.machine.runs[run];
+        let drives = self.drive.iter().flat_map(|drive| &drive.runs);
+        let mut drives = drives.filter(|drive| drive.robot == own.robot);
+        Predictor {
+            machine: &self.machine,
+            run: own,
+            drive: drives.next(),
+        }
+    }
+
+    /// Nominal parameters with those that the claims explain as they were fitted. What belongs to a
+    /// sensor and is no effect is as it was fitted.
+    fn settled(&self, claims: &[Claim], fitted: &[f64]) -> Vec<f64> {
+        let mut at = self.sensed(fitted);
+        for index in claims.iter().flat_map(|claim| &claim.toggles) {
+            at[*index] = fitted[*index];
+        }
+        at
+    }
+
+    /// Nominal parameters with the biases of the gyros as they were fitted.
+    fn sensed(&self, fitted: &[f64]) -> Vec<f64> {
+        let mut at = self.nominal.clone();
+        for run in 0..self.machine.runs.len() {
+            let bias = self.machine.of_run(run, RUN_BIAS);
+            at[bias] = fitted[bias];
+        }
+        at
+    }
+
+    /// Parameters fitted to the blocks of even and of odd numbers alone.
+    fn folds(
+        &self,
+        claims: &[Claim],
+        calibration: Option<&Calibration>,
+        drive: Option<&DriveFit>,
+        fitted: &[f64],
+    ) -> [Vec<f64>; 2] {
+        if claims.is_empty() {
+            return [fitted.to_vec(), fitted.to_vec()];
+        }
+        let halves: [fn(usize) -> bool; 2] = [|block| block % 2 == 0, |block| block % 2 == 1];
+        halves.map(|keeps| {
+            let mut at = fitted.to_vec();
+            if let Some(calibration) = calibration {
+                let view = View {
+                    machine: &self.machine,
+                    robust: true,
+                };
+                let problem = Problem {
+                    likelihood: &Masked {
+                        inner: &view,
+                        keeps,
+                    },
+                    priors: self.machine.priors(&self.nominal),
+                    longest: self.machine.longest(),
+                };
+                let fit = &calibration.after.fit;
+                at = problem.fit(&fit.at, &fit.free, SHORT).at;
+            }
+            if let (Some(found), Some(drive)) = (drive, &self.drive) {
+                let problem = Problem {
+                    likelihood: &Masked {
+                        inner: drive,
+                        keeps,
+                    },
+                    priors: drive.priors(&found.nominal),
+                    longest: drive.longest(),
+                };
+                let fit = &found.after.fit;
+                let half = problem.fit(&fit.at, &fit.free, SHORT).at;
+                at[DRIVE_FIRST..DRIVE_FIRST + DRIVE].copy_from_slice(&half[..DRIVE]);
+            }
+            at[DRIVE_FIRST + SLOW_SHARE] = 0.0;
+            self.settled(claims, &at)
+        })
+    }
+
+    /// Errors of the nominal model, and of the model fitted to the other half of the blocks.
+    fn errors(&self, folds: &[Vec<f64>; 2], fitted: &[f64]) -> Vec<[Errors; 2]> {
+        let nominal = self.sensed(fitted);
+        let each = (0..self.machine.runs.len()).map(|run| {
+            let predictor = self.predictor(run);
+            let windows = predictor.windows();
+            let before = predictor.errors(run, &nominal, &windows, true);
+            let blocks = &self.machine.runs[run].blocks;
+            let parity = |[a, b]: &[f64; 2]| (blocks.first + blocks.of(f64::midpoint(*a, *b))) % 2;
+            let halves = [0, 1].map(|fold| {
+                let own: Vec<[f64; 2]> = windows
+                    .iter()
+                    .filter(|w| parity(w) != fold)
+                    .copied()
+                    .collect();
+                predictor.errors(run, &folds[fold], &own, true)
+            });
+            let [one, other] = halves;
+            [before, one.and(other)]
+        });
+        each.collect()
+    }
+
+    fn held_out(&self, errors: &[[Errors; 2]], deviations: &[[f64; 6]]) -> HeldOut {
+        let mut held_out = HeldOut {
+            horizon_s: HORIZON_S,
+            ..HeldOut::default()
+        };
+        // square deviations and counts of each channel, before and after
+        let mut sums = [[[0.0; 2]; CHANNELS.len()]; 2];
+        for (pair, deviations) in errors.iter().zip(deviations) {
+            for (side, errors) in pair.iter().enumerate() {
+                for channel in 0..CHANNELS.len() {
+                    let square = deviations[channel] * deviations[channel];
+                    sums[side][channel][0] += errors.squares[channel] / square;
+                    sums[side][channel][1] += errors.counts[channel];
+                }
+            }
+        }
+        let level = |side: usize, channels: &[usize]| {
+            let [squares, counts] = channels.iter().fold([0.0; 2], |[s, n], channel| {
+                let [own, count] = sums[side][*channel];
+                [s + own, n + count]
+            });
+            (counts > 0.0).then(|| (squares / counts).sqrt())
+        };
+        for (channel, name) in CHANNELS.iter().enumerate() {
+            let Some(levels) = level(0, &[channel]).zip(level(1, &[channel])) else {
+                continue;
+            };
+            let totals = [0, 1].map(|side| {
+                let all = errors.iter().map(|pair| pair[side].clone());
+                let sum = all.fold(Errors::default(), |sum, own| Errors {
+                    squares: std::array::from_fn(|c| sum.squares[c] + own.squares[c]),
+                    counts: std::array::from_fn(|c| sum.counts[c] + own.counts[c]),
+                    ..Errors::default()
+                });
+                sum.rms(channel).unwrap_or(0.0)
+            });
+            held_out.channels.push(HeldOutChannel {
+                robot: self.name.to_owned(),
+                channel: (*name).to_owned(),
+                nrmse_before: levels.0,
+                nrmse_after: levels.1,
+                unit: self.unit(channel),
+                rms_before: totals[0],
+                rms_after: totals[1],
+            });
+        }
+        let channels: &[usize] = if self.machine.has_pose() {
+            &[2, 3, 4]
+        } else {
+            &[0, 1, 5]
+        };
+        held_out.nrmse_before = level(0, channels).unwrap_or(0.0);
+        held_out.nrmse_after = level(1, channels).unwrap_or(0.0);
+        held_out
+    }
+
+    fn unit(&self, channel: usize) -> &'static str {
+        use crate::data::wheel_rows::WheelKind;
+        let speeds = self
+            .drive
+            .as_ref()
+            .is_some_and(|drive| drive.runs[0].wheels.kind == WheelKind::Speed);
+        match CHANNELS[channel] {
+            "pose_x" | "pose_y" => "m",
+            "pose_yaw" => "rad",
+            "imu_gz" => "rad/s",
+            _ if speeds => "rad/s",
+            _ => "rad",
+        }
+    }
+
+    fn budget(&self, claims: &[Claim], fitted: &[f64], deviations: &[[f64; 6]]) -> Vec<Budget> {
+        let players = players(claims);
+        let nominal = self.sensed(fitted);
+        let runs = 0..self.machine.runs.len();
+        let windows: Vec<Vec<[f64; 2]>> = runs
+            .map(|run| {
+                let all = self.predictor(run).windows();
+                let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
+                all.into_iter().step_by(stride).collect()
+            })
+            .collect();
+        let subsets = 0..1_usize << players.len();
+        let worth: Vec<Errors> = subsets
+            .map(|subset| {
+                let mut at = nominal.clone();
+                let own = players.iter().enumerate();
+                for (_, player) in own.filter(|(i, _)| subset >> i & 1 == 1) {
+                    player.toggles.iter().for_each(|i| at[*i] = fitted[*i]);
+                }
+                let errors = windows.iter().enumerate();
+                let errors = errors
+                    .map(|(run, windows)| self.predictor(run).errors(run, &at, windows, false));
+                errors.fold(Errors::default(), Errors::and)
+            })
+            .collect();
+        let count = deviations.len().max(1) as f64;
+        let noise = |channel: usize| {
+            deviations
+                .iter()
+                .map(|d| d[channel] * d[channel])
+                .sum::<f64>()
+                / count
+        };
+        let place: Option<Vec<f64>> = worth.iter().map(Errors::mean_place_m2).collect();
+        let heading: Option<Vec<f64>> = worth.iter().map(Errors::mean_heading_rad2).collect();
+        let heading_noise = if self.machine.has_heading() {
+            noise(4)
+        } else {
+            0.0
+        };
+        let both = [
+            ("m", place, 2.0 * noise(2)),
+            ("rad", heading, heading_noise),
+        ];
+        let names: Vec<&str> = players.iter().map(|player| player.name).collect();
+        let all = both
+            .into_iter()
+            .filter_map(|(unit, worth, noise)| self.budget_of(unit, &names, &worth?, noise));
+        all.collect()
+    }
+
+    fn budget_of(
+        &self,
+        unit: &'static str,
+        players: &[&str],
+        worth: &[f64],
+        noise: f64,
+    ) -> Option<Budget> {
+        let (first, last) = (*worth.first()?, *worth.last()?);
+        let before = first.sqrt();
+        if before < NOTHING {
+            return None;
+        }
+        let noise = noise.min(last);
+        let names = players.iter().map(|name| (*name).to_owned());
+        let mut parts: Vec<BudgetPart> = names
+            .zip(shares(players.len(), worth))
+            .map(|(name, share)| BudgetPart {
+                name,
+                share: share / before,
+            })
+            .collect();
+        parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+        for (name, share) in [("unexplained", last - noise), ("sensor noise", noise)] {
+            parts.push(BudgetPart {
+                name: name.to_owned(),
+                share: share / before,
+            });
+        }
+        Some(Budget {
+            robot: self.name.to_owned(),
+            unit,
+            before,
+            after: last.sqrt(),
+            parts,
+        })
+    }
+
+    fn courses(&self, fitted: &[f64], deviations: &[[f64; 6]]) -> Vec<Path> {
+        let runs = self.machine.runs.iter().enumerate();
+        let with_pose = runs.filter(|(_, run)| run.pose.is_some());
+        with_pose
+            .map(|(i, _)| Path {
+                points: self.machine.course(i, fitted),
+                deviation: [deviations[i][2], deviations[i][3], deviations[i][4]],
+            })
+            .collect()
+    }
+
+    fn outliers(&self, fitted: &[f64]) -> Vec<Outliers> {
+        let view = View {
+            machine: &self.machine,
+            robust: true,
+        };
+        let mut outliers: Vec<Outliers> = Vec::new();
+        for (stream, times_s) in view.extraordinary(fitted, ORDINARY) {
+            if !times_s.is_empty() {
+                outliers.push(Outliers {
+                    robot: self.name.to_owned(),
+                    stream,
+                    count: times_s.len(),
+                    times_s,
+                });
+            }
+        }
+        outliers
+    }
+
+    fn process_noise(&self, calibrated: bool, fitted: &[f64]) -> Vec<ProcessNoise> {
+        if !calibrated {
+            return Vec::new();
+        }
+        let [speed, turn] = self.machine.process_noise(fitted);
+        let all = [("speed", speed, "m/s"), ("turn_rate", turn, "rad/s")];
+        all.into_iter()
+            .filter(|(_, size, _)| *size > NOTHING)
+            .map(|(acts_on, size, unit)| ProcessNoise {
+                robot: self.name.to_owned(),
+                acts_on,
+                size,
+                unit,
+                correlation_time_s: crate::data::reference::POSE_STEP_S,
+            })
+            .collect()
+    }
+
+    /// The model with what was found; what differs from run to run as on average.
+    fn improved(&self, claims: &[Claim]) -> RobotModel {
+        let mut model = self.model.clone();
+        let mut written: Vec<&str> = Vec::new();
+        for claim in claims {
+            if claim.runs.is_none() {
+                claim.write(&mut model);
+            } else if !written.contains(&claim.effect) {
+                written.push(claim.effect);
+                let own: Vec<&Claim> = claims
+                    .iter()
+                    .filter(|other| other.effect == claim.effect)
+                    .collect();
+                mean(&own, self.machine.runs.len()).write(&mut model);
+            }
+        }
+        model
+    }
+}
+
+/// The mean of claims of single runs over all `runs`; a run without a claim counts as nominal.
+fn mean(claims: &[&Claim], runs: usize) -> Claim {
+    let mut mean = claims[0].clone();
+    for value in &mut mean.values {
+        let changes = claims.iter().flat_map(|claim| &claim.values);
+        let own = changes.filter(|other| other.name == value.name);
+        value.change = own.map(|other| other.change).sum::<f64>() / runs as f64;
+    }
+    mean
+}
+
+/// Whether this engine diagnoses a machine: its masses are unknown, and what drives it are speeds.
+pub(crate) fn applies(robots: &[&Robot], model: &RobotModel) -> bool {
+    use slipstream_recording::recording::Command;
+    let masses = slipstream_sim::Robot::new(model)
+        .is_ok_and(|robot| robot.accepts(slipstream_sim::CommandKind::Torque).is_ok());
+    let speeds = robots.iter().all(|robot| match &robot.command {
+        None => true,
+        Some(stream) => matches!(
+            stream.values,
+            Command::Twist { .. } | Command::WheelSpeed { .. }
+        ),
+    });
+    !masses && speeds
+}

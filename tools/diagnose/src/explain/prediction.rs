@@ -1,0 +1,431 @@
+//! Prediction error in the units of the robot: windows of 5 s, the start of each fitted to its first
+//! half second, the rest simulated from what drives the robot, the commands or else the wheels.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::open_loop::HORIZON_S;
+use crate::data::wheel_rows::WheelKind;
+use crate::filter::wheel_path::Turned;
+use crate::filter::wrapped;
+use crate::model::command_to_wheels::DriveRun;
+use crate::model::drive::Response;
+use crate::model::from_wheels::{
+    FromWheels, MACHINE, RUN_BIAS, Run, drive_parameters, gyro_parameters, pose_parameters,
+    sensor_noise,
+};
+
+/// Names and order of the channels.
+pub(crate) const CHANNELS: [&str; 6] = [
+    "wheel_right",
+    "wheel_left",
+    "pose_x",
+    "pose_y",
+    "pose_yaw",
+    "imu_gz",
+];
+/// First channels of the sensors.
+const POSE: usize = 2;
+const GYRO: usize = 5;
+/// Time over which the start of a window is fitted (s), how often that may be extended, and how many
+/// poses it needs.
+const FITTED_S: f64 = 0.5;
+const AT_MOST: usize = 5;
+const SEEN: usize = 5;
+/// Shortest window (s).
+const SHORTEST_S: f64 = 1.0;
+/// Most rows of a sensor that are predicted.
+const MOST_ROWS: usize = 5000;
+/// Longest piece of an arc (s).
+const PIECE_S: f64 = 0.1;
+
+/// What a run is predicted by.
+pub(crate) struct Predictor<'a> {
+    pub(crate) machine: &'a FromWheels,
+    pub(crate) run: &'a Run,
+    /// Commands and wheels, where both were recorded.
+    pub(crate) drive: Option<&'a DriveRun>,
+}
+
+/// Sums of squares, and a place on the way to draw.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Errors {
+    pub(crate) squares: [f64; 6],
+    pub(crate) counts: [f64; 6],
+    /// Square distances (m²) and heading errors (rad²).
+    pub(crate) place_m2: f64,
+    pub(crate) heading_rad2: f64,
+    pub(crate) headings: f64,
+    /// Where the robot was seen and where it is predicted (m), a gap after each window.
+    pub(crate) seen: Vec<(f64, f64)>,
+    pub(crate) predicted: Vec<(f64, f64)>,
+    /// Time (s), channel, and predicted minus measured.
+    pub(crate) residuals: Vec<(f64, usize, f64)>,
+}
+
+/// A row of the pose in the frame of the window's start.
+struct Relative {
+    stamp_s: f64,
+    time_s: f64,
+    measured: [f64; 3],
+    /// The tracked point and the measured yaw, relative to the axle at the start.
+    point: [f64; 2],
+    yaw_rad: f64,
+}
+
+impl Errors {
+    fn add(&mut self, stamp_s: f64, channel: usize, residual: f64, draw: bool) {
+        self.squares[channel] += residual * residual;
+        self.counts[channel] += 1.0;
+        if draw {
+            self.residuals.push((stamp_s, channel, residual));
+        }
+    }
+
+    /// Root mean square of a channel; `None` where nothing was predicted.
+    pub(crate) fn rms(&self, channel: usize) -> Option<f64> {
+        let count = self.counts[channel];
+        (count > 0.0).then(|| (self.squares[channel] / count).sqrt())
+    }
+
+    /// Both together.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        for channel in 0..CHANNELS.len() {
+            self.squares[channel] += other.squares[channel];
+            self.counts[channel] += other.counts[channel];
+        }
+        self.place_m2 += other.place_m2;
+        self.heading_rad2 += other.heading_rad2;
+        self.headings += other.headings;
+        self.seen.extend(other.seen);
+        self.predicted.extend(other.predicted);
+        self.residuals.extend(other.residuals);
+        self
+    }
+
+    /// Mean square distance (m²).
+    pub(crate) fn mean_place_m2(&self) -> Option<f64> {
+        let count = self.counts[POSE];
+        (count > 0.0).then(|| self.place_m2 / count)
+    }
+
+    /// Mean square heading error (rad²).
+    pub(crate) fn mean_heading_rad2(&self) -> Option<f64> {
+        (self.headings > 0.0).then(|| self.heading_rad2 / self.headings)
+    }
+}
+
+impl Predictor<'_> {
+    /// Begin and end of the windows (s).
+    pub(crate) fn windows(&self) -> Vec<[f64; 2]> {
+        let [from_s, to_s] = self.run.blocks.span_s;
+        let count = ((to_s - from_s) / HORIZON_S).ceil().max(1.0) as usize;
+        let all = (0..count).map(|k| {
+            let begin = from_s + HORIZON_S * k as f64;
+            [begin, (begin + HORIZON_S).min(to_s)]
+        });
+        all.filter(|[a, b]| b - a >= SHORTEST_S).collect()
+    }
+
+    /// Standard deviations of the sensors, channel by channel.
+    pub(crate) fn deviations(&self, declared: &slipstream_recording::recording::Noise) -> [f64; 6] {
+        let [place, yaw] = self
+            .run
+            .pose
+            .as_ref()
+            .map_or([1.0; 2], |p| sensor_noise(&p.all));
+        let wheels = self.drive.map_or(1.0, |drive| {
+            drive
+                .wheels
+                .rounding_rad
+                .max(declared.wheel_rad.unwrap_or(1e-4))
+        });
+        let place = declared.pose_m.unwrap_or(place);
+        let yaw = declared.pose_rad.unwrap_or(yaw);
+        let gyro = declared.imu_rad_s.unwrap_or_else(|| {
+            let rows = self.run.gyro.as_ref().map_or(&[][..], |gyro| &gyro.all);
+            let mut steps: Vec<f64> = rows.windows(2).map(|w| (w[1].1 - w[0].1).abs()).collect();
+            steps.sort_by(f64::total_cmp);
+            let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+            (median / 0.67 / 2.0_f64.sqrt()).max(1e-4)
+        });
+        [wheels, wheels, place, place, yaw, gyro]
+    }
+
+    /// Predicts these windows by the parameters `at` of the machine, of run number `number`.
+    pub(crate) fn errors(
+        &self,
+        number: usize,
+        at: &[f64],
+        windows: &[[f64; 2]],
+        draw: bool,
+    ) -> Errors {
+        let local = self.machine.local(number, at);
+        let each = |wheels: &dyn Turned<f64>| {
+            let mut errors = Errors::default();
+            for window in windows {
+                self.poses(&local, wheels, *window, &mut errors, draw);
+                self.rates(&local, wheels, *window, &mut errors, draw);
+            }
+            errors
+        };
+        let Some(drive) = self.drive else {
+            return self.run.wheels.turned(drive_parameters(&local), each);
+        };
+        let response = Response::new(&drive.commands, drive_parameters(&local));
+        let mut errors = each(&response);
+        for window in windows {
+            wheels(drive, &response, *window, &mut errors, draw);
+        }
+        errors
+    }
+
+    /// Poses of a window relative to the axle at its start.
+    fn relative(&self, local: &[f64], wheels: &dyn Turned<f64>, window: [f64; 2]) -> Vec<Relative> {
+        let Some(pose) = &self.run.pose else {
+            return Vec::new();
+        };
+        let p = pose_parameters(local);
+        let metres = [0, 1].map(|i| p[i].exp() * self.machine.wheel_radius_m);
+        let track_m = p[2].exp() * 2.0 * self.machine.half_track_m;
+        let offset = [p[3] + self.run.declared_m, p[4], p[5]];
+        let first = pose.all.partition_point(|(t_s, _)| *t_s < window[0]);
+        let end = pose.all.partition_point(|(t_s, _)| *t_s < window[1]);
+        let stride = pose.all.len().div_ceil(MOST_ROWS).max(1);
+        let mut hint = 0;
+        let time = |stamp_s: f64| (stamp_s - p[6]) / (1.0 + p[7]);
+        let mut now_s = time(window[0]);
+        let mut angles = wheels.angles_at(now_s, &mut hint);
+        let [mut x, mut y, mut heading] = [0.0_f64; 3];
+        let mut rows = Vec::new();
+        for (stamp_s, measured) in pose.all[first..end].iter().step_by(stride) {
+            let to_s = time(*stamp_s);
+            let pieces = ((to_s - now_s) / PIECE_S).ceil().max(1.0);
+            for piece in 1..=(pieces as usize) {
+                let t_s = now_s + (to_s - now_s) * piece as f64 / pieces;
+                let next = wheels.angles_at(t_s, &mut hint);
+                let [right, left] = [0, 1].map(|i| metres[i] * (next[i] - angles[i]));
+                angles = next;
+                let (way, turn) = (f64::midpoint(right, left), (right - left) / track_m);
+                let chord = way * (1.0 - turn * turn / 24.0);
+                let (sin, cos) = (heading + turn / 2.0).sin_cos();
+                (x, y, heading) = (x + chord * cos, y + chord * sin, heading + turn);
+            }
+            now_s = to_s;
+            let (sin, cos) = heading.sin_cos();
+            rows.push(Relative {
+                stamp_s: *stamp_s,
+                time_s: to_s,
+                measured: *measured,
+                point: [
+                    x + offset[0] * cos - offset[1] * sin,
+                    y + offset[0] * sin + offset[1] * cos,
+                ],
+                yaw_rad: heading + offset[2],
+            });
+        }
+        rows
+    }
+
+    fn poses(
+        &self,
+        local: &[f64],
+        wheels: &dyn Turned<f64>,
+        window: [f64; 2],
+        errors: &mut Errors,
+        draw: bool,
+    ) {
+        let rows = self.relative(local, wheels, window);
+        let Some(pose) = &self.run.pose else { return };
+        let has_heading = self.run.has_heading();
+        let from_s = rows.first().map_or(0.0, |row| row.time_s);
+        // without a heading the first turn of the way has to show it
+        let least = if has_heading { 1 } else { AT_MOST - 1 };
+        let head = (least..=AT_MOST)
+            .map(|times| {
+                let until_s = from_s + FITTED_S * times as f64;
+                rows.partition_point(|row| row.time_s <= until_s)
+            })
+            .find(|count| *count >= SEEN);
+        let Some(head) = head.filter(|head| *head < rows.len()) else {
+            return;
+        };
+        let Some(start) = fitted_start(&rows[..head], sensor_noise(&pose.all)) else {
+            return;
+        };
+        let (sin, cos) = start[2].sin_cos();
+        for (place, row) in rows.iter().enumerate() {
+            let at = [
+                start[0] + row.point[0] * cos - row.point[1] * sin,
+                start[1] + row.point[0] * sin + row.point[1] * cos,
+            ];
+            if draw {
+                errors.seen.push((row.measured[0], row.measured[1]));
+                errors.predicted.push((at[0], at[1]));
+            }
+            if place < head {
+                continue;
+            }
+            let [dx, dy] = [at[0] - row.measured[0], at[1] - row.measured[1]];
+            errors.place_m2 += dx * dx + dy * dy;
+            errors.add(row.stamp_s, POSE, dx, draw);
+            errors.add(row.stamp_s, POSE + 1, dy, draw);
+            let turned = wrapped(start[2] + row.yaw_rad - row.measured[2]);
+            if turned.is_finite() {
+                errors.heading_rad2 += turned * turned;
+                errors.headings += 1.0;
+                errors.add(row.stamp_s, POSE + 2, turned, draw);
+            }
+        }
+        if draw {
+            errors.seen.push((f64::NAN, f64::NAN));
+            errors.predicted.push((f64::NAN, f64::NAN));
+        }
+    }
+
+    /// Turn rates of a window, and the heading by their integral where no pose has it.
+    fn rates(
+        &self,
+        local: &[f64],
+        wheels: &dyn Turned<f64>,
+        window: [f64; 2],
+        errors: &mut Errors,
+        draw: bool,
+    ) {
+        let Some(gyro) = &self.run.gyro else { return };
+        let p = gyro_parameters(local);
+        let metres = [0, 1].map(|i| p[i].exp() * self.machine.wheel_radius_m);
+        let track_m = p[2].exp() * 2.0 * self.machine.half_track_m;
+        let bias = local[MACHINE + RUN_BIAS];
+        let first = gyro.all.partition_point(|(t_s, _)| *t_s < window[0]);
+        let end = gyro.all.partition_point(|(t_s, _)| *t_s < window[1]);
+        let stride = gyro.all.len().div_ceil(MOST_ROWS).max(1);
+        let rows: Vec<(f64, f64)> = gyro.all[first..end]
+            .iter()
+            .step_by(stride)
+            .copied()
+            .collect();
+        let half_s = self.run.wheel_interval_s / 2.0;
+        let mut hint = 0;
+        let mut heading = 0.0;
+        let mut last: Option<(f64, f64)> = None;
+        for (stamp_s, rate) in rows {
+            let t_s = (stamp_s - p[3]) / (1.0 + p[4]);
+            let before = wheels.angles_at(t_s - half_s, &mut hint);
+            let after = wheels.angles_at(t_s + half_s, &mut hint);
+            let [right, left] = [0, 1].map(|i| metres[i] * (after[i] - before[i]));
+            let residual = (right - left) / track_m / (2.0 * half_s) + bias - rate;
+            if stamp_s < window[0] + FITTED_S || !residual.is_finite() {
+                continue;
+            }
+            errors.add(stamp_s, GYRO, residual, draw);
+            if let Some((last_s, last)) = last {
+                heading += (stamp_s - last_s) * f64::midpoint(last, residual);
+            }
+            last = Some((stamp_s, residual));
+            if self.run.pose.is_none() {
+                errors.heading_rad2 += heading * heading;
+                errors.headings += 1.0;
+            }
+        }
+    }
+}
+
+/// Wheels of a window simulated from the commands.
+fn wheels(
+    drive: &DriveRun,
+    response: &Response<'_, f64>,
+    window: [f64; 2],
+    errors: &mut Errors,
+    draw: bool,
+) {
+    let rows = &drive.wheels.rows;
+    let first = rows.partition_point(|row| row.time_s < window[0]);
+    let end = rows.partition_point(|row| row.time_s < window[1]);
+    let mut hint = 0;
+    let rests: Vec<(f64, [f64; 2])> = rows[first..end]
+        .iter()
+        .map(|row| {
+            let now = response.at(row.time_s, &mut hint);
+            let value = match drive.wheels.kind {
+                WheelKind::Angle => now.angle_rad,
+                WheelKind::Speed => now.speed_rad_s,
+            };
+            (row.time_s, [0, 1].map(|i| value[i] - row.values[i]))
+        })
+        .collect();
+    let head = rests.partition_point(|(t_s, _)| *t_s < window[0] + FITTED_S);
+    let zero = match drive.wheels.kind {
+        WheelKind::Angle if head > 0 => {
+            [0, 1].map(|i| rests[..head].iter().map(|(_, rest)| rest[i]).sum::<f64>() / head as f64)
+        }
+        WheelKind::Angle => return,
+        WheelKind::Speed => [0.0; 2],
+    };
+    for (t_s, rest) in &rests[head..] {
+        for i in 0..2 {
+            errors.add(*t_s, i, rest[i] - zero[i], draw);
+        }
+    }
+}
+
+/// Pose of the axle at the start of a window, by least squares over its first rows with the noise of
+/// place (m) and yaw (rad).
+fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
+    let turns = rows
+        .iter()
+        .map(|row| row.measured[2] - row.yaw_rad)
+        .filter(|turn| turn.is_finite());
+    let (sin, cos) = turns.fold((0.0, 0.0), |(s, c), turn| (s + turn.sin(), c + turn.cos()));
+    let mean = |of: &dyn Fn(&Relative) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+    let [mx, my] = [mean(&|r| r.measured[0]), mean(&|r| r.measured[1])];
+    let [px, py] = [mean(&|r| r.point[0]), mean(&|r| r.point[1])];
+    let heading = if sin == 0.0 && cos == 0.0 {
+        // Procrustes
+        let (mut dot, mut cross) = (0.0, 0.0);
+        for row in rows {
+            let a = [row.point[0] - px, row.point[1] - py];
+            let b = [row.measured[0] - mx, row.measured[1] - my];
+            dot += a[0] * b[0] + a[1] * b[1];
+            cross += a[0] * b[1] - a[1] * b[0];
+        }
+        f64::atan2(cross, dot)
+    } else {
+        f64::atan2(sin, cos)
+    };
+    let mut start = Vector3::new(mx, my, heading);
+    let (s, c) = heading.sin_cos();
+    start[0] -= px * c - py * s;
+    start[1] -= px * s + py * c;
+    for _ in 0..4 {
+        let (mut information, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
+        let (s, c) = start[2].sin_cos();
+        for row in rows {
+            let turned = [
+                row.point[0] * c - row.point[1] * s,
+                row.point[0] * s + row.point[1] * c,
+            ];
+            let lines = [
+                (
+                    Vector3::new(1.0, 0.0, -turned[1]) / place,
+                    (row.measured[0] - start[0] - turned[0]) / place,
+                ),
+                (
+                    Vector3::new(0.0, 1.0, turned[0]) / place,
+                    (row.measured[1] - start[1] - turned[1]) / place,
+                ),
+                (
+                    Vector3::new(0.0, 0.0, 1.0) / yaw,
+                    wrapped(row.measured[2] - start[2] - row.yaw_rad) / yaw,
+                ),
+            ];
+            for (line, rest) in lines {
+                if rest.is_finite() {
+                    information += line * line.transpose();
+                    gradient += line * rest;
+                }
+            }
+        }
+        start += information.cholesky()?.solve(&gradient);
+    }
+    start.iter().all(|v| v.is_finite()).then(|| start.into())
+}

@@ -1,0 +1,621 @@
+//! From the terms that are needed to effects of the catalogue.
+//!
+//! The fits know what the streams show: how late one clock is against another, how far a wheel carries.
+//! Which effect that is follows from all of them together, the fewest that explain it: a wheel that
+//! turns too far under its command and carries too little by as much is an encoder that counts wrong.
+
+use super::calibration::Calibration;
+use super::claim::{Claim, Scale, Value};
+use super::drive::{
+    BAND_TERM, CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM, LAG_TERM, SAG_TERM,
+    SATURATION_TERM, ZONE_TERM,
+};
+use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE};
+use crate::model::drive::{
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
+};
+use crate::model::from_wheels::{
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y,
+    OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
+};
+use crate::select::criterion::Criterion;
+use crate::select::elimination::{Kept, Selected};
+
+/// Deviations within which two numbers count as one.
+const ALIKE: f64 = 3.0;
+/// Latencies within this (s) count as one, and factors within this.
+const ALIKE_S: f64 = 2e-3;
+const ALIKE_FACTOR: f64 = 3e-3;
+/// Rates of clocks within this count as one.
+const ALIKE_RATE: f64 = 2e-5;
+
+/// A number and its deviation; what was not needed is 0 and known.
+#[derive(Debug, Clone, Copy, Default)]
+struct Known {
+    value: f64,
+    deviation: f64,
+    needed: bool,
+    gain: f64,
+    p_value: f64,
+}
+
+/// One fit whose terms are read: of a drive, or of a calibration.
+#[derive(Clone, Copy)]
+struct Fitted<'a> {
+    found: &'a Selected,
+    criterion: Criterion,
+    /// Nominal values, with the index of the first parameter.
+    nominal: &'a [f64],
+    first: usize,
+}
+
+impl Fitted<'_> {
+    fn kept(&self, name: &str) -> Option<&Kept> {
+        self.found.kept(name)
+    }
+
+    fn change(&self, index: usize) -> f64 {
+        self.found.fit.at[index] - self.nominal[self.first + index]
+    }
+
+    /// A linear combination of parameters that belong to one term.
+    fn known(&self, term: &str, weights: &[(usize, f64)]) -> Known {
+        let Some(kept) = self.kept(term) else {
+            return Known::default();
+        };
+        let wald = kept.wald / (kept.term.caution * kept.term.caution);
+        Known {
+            value: weights.iter().map(|(i, w)| w * self.change(*i)).sum(),
+            deviation: self.found.deviation(weights) * kept.term.caution,
+            needed: true,
+            gain: kept.gain,
+            p_value: self.criterion.p_value(wald, kept.term.parameters.len()),
+        }
+    }
+
+    fn half(&self, known: Known) -> f64 {
+        self.criterion.half_width() * known.deviation
+    }
+
+    /// Whether a number is clearly not 0.
+    fn is_clear(&self, known: Known) -> bool {
+        let z = known.value / known.deviation.max(1e-300);
+        known.needed
+            && self.criterion.alone().p_value(z * z, 1) < crate::select::criterion::FALSE_ALARM
+    }
+}
+
+/// All fits of one machine.
+pub(crate) struct Reading<'a> {
+    pub(crate) machine: &'a FromWheels,
+    pub(crate) nominal: &'a [f64],
+    pub(crate) calibration: Option<&'a Calibration>,
+    pub(crate) drive: Option<&'a DriveFit>,
+}
+
+impl Reading<'_> {
+    /// What the model leaves out.
+    pub(crate) fn claims(&self) -> Vec<Claim> {
+        let mut claims = Vec::new();
+        self.latencies(&mut claims);
+        self.clocks(&mut claims);
+        self.mounting(&mut claims);
+        self.sizes(&mut claims);
+        self.commands(&mut claims);
+        claims.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        claims
+    }
+
+    fn reference(&self) -> Option<Fitted<'_>> {
+        self.calibration.map(|calibration| Fitted {
+            found: &calibration.after,
+            criterion: calibration.criterion,
+            nominal: self.nominal,
+            first: 0,
+        })
+    }
+
+    /// The drive: fitted by itself where wheels were recorded, else with the reference.
+    fn drive_fitted(&self) -> Option<Fitted<'_>> {
+        if let Some(drive) = self.drive {
+            return Some(Fitted {
+                found: &drive.after,
+                criterion: drive.criterion,
+                nominal: self.nominal,
+                first: DRIVE_FIRST,
+            });
+        }
+        self.reference().filter(|_| self.machine.is_commanded())
+    }
+
+    /// Index of a parameter of the drive in its fit.
+    fn of_drive(&self, parameter: usize) -> usize {
+        if self.drive.is_some() {
+            parameter
+        } else {
+            DRIVE_FIRST + parameter
+        }
+    }
+
+    fn latencies(&self, claims: &mut Vec<Claim>) {
+        let delay = self.drive_fitted().map_or(Known::default(), |fitted| {
+            fitted.known(DELAY_TERM, &[(self.of_drive(DELAY), 1.0)])
+        });
+        let late = |term: &str, index: usize| {
+            self.reference()
+                .map_or(Known::default(), |f| f.known(term, &[(index, 1.0)]))
+        };
+        let pose = late(POSE_LATE, POSE_LATENCY);
+        let gyro = late(GYRO_LATE, GYRO_LATENCY);
+        let references = [
+            (
+                self.machine.has_pose() && !self.machine.is_commanded(),
+                pose,
+            ),
+            (self.machine.has_gyro(), gyro),
+        ];
+        let there = || references.iter().filter(|(there, _)| *there);
+        let has_drive = self.drive.is_some();
+        // late wheels: all references are early by as much, and the drive late
+        let signs = there().map(|(_, known)| (-1.0, *known));
+        let all: Vec<(f64, Known)> = signs.chain(has_drive.then_some((1.0, delay))).collect();
+        if all.len() > 1 && all.iter().all(|(_, known)| known.needed) {
+            let common = together(&all);
+            let agree = all
+                .iter()
+                .all(|(sign, known)| alike(sign * known.value, known.deviation, common, ALIKE_S));
+            if agree {
+                claims.push(self.late("wheels_latency", common, &[POSE_LATENCY, GYRO_LATENCY]));
+                return;
+            }
+        }
+        if delay.needed && delay.value < 0.0 && has_drive {
+            let mut claim = self.late("wheels_latency", delay, &[]);
+            claim.confused = vec!["actuator_delay"];
+            claims.push(claim);
+        } else if delay.needed {
+            let half = self.drive_fitted().map_or(0.0, |f| f.half(delay));
+            let mut claim = claim("actuator_delay", delay);
+            claim
+                .values
+                .push(Value::new("delay_s", Scale::Plain, delay.value, half));
+            claim.toggles = vec![DRIVE_FIRST + DELAY];
+            claim.confused = match (has_drive, self.machine.has_pose()) {
+                (true, _) if there().next().is_some() => Vec::new(),
+                (true, _) => vec!["wheels_latency"],
+                (false, true) => vec!["pose_latency"],
+                (false, false) => vec!["imu_latency"],
+            };
+            claims.push(claim);
+        }
+        for (known, effect, index) in [
+            (pose, "pose_latency", POSE_LATENCY),
+            (gyro, "imu_latency", GYRO_LATENCY),
+        ] {
+            if known.needed {
+                claims.push(self.late(effect, known, &[index]));
+            }
+        }
+    }
+
+    /// The claim of a late stream.
+    fn late(&self, effect: &'static str, known: Known, toggles: &[usize]) -> Claim {
+        let half = self.reference().or_else(|| self.drive_fitted());
+        let half = half.map_or(0.0, |fitted| fitted.half(known));
+        let mut claim = claim(effect, known);
+        claim
+            .values
+            .push(Value::new("latency_s", Scale::Plain, known.value, half));
+        claim.toggles = toggles.to_vec();
+        if effect == "wheels_latency" {
+            claim.toggles.push(DRIVE_FIRST + DELAY);
+        }
+        claim
+    }
+
+    fn clocks(&self, claims: &mut Vec<Claim>) {
+        let rate = |term: &str, index: usize| {
+            self.reference()
+                .map_or(Known::default(), |f| f.known(term, &[(index, 1.0)]))
+        };
+        let pose = rate(POSE_CLOCK, POSE_RATE);
+        let gyro = rate(GYRO_CLOCK, GYRO_RATE);
+        let wheels = self.drive.and(self.drive_fitted());
+        let wheels = wheels.map_or(Known::default(), |f| f.known(CLOCK_TERM, &[(CLOCK, 1.0)]));
+        let references = [
+            (self.machine.has_pose(), pose),
+            (self.machine.has_gyro(), gyro),
+        ];
+        let there = references.iter().filter(|(there, _)| *there);
+        let signs = there.map(|(_, known)| (-1.0, *known));
+        let all: Vec<(f64, Known)> = signs
+            .chain(self.drive.is_some().then_some((1.0, wheels)))
+            .collect();
+        if all.len() > 1 && all.iter().all(|(_, known)| known.needed) {
+            let common = together(&all);
+            if all
+                .iter()
+                .all(|(sign, known)| alike(sign * known.value, known.deviation, common, ALIKE_RATE))
+            {
+                let toggles = [POSE_RATE, GYRO_RATE, DRIVE_FIRST + CLOCK];
+                claims.push(self.drift("wheels", common, &toggles));
+                return;
+            }
+        }
+        for (known, stream, index) in [
+            (pose, "pose", POSE_RATE),
+            (gyro, "imu", GYRO_RATE),
+            (wheels, "wheels", DRIVE_FIRST + CLOCK),
+        ] {
+            if known.needed {
+                claims.push(self.drift(stream, known, &[index]));
+            }
+        }
+    }
+
+    fn drift(&self, stream: &'static str, known: Known, toggles: &[usize]) -> Claim {
+        let half = self.reference().or_else(|| self.drive_fitted());
+        let half = half.map_or(0.0, |fitted| fitted.half(known));
+        let mut claim = claim("clock_drift", known);
+        claim
+            .values
+            .push(Value::new("rate", Scale::Plain, known.value, half));
+        claim.word = Some(("stream", stream));
+        claim.toggles = toggles.to_vec();
+        claim
+    }
+
+    fn mounting(&self, claims: &mut Vec<Claim>) {
+        let Some(fitted) = self.reference() else {
+            return;
+        };
+        let (place, turn) = (fitted.kept(OFFSET), fitted.kept(OFFSET_TURN));
+        if place.is_none() && turn.is_none() {
+            return;
+        }
+        let x = fitted.known(OFFSET, &[(OFFSET_X, 1.0)]);
+        let y = fitted.known(OFFSET, &[(OFFSET_Y, 1.0)]);
+        let yaw = fitted.known(OFFSET_TURN, &[(OFFSET_YAW, 1.0)]);
+        let strongest = if x.gain > yaw.gain { x } else { yaw };
+        let mut claim = claim("pose_offset", strongest);
+        claim.gain = x.gain + yaw.gain;
+        for (name, known) in [("x_m", x), ("y_m", y), ("yaw_rad", yaw)] {
+            if known.needed {
+                let half = fitted.half(known);
+                claim
+                    .values
+                    .push(Value::new(name, Scale::Plain, known.value, half));
+            }
+        }
+        claim.toggles = vec![OFFSET_X, OFFSET_Y, OFFSET_YAW];
+        claims.push(claim);
+    }
+
+    /// Radii, slip, encoders, gains and track.
+    fn sizes(&self, claims: &mut Vec<Claim>) {
+        let gains = self.gains();
+        let by_run = self.calibration.map_or([false; 2], |c| c.by_run);
+        let Some(fitted) = self.reference().filter(|f| f.kept(GEOMETRY).is_some()) else {
+            claims.extend(self.motor_gain(gains));
+            return;
+        };
+        if by_run[0] {
+            claims.extend(self.motor_gain(gains));
+            self.slip_of_runs(&fitted, claims);
+        } else {
+            self.radii(&fitted, gains, claims);
+        }
+        if by_run[1] {
+            self.track_of_runs(&fitted, claims);
+        }
+    }
+
+    /// Logarithms of what each wheel turns beyond its command.
+    fn gains(&self) -> Option<[Known; 2]> {
+        self.drive?;
+        let fitted = self.drive_fitted()?;
+        fitted.kept(GAIN_TERM)?;
+        Some(
+            [0.5, -0.5].map(|half| fitted.known(GAIN_TERM, &[(GAIN, 1.0), (GAIN_ASYMMETRY, half)])),
+        )
+    }
+
+    fn motor_gain(&self, gains: Option<[Known; 2]>) -> Option<Claim> {
+        let gains = gains?;
+        let fitted = self.drive_fitted()?;
+        let mut claim = claim("motor_gain", gains[0]);
+        for (name, known) in ["right", "left"].into_iter().zip(gains) {
+            let half = fitted.half(known);
+            claim
+                .values
+                .push(Value::new(name, Scale::Factor, known.value, half));
+        }
+        claim.toggles = [GAIN, GAIN_ASYMMETRY].map(|i| DRIVE_FIRST + i).to_vec();
+        if self.calibration.is_none() {
+            claim.confused = vec!["encoder_scale"];
+        }
+        Some(claim)
+    }
+
+    /// Wheel radius, encoders and track of the machine.
+    fn radii(&self, fitted: &Fitted<'_>, gains: Option<[Known; 2]>, claims: &mut Vec<Claim>) {
+        let gyro_alone = !self.machine.has_pose();
+        let asymmetry = fitted.known(GEOMETRY, &[(ASYMMETRY, 1.0)]);
+        let track = fitted.known(GEOMETRY, &[(TRACK, 1.0)]);
+        let wheels =
+            [0.5, -0.5].map(|half| fitted.known(GEOMETRY, &[(COMMON, 1.0), (ASYMMETRY, half)]));
+        let clear = wheels.iter().any(|wheel| fitted.is_clear(*wheel));
+        if gyro_alone {
+            self.turning(fitted, asymmetry, track, claims);
+            claims.extend(self.motor_gain(gains));
+            return;
+        }
+        match gains.filter(|gains| clear && counts_wrong(gains, &wheels)) {
+            Some(gains) => claims.push(self.encoders(gains, &wheels, fitted)),
+            None => {
+                claims.extend(self.motor_gain(gains));
+                if clear {
+                    claims.push(self.wheel_radius(fitted, &wheels));
+                }
+            }
+        }
+        if !self.calibration.is_some_and(|c| c.by_run[1]) && fitted.is_clear(track) {
+            let mut claim = claim("track_width", track);
+            let half = fitted.half(track);
+            claim
+                .values
+                .push(Value::new("scale", Scale::Factor, track.value, half));
+            claim.toggles = vec![TRACK];
+            claims.push(claim);
+        }
+    }
+
+    fn wheel_radius(&self, fitted: &Fitted<'_>, wheels: &[Known; 2]) -> Claim {
+        let mut claim = claim("wheel_radius", wheels[0]);
+        for (name, known) in ["right_scale", "left_scale"].into_iter().zip(wheels) {
+            let half = fitted.half(*known);
+            claim
+                .values
+                .push(Value::new(name, Scale::Factor, known.value, half));
+        }
+        claim.toggles = vec![COMMON, ASYMMETRY];
+        claim.confused = vec!["slip_ratio"];
+        if self.machine.is_commanded() {
+            claim.confused.push("motor_gain");
+        } else if self.drive.is_none() {
+            claim.confused.push("encoder_scale");
+        }
+        claim
+    }
+
+    /// What a gyro alone shows of the geometry: turns.
+    fn turning(
+        &self,
+        fitted: &Fitted<'_>,
+        asymmetry: Known,
+        track: Known,
+        claims: &mut Vec<Claim>,
+    ) {
+        let drive: &[&'static str] = if self.machine.is_commanded() {
+            &["motor_gain"]
+        } else {
+            &["encoder_scale"]
+        };
+        if fitted.is_clear(asymmetry) {
+            // wheels that differ; a common factor of both and the track are one in turns
+            let mut claim = claim("wheel_radius", asymmetry);
+            for (name, half) in [("right_scale", 0.5), ("left_scale", -0.5)] {
+                let known = fitted.known(GEOMETRY, &[(ASYMMETRY, half), (TRACK, -1.0)]);
+                claim.values.push(Value::new(
+                    name,
+                    Scale::Factor,
+                    known.value,
+                    fitted.half(known),
+                ));
+            }
+            claim.toggles = vec![ASYMMETRY, TRACK];
+            claim.confused = [&["slip_ratio"], drive].concat();
+            claims.push(claim);
+        } else if fitted.is_clear(track) {
+            let mut claim = claim("track_width", track);
+            let half = fitted.half(track);
+            claim
+                .values
+                .push(Value::new("scale", Scale::Factor, track.value, half));
+            claim.toggles = vec![TRACK, ASYMMETRY];
+            claim.confused = [&["wheel_radius"], drive].concat();
+            claims.push(claim);
+        }
+    }
+
+    fn encoders(&self, gains: [Known; 2], wheels: &[Known; 2], fitted: &Fitted<'_>) -> Claim {
+        let mut known = gains[0];
+        known.gain += wheels[0].gain;
+        let mut claim = claim("encoder_scale", known);
+        for (i, name) in ["right_scale", "left_scale"].into_iter().enumerate() {
+            let both = together(&[(1.0, gains[i]), (-1.0, wheels[i])]);
+            claim.values.push(Value::new(
+                name,
+                Scale::Factor,
+                both.value,
+                fitted.half(both),
+            ));
+        }
+        let drive = [GAIN, GAIN_ASYMMETRY].map(|i| DRIVE_FIRST + i);
+        claim.toggles = [COMMON, ASYMMETRY].into_iter().chain(drive).collect();
+        claim
+    }
+
+    /// One scale for every run: slip, which belongs to the floor.
+    fn slip_of_runs(&self, fitted: &Fitted<'_>, claims: &mut Vec<Claim>) {
+        let asymmetry = fitted.known(GEOMETRY, &[(ASYMMETRY, 1.0)]);
+        for run in 0..self.machine.runs.len() {
+            let index = self.machine.of_run(run, RUN_SCALE);
+            let scale = fitted.known(GEOMETRY, &[(index, 1.0)]);
+            if !fitted.is_clear(scale) {
+                continue;
+            }
+            let mut claim = claim("slip_ratio", scale);
+            let half = fitted.half(scale);
+            claim
+                .values
+                .push(Value::new("ratio", Scale::Loss, scale.value, half));
+            if fitted.is_clear(asymmetry) {
+                let factor = -scale.value.exp();
+                let change = factor * 2.0 * (asymmetry.value / 2.0).sinh();
+                let half = -factor * fitted.half(asymmetry);
+                claim
+                    .values
+                    .push(Value::new("asymmetry", Scale::Plain, change, half));
+            }
+            claim.toggles = vec![index, ASYMMETRY];
+            claim.runs = Some(vec![run]);
+            claim.confused = vec!["wheel_radius"];
+            claims.push(claim);
+        }
+    }
+
+    fn track_of_runs(&self, fitted: &Fitted<'_>, claims: &mut Vec<Claim>) {
+        for run in 0..self.machine.runs.len() {
+            let index = self.machine.of_run(run, RUN_TRACK);
+            let track = fitted.known(GEOMETRY, &[(index, 1.0)]);
+            if !fitted.is_clear(track) {
+                continue;
+            }
+            let mut claim = claim("track_width", track);
+            let half = fitted.half(track);
+            claim
+                .values
+                .push(Value::new("scale", Scale::Factor, track.value, half));
+            claim.toggles = vec![index];
+            claim.runs = (self.machine.runs.len() > 1).then(|| vec![run]);
+            claims.push(claim);
+        }
+    }
+
+    /// What the drive does with its commands, but for delay and gain.
+    fn commands(&self, claims: &mut Vec<Claim>) {
+        let Some(fitted) = self.drive_fitted() else {
+            return;
+        };
+        let list = [
+            (LAG_TERM, "actuator_lag", "time_constant_s", LAG),
+            (ZONE_TERM, "command_dead_zone", "speed_rad_s", DEAD_ZONE),
+            (
+                SATURATION_TERM,
+                "command_saturation",
+                "speed_rad_s",
+                SATURATION,
+            ),
+            (SAG_TERM, "supply_sag", "rate_per_s", SAG),
+        ];
+        for (term, effect, name, parameter) in list {
+            let mut known = fitted.known(term, &[(self.of_drive(parameter), 1.0)]);
+            if !known.needed {
+                continue;
+            }
+            if term == LAG_TERM {
+                // only its size is meant
+                let total = known.value + self.nominal[DRIVE_FIRST + LAG];
+                known.value = total.abs() - self.nominal[DRIVE_FIRST + LAG];
+            }
+            let mut claim = claim(effect, known);
+            let half = fitted.half(known);
+            claim
+                .values
+                .push(Value::new(name, Scale::Plain, known.value, half));
+            claim.toggles = vec![DRIVE_FIRST + parameter];
+            claims.push(claim);
+        }
+        if let Some(kept) = fitted.kept(BAND_TERM) {
+            claims.push(self.dead_band(&fitted, kept));
+        }
+    }
+
+    fn dead_band(&self, fitted: &Fitted<'_>, kept: &Kept) -> Claim {
+        let known = fitted.known(BAND_TERM, &[(self.of_drive(DEAD_BAND), 1.0)]);
+        let [low, high] = self.band_rad_s();
+        let at = known.value + self.nominal[DRIVE_FIRST + DEAD_BAND];
+        let mut claim = claim("command_dead_band", known);
+        claim.values.push(Value {
+            name: "speed_rad_s",
+            scale: Scale::Plain,
+            change: known.value,
+            half: [at - low, high - at],
+        });
+        claim.p_value = (fitted.criterion.tried as f64 * (-kept.gain).exp()).min(1.0);
+        claim.toggles = vec![DRIVE_FIRST + DEAD_BAND];
+        claim
+    }
+
+    fn band_rad_s(&self) -> [f64; 2] {
+        match (self.drive, self.calibration) {
+            (Some(drive), _) => drive.band_rad_s,
+            (None, Some(calibration)) => calibration.band_rad_s,
+            (None, None) => [0.0; 2],
+        }
+    }
+
+    /// The parameters of the machine with everything that was found.
+    pub(crate) fn fitted(&self) -> Vec<f64> {
+        let mut at = match self.calibration {
+            Some(calibration) => calibration.after.fit.at.clone(),
+            None => self.nominal.to_vec(),
+        };
+        if let Some(drive) = self.drive {
+            let physics = drive.nominal.len().min(crate::model::drive::DRIVE);
+            at[DRIVE_FIRST..DRIVE_FIRST + physics].copy_from_slice(&drive.after.fit.at[..physics]);
+        }
+        at
+    }
+}
+
+fn claim(effect: &'static str, known: Known) -> Claim {
+    Claim {
+        effect,
+        values: Vec::new(),
+        word: None,
+        runs: None,
+        toggles: Vec::new(),
+        gain: known.gain,
+        p_value: known.p_value,
+        confused: Vec::new(),
+    }
+}
+
+/// Several signed measurements of one number, weighted by their precision.
+fn together(all: &[(f64, Known)]) -> Known {
+    let weight = |known: &Known| known.deviation.max(1e-9).powi(-2);
+    let sum: f64 = all.iter().map(|(_, known)| weight(known)).sum();
+    let value = all
+        .iter()
+        .map(|(sign, known)| sign * known.value * weight(known))
+        .sum::<f64>()
+        / sum;
+    Known {
+        value,
+        deviation: sum.sqrt().recip(),
+        needed: true,
+        gain: all.iter().map(|(_, known)| known.gain).sum(),
+        p_value: all
+            .iter()
+            .map(|(_, known)| known.p_value)
+            .fold(1.0, f64::min),
+    }
+}
+
+fn alike(value: f64, deviation: f64, common: Known, floor: f64) -> bool {
+    let width = (deviation * deviation + common.deviation * common.deviation).sqrt();
+    (value - common.value).abs() < ALIKE * width + floor
+}
+
+/// Whether both wheels turn too far by as much as they carry too little.
+fn counts_wrong(gains: &[Known; 2], wheels: &[Known; 2]) -> bool {
+    gains.iter().zip(wheels).all(|(gain, wheel)| {
+        let both = Known {
+            value: -wheel.value,
+            ..*wheel
+        };
+        alike(gain.value, gain.deviation, both, ALIKE_FACTOR)
+    })
+}

@@ -1,0 +1,90 @@
+//! Thresholds of commands: a likelihood that has several maxima by a saturation, and no derivative by a
+//! dead band, is searched by profiles.
+
+use super::drive::{BAND_TERM, SATURATION_TERM};
+use crate::data::command::CommandPath;
+use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
+use crate::model::drive::{DEAD_BAND, SATURATION};
+use crate::select::elimination::Term;
+
+/// Saturations from which the search starts, as shares of the largest command.
+const SATURATIONS: [f64; 4] = [0.98, 0.9, 0.75, 0.55];
+/// Most dead bands that are tried.
+const BANDS: usize = 12;
+
+/// The search for thresholds of a drive whose parameters begin at `first`.
+pub(super) struct Thresholds<'a> {
+    pub(super) problem: &'a Problem<'a>,
+    pub(super) first: usize,
+    /// Largest command (rad/s).
+    pub(super) top_rad_s: f64,
+    /// Distinct sizes of commands (rad/s), rising.
+    pub(super) levels_rad_s: Vec<f64>,
+}
+
+/// Distinct sizes of all commands but 0 (rad/s), rising.
+pub(super) fn levels<'a>(commands: impl Iterator<Item = &'a CommandPath>) -> Vec<f64> {
+    let mut levels: Vec<f64> = commands.flat_map(CommandPath::levels_rad_s).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    levels
+}
+
+impl Thresholds<'_> {
+    /// `best` with a saturation, where one fits better; else its term is taken out.
+    pub(super) fn saturated(&self, best: Fit, terms: &mut Vec<Term>) -> Fit {
+        let own = |t: &Term| t.name == SATURATION_TERM;
+        let index = self.first + SATURATION;
+        let mut free = vec![index];
+        free.extend(best.free.iter().filter(|i| **i != index));
+        let of = |share: &f64| {
+            let mut at = best.at.clone();
+            if at[index] == 0.0 {
+                at[index] = share * self.top_rad_s;
+            }
+            self.problem.fit(&at, &free, SHORT)
+        };
+        let found = terms.iter().any(own).then(|| {
+            let tried = SATURATIONS.iter().map(of);
+            tried.max_by(|a, b| a.objective.total_cmp(&b.objective))
+        });
+        match found.flatten() {
+            Some(limited) if limited.objective > best.objective => {
+                self.problem.fit(&limited.at, &free, FULL)
+            }
+            _ => {
+                terms.retain(|t| !own(t));
+                best
+            }
+        }
+    }
+
+    /// `best` with the dead band that fits best, and the levels between which it lies (rad/s); without
+    /// one that fits better its term is taken out.
+    pub(super) fn banded(&self, best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let own = |t: &Term| t.name == BAND_TERM;
+        let gaps: Vec<[f64; 2]> = self.levels_rad_s.windows(2).map(|p| [p[0], p[1]]).collect();
+        let stride = gaps.len().div_ceil(BANDS).max(1);
+        let of = |gap: [f64; 2]| {
+            let mut at = best.at.clone();
+            at[self.first + DEAD_BAND] = f64::midpoint(gap[0], gap[1]);
+            (self.problem.objective(&at, &best.free), at, gap)
+        };
+        let found = terms.iter().any(own).then(|| {
+            let coarse = (0..gaps.len()).step_by(stride).map(|i| (i, of(gaps[i])));
+            let (at, coarse) = coarse.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
+            let near = at.saturating_sub(stride)..(at + stride).min(gaps.len());
+            let fine = near.map(|i| of(gaps[i]));
+            fine.chain([coarse]).max_by(|a, b| a.0.total_cmp(&b.0))
+        });
+        match found.flatten() {
+            Some((value, at, gap)) if value > best.objective => {
+                (self.problem.fit(&at, &best.free, FULL), gap)
+            }
+            _ => {
+                terms.retain(|t| !own(t));
+                (best, [0.0; 2])
+            }
+        }
+    }
+}
