@@ -2,14 +2,12 @@
 
 mod answer;
 mod data;
-mod dev;
 mod diagnosis;
 mod estimate;
 mod explain;
 mod filter;
 mod model;
 mod select;
-pub use dev::{dev, dev2};
 mod windows;
 
 pub use answer::{

@@ -99,6 +99,17 @@ pub(crate) fn gyro(
     (all.len() >= LEAST_RATES).then_some(Thinned { all, series })
 }
 
+impl<R: Copy> Thinned<R> {
+    /// The same rows in one series as dense as they are, if there are not too many.
+    pub(crate) fn dense(&self) -> Option<Self> {
+        let dense = self.all.len() as f64 <= ALL_ROWS;
+        dense.then(|| Self {
+            all: self.all.clone(),
+            series: vec![self.all.clone()],
+        })
+    }
+}
+
 /// Interleaved series of rows at least `step_s` apart.
 fn thinned<R: Copy>(rows: &[R], times_s: &[f64], step_s: f64) -> Vec<Vec<R>> {
     let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {

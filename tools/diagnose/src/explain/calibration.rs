@@ -1,16 +1,15 @@
 //! Calibration of one machine from its wheels and a reference: a fit with every term, from several
 //! starts, then backward elimination.
 
-use slipstream_bus::RobotModel;
-
 use super::terms::{self, OFFSET, OFFSET_TURN};
+use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
-use crate::model::drive::{DELAY, LAG, SATURATION};
+use crate::model::drive::{DEAD_BAND, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
     COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
-    RUN_SCALE, RUN_TRACK, Source, TRACK, View,
+    RUN_SCALE, RUN_TRACK, Reference, Source, TRACK, View,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Kept, Selected, Term};
@@ -47,73 +46,45 @@ pub(crate) struct Calibration {
     pub(crate) criterion: Criterion,
     /// Ends of the interval in which a dead band of the drive cannot be told apart (rad/s).
     pub(crate) band_rad_s: [f64; 2],
+    /// The machine with poses at full rate, where their errors are independent and all are evidence.
+    pub(crate) dense: Option<FromWheels>,
 }
 
 impl Calibration {
     /// Calibrates; `None` where nothing can be compared.
-    pub(crate) fn new(
-        machine: &FromWheels,
-        model: &RobotModel,
-        excluded: &[String],
-    ) -> Option<Self> {
+    pub(crate) fn new(machine: &FromWheels, nominal: &[f64], excluded: &[String]) -> Option<Self> {
         if !machine.has_pose() && !machine.has_gyro() {
             return None;
         }
-        let nominal = machine.nominal(model);
-        let robust = View {
-            machine,
-            robust: true,
-        };
-        let problem = Problem {
-            likelihood: &robust,
-            priors: machine.priors(&nominal),
-            longest: machine.longest(),
-        };
-        let always: Vec<usize> = (0..machine.runs.len())
-            .filter(|i| machine.runs[*i].gyro.is_some())
-            .map(|i| machine.of_run(i, RUN_BIAS))
-            .collect();
-        let noise = machine.noise();
-        let search = Search {
-            machine,
-            problem: &problem,
-            nominal: &nominal,
-            always: &always,
-            noise: &noise,
-            excluded,
-        };
-        let mut terms = search.terms([false; 2]);
-        let (mut fit, band_rad_s) = search.full(&mut terms);
-        let mut by_run = [false; 2];
-        if machine.runs.len() > 1 {
-            let same = |other: &[Term]| {
-                let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
-                other
-                    .iter()
-                    .filter(|t| names.contains(&t.name))
-                    .cloned()
-                    .collect::<Vec<_>>()
-            };
-            let apart = same(&search.terms([true; 2]));
-            let (free, physics) = search.elimination(&apart).free(&apart);
-            let own = problem.fit(&fit.at, &free, FULL);
-            by_run = search.differ(&own, &Precision::new(&problem, &own, physics)?);
-            if by_run != [false; 2] {
-                terms = same(&search.terms(by_run));
-                let mut at = own.at.clone();
-                search.settle(&mut at, &terms);
-                fit = problem.fit(&at, &search.elimination(&terms).free(&terms).0, FULL);
+        let (thin, start) = Search::over(machine, nominal, excluded, |search| {
+            let mut terms = search.terms([false; 2]);
+            let (fit, band_rad_s) = search.full(&mut terms);
+            let start = fit.at.clone();
+            let dense = machine.dense().filter(|dense| {
+                Search::over(dense, nominal, excluded, |search| {
+                    let refitted = search.problem.fit(&start, search.noise, FULL);
+                    is_white(dense, &refitted.at, Reference::Pose)
+                })
+            });
+            match dense {
+                Some(dense) => (Err(dense), start),
+                None => (Ok(search.finished(fit, terms, band_rad_s)), start),
+            }
+        });
+        match thin {
+            Ok(calibration) => calibration,
+            Err(dense) => {
+                let found = Search::over(&dense, nominal, excluded, |search| {
+                    let mut terms = search.terms([false; 2]);
+                    let (fit, band_rad_s) = search.refined(&start, &mut terms);
+                    search.finished(fit, terms, band_rad_s)
+                });
+                found.map(|found| Self {
+                    dense: Some(dense),
+                    ..found
+                })
             }
         }
-        let elimination = search.elimination(&terms);
-        let after = elimination.run(fit, &terms)?;
-        let after = search.offsets_together(after, &terms)?;
-        Some(Self {
-            after,
-            by_run,
-            criterion: elimination.criterion,
-            band_rad_s,
-        })
     }
 }
 
@@ -128,6 +99,75 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Calls `with` with the search over a machine.
+    fn over<T>(
+        machine: &FromWheels,
+        nominal: &[f64],
+        excluded: &[String],
+        with: impl FnOnce(&Search<'_>) -> T,
+    ) -> T {
+        let robust = View {
+            machine,
+            robust: true,
+        };
+        let problem = Problem {
+            likelihood: &robust,
+            priors: machine.priors(nominal),
+            longest: machine.longest(),
+        };
+        let always: Vec<usize> = (0..machine.runs.len())
+            .filter(|i| machine.runs[*i].gyro.is_some())
+            .map(|i| machine.of_run(i, RUN_BIAS))
+            .collect();
+        let noise = machine.noise();
+        with(&Search {
+            machine,
+            problem: &problem,
+            nominal,
+            always: &always,
+            noise: &noise,
+            excluded,
+        })
+    }
+
+    /// The calibration from the fit with all of `terms`.
+    fn finished(
+        &self,
+        mut fit: Fit,
+        mut terms: Vec<Term>,
+        band_rad_s: [f64; 2],
+    ) -> Option<Calibration> {
+        let mut by_run = [false; 2];
+        if self.machine.runs.len() > 1 {
+            let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
+            let same = |other: Vec<Term>| -> Vec<Term> {
+                let own = other.into_iter().filter(|t| names.contains(&t.name));
+                own.collect()
+            };
+            let apart = same(self.terms([true; 2]));
+            let (free, physics) = self.elimination(&apart).free(&apart);
+            let own = self.problem.fit(&fit.at, &free, FULL);
+            by_run = self.differ(&own, &Precision::new(self.problem, &own, physics)?);
+            if by_run != [false; 2] {
+                terms = same(self.terms(by_run));
+                let mut at = own.at.clone();
+                self.settle(&mut at, &terms);
+                let free = self.elimination(&terms).free(&terms).0;
+                fit = self.problem.fit(&at, &free, FULL);
+            }
+        }
+        let elimination = self.elimination(&terms);
+        let after = elimination.run(fit, &terms)?;
+        let after = self.offsets_together(after, &terms)?;
+        Some(Calibration {
+            after,
+            by_run,
+            criterion: elimination.criterion,
+            band_rad_s,
+            dense: None,
+        })
+    }
+
     fn elimination(&self, terms: &[Term]) -> Elimination<'_> {
         Elimination {
             problem: self.problem,
@@ -191,12 +231,39 @@ impl Search<'_> {
                 best = self.beside(best, &lean, clock);
             }
         }
+        self.with_rates(best, terms)
+    }
+
+    /// The fit with all of `terms` from where a fit to fewer rows ended.
+    fn refined(&self, start: &[f64], terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let late = [POSE_RATE, GYRO_RATE, DRIVE_FIRST + SATURATION];
+        let (free, _) = self.elimination(terms).free(terms);
+        let lean: Vec<usize> = free.into_iter().filter(|i| !late.contains(i)).collect();
+        let mut at = start.to_vec();
+        for index in late.into_iter().chain([DRIVE_FIRST + DEAD_BAND]) {
+            at[index] = self.nominal[index];
+        }
+        if lean.contains(&(DRIVE_FIRST + LAG)) && at[DRIVE_FIRST + LAG].abs() < LAG_S / 10.0 {
+            at[DRIVE_FIRST + LAG] = LAG_S / 10.0;
+        }
+        let best = self.problem.fit(&at, &lean, FULL);
+        self.with_rates(best, terms)
+    }
+
+    /// `best` with thresholds of the drive and rates of clocks; what gains little is taken out of
+    /// `terms`.
+    fn with_rates(&self, mut best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
         let mut band_rad_s = [0.0; 2];
         if self.machine.is_commanded() {
             (best, band_rad_s) = self.with_thresholds(best, terms);
         }
+        let saturation = DRIVE_FIRST + SATURATION;
         let has_saturation = terms.iter().any(|t| t.parameters.contains(&saturation));
-        let all = free_of(&|i| i != saturation || has_saturation, terms);
+        let (all, _) = self.elimination(terms).free(terms);
+        let all: Vec<usize> = all
+            .into_iter()
+            .filter(|i| *i != saturation || has_saturation)
+            .collect();
         let rated = self.problem.fit(&best.at, &all, FULL);
         if rated.objective - best.objective > RATE_NATS {
             return (rated, band_rad_s);
@@ -364,7 +431,7 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use slipstream_bus::Body;
+    use slipstream_bus::{Body, RobotModel};
     use slipstream_recording::recording::{Pose, Robot, Stream, Wheels};
 
     use super::*;
@@ -466,7 +533,7 @@ mod tests {
 
     fn calibrated(robot: &Robot) -> Option<Calibration> {
         let machine = FromWheels::new(&[robot], &nominal(), &[])?;
-        Calibration::new(&machine, &nominal(), &[])
+        Calibration::new(&machine, &machine.nominal(&nominal()), &[])
     }
 
     #[test]

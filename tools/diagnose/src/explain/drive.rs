@@ -31,9 +31,9 @@ const DEAD_ZONE_SHARE: f64 = 0.02;
 const USE_SHARE: f64 = 0.02;
 /// Sizes below which nobody would call it a difference: delay and lag (s), gain, share of the largest
 /// command, and sag (1/s).
-const TIME_FLOOR_S: f64 = 1e-3;
-const GAIN_FLOOR: f64 = 1e-3;
-const COMMAND_SHARE: f64 = 1e-3;
+const TIME_FLOOR_S: f64 = 2e-4;
+const GAIN_FLOOR: f64 = 1e-4;
+const COMMAND_SHARE: f64 = 2e-4;
 const SAG_FLOOR: f64 = 2e-5;
 const CLOCK_FLOOR: f64 = 1e-5;
 

@@ -12,6 +12,7 @@ use super::drive::DriveFit;
 use super::open_loop::HORIZON_S;
 use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
+use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, BudgetPart, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::{Problem, SHORT};
@@ -102,10 +103,11 @@ pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
 }
 
 impl Machine<'_> {
-    fn examine(&self, task: &Task<'_>) -> Result<Found, InputError> {
+    fn examine(mut self, task: &Task<'_>) -> Result<Found, InputError> {
         let mut warnings = Vec::new();
         (task.progress)("wheels against pose and gyro");
-        let calibration = Calibration::new(&self.machine, self.model, task.excluded);
+        let mut calibration = Calibration::new(&self.machine, &self.nominal, task.excluded);
+        self.take_dense(&mut calibration);
         let compared = self.machine.has_pose() || self.machine.has_gyro();
         if compared && calibration.is_none() {
             warnings.push(self.warning(
@@ -128,9 +130,21 @@ impl Machine<'_> {
                 "record a run in which commands change",
             ));
         }
+        let mut settled = Vec::new();
+        if let (Some(calibration), Some(drive)) = (&calibration, &drive) {
+            settled = settle(&self.machine, &self.nominal, calibration, drive);
+        }
+        let neutral = self.neutral(&settled);
+        if neutral != self.nominal {
+            (task.progress)("wheels against pose and gyro, with encoders as the drive shows them");
+            calibration = Calibration::new(&self.machine, &neutral, task.excluded);
+            self.take_dense(&mut calibration);
+        }
         let reading = Reading {
             machine: &self.machine,
             nominal: &self.nominal,
+            neutral: &neutral,
+            settled: &settled,
             calibration: calibration.as_ref(),
             drive: drive.as_ref(),
         };
@@ -165,6 +179,24 @@ impl Machine<'_> {
             errors,
             deviations,
         })
+    }
+
+    /// Takes over the rows at full rate, where a calibration found them to be evidence.
+    fn take_dense(&mut self, calibration: &mut Option<Calibration>) {
+        if let Some(dense) = calibration.as_mut().and_then(|own| own.dense.take()) {
+            self.machine = dense;
+        }
+    }
+
+    /// Nominal parameters with what turned out to be the encoders'.
+    fn neutral(&self, settled: &[Settled]) -> Vec<f64> {
+        let mut neutral = self.nominal.clone();
+        for settled in settled.iter().filter(|settled| settled.is_wheels) {
+            for (index, shift) in &settled.shifts {
+                neutral[*index] += shift;
+            }
+        }
+        neutral
     }
 
     fn warning(&self, task: &Task<'_>, id: &str, statement: &str, remedy: &str) -> Warning {

@@ -11,4 +11,6 @@ pub(crate) mod pictures;
 pub(crate) mod prediction;
 pub(crate) mod reading;
 mod terms;
+mod thinning;
 mod thresholds;
+mod wheel_side;

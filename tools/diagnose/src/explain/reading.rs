@@ -7,10 +7,11 @@
 use super::calibration::Calibration;
 use super::claim::{Claim, Scale, Value};
 use super::drive::{
-    BAND_TERM, CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM, LAG_TERM, SAG_TERM,
-    SATURATION_TERM, ZONE_TERM,
+    BAND_TERM, CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM, LAG_TERM, SAG_TERM, SATURATION_TERM,
+    ZONE_TERM,
 };
 use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE};
+use super::wheel_side::{Doubt, Settled};
 use crate::model::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
 };
@@ -23,11 +24,8 @@ use crate::select::elimination::{Kept, Selected};
 
 /// Deviations within which two numbers count as one.
 const ALIKE: f64 = 3.0;
-/// Latencies within this (s) count as one, and factors within this.
+/// Latencies within this (s) count as one.
 const ALIKE_S: f64 = 2e-3;
-const ALIKE_FACTOR: f64 = 3e-3;
-/// Rates of clocks within this count as one.
-const ALIKE_RATE: f64 = 2e-5;
 
 /// A number and its deviation; what was not needed is 0 and known.
 #[derive(Debug, Clone, Copy, Default)]
@@ -89,8 +87,11 @@ impl Fitted<'_> {
 pub(crate) struct Reading<'a> {
     pub(crate) machine: &'a FromWheels,
     pub(crate) nominal: &'a [f64],
+    /// The same with what turned out to be the encoders': what the calibration starts from.
+    pub(crate) neutral: &'a [f64],
     pub(crate) calibration: Option<&'a Calibration>,
     pub(crate) drive: Option<&'a DriveFit>,
+    pub(crate) settled: &'a [Settled],
 }
 
 impl Reading<'_> {
@@ -110,7 +111,7 @@ impl Reading<'_> {
         self.calibration.map(|calibration| Fitted {
             found: &calibration.after,
             criterion: calibration.criterion,
-            nominal: self.nominal,
+            nominal: self.neutral,
             first: 0,
         })
     }
@@ -137,6 +138,24 @@ impl Reading<'_> {
         }
     }
 
+    /// What was settled of a doubt.
+    fn settled(&self, doubt: Doubt) -> Option<&Settled> {
+        self.settled.iter().find(|settled| settled.doubt == doubt)
+    }
+
+    fn is_wheels(&self, doubt: Doubt) -> bool {
+        self.settled(doubt).is_some_and(|settled| settled.is_wheels)
+    }
+
+    /// The other name of a doubt that nothing settles.
+    fn doubtful(&self, doubt: Doubt, other: &'static str) -> Vec<&'static str> {
+        match (self.settled(doubt), self.drive) {
+            (Some(settled), _) if !settled.tie => Vec::new(),
+            (None, None) => Vec::new(),
+            _ => vec![other],
+        }
+    }
+
     fn latencies(&self, claims: &mut Vec<Claim>) {
         let delay = self.drive_fitted().map_or(Known::default(), |fitted| {
             fitted.known(DELAY_TERM, &[(self.of_drive(DELAY), 1.0)])
@@ -145,46 +164,41 @@ impl Reading<'_> {
             self.reference()
                 .map_or(Known::default(), |f| f.known(term, &[(index, 1.0)]))
         };
-        let pose = late(POSE_LATE, POSE_LATENCY);
-        let gyro = late(GYRO_LATE, GYRO_LATENCY);
-        let references = [
-            (
-                self.machine.has_pose() && !self.machine.is_commanded(),
-                pose,
-            ),
-            (self.machine.has_gyro(), gyro),
-        ];
-        let there = || references.iter().filter(|(there, _)| *there);
-        let has_drive = self.drive.is_some();
-        // late wheels: all references are early by as much, and the drive late
-        let signs = there().map(|(_, known)| (-1.0, *known));
-        let all: Vec<(f64, Known)> = signs.chain(has_drive.then_some((1.0, delay))).collect();
-        if all.len() > 1 && all.iter().all(|(_, known)| known.needed) {
+        let mut pose = late(POSE_LATE, POSE_LATENCY);
+        let mut gyro = late(GYRO_LATE, GYRO_LATENCY);
+        if self.drive.is_none() && !self.machine.is_commanded() && pose.needed && gyro.needed {
+            // both references late by one amount: early wheels
+            let all = [(-1.0, pose), (-1.0, gyro)];
             let common = together(&all);
-            let agree = all
+            if all
                 .iter()
-                .all(|(sign, known)| alike(sign * known.value, known.deviation, common, ALIKE_S));
-            if agree {
+                .all(|(sign, known)| alike(sign * known.value, known.deviation, common, ALIKE_S))
+            {
                 claims.push(self.late("wheels_latency", common, &[POSE_LATENCY, GYRO_LATENCY]));
-                return;
+                (pose, gyro) = (Known::default(), Known::default());
             }
         }
-        if delay.needed && delay.value < 0.0 && has_drive {
-            let mut claim = self.late("wheels_latency", delay, &[]);
-            claim.confused = vec!["actuator_delay"];
+        if delay.needed && self.drive.is_some() {
+            let early = delay.value < 0.0;
+            let mut claim = if self.is_wheels(Doubt::Delay) || early {
+                let toggles = [POSE_LATENCY, GYRO_LATENCY];
+                let mut claim = self.late("wheels_latency", delay, &toggles);
+                claim.confused = self.doubtful(Doubt::Delay, "actuator_delay");
+                claim
+            } else {
+                let mut claim = self.delay(delay);
+                claim.confused = self.doubtful(Doubt::Delay, "wheels_latency");
+                claim
+            };
+            claim.toggles.push(DRIVE_FIRST + DELAY);
             claims.push(claim);
         } else if delay.needed {
-            let half = self.drive_fitted().map_or(0.0, |f| f.half(delay));
-            let mut claim = claim("actuator_delay", delay);
-            claim
-                .values
-                .push(Value::new("delay_s", Scale::Plain, delay.value, half));
+            let mut claim = self.delay(delay);
             claim.toggles = vec![DRIVE_FIRST + DELAY];
-            claim.confused = match (has_drive, self.machine.has_pose()) {
-                (true, _) if there().next().is_some() => Vec::new(),
-                (true, _) => vec!["wheels_latency"],
-                (false, true) => vec!["pose_latency"],
-                (false, false) => vec!["imu_latency"],
+            claim.confused = if self.machine.has_pose() {
+                vec!["pose_latency"]
+            } else {
+                vec!["imu_latency"]
             };
             claims.push(claim);
         }
@@ -198,6 +212,15 @@ impl Reading<'_> {
         }
     }
 
+    fn delay(&self, delay: Known) -> Claim {
+        let half = self.drive_fitted().map_or(0.0, |f| f.half(delay));
+        let mut claim = claim("actuator_delay", delay);
+        claim
+            .values
+            .push(Value::new("delay_s", Scale::Plain, delay.value, half));
+        claim
+    }
+
     /// The claim of a late stream.
     fn late(&self, effect: &'static str, known: Known, toggles: &[usize]) -> Claim {
         let half = self.reference().or_else(|| self.drive_fitted());
@@ -207,9 +230,6 @@ impl Reading<'_> {
             .values
             .push(Value::new("latency_s", Scale::Plain, known.value, half));
         claim.toggles = toggles.to_vec();
-        if effect == "wheels_latency" {
-            claim.toggles.push(DRIVE_FIRST + DELAY);
-        }
         claim
     }
 
@@ -222,33 +242,18 @@ impl Reading<'_> {
         let gyro = rate(GYRO_CLOCK, GYRO_RATE);
         let wheels = self.drive.and(self.drive_fitted());
         let wheels = wheels.map_or(Known::default(), |f| f.known(CLOCK_TERM, &[(CLOCK, 1.0)]));
-        let references = [
-            (self.machine.has_pose(), pose),
-            (self.machine.has_gyro(), gyro),
-        ];
-        let there = references.iter().filter(|(there, _)| *there);
-        let signs = there.map(|(_, known)| (-1.0, *known));
-        let all: Vec<(f64, Known)> = signs
-            .chain(self.drive.is_some().then_some((1.0, wheels)))
-            .collect();
-        if all.len() > 1 && all.iter().all(|(_, known)| known.needed) {
-            let common = together(&all);
-            if all
-                .iter()
-                .all(|(sign, known)| alike(sign * known.value, known.deviation, common, ALIKE_RATE))
-            {
-                let toggles = [POSE_RATE, GYRO_RATE, DRIVE_FIRST + CLOCK];
-                claims.push(self.drift("wheels", common, &toggles));
-                return;
-            }
-        }
+        let own: &[usize] = if self.is_wheels(Doubt::Clock) {
+            &[POSE_RATE, GYRO_RATE, DRIVE_FIRST + CLOCK]
+        } else {
+            &[DRIVE_FIRST + CLOCK]
+        };
         for (known, stream, index) in [
-            (pose, "pose", POSE_RATE),
-            (gyro, "imu", GYRO_RATE),
-            (wheels, "wheels", DRIVE_FIRST + CLOCK),
+            (pose, "pose", &[POSE_RATE][..]),
+            (gyro, "imu", &[GYRO_RATE]),
+            (wheels, "wheels", own),
         ] {
             if known.needed {
-                claims.push(self.drift(stream, known, &[index]));
+                claims.push(self.drift(stream, known, index));
             }
         }
     }
@@ -295,15 +300,14 @@ impl Reading<'_> {
     fn sizes(&self, claims: &mut Vec<Claim>) {
         let gains = self.gains();
         let by_run = self.calibration.map_or([false; 2], |c| c.by_run);
+        claims.extend(self.gain_claim(gains));
         let Some(fitted) = self.reference().filter(|f| f.kept(GEOMETRY).is_some()) else {
-            claims.extend(self.motor_gain(gains));
             return;
         };
         if by_run[0] {
-            claims.extend(self.motor_gain(gains));
             self.slip_of_runs(&fitted, claims);
         } else {
-            self.radii(&fitted, gains, claims);
+            self.radii(&fitted, claims);
         }
         if by_run[1] {
             self.track_of_runs(&fitted, claims);
@@ -320,25 +324,34 @@ impl Reading<'_> {
         )
     }
 
-    fn motor_gain(&self, gains: Option<[Known; 2]>) -> Option<Claim> {
+    /// A gain of the motors, or encoders that count wrong.
+    fn gain_claim(&self, gains: Option<[Known; 2]>) -> Option<Claim> {
         let gains = gains?;
         let fitted = self.drive_fitted()?;
-        let mut claim = claim("motor_gain", gains[0]);
-        for (name, known) in ["right", "left"].into_iter().zip(gains) {
+        let drive = [GAIN, GAIN_ASYMMETRY].map(|i| DRIVE_FIRST + i);
+        let is_wheels = self.is_wheels(Doubt::Gain);
+        let (effect, names, other) = if is_wheels {
+            ("encoder_scale", ["right_scale", "left_scale"], "motor_gain")
+        } else {
+            ("motor_gain", ["right", "left"], "encoder_scale")
+        };
+        let mut claim = claim(effect, gains[0]);
+        for (name, known) in names.into_iter().zip(gains) {
             let half = fitted.half(known);
             claim
                 .values
                 .push(Value::new(name, Scale::Factor, known.value, half));
         }
-        claim.toggles = [GAIN, GAIN_ASYMMETRY].map(|i| DRIVE_FIRST + i).to_vec();
-        if self.calibration.is_none() {
-            claim.confused = vec!["encoder_scale"];
+        claim.toggles = drive.to_vec();
+        if is_wheels {
+            claim.toggles.extend([COMMON, ASYMMETRY]);
         }
+        claim.confused = self.doubtful(Doubt::Gain, other);
         Some(claim)
     }
 
     /// Wheel radius, encoders and track of the machine.
-    fn radii(&self, fitted: &Fitted<'_>, gains: Option<[Known; 2]>, claims: &mut Vec<Claim>) {
+    fn radii(&self, fitted: &Fitted<'_>, claims: &mut Vec<Claim>) {
         let gyro_alone = !self.machine.has_pose();
         let asymmetry = fitted.known(GEOMETRY, &[(ASYMMETRY, 1.0)]);
         let track = fitted.known(GEOMETRY, &[(TRACK, 1.0)]);
@@ -347,17 +360,10 @@ impl Reading<'_> {
         let clear = wheels.iter().any(|wheel| fitted.is_clear(*wheel));
         if gyro_alone {
             self.turning(fitted, asymmetry, track, claims);
-            claims.extend(self.motor_gain(gains));
             return;
         }
-        match gains.filter(|gains| clear && counts_wrong(gains, &wheels)) {
-            Some(gains) => claims.push(self.encoders(gains, &wheels, fitted)),
-            None => {
-                claims.extend(self.motor_gain(gains));
-                if clear {
-                    claims.push(self.wheel_radius(fitted, &wheels));
-                }
-            }
+        if clear {
+            claims.push(self.wheel_radius(fitted, &wheels));
         }
         if !self.calibration.is_some_and(|c| c.by_run[1]) && fitted.is_clear(track) {
             let mut claim = claim("track_width", track);
@@ -426,24 +432,6 @@ impl Reading<'_> {
             claim.confused = [&["wheel_radius"], drive].concat();
             claims.push(claim);
         }
-    }
-
-    fn encoders(&self, gains: [Known; 2], wheels: &[Known; 2], fitted: &Fitted<'_>) -> Claim {
-        let mut known = gains[0];
-        known.gain += wheels[0].gain;
-        let mut claim = claim("encoder_scale", known);
-        for (i, name) in ["right_scale", "left_scale"].into_iter().enumerate() {
-            let both = together(&[(1.0, gains[i]), (-1.0, wheels[i])]);
-            claim.values.push(Value::new(
-                name,
-                Scale::Factor,
-                both.value,
-                fitted.half(both),
-            ));
-        }
-        let drive = [GAIN, GAIN_ASYMMETRY].map(|i| DRIVE_FIRST + i);
-        claim.toggles = [COMMON, ASYMMETRY].into_iter().chain(drive).collect();
-        claim
     }
 
     /// One scale for every run: slip, which belongs to the floor.
@@ -607,15 +595,4 @@ fn together(all: &[(f64, Known)]) -> Known {
 fn alike(value: f64, deviation: f64, common: Known, floor: f64) -> bool {
     let width = (deviation * deviation + common.deviation * common.deviation).sqrt();
     (value - common.value).abs() < ALIKE * width + floor
-}
-
-/// Whether both wheels turn too far by as much as they carry too little.
-fn counts_wrong(gains: &[Known; 2], wheels: &[Known; 2]) -> bool {
-    gains.iter().zip(wheels).all(|(gain, wheel)| {
-        let both = Known {
-            value: -wheel.value,
-            ..*wheel
-        };
-        alike(gain.value, gain.deviation, both, ALIKE_FACTOR)
-    })
 }

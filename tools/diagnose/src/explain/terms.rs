@@ -1,6 +1,6 @@
 //! The terms that wheels and a reference can show, with what nobody would call a difference.
 
-use super::drive::{self, CLOCK_TERM, GAIN_TERM};
+use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y,
     OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
@@ -9,6 +9,8 @@ use crate::select::elimination::Term;
 
 /// What the stamp of a row means within a sampling interval is a convention: this share of it.
 const STAMP_SHARE: f64 = 0.1;
+/// A turn rate that jumps is integrated late or early by up to this share of the gyro's interval.
+const GYRO_STEP_SHARE: f64 = 0.5;
 /// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
 const LATENCY_CAUTION: f64 = 1.3;
 pub(super) const RATE_CAUTION: f64 = 1.75;
@@ -53,7 +55,16 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         // a gain and a radius are one where no wheels were recorded, a clock runs against those of
         // the sensors, and a slow response is no effect
         let apart = |t: &Term| ![GAIN_TERM, CLOCK_TERM].contains(&t.name) && !drive::is_nuisance(t);
-        terms.extend(drive.into_iter().filter(apart));
+        let mut drive: Vec<Term> = drive.into_iter().filter(apart).collect();
+        if !machine.has_pose() {
+            let intervals_s = machine.runs.iter().map(Run::gyro_interval_s);
+            let step_s = GYRO_STEP_SHARE * intervals_s.fold(0.0, f64::max);
+            let timed = |t: &&mut Term| [DELAY_TERM, LAG_TERM].contains(&t.name);
+            for term in drive.iter_mut().filter(timed) {
+                term.floors[0] += step_s * step_s;
+            }
+        }
+        terms.extend(drive);
     }
     terms
 }

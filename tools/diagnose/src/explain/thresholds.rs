@@ -9,6 +9,10 @@ use crate::select::elimination::Term;
 
 /// Saturations from which the search starts, as shares of the largest command.
 const SATURATIONS: [f64; 4] = [0.98, 0.9, 0.75, 0.55];
+/// A threshold that gains less is none (nats).
+const WORTH_NATS: f64 = 2.0;
+/// Half of the chi-square of one parameter at 95 %: dead bands within it fit as well (nats).
+const ALIKE_NATS: f64 = 1.92;
 /// Most dead bands that are tried.
 const BANDS: usize = 12;
 
@@ -49,7 +53,7 @@ impl Thresholds<'_> {
             tried.max_by(|a, b| a.objective.total_cmp(&b.objective))
         });
         match found.flatten() {
-            Some(limited) if limited.objective > best.objective => {
+            Some(limited) if limited.objective > best.objective + WORTH_NATS => {
                 self.problem.fit(&limited.at, &free, FULL)
             }
             _ => {
@@ -74,11 +78,19 @@ impl Thresholds<'_> {
             let coarse = (0..gaps.len()).step_by(stride).map(|i| (i, of(gaps[i])));
             let (at, coarse) = coarse.max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
             let near = at.saturating_sub(stride)..(at + stride).min(gaps.len());
-            let fine = near.map(|i| of(gaps[i]));
-            fine.chain([coarse]).max_by(|a, b| a.0.total_cmp(&b.0))
+            let fine: Vec<_> = near.map(|i| of(gaps[i])).chain([coarse]).collect();
+            let best = fine.iter().max_by(|a, b| a.0.total_cmp(&b.0))?.clone();
+            // gaps beside it that fit nearly as well
+            let as_well = fine
+                .iter()
+                .filter(|(value, ..)| *value > best.0 - ALIKE_NATS);
+            let [low, high] = as_well.fold(best.2, |[low, high], (_, _, gap)| {
+                [low.min(gap[0]), high.max(gap[1])]
+            });
+            Some((best.0, best.1, [low, high]))
         });
         match found.flatten() {
-            Some((value, at, gap)) if value > best.objective => {
+            Some((value, at, gap)) if value > best.objective + WORTH_NATS => {
                 (self.problem.fit(&at, &best.free, FULL), gap)
             }
             _ => {

@@ -81,9 +81,14 @@ impl CommandToWheels {
         let mut deviations = deviations(self.largest_rad_s).to_vec();
         deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
         let pairs = nominal.iter().zip(deviations);
-        pairs
+        let mut priors: Vec<Prior> = pairs
             .map(|(&mean, deviation)| Prior { mean, deviation })
-            .collect()
+            .collect();
+        // without a saturation nothing is known of one but the order of its size
+        if nominal[SATURATION] == 0.0 {
+            priors[SATURATION].mean = self.largest_rad_s;
+        }
+        priors
     }
 
     /// Longest step of each parameter in one iteration of a fit.

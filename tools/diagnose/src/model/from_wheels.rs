@@ -9,7 +9,7 @@ use slipstream_recording::recording::{PosePoint, Robot};
 use slipstream_sim::Scalar;
 
 use super::command_to_wheels::{self, drive_of};
-use super::drive::{DRIVE, Response};
+use super::drive::{DRIVE, Response, SATURATION};
 use super::nominal::{clock_rate, number};
 use crate::data::command::{self, CommandPath};
 use crate::data::reference::{POSE_STEP_S, Span, Thinned, gyro, poses};
@@ -50,7 +50,7 @@ const LEAST_WAY: f64 = 4.0;
 const COMMANDED_STEP_S: f64 = 0.02;
 
 /// How the wheels turned.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) enum Source {
     Measured(WheelPath),
     /// No wheels were recorded: they turn as the drive follows its commands.
@@ -58,7 +58,7 @@ pub(crate) enum Source {
 }
 
 /// One run.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Run {
     /// Which of the robots it is of.
     pub(crate) robot: usize,
@@ -74,7 +74,7 @@ pub(crate) struct Run {
 }
 
 /// The machine.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct FromWheels {
     pub(crate) runs: Vec<Run>,
     pub(crate) wheel_radius_m: f64,
@@ -256,9 +256,14 @@ impl FromWheels {
             deviations.extend([2.0; RUN_NOISE]);
         }
         let pairs = nominal.iter().zip(deviations);
-        pairs
+        let mut priors: Vec<Prior> = pairs
             .map(|(&mean, deviation)| Prior { mean, deviation })
-            .collect()
+            .collect();
+        let saturation = DRIVE_FIRST + SATURATION;
+        if nominal[saturation] == 0.0 {
+            priors[saturation].mean = self.largest_rad_s();
+        }
+        priors
     }
 
     /// Longest step of each parameter in one iteration of a fit.
@@ -303,6 +308,17 @@ impl FromWheels {
             first_heading_rad: run.first_heading_rad,
             robust,
         }
+    }
+
+    /// The same machine with poses as dense as they are; `None` where they are too many.
+    pub(crate) fn dense(&self) -> Option<Self> {
+        let mut dense = self.clone();
+        for run in &mut dense.runs {
+            if let Some(pose) = &run.pose {
+                run.pose = Some(pose.dense()?);
+            }
+        }
+        Some(dense)
     }
 
     /// Where a run went, filtered: time (s), x, y (m) and heading (rad) of the centre of mass.
@@ -412,6 +428,18 @@ impl View<'_> {
 }
 
 impl View<'_> {
+    /// Runs the filter of one reference of one run.
+    pub(crate) fn innovations(
+        &self,
+        reference: Reference,
+        run: usize,
+        at: &[f64],
+        sink: &mut dyn FnMut(Innovation<f64>),
+    ) {
+        let local = self.machine.local(run, at);
+        self.filter(reference, &self.machine.runs[run], &local, sink);
+    }
+
     /// Stamps (s) of the rows of each stream whose probability of being ordinary is below `least`.
     pub(crate) fn extraordinary(&self, at: &[f64], least: f64) -> [(&'static str, Vec<f64>); 2] {
         Reference::ALL.map(|reference| {
@@ -437,7 +465,7 @@ impl View<'_> {
 
 /// What the wheels are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Reference {
+pub(crate) enum Reference {
     Pose,
     Gyro,
 }
@@ -672,6 +700,14 @@ impl Run {
         self.pose.as_ref().is_some_and(|pose| {
             let seen = pose.all.iter().filter(|(_, z)| z[2].is_finite()).count();
             2 * seen > pose.all.len()
+        })
+    }
+
+    /// Median time between rows of the gyro (s).
+    pub(crate) fn gyro_interval_s(&self) -> f64 {
+        self.gyro.as_ref().map_or(0.0, |gyro| {
+            let times: Vec<f64> = gyro.all.iter().map(|row| row.0).collect();
+            median_interval(&times)
         })
     }
 

@@ -4,9 +4,9 @@ use slipstream_sim::CommandKind;
 use slipstream_sim::effects::{Info, Variable, When};
 
 use crate::answer::Against;
+use crate::answer::Point;
 use crate::windows::bench::Bench;
 use crate::windows::drivers::Driver;
-use crate::answer::Point;
 use crate::windows::force::Part;
 use crate::windows::moment::{Moment, acting_on, quantity};
 use crate::windows::sampled::{Sampled, is_still, rate};

@@ -4,9 +4,9 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::Info;
 
+use crate::answer::Against;
 use crate::answer::{Figures, MissingForce, Paths, Point, Residuals};
 use crate::diagnosis::Request;
-use crate::answer::Against;
 use crate::windows::against::{of_effect, of_unknown};
 use crate::windows::bench::{Bench, Node};
 use crate::windows::force::Part;

@@ -1,0 +1,128 @@
+//! What a drive shows may be the robot or its encoders: commands against wheels cannot tell a late
+//! command from late wheels. Pose and gyro, which hear of neither, decide: each hypothesis is put into
+//! the calibration and the likelihoods are compared.
+
+use super::calibration::Calibration;
+use super::drive::{CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM};
+use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, POSE_CLOCK, POSE_LATE};
+use crate::estimate::scoring::{FULL, Problem};
+use crate::model::drive::{CLOCK, DELAY, GAIN, GAIN_ASYMMETRY};
+use crate::model::from_wheels::{
+    ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, TRACK, View,
+};
+
+/// Hypotheses whose likelihoods differ by less cannot be told apart (nats).
+pub(crate) const TIE_NATS: f64 = 4.0;
+
+/// What may be the encoders'.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Doubt {
+    /// Late wheels, or a late command.
+    Delay,
+    /// Encoders that count wrong, or a gain of the motors.
+    Gain,
+    /// The wheels' clock, or something that the drive alone shows.
+    Clock,
+}
+
+/// A doubt that was settled.
+#[derive(Debug, Clone)]
+pub(crate) struct Settled {
+    pub(crate) doubt: Doubt,
+    /// It is the encoders'.
+    pub(crate) is_wheels: bool,
+    /// The references cannot really tell.
+    pub(crate) tie: bool,
+    /// What it adds to parameters of the calibration, if it is the encoders'.
+    pub(crate) shifts: Vec<(usize, f64)>,
+}
+
+/// Settles every doubt that the drive raises.
+pub(crate) fn settle(
+    machine: &FromWheels,
+    nominal: &[f64],
+    calibration: &Calibration,
+    drive: &DriveFit,
+) -> Vec<Settled> {
+    let change = |index: usize| drive.after.fit.at[index] - drive.nominal[index];
+    let late = change(DELAY);
+    let clock = change(CLOCK);
+    let doubts: [(Doubt, &str, &[&str], Vec<(usize, f64)>); 3] = [
+        (
+            Doubt::Delay,
+            DELAY_TERM,
+            &[POSE_LATE, GYRO_LATE],
+            vec![(POSE_LATENCY, -late), (GYRO_LATENCY, -late)],
+        ),
+        (
+            Doubt::Gain,
+            GAIN_TERM,
+            &[GEOMETRY],
+            vec![
+                (COMMON, -change(GAIN)),
+                (ASYMMETRY, -change(GAIN_ASYMMETRY)),
+            ],
+        ),
+        (
+            Doubt::Clock,
+            CLOCK_TERM,
+            &[POSE_CLOCK, GYRO_CLOCK],
+            vec![(POSE_RATE, -clock), (GYRO_RATE, -clock)],
+        ),
+    ];
+    let raised = doubts
+        .into_iter()
+        .filter(|(_, term, ..)| drive.after.kept(term).is_some());
+    raised
+        .map(|(doubt, _, rivals, shifts)| {
+            let advantage = advantage(machine, nominal, calibration, rivals, &shifts);
+            Settled {
+                doubt,
+                is_wheels: advantage > 0.0,
+                tie: advantage.abs() < TIE_NATS,
+                shifts,
+            }
+        })
+        .collect()
+}
+
+/// Log-likelihood by which the calibration with `shifts` is better than the one without; the rivals'
+/// parameters that it makes needless count as the criterion says.
+fn advantage(
+    machine: &FromWheels,
+    nominal: &[f64],
+    calibration: &Calibration,
+    rivals: &[&str],
+    shifts: &[(usize, f64)],
+) -> f64 {
+    let view = View {
+        machine,
+        robust: true,
+    };
+    let problem = Problem {
+        likelihood: &view,
+        priors: machine.priors(nominal),
+        longest: machine.longest(),
+    };
+    let own = &calibration.after;
+    let fixed = |index: &usize| shifts.iter().any(|(shifted, _)| shifted == index);
+    let mut at = own.fit.at.clone();
+    for (index, shift) in shifts {
+        at[*index] = nominal[*index] + shift;
+    }
+    let free: Vec<usize> = own.fit.free.iter().filter(|i| !fixed(i)).copied().collect();
+    let shifted = problem.fit(&at, &free, FULL);
+    let kept = rivals.iter().filter_map(|name| own.kept(name));
+    let spared: usize = kept
+        .map(|kept| {
+            let parameters = kept.term.parameters.iter();
+            parameters.filter(|i| **i != TRACK && fixed(i)).count()
+        })
+        .sum();
+    let worth = if spared > 0 {
+        calibration.criterion.least_gain(spared)
+    } else {
+        0.0
+    };
+    shifted.objective - own.fit.objective + worth
+}
