@@ -4,7 +4,7 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 
-use crate::answer::{Answer, Figures};
+use crate::answer::{Answer, Figures, Unexplained};
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Task};
 use crate::explain::pictures::figures;
@@ -108,9 +108,17 @@ fn by_filter(
     for claim in &found.claims {
         let run = claim.runs.as_ref().and_then(|runs| runs.first());
         let span_s = found.spans_s[run.copied().unwrap_or(0)];
-        answer
-            .findings
-            .push(finding(claim, name, &runs, model, span_s));
+        let finding = finding(claim, name, &runs, model, span_s);
+        if let (Some(shape), Some(driver)) = (&finding.shape, &finding.driver) {
+            answer.unexplained.push(Unexplained {
+                robot: name.clone(),
+                channel: finding.place.channel.clone(),
+                driver: driver.clone(),
+                intervals_s: finding.place.intervals_s.clone(),
+                shape: shape.clone(),
+            });
+        }
+        answer.findings.push(finding);
     }
     answer.held_out.merge(&found.held_out);
     answer.budget.extend(found.budget.clone());

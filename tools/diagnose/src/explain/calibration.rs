@@ -1,7 +1,9 @@
 //! Calibration of one machine from its wheels and a reference: a fit with every term, from several
 //! starts, then backward elimination.
 
-use super::terms::{self, OFFSET, OFFSET_TURN};
+use super::drive::{BAND_TERM, SATURATION_TERM};
+use super::prediction::reference_error;
+use super::terms::{self, GEOMETRY, LAW_TERM, OFFSET, OFFSET_TURN};
 use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::cluster::Precision;
@@ -33,6 +35,8 @@ const LAG_S: f64 = 0.05;
 const FOLLOWED_NATS: f64 = 5.0;
 /// What the rate of a clock has to gain before anything may lean on it (nats).
 pub(super) const RATE_NATS: f64 = 6.0;
+/// What lasts has to lower the error of predictions by this share.
+pub(super) const USE_SHARE: f64 = 0.02;
 /// Runs differ when the probability of their spread without a difference is below this.
 const RUNS_DIFFER: f64 = 1e-3;
 /// Differences of scale and of track between runs that nobody would call one.
@@ -96,6 +100,7 @@ struct Search<'a> {
     always: &'a [usize],
     noise: &'a [usize],
     excluded: &'a [String],
+    useful: &'a dyn Fn(&Fit, &Fit) -> bool,
 }
 
 impl Search<'_> {
@@ -127,6 +132,10 @@ impl Search<'_> {
             always: &always,
             noise: &noise,
             excluded,
+            useful: &|with, without| {
+                reference_error(machine, &with.at)
+                    < (1.0 - USE_SHARE) * reference_error(machine, &without.at)
+            },
         })
     }
 
@@ -158,6 +167,7 @@ impl Search<'_> {
         }
         let elimination = self.elimination(&terms);
         let after = elimination.run(fit, &terms)?;
+        let after = self.with_law(after, &mut terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
             after,
@@ -166,6 +176,50 @@ impl Search<'_> {
             band_rad_s,
             dense: None,
         })
+    }
+
+    /// With a law that the catalogue does not have, where it gains beside everything else: all terms
+    /// are looked through again beside it.
+    fn with_law(&self, found: Selected, terms: &mut Vec<Term>) -> Option<Selected> {
+        let Some(law) = terms::law(self.machine, self.excluded) else {
+            return Some(found);
+        };
+        terms.push(law.clone());
+        let own: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
+        let beside = [&own[..], &[law.clone()]].concat();
+        let elimination = self.elimination(terms);
+        let with_law = |start: &[f64], own: &[Term]| {
+            let mut at = start.to_vec();
+            for index in &law.parameters {
+                // at exactly 0 the filter leaves a law out
+                at[*index] = f64::MIN_POSITIVE;
+            }
+            self.problem.fit(&at, &elimination.free(own).0, FULL)
+        };
+        let mut first = with_law(&found.fit.at, &beside);
+        let least = elimination.criterion.least_gain(law.parameters.len());
+        if first.objective - found.fit.objective < least {
+            return Some(found);
+        }
+        // thresholds and geometry may have stood in for it
+        let stand_in = |t: &Term| [GEOMETRY, SATURATION_TERM, BAND_TERM].contains(&t.name);
+        let mut at = found.fit.at.clone();
+        let gone = own.iter().filter(|t| stand_in(t));
+        for index in gone.flat_map(|t| &t.parameters) {
+            at[*index] = self.nominal[*index];
+        }
+        let honest: Vec<Term> = beside.iter().filter(|t| !stand_in(t)).cloned().collect();
+        let other = with_law(&at, &honest);
+        if other.objective > first.objective {
+            first = other;
+            terms.retain(|t| ![SATURATION_TERM, BAND_TERM].contains(&t.name));
+        }
+        let full = self
+            .problem
+            .fit(&first.at, &elimination.free(terms).0, FULL);
+        let again = elimination.run(full, terms)?;
+        let named = again.kept(LAW_TERM).is_some();
+        Some(if named { again } else { found })
     }
 
     fn elimination(&self, terms: &[Term]) -> Elimination<'_> {
@@ -178,7 +232,7 @@ impl Search<'_> {
                 tried: terms.len(),
                 blocks: self.problem.likelihood.blocks().min(16),
             },
-            useful: &|_, _| true,
+            useful: self.useful,
         }
     }
 
@@ -435,7 +489,6 @@ mod tests {
     use slipstream_recording::recording::{Pose, Robot, Stream, Wheels};
 
     use super::*;
-    use crate::explain::terms::GEOMETRY;
     use crate::model::from_wheels::{ASYMMETRY, OFFSET_X, OFFSET_Y};
 
     const RADIUS_M: f64 = 0.1;

@@ -38,6 +38,49 @@ pub(crate) struct Claim {
     pub(crate) gain: f64,
     pub(crate) p_value: f64,
     pub(crate) confused: Vec<&'static str>,
+    /// Of what the catalogue does not have: a table.
+    pub(crate) law: Option<Law>,
+}
+
+/// A speed (m/s) as a table over a driver.
+#[derive(Debug, Clone)]
+pub(crate) struct Law {
+    pub(crate) driver: &'static str,
+    pub(crate) knots: Vec<f64>,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Law {
+    /// What it looks like, in words.
+    pub(crate) fn shape(&self) -> String {
+        let pairs = self.knots.iter().zip(&self.values);
+        let extreme = |sign: f64| {
+            let own = pairs.clone().filter(|(knot, _)| **knot * sign > 0.0);
+            own.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+        };
+        let words: Vec<String> = [-1.0, 1.0]
+            .into_iter()
+            .filter_map(extreme)
+            .map(|(knot, value)| format!("{value:+.3} m/s at {knot:+.2} rad/s"))
+            .collect();
+        format!(
+            "forward speed that depends on the turn rate: {}",
+            words.join(", ")
+        )
+    }
+
+    /// As a model lists it.
+    fn spec(&self) -> EffectSpec {
+        let mut spec = EffectSpec::new("motion_law", &[]);
+        let text = |word: &str| Parameter::Text(word.to_owned());
+        spec.parameters = vec![
+            ("acts_on".to_owned(), text("speed")),
+            ("driver".to_owned(), text(self.driver)),
+            ("knots".to_owned(), Parameter::List(self.knots.clone())),
+            ("values".to_owned(), Parameter::List(self.values.clone())),
+        ];
+        spec
+    }
 }
 
 impl Value {
@@ -81,6 +124,10 @@ impl Claim {
 
     /// Puts the effect into a model, in place of its own.
     pub(crate) fn write(&self, model: &mut RobotModel) {
+        if let Some(law) = &self.law {
+            model.effects.push(law.spec());
+            return;
+        }
         let listed = |spec: &EffectSpec| {
             let words = self.word.is_none_or(|(name, word)| {
                 spec.parameters.iter().any(|(own, value)| {

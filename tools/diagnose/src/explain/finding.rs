@@ -3,7 +3,7 @@
 use slipstream_bus::RobotModel;
 use slipstream_sim::effects::find;
 
-use super::claim::Claim;
+use super::claim::{Claim, Law};
 use crate::answer::statement::statement;
 use crate::answer::{Evidence, Finding, ParameterEstimate, Place};
 
@@ -52,6 +52,9 @@ pub(crate) fn finding(
             .filter_map(|run| runs.get(*run).cloned())
             .collect()
     });
+    if let Some(law) = &claim.law {
+        return outside(claim, law, robot, span_s);
+    }
     let mut finding = Finding {
         robot: robot.to_owned(),
         effect: claim.effect.to_owned(),
@@ -77,4 +80,28 @@ pub(crate) fn finding(
     let summary = info.map_or(claim.effect, |info| info.summary);
     finding.statement = statement(&finding, summary, span_s, known);
     finding
+}
+
+/// The finding of what the catalogue does not have.
+fn outside(claim: &Claim, law: &Law, robot: &str, span_s: [f64; 2]) -> Finding {
+    let shape = law.shape();
+    Finding {
+        robot: robot.to_owned(),
+        effect: claim.effect.to_owned(),
+        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
+        parameters: Vec::new(),
+        place: Place {
+            channel: "longitudinal".to_owned(),
+            intervals_s: vec![span_s],
+            condition: format!("follows {}", law.driver),
+        },
+        runs: None,
+        confused_with: Vec::new(),
+        evidence: Evidence {
+            log_likelihood_gain: claim.gain,
+            p_value: claim.p_value,
+        },
+        shape: Some(shape),
+        driver: Some(law.driver.to_owned()),
+    }
 }

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::open_loop::HORIZON_S;
 use crate::data::wheel_rows::WheelKind;
 use crate::filter::wheel_path::Turned;
+use crate::filter::wheels_to_pose::{LAW, law_at};
 use crate::filter::wrapped;
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::Response;
@@ -35,6 +36,8 @@ const SEEN: usize = 5;
 const SHORTEST_S: f64 = 1.0;
 /// Most rows of a sensor that are predicted.
 const MOST_ROWS: usize = 5000;
+/// Most windows of a run by which two models are compared.
+const MOST_WINDOWS: usize = 40;
 /// Longest piece of an arc (s).
 const PIECE_S: f64 = 0.1;
 
@@ -188,6 +191,7 @@ impl Predictor<'_> {
         let metres = [0, 1].map(|i| p[i].exp() * self.machine.wheel_radius_m);
         let track_m = p[2].exp() * 2.0 * self.machine.half_track_m;
         let offset = [p[3] + self.run.declared_m, p[4], p[5]];
+        let law: [f64; LAW] = std::array::from_fn(|i| p[8 + i]);
         let first = pose.all.partition_point(|(t_s, _)| *t_s < window[0]);
         let end = pose.all.partition_point(|(t_s, _)| *t_s < window[1]);
         let stride = pose.all.len().div_ceil(MOST_ROWS).max(1);
@@ -203,9 +207,19 @@ impl Predictor<'_> {
             for piece in 1..=(pieces as usize) {
                 let t_s = now_s + (to_s - now_s) * piece as f64 / pieces;
                 let next = wheels.angles_at(t_s, &mut hint);
-                let [right, left] = [0, 1].map(|i| metres[i] * (next[i] - angles[i]));
+                let turned = [0, 1].map(|i| next[i] - angles[i]);
+                let [right, left] = [0, 1].map(|i| metres[i] * turned[i]);
                 angles = next;
-                let (way, turn) = (f64::midpoint(right, left), (right - left) / track_m);
+                let turn = (right - left) / track_m;
+                let dt = (to_s - now_s) / pieces;
+                let r = self.machine.wheel_radius_m / (2.0 * self.machine.half_track_m);
+                let nominal_turn = r * (turned[0] - turned[1]);
+                let added = if dt > 1e-9 {
+                    law_at(&law, nominal_turn / dt, self.machine.law_rad_s) * dt
+                } else {
+                    0.0
+                };
+                let way = f64::midpoint(right, left) + added;
                 let chord = way * (1.0 - turn * turn / 24.0);
                 let (sin, cos) = (heading + turn / 2.0).sin_cos();
                 (x, y, heading) = (x + chord * cos, y + chord * sin, heading + turn);
@@ -327,6 +341,28 @@ impl Predictor<'_> {
                 errors.headings += 1.0;
             }
         }
+    }
+}
+
+/// Error of predictions by the wheels of a machine with these parameters: geometric mean of place (m) and
+/// heading (rad), of those that are seen.
+pub(super) fn reference_error(machine: &FromWheels, at: &[f64]) -> f64 {
+    let all = machine.runs.iter().enumerate().map(|(number, run)| {
+        let predictor = Predictor {
+            machine,
+            run,
+            drive: None,
+        };
+        let windows = predictor.windows();
+        let stride = windows.len().div_ceil(MOST_WINDOWS).max(1);
+        let windows: Vec<[f64; 2]> = windows.into_iter().step_by(stride).collect();
+        predictor.errors(number, at, &windows, false)
+    });
+    let sum = all.fold(Errors::default(), Errors::and);
+    match (sum.mean_place_m2(), sum.mean_heading_rad2()) {
+        (Some(place), Some(heading)) => (place * heading).powf(0.25),
+        (Some(one), None) | (None, Some(one)) => one.sqrt(),
+        (None, None) => 0.0,
     }
 }
 

@@ -5,19 +5,21 @@
 //! turns too far under its command and carries too little by as much is an encoder that counts wrong.
 
 use super::calibration::Calibration;
-use super::claim::{Claim, Scale, Value};
+use super::claim::{Claim, Law, Scale, Value};
 use super::drive::{
     BAND_TERM, CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM, LAG_TERM, SAG_TERM, SATURATION_TERM,
     ZONE_TERM,
 };
-use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE};
+use super::terms::{
+    GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERM, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
+};
 use super::wheel_side::{Doubt, Settled};
 use crate::model::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
 };
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y,
-    OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE,
+    OFFSET_X, OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Kept, Selected};
@@ -103,6 +105,7 @@ impl Reading<'_> {
         self.mounting(&mut claims);
         self.sizes(&mut claims);
         self.commands(&mut claims);
+        claims.extend(self.law());
         claims.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         claims
     }
@@ -481,6 +484,24 @@ impl Reading<'_> {
         }
     }
 
+    /// What the catalogue does not have: a speed that follows the turn rate.
+    fn law(&self) -> Option<Claim> {
+        let fitted = self.reference()?;
+        fitted.kept(LAW_TERM)?;
+        let mut claim = claim("unknown", fitted.known(LAW_TERM, &[]));
+        claim.toggles = (LAW_FIRST..MACHINE).collect();
+        let largest = self.machine.law_rad_s;
+        let value = |i: usize| fitted.change(LAW_FIRST + i);
+        claim.law = Some(Law {
+            driver: "w",
+            knots: [-1.0, -0.5, 0.0, 0.5, 1.0]
+                .map(|share| share * largest)
+                .to_vec(),
+            values: vec![value(0), value(1), 0.0, value(2), value(3)],
+        });
+        Some(claim)
+    }
+
     /// What the drive does with its commands, but for delay and gain.
     fn commands(&self, claims: &mut Vec<Claim>) {
         let Some(fitted) = self.drive_fitted() else {
@@ -568,6 +589,7 @@ fn claim(effect: &'static str, known: Known) -> Claim {
         gain: known.gain,
         p_value: known.p_value,
         confused: Vec::new(),
+        law: None,
     }
 }
 

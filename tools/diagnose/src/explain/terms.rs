@@ -2,13 +2,15 @@
 
 use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, OFFSET_X, OFFSET_Y,
-    OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE,
+    OFFSET_X, OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
 };
 use crate::select::elimination::Term;
 
 /// What the stamp of a row means within a sampling interval is a convention: this share of it.
 const STAMP_SHARE: f64 = 0.1;
+/// A robot that turns more slowly than this does not show a law of turns (rad/s).
+const LEAST_TURN_RAD_S: f64 = 0.02;
 /// A turn rate that jumps is integrated late or early by up to this share of the gyro's interval.
 const GYRO_STEP_SHARE: f64 = 0.5;
 /// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
@@ -22,6 +24,7 @@ const LENGTH_SHARE: f64 = 1e-3;
 const GYRO_ASYMMETRY: f64 = 0.004;
 /// Radii and track are one calibration: they are estimated, kept and removed together.
 pub(crate) const GEOMETRY: &str = "geometry";
+pub(crate) const LAW_TERM: &str = "law";
 pub(crate) const OFFSET: &str = "offset";
 pub(crate) const OFFSET_TURN: &str = "offset yaw";
 pub(crate) const POSE_LATE: &str = "pose latency";
@@ -48,7 +51,9 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         geometry.extend(tracks.into_iter().map(|index| (index, FACTOR_FLOOR)));
     }
     if !geometry.is_empty() {
-        terms.push(term(GEOMETRY, &geometry, 1.0));
+        let mut geometry = term(GEOMETRY, &geometry, 1.0);
+        geometry.lasting = machine.is_commanded();
+        terms.push(geometry);
     }
     if machine.is_commanded() {
         let drive = drive::terms(DRIVE_FIRST, machine.largest_rad_s(), excluded);
@@ -67,6 +72,19 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         terms.extend(drive);
     }
     terms
+}
+
+/// A law of speed over turn rate: what the catalogue does not have. None where the robot hardly turns.
+pub(crate) fn law(machine: &FromWheels, excluded: &[String]) -> Option<Term> {
+    let turns = machine.law_rad_s > LEAST_TURN_RAD_S;
+    let allowed = machine.has_pose() && !excluded.iter().any(|own| own == "motion_law");
+    let floor = LENGTH_SHARE * machine.law_rad_s * machine.half_track_m;
+    let values: Vec<(usize, f64)> = (LAW_FIRST..MACHINE).map(|i| (i, floor)).collect();
+    (turns && allowed).then(|| {
+        let mut law = term(LAW_TERM, &values, 1.0);
+        law.lasting = true;
+        law
+    })
 }
 
 /// Scales of both wheels and their difference, with floors. A gyro alone sees the difference only.

@@ -13,11 +13,13 @@ use super::wheel_path::Turned;
 use super::{Innovation, wrapped};
 
 /// Physical parameters: see [`Physics`].
-pub(crate) const PHYSICS: usize = 8;
+pub(crate) const PHYSICS: usize = 8 + LAW;
+/// Values of a law of speed over turn rate, at −W, −W/2, W/2 and W; it is 0 at 0.
+pub(crate) const LAW: usize = 4;
 /// Logarithms of noise sizes: see [`Noise`].
 pub(crate) const NOISE: usize = 9;
 /// Longest piece of an arc (s).
-const PIECE_S: f64 = 0.1;
+const PIECE_S: f64 = 0.2;
 
 /// Rows of one series: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
 pub(crate) type PoseRow = (f64, [f64; 3]);
@@ -36,6 +38,8 @@ pub(crate) struct WheelsToPose<'a> {
     pub(crate) wheel_interval_s: f64,
     /// Heading at the first row where the reference has none (rad).
     pub(crate) first_heading_rad: f64,
+    /// Largest turn rate of a law (rad/s); beyond it the law is constant.
+    pub(crate) law_rad_s: f64,
     /// Whether rows may be outliers.
     pub(crate) robust: bool,
 }
@@ -49,6 +53,7 @@ struct Physics<S> {
     offset: [S; 3],
     latency_s: S,
     rate: S,
+    law: Option<[S; LAW]>,
 }
 
 /// Variances.
@@ -130,6 +135,8 @@ impl WheelsToPose<'_> {
             offset: [p[3] + self.declared_m, p[4], p[5]],
             latency_s: p[6],
             rate: p[7],
+            law: (p[8..8 + LAW].iter().any(|own| own.value() != 0.0))
+                .then(|| std::array::from_fn(|i| p[8 + i])),
         }
     }
 
@@ -186,6 +193,13 @@ impl WheelsToPose<'_> {
             let r = self.wheel_radius_m;
             let nominal_way = (turned[0] + turned[1]) * (r / 2.0);
             let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
+            let dt = span_s / pieces;
+            let way = match physics.law {
+                Some(law) if dt.value() > 1e-9 => {
+                    way + law_at(&law, nominal_turn / dt, self.law_rad_s) * dt
+                }
+                _ => way,
+            };
             let mut q = [
                 noise.along_per_m * nominal_way.abs(),
                 noise.across_per_m * nominal_way.abs(),
@@ -195,7 +209,6 @@ impl WheelsToPose<'_> {
                 q[0] += noise.place_per_row;
                 q[1] += noise.place_per_row;
                 q[2] += noise.yaw_per_row;
-                let dt = span_s / pieces;
                 if dt.value() > 1e-9 {
                     rates = [nominal_way / dt, nominal_turn / dt];
                 }
@@ -258,6 +271,22 @@ impl WheelsToPose<'_> {
             covariance,
         }
     }
+}
+
+/// A law of speed (m/s) at a turn rate, linear between its knots and constant beyond them.
+pub(crate) fn law_at<S: Scalar>(law: &[S; LAW], turn_rate: S, largest_rad_s: f64) -> S {
+    let zero = S::constant(0.0);
+    let knots = [law[0], law[1], zero, law[2], law[3]];
+    let z = (turn_rate * (1.0 / largest_rad_s) + 1.0) * 2.0;
+    if z.value() <= 0.0 {
+        return law[0];
+    }
+    if z.value() >= 4.0 {
+        return law[3];
+    }
+    let place = (z.value() as usize).min(3);
+    let share = z - S::constant(place as f64);
+    knots[place] + (knots[place + 1] - knots[place]) * share
 }
 
 impl<S: Scalar> Physics<S> {

@@ -20,7 +20,7 @@ use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
 use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
-use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
+use crate::filter::wheels_to_pose::{self, LAW, PoseRow, WheelsToPose};
 
 /// Parameters of the machine.
 pub(crate) const COMMON: usize = 0;
@@ -35,8 +35,10 @@ pub(crate) const GYRO_LATENCY: usize = 8;
 pub(crate) const GYRO_RATE: usize = 9;
 /// Parameters of the drive begin here; they matter where no wheels were recorded.
 pub(crate) const DRIVE_FIRST: usize = 10;
+/// Values of a law of speed over turn rate (m/s).
+pub(crate) const LAW_FIRST: usize = DRIVE_FIRST + DRIVE;
 /// How many there are.
-pub(crate) const MACHINE: usize = DRIVE_FIRST + DRIVE;
+pub(crate) const MACHINE: usize = LAW_FIRST + LAW;
 /// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
 pub(crate) const RUN_SCALE: usize = 0;
 pub(crate) const RUN_TRACK: usize = 1;
@@ -46,6 +48,10 @@ const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
+/// Values of a law, as a share of what the wheels do in the fastest turn.
+const LAW_SHARE: f64 = 0.3;
+/// Share of the time in which turns are faster than the last knot of a law.
+const FASTER_SHARE: f64 = 0.005;
 /// Interval at which the wheels of a simulated drive count as known (s).
 const COMMANDED_STEP_S: f64 = 0.02;
 
@@ -81,6 +87,8 @@ pub(crate) struct FromWheels {
     pub(crate) half_track_m: f64,
     /// From the middle of the axle forward to the centre of mass (m).
     pub(crate) com_to_axle_m: f64,
+    /// Turn rate that nearly all of the time is not exceeded (rad/s): the last knot of laws.
+    pub(crate) law_rad_s: f64,
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
 }
@@ -105,6 +113,7 @@ impl FromWheels {
             wheel_radius_m: model.robot.wheel_radius_m,
             half_track_m: b,
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
+            law_rad_s: 0.0,
             skids: robots.iter().any(|robot| skids(robot)),
         };
         let mut first_block = 0;
@@ -118,7 +127,18 @@ impl FromWheels {
         for i in 0..machine.runs.len() {
             machine.runs[i].first_heading_rad = machine.first_heading(&machine.runs[i]);
         }
+        let r = machine.wheel_radius_m / (2.0 * machine.half_track_m);
+        let rates = machine
+            .runs
+            .iter()
+            .map(|run| r * run.wheels.largest_difference_rad_s());
+        machine.law_rad_s = rates.fold(1e-9, f64::max);
         (!machine.runs.is_empty()).then_some(machine)
+    }
+
+    /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
+    fn law_prior_m_s(&self) -> f64 {
+        LAW_SHARE * self.law_rad_s * self.half_track_m
     }
 
     /// Number of parameters, noise sizes included.
@@ -223,7 +243,7 @@ impl FromWheels {
         let rate = |stream: &str| clock_rate(model, stream).unwrap_or(0.0);
         at[POSE_RATE] = rate("pose") - rate("wheels");
         at[GYRO_RATE] = rate("imu") - rate("wheels");
-        at[DRIVE_FIRST..MACHINE].copy_from_slice(&drive_of(model));
+        at[DRIVE_FIRST..LAW_FIRST].copy_from_slice(&drive_of(model));
         for (i, run) in self.runs.iter().enumerate() {
             let first = self.of_run(i, RUN);
             let guesses = run.noise_guesses(2.0 * self.half_track_m);
@@ -251,6 +271,7 @@ impl FromWheels {
         let run = [0.3, track, 0.02];
         let mut deviations = machine.to_vec();
         deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
+        deviations.extend([self.law_prior_m_s(); LAW]);
         for _ in &self.runs {
             deviations.extend(run);
             deviations.extend([2.0; RUN_NOISE]);
@@ -271,6 +292,7 @@ impl FromWheels {
         let b = self.half_track_m;
         let mut longest = vec![0.2, 0.2, 0.3, 2.0 * b, 2.0 * b, 0.5, 0.1, 2e-3, 0.1, 2e-3];
         longest.extend(command_to_wheels::longest(self.largest_rad_s()));
+        longest.extend([0.5 * self.law_prior_m_s(); LAW]);
         for _ in &self.runs {
             longest.extend([0.2, 0.3, 0.02]);
             longest.extend([1.0; RUN_NOISE]);
@@ -306,6 +328,7 @@ impl FromWheels {
             declared_m: run.declared_m,
             wheel_interval_s: run.wheel_interval_s,
             first_heading_rad: run.first_heading_rad,
+            law_rad_s: self.law_rad_s,
             robust,
         }
     }
@@ -475,10 +498,13 @@ impl Reference {
 
     /// Whether the filter of this reference reads a local parameter.
     fn reads(self, local: usize, commanded: bool) -> bool {
-        if (DRIVE_FIRST..MACHINE).contains(&local) {
+        if (DRIVE_FIRST..LAW_FIRST).contains(&local) {
             return commanded;
         }
         let geometry = local <= TRACK || (MACHINE..=MACHINE + RUN_TRACK).contains(&local);
+        if (LAW_FIRST..MACHINE).contains(&local) {
+            return self == Self::Pose;
+        }
         let pose_noise = MACHINE + RUN..MACHINE + RUN + wheels_to_pose::NOISE;
         geometry
             || match self {
@@ -559,7 +585,7 @@ impl Likelihood for View<'_> {
 }
 
 pub(crate) fn drive_parameters<S>(local: &[S]) -> &[S] {
-    &local[DRIVE_FIRST..MACHINE]
+    &local[DRIVE_FIRST..LAW_FIRST]
 }
 
 pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
@@ -568,6 +594,7 @@ pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let half = local[ASYMMETRY] * 0.5;
     let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
     all.extend(&local[OFFSET_X..=POSE_RATE]);
+    all.extend(&local[LAW_FIRST..MACHINE]);
     all.extend(&run[RUN..RUN + wheels_to_pose::NOISE]);
     all
 }
@@ -610,6 +637,35 @@ impl Source {
                 held_s.map(|(h, u)| h * (u[0].abs() + u[1].abs())).sum()
             }
         }
+    }
+
+    /// Difference of the wheels' speeds that is exceeded little of the time (rad/s).
+    fn largest_difference_rad_s(&self) -> f64 {
+        let mut all: Vec<(f64, f64)> = match self {
+            Self::Measured(path) => {
+                let pairs = path.times_s.windows(2).zip(path.angles_rad.windows(2));
+                pairs
+                    .map(|(t, a)| {
+                        let h = t[1] - t[0];
+                        let turned = (a[1][0] - a[0][0]) - (a[1][1] - a[0][1]);
+                        (turned.abs() / h, h)
+                    })
+                    .collect()
+            }
+            Self::Commanded(path) => {
+                let held_s = path.times_s.windows(2).map(|t| t[1] - t[0]).chain([0.0]);
+                let sizes = path.speeds_rad_s.iter().map(|u| (u[0] - u[1]).abs());
+                sizes.zip(held_s).collect()
+            }
+        };
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let total: f64 = all.iter().map(|(_, h)| h).sum();
+        let mut passed = 0.0;
+        let found = all.iter().find(|(_, h)| {
+            passed += h;
+            passed > FASTER_SHARE * total
+        });
+        found.map_or(0.0, |(size, _)| *size)
     }
 
     fn interval_s(&self) -> f64 {

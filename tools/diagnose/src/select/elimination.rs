@@ -91,6 +91,8 @@ enum Round {
 
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
+/// Wald statistic per parameter below which a term is idle: its expectation without any effect.
+const IDLE: f64 = 1.0;
 /// A fit without a term that is better by this much shows that the fit with it was not finished
 /// (nats).
 const UNFINISHED_NATS: f64 = 0.2;
@@ -122,6 +124,12 @@ impl Elimination<'_> {
 
     /// Fits with these terms, others at their neutral values, from `start`.
     pub(crate) fn fit(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Fit {
+        self.problem
+            .fit(&self.without(start, terms, all), &self.free(terms).0, FULL)
+    }
+
+    /// `start` with terms that are not among `terms` at their neutral values.
+    fn without(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Vec<f64> {
         let mut at = start.to_vec();
         for term in all
             .iter()
@@ -131,14 +139,17 @@ impl Elimination<'_> {
                 at[*index] = self.neutral[*index];
             }
         }
-        let (free, _) = self.free(terms);
-        let first = self.problem.fit(&at, &free, FULL);
-        // noise that was fitted with more terms may be too small a start
-        let mut wider = at;
+        at
+    }
+
+    /// The same from larger noise: what was fitted with more terms may be too small a start.
+    fn wider(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
+        let mut at = self.without(start, terms, all);
         for index in self.noise {
-            wider[*index] += 0.5;
+            at[*index] += 0.5;
         }
-        let second = self.problem.fit(&wider, &free, SHORT);
+        let (free, _) = self.free(terms);
+        let second = self.problem.fit(&at, &free, SHORT);
         if second.objective > first.objective + 0.5 {
             return self.problem.fit(&second.at, &free, FULL);
         }
@@ -178,6 +189,9 @@ impl Elimination<'_> {
         };
         let mut order: Vec<usize> = (0..left.len()).collect();
         order.sort_by(|a, b| share(a).total_cmp(&share(b)));
+        if let Some(removed) = self.idle(fit, left, terms, &walds) {
+            return Some(removed);
+        }
         let mut kept = Vec::new();
         for i in order {
             let term = left[i].clone();
@@ -186,7 +200,11 @@ impl Elimination<'_> {
                 .filter(|t| t.name != term.name)
                 .cloned()
                 .collect();
-            let less = self.fit(&fit.at, &rest, terms);
+            let mut less = self.fit(&fit.at, &rest, terms);
+            let least = self.criterion.least_gain(term.parameters.len());
+            if fit.objective - less.objective > least {
+                less = self.wider(&fit.at, &rest, terms, less);
+            }
             let gain = fit.objective - less.objective;
             if gain < -UNFINISHED_NATS {
                 let better = self.problem.fit(&less.at, &fit.free, FULL);
@@ -205,6 +223,25 @@ impl Elimination<'_> {
             });
         }
         Some(Round::Done(precision, kept))
+    }
+
+    /// Removes all terms at once that are far from being needed, where that costs nothing.
+    fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
+        let is_idle =
+            |i: usize| !left[i].by_profile && walds[i] < IDLE * left[i].parameters.len() as f64;
+        let rest: Vec<Term> = (0..left.len())
+            .filter(|i| !is_idle(*i))
+            .map(|i| left[i].clone())
+            .collect();
+        if left.len() - rest.len() < 2 {
+            return None;
+        }
+        let less = self.fit(&fit.at, &rest, terms);
+        let parameters = left.iter().map(|t| t.parameters.len()).sum::<usize>();
+        let gone = parameters - rest.iter().map(|t| t.parameters.len()).sum::<usize>();
+        let gain = fit.objective - less.objective;
+        (gain.abs() < 0.5 * IDLE * gone as f64 + UNFINISHED_NATS)
+            .then_some(Round::Removed(less, rest))
     }
 
     /// Whether a term passes: gain after overdispersion, Wald statistic, a gain without its best
