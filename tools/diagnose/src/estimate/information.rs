@@ -14,18 +14,18 @@ use crate::filter::Innovation;
 pub(crate) const LANES: usize = 8;
 /// A number with derivatives by [`LANES`] parameters.
 pub(crate) type Dual = DualSVec64<LANES>;
-/// Numbers of a row whose squares make the information: 3 of ν, 9 of S.
-const WIDTH: usize = 12;
+/// Most numbers of a row whose squares make the information: 3 of ν, 6 of S.
+const WIDTH: usize = 9;
 
 /// Rows of one filter: derivatives of every row by every local parameter.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
-    /// Block of each row.
-    blocks: Vec<usize>,
-    /// For each parameter, row after row: weighted derivative of the log-likelihood.
+    /// Consecutive rows of one block: the block, and where its numbers end in `whitened`.
+    pieces: Vec<(usize, usize)>,
+    /// For each parameter, piece after piece: weighted derivative of the log-likelihood.
     scores: Vec<Vec<f64>>,
     /// For each parameter, row after row: whitened derivatives.
-    whitened: Vec<Vec<[f64; WIDTH]>>,
+    whitened: Vec<Vec<f64>>,
 }
 
 impl Rows {
@@ -52,48 +52,75 @@ impl Rows {
                 )
                 .collect();
             let mut own = Self {
-                blocks: Vec::new(),
+                pieces: Vec::new(),
                 scores: vec![Vec::new(); lanes.len()],
                 whitened: vec![Vec::new(); lanes.len()],
             };
-            run(&parameters, &mut |row| {
-                own.blocks.push(block_of(row.time_s));
-                let derivatives = Derivatives::new(&row);
-                for lane in 0..lanes.len() {
-                    own.scores[lane].push(derivatives.score[lane] * row.weight);
-                    own.whitened[lane].push(derivatives.whitened(lane));
-                }
-            });
+            run(&parameters, &mut |row| own.push(&row, block_of(row.time_s)));
             own
         });
         let mut all = Self::default();
         for own in chunks.collect::<Vec<_>>() {
-            all.blocks = own.blocks;
+            all.pieces = own.pieces;
             all.scores.extend(own.scores);
             all.whitened.extend(own.whitened);
         }
         all
     }
 
+    fn push(&mut self, row: &Innovation<Dual>, block: usize) {
+        if self.pieces.last().is_none_or(|(last, _)| *last != block) {
+            self.pieces.push((block, 0));
+            self.scores.iter_mut().for_each(|own| own.push(0.0));
+        }
+        let derivatives = Derivatives::new(row);
+        let width = if row.scalar { 2 } else { WIDTH };
+        for (lane, whitened) in self.whitened.iter_mut().enumerate() {
+            let numbers = derivatives.whitened(lane, row.scalar);
+            whitened.extend_from_slice(&numbers[..width]);
+            if let Some(score) = self.scores[lane].last_mut() {
+                *score += derivatives.score[lane] * row.weight;
+            }
+        }
+        let end = self.whitened.first().map_or(0, Vec::len);
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.1 = end;
+        }
+    }
+
     /// Adds the rows to their blocks; `to[i]` is the place of the i-th free parameter there.
     pub(crate) fn add_to(&self, blocks: &mut [BlockScore], to: &[usize]) {
-        for (i, place) in to.iter().enumerate() {
-            for (block, score) in self.blocks.iter().zip(&self.scores[i]) {
-                blocks[*block].gradient[*place] += score;
-            }
-            for (k, other) in to.iter().enumerate().take(i + 1) {
-                for (row, block) in self.blocks.iter().enumerate() {
-                    let (a, b) = (&self.whitened[i][row], &self.whitened[k][row]);
-                    let product: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
-                    let information = &mut blocks[*block].information;
-                    information[(*place, *other)] += product;
+        let mut from = 0;
+        for (piece, (block, end)) in self.pieces.iter().enumerate() {
+            let own = &mut blocks[*block];
+            for (i, place) in to.iter().enumerate() {
+                own.gradient[*place] += self.scores[i][piece];
+                let a = &self.whitened[i][from..*end];
+                for (k, other) in to.iter().enumerate().take(i + 1) {
+                    let product = dot(a, &self.whitened[k][from..*end]);
+                    own.information[(*place, *other)] += product;
                     if i != k {
-                        information[(*other, *place)] += product;
+                        own.information[(*other, *place)] += product;
                     }
                 }
             }
+            from = *end;
         }
     }
+}
+
+/// Scalar product, in eight sums that a processor can add at once.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a_parts, b_parts) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = a_parts.remainder().iter().zip(b_parts.remainder());
+    let rest: f64 = rest.map(|(x, y)| x * y).sum();
+    for (x, y) in a_parts.zip(b_parts) {
+        for i in 0..8 {
+            sums[i] += x[i] * y[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Blocks without any row.
@@ -138,10 +165,18 @@ impl Derivatives {
         }
     }
 
-    /// C⁻¹ ∂ν and C⁻¹ ∂S C⁻ᵀ / √2 by one parameter, with the root of the row's weight.
-    fn whitened(&self, lane: usize) -> [f64; WIDTH] {
+    /// C⁻¹ ∂ν and C⁻¹ ∂S C⁻ᵀ / √2 by one parameter, with the root of the row's weight; of the symmetric
+    /// matrix the lower half, what stands beside the diagonal √2 times.
+    fn whitened(&self, lane: usize, scalar: bool) -> [f64; WIDTH] {
+        use std::f64::consts::FRAC_1_SQRT_2;
         let c = &self.inverse;
         let mut out = [0.0; WIDTH];
+        if scalar {
+            let [own, s] = [self.difference[0][lane], self.covariance[0][0][lane]];
+            out[0] = c[0][0] * own * self.weight;
+            out[1] = c[0][0] * c[0][0] * s * self.weight * FRAC_1_SQRT_2;
+            return out;
+        }
         for i in 0..3 {
             out[i] = (0..=i)
                 .map(|k| c[i][k] * self.difference[k][lane])
@@ -151,10 +186,13 @@ impl Derivatives {
         let half: [[f64; 3]; 3] = std::array::from_fn(|i| {
             std::array::from_fn(|k| (0..=i).map(|l| c[i][l] * self.covariance[l][k][lane]).sum())
         });
-        for i in 0..3 {
-            for k in 0..3 {
-                let full: f64 = (0..=k).map(|l| half[i][l] * c[k][l]).sum();
-                out[3 + 3 * i + k] = full * self.weight * std::f64::consts::FRAC_1_SQRT_2;
+        let mut place = 3;
+        for (i, half) in half.iter().enumerate() {
+            for k in 0..=i {
+                let full: f64 = (0..=k).map(|l| half[l] * c[k][l]).sum();
+                let share = if i == k { FRAC_1_SQRT_2 } else { 1.0 };
+                out[place] = full * self.weight * share;
+                place += 1;
             }
         }
         out

@@ -1,14 +1,14 @@
 //! Calibration of one machine from its wheels and a reference: a fit with every term, from several
 //! starts, then backward elimination.
 
-use super::drive::{BAND_TERM, SATURATION_TERM};
+use super::drive::{BAND_TERM, DEAD_ZONE_SHARE, SATURATION_TERM};
 use super::prediction::reference_error;
-use super::terms::{self, GEOMETRY, LAW_TERM, OFFSET, OFFSET_TURN};
+use super::terms::{self, GEOMETRY, OFFSET, OFFSET_TURN};
 use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
-use crate::model::drive::{DEAD_BAND, DELAY, LAG, SATURATION};
+use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
     COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
     RUN_SCALE, RUN_TRACK, Reference, Source, TRACK, View,
@@ -18,8 +18,8 @@ use crate::select::elimination::{Elimination, Kept, Selected, Term};
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
-    iterations: 25,
-    tolerance_nats: 0.5,
+    iterations: 12,
+    tolerance_nats: 1.0,
 };
 /// Latencies from which the search starts (s).
 const LATENCIES_S: [f64; 12] = [
@@ -33,6 +33,8 @@ const LATENCIES: [usize; 3] = [POSE_LATENCY, GYRO_LATENCY, DRIVE_FIRST + DELAY];
 const LAG_S: f64 = 0.05;
 /// A start this much worse than the best is not followed (nats).
 const FOLLOWED_NATS: f64 = 5.0;
+/// A start beside the best this much worse is not followed (nats).
+const BESIDE_NATS: f64 = 20.0;
 /// What the rate of a clock has to gain before anything may lean on it (nats).
 pub(super) const RATE_NATS: f64 = 6.0;
 /// What lasts has to lower the error of predictions by this share.
@@ -165,9 +167,9 @@ impl Search<'_> {
                 fit = self.problem.fit(&at, &free, FULL);
             }
         }
+        fit = self.with_law(fit, &mut terms);
         let elimination = self.elimination(&terms);
         let after = elimination.run(fit, &terms)?;
-        let after = self.with_law(after, &mut terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
             after,
@@ -178,48 +180,53 @@ impl Search<'_> {
         })
     }
 
-    /// With a law that the catalogue does not have, where it gains beside everything else: all terms
-    /// are looked through again beside it.
-    fn with_law(&self, found: Selected, terms: &mut Vec<Term>) -> Option<Selected> {
-        let Some(law) = terms::law(self.machine, self.excluded) else {
-            return Some(found);
-        };
-        terms.push(law.clone());
-        let own: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
-        let beside = [&own[..], &[law.clone()]].concat();
+    /// The fit with all terms and with a law that the catalogue does not have, where it gains beside
+    /// everything else.
+    fn with_law(&self, full: Fit, terms: &mut Vec<Term>) -> Fit {
         let elimination = self.elimination(terms);
-        let with_law = |start: &[f64], own: &[Term]| {
+        let with_law = |start: &[f64], own: &[Term], law: &Term| {
             let mut at = start.to_vec();
             for index in &law.parameters {
                 // at exactly 0 the filter leaves a law out
                 at[*index] = f64::MIN_POSITIVE;
             }
-            self.problem.fit(&at, &elimination.free(own).0, FULL)
+            let all = [own, std::slice::from_ref(law)].concat();
+            self.problem.fit(&at, &elimination.free(&all).0, FULL)
         };
-        let mut first = with_law(&found.fit.at, &beside);
-        let least = elimination.criterion.least_gain(law.parameters.len());
-        if first.objective - found.fit.objective < least {
-            return Some(found);
+        let laws = terms::laws(self.machine, self.excluded);
+        let tried = laws
+            .into_iter()
+            .map(|law| (with_law(&full.at, terms, &law), law));
+        let best = tried.max_by(|a, b| a.0.objective.total_cmp(&b.0.objective));
+        let Some((beside, law)) = best else {
+            return full;
+        };
+        if beside.objective - full.objective
+            < elimination.criterion.least_gain(law.parameters.len())
+        {
+            return full;
         }
         // thresholds and geometry may have stood in for it
         let stand_in = |t: &Term| [GEOMETRY, SATURATION_TERM, BAND_TERM].contains(&t.name);
-        let mut at = found.fit.at.clone();
-        let gone = own.iter().filter(|t| stand_in(t));
+        let mut at = full.at;
+        let gone = terms.iter().filter(|t| stand_in(t));
         for index in gone.flat_map(|t| &t.parameters) {
             at[*index] = self.nominal[*index];
         }
-        let honest: Vec<Term> = beside.iter().filter(|t| !stand_in(t)).cloned().collect();
-        let other = with_law(&at, &honest);
-        if other.objective > first.objective {
-            first = other;
-            terms.retain(|t| ![SATURATION_TERM, BAND_TERM].contains(&t.name));
-        }
-        let full = self
-            .problem
-            .fit(&first.at, &elimination.free(terms).0, FULL);
-        let again = elimination.run(full, terms)?;
-        let named = again.kept(LAW_TERM).is_some();
-        Some(if named { again } else { found })
+        let honest: Vec<Term> = terms
+            .iter()
+            .filter(|t| t.name != SATURATION_TERM && t.name != BAND_TERM)
+            .cloned()
+            .collect();
+        let other = with_law(&at, &honest, &law);
+        let first = if other.objective > beside.objective - FOLLOWED_NATS {
+            *terms = honest;
+            other
+        } else {
+            beside
+        };
+        terms.push(law);
+        first
     }
 
     fn elimination(&self, terms: &[Term]) -> Elimination<'_> {
@@ -251,6 +258,9 @@ impl Search<'_> {
             GYRO_RATE,
             DRIVE_FIRST + DELAY,
             DRIVE_FIRST + LAG,
+            // a start without them has no derivative by them, or a wrong one
+            DRIVE_FIRST + SATURATION,
+            DRIVE_FIRST + DEAD_ZONE,
         ];
         let free_of = |keep: &dyn Fn(usize) -> bool, terms: &[Term]| {
             let (free, _) = self.elimination(terms).free(terms);
@@ -276,8 +286,11 @@ impl Search<'_> {
         let lean = free_of(&|i| !rates.contains(&i) && i != saturation, terms);
         let mut first = first;
         if lean.contains(&(DRIVE_FIRST + LAG)) {
-            // without any lag there is no derivative by it
+            // without any lag or dead zone there is no derivative by it
             first.at[DRIVE_FIRST + LAG] += LAG_S;
+        }
+        if lean.contains(&(DRIVE_FIRST + DEAD_ZONE)) {
+            first.at[DRIVE_FIRST + DEAD_ZONE] += DEAD_ZONE_SHARE * self.machine.largest_rad_s();
         }
         let mut best = self.best_of_latencies(&first, &lean);
         for clock in LATENCIES {
@@ -395,6 +408,7 @@ impl Search<'_> {
             })
             .collect();
         trials.sort_by(|a, b| b.0.total_cmp(&a.0));
+        trials.retain(|(value, _)| *value > best.objective - BESIDE_NATS);
         let fits = trials
             .iter()
             .take(2)

@@ -53,6 +53,10 @@ pub(crate) struct Law {
 impl Law {
     /// What it looks like, in words.
     pub(crate) fn shape(&self) -> String {
+        let (name, unit) = match self.driver {
+            "w" => ("turn rate", "rad/s"),
+            _ => ("speed", "m/s"),
+        };
         let pairs = self.knots.iter().zip(&self.values);
         let extreme = |sign: f64| {
             let own = pairs.clone().filter(|(knot, _)| **knot * sign > 0.0);
@@ -61,10 +65,10 @@ impl Law {
         let words: Vec<String> = [-1.0, 1.0]
             .into_iter()
             .filter_map(extreme)
-            .map(|(knot, value)| format!("{value:+.3} m/s at {knot:+.2} rad/s"))
+            .map(|(knot, value)| format!("{value:+.3} m/s at {knot:+.2} {unit}"))
             .collect();
         format!(
-            "forward speed that depends on the turn rate: {}",
+            "forward speed that depends on the {name}: {}",
             words.join(", ")
         )
     }

@@ -26,7 +26,7 @@ const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
 /// Lag from which it starts (s).
 const LAGS_S: [f64; 2] = [0.02, 0.15];
 /// Dead zone from which it starts, as a share of the largest command.
-const DEAD_ZONE_SHARE: f64 = 0.02;
+pub(super) const DEAD_ZONE_SHARE: f64 = 0.02;
 /// Sizes below which nobody would call it a difference: delay and lag (s), gain, share of the largest
 /// command, and sag (1/s).
 const TIME_FLOOR_S: f64 = 2e-4;

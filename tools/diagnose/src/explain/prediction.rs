@@ -5,8 +5,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::open_loop::HORIZON_S;
 use crate::data::wheel_rows::WheelKind;
+use crate::filter::motion_law::{LAW, added};
 use crate::filter::wheel_path::Turned;
-use crate::filter::wheels_to_pose::{LAW, law_at};
 use crate::filter::wrapped;
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::Response;
@@ -212,14 +212,16 @@ impl Predictor<'_> {
                 angles = next;
                 let turn = (right - left) / track_m;
                 let dt = (to_s - now_s) / pieces;
-                let r = self.machine.wheel_radius_m / (2.0 * self.machine.half_track_m);
-                let nominal_turn = r * (turned[0] - turned[1]);
-                let added = if dt > 1e-9 {
-                    law_at(&law, nominal_turn / dt, self.machine.law_rad_s) * dt
+                let r = self.machine.wheel_radius_m / 2.0;
+                let nominal_way = r * (turned[0] + turned[1]);
+                let nominal_turn = r * (turned[0] - turned[1]) / self.machine.half_track_m;
+                let law = if dt > 1e-9 {
+                    let driver = [nominal_turn / dt, nominal_way / dt];
+                    added(&law, driver, self.machine.law_largest) * dt
                 } else {
                     0.0
                 };
-                let way = f64::midpoint(right, left) + added;
+                let way = f64::midpoint(right, left) + law;
                 let chord = way * (1.0 - turn * turn / 24.0);
                 let (sin, cos) = (heading + turn / 2.0).sin_cos();
                 (x, y, heading) = (x + chord * cos, y + chord * sin, heading + turn);

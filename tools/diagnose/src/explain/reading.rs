@@ -11,15 +11,16 @@ use super::drive::{
     ZONE_TERM,
 };
 use super::terms::{
-    GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERM, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
+    GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERMS, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
 };
 use super::wheel_side::{Doubt, Settled};
+use crate::filter::motion_law::{DRIVERS, VALUES};
 use crate::model::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
 };
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE,
-    OFFSET_X, OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
+    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Kept, Selected};
@@ -105,7 +106,7 @@ impl Reading<'_> {
         self.mounting(&mut claims);
         self.sizes(&mut claims);
         self.commands(&mut claims);
-        claims.extend(self.law());
+        self.laws(&mut claims);
         claims.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         claims
     }
@@ -484,22 +485,29 @@ impl Reading<'_> {
         }
     }
 
-    /// What the catalogue does not have: a speed that follows the turn rate.
-    fn law(&self) -> Option<Claim> {
-        let fitted = self.reference()?;
-        fitted.kept(LAW_TERM)?;
-        let mut claim = claim("unknown", fitted.known(LAW_TERM, &[]));
-        claim.toggles = (LAW_FIRST..MACHINE).collect();
-        let largest = self.machine.law_rad_s;
-        let value = |i: usize| fitted.change(LAW_FIRST + i);
-        claim.law = Some(Law {
-            driver: "w",
-            knots: [-1.0, -0.5, 0.0, 0.5, 1.0]
-                .map(|share| share * largest)
-                .to_vec(),
-            values: vec![value(0), value(1), 0.0, value(2), value(3)],
-        });
-        Some(claim)
+    /// What the catalogue does not have: a speed that follows the turn rate, or the speed.
+    fn laws(&self, claims: &mut Vec<Claim>) {
+        let Some(fitted) = self.reference() else {
+            return;
+        };
+        for (place, name) in LAW_TERMS.into_iter().enumerate() {
+            if fitted.kept(name).is_none() {
+                continue;
+            }
+            let first = LAW_FIRST + place * VALUES;
+            let mut claim = claim("unknown", fitted.known(name, &[]));
+            claim.toggles = (first..first + VALUES).collect();
+            let largest = self.machine.law_largest[place];
+            let value = |i: usize| fitted.change(first + i);
+            claim.law = Some(Law {
+                driver: DRIVERS[place],
+                knots: [-1.0, -0.5, 0.0, 0.5, 1.0]
+                    .map(|share| share * largest)
+                    .to_vec(),
+                values: vec![value(0), value(1), 0.0, value(2), value(3)],
+            });
+            claims.push(claim);
+        }
     }
 
     /// What the drive does with its commands, but for delay and gain.

@@ -1,9 +1,10 @@
 //! The terms that wheels and a reference can show, with what nobody would call a difference.
 
 use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
+use crate::filter::motion_law::VALUES;
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE,
-    OFFSET_X, OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
+    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
 };
 use crate::select::elimination::Term;
 
@@ -11,6 +12,8 @@ use crate::select::elimination::Term;
 const STAMP_SHARE: f64 = 0.1;
 /// A robot that turns more slowly than this does not show a law of turns (rad/s).
 const LEAST_TURN_RAD_S: f64 = 0.02;
+/// A robot that is slower than this does not show a law of speed (m/s).
+const LEAST_SPEED_M_S: f64 = 5e-3;
 /// A turn rate that jumps is integrated late or early by up to this share of the gyro's interval.
 const GYRO_STEP_SHARE: f64 = 0.5;
 /// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
@@ -24,7 +27,7 @@ const LENGTH_SHARE: f64 = 1e-3;
 const GYRO_ASYMMETRY: f64 = 0.004;
 /// Radii and track are one calibration: they are estimated, kept and removed together.
 pub(crate) const GEOMETRY: &str = "geometry";
-pub(crate) const LAW_TERM: &str = "law";
+pub(crate) const LAW_TERMS: [&str; 2] = ["law of w", "law of v"];
 pub(crate) const OFFSET: &str = "offset";
 pub(crate) const OFFSET_TURN: &str = "offset yaw";
 pub(crate) const POSE_LATE: &str = "pose latency";
@@ -74,17 +77,24 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
     terms
 }
 
-/// A law of speed over turn rate: what the catalogue does not have. None where the robot hardly turns.
-pub(crate) fn law(machine: &FromWheels, excluded: &[String]) -> Option<Term> {
-    let turns = machine.law_rad_s > LEAST_TURN_RAD_S;
+/// Laws of speed over turn rate and over speed: what the catalogue does not have. None over a driver
+/// that hardly changes.
+pub(crate) fn laws(machine: &FromWheels, excluded: &[String]) -> Vec<Term> {
     let allowed = machine.has_pose() && !excluded.iter().any(|own| own == "motion_law");
-    let floor = LENGTH_SHARE * machine.law_rad_s * machine.half_track_m;
-    let values: Vec<(usize, f64)> = (LAW_FIRST..MACHINE).map(|i| (i, floor)).collect();
-    (turns && allowed).then(|| {
-        let mut law = term(LAW_TERM, &values, 1.0);
-        law.lasting = true;
-        law
-    })
+    let [w, v] = machine.law_largest;
+    let floor = LENGTH_SHARE * (w * machine.half_track_m).max(v);
+    let both = [(w, LEAST_TURN_RAD_S), (v, LEAST_SPEED_M_S)];
+    let moved = both.into_iter().zip(LAW_TERMS).enumerate();
+    let moved = moved.filter(|(_, ((largest, least), _))| allowed && largest > least);
+    moved
+        .map(|(place, (_, name))| {
+            let first = LAW_FIRST + place * VALUES;
+            let values: Vec<(usize, f64)> = (first..first + VALUES).map(|i| (i, floor)).collect();
+            let mut law = term(name, &values, 1.0);
+            law.lasting = true;
+            law
+        })
+        .collect()
 }
 
 /// Scales of both wheels and their difference, with floors. A gyro alone sees the difference only.

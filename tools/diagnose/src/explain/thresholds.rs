@@ -8,7 +8,9 @@ use crate::model::drive::{DEAD_BAND, SATURATION};
 use crate::select::elimination::Term;
 
 /// Saturations from which the search starts, as shares of the largest command.
-const SATURATIONS: [f64; 4] = [0.98, 0.9, 0.75, 0.55];
+const SATURATIONS: [f64; 7] = [0.98, 0.93, 0.87, 0.8, 0.72, 0.63, 0.53];
+/// A start this much worse than the best fit is not followed (nats).
+const FOLLOWED_NATS: f64 = 20.0;
 /// A threshold that gains less is none (nats).
 const WORTH_NATS: f64 = 2.0;
 /// Half of the chi-square of one parameter at 95 %: dead bands within it fit as well (nats).
@@ -46,11 +48,13 @@ impl Thresholds<'_> {
             if at[index] == 0.0 {
                 at[index] = share * self.top_rad_s;
             }
-            self.problem.fit(&at, &free, SHORT)
+            (self.problem.objective(&at, &free), at)
         };
         let found = terms.iter().any(own).then(|| {
             let tried = SATURATIONS.iter().map(of);
-            tried.max_by(|a, b| a.objective.total_cmp(&b.objective))
+            let (value, at) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
+            let follows = value > best.objective - FOLLOWED_NATS;
+            follows.then(|| self.problem.fit(&at, &free, SHORT))
         });
         match found.flatten() {
             Some(limited) if limited.objective > best.objective + WORTH_NATS => {

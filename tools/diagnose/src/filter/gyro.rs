@@ -94,6 +94,7 @@ impl Gyro<'_> {
                 sink(Innovation {
                     time_s: row.0,
                     weight,
+                    scalar: true,
                     ordinary,
                     log_likelihood,
                     difference: [difference, zero, zero],

@@ -6,6 +6,7 @@
 
 pub(crate) mod gyro;
 pub(crate) mod mixture;
+pub(crate) mod motion_law;
 mod row_update;
 pub(crate) mod wheel_channel;
 pub(crate) mod wheel_path;
@@ -27,6 +28,8 @@ pub(crate) struct Innovation<S> {
     pub(crate) ordinary: f64,
     /// Log-likelihood of the row given the rows before it (nats).
     pub(crate) log_likelihood: S,
+    /// Whether it is a single number: the first of `difference`.
+    pub(crate) scalar: bool,
     /// Measured minus predicted; 0 where nothing was measured.
     pub(crate) difference: [S; 3],
     /// Covariance of `difference` if the row is an ordinary one.

@@ -82,6 +82,7 @@ fn innovation<S: Scalar>(row: &ChannelRow<S>, difference: S, variance: S) -> Inn
     Innovation {
         time_s: row.time_s,
         weight: f64::from(u8::from(row.counts)),
+        scalar: true,
         ordinary: weight,
         log_likelihood,
         difference: [difference, zero, zero],

@@ -8,14 +8,13 @@
 
 use slipstream_sim::Scalar;
 
+use super::motion_law::{self, LAW, Largest};
 use super::row_update::{Row, State};
 use super::wheel_path::Turned;
 use super::{Innovation, wrapped};
 
 /// Physical parameters: see [`Physics`].
 pub(crate) const PHYSICS: usize = 8 + LAW;
-/// Values of a law of speed over turn rate, at −W, −W/2, W/2 and W; it is 0 at 0.
-pub(crate) const LAW: usize = 4;
 /// Logarithms of noise sizes: see [`Noise`].
 pub(crate) const NOISE: usize = 9;
 /// Longest piece of an arc (s).
@@ -38,8 +37,8 @@ pub(crate) struct WheelsToPose<'a> {
     pub(crate) wheel_interval_s: f64,
     /// Heading at the first row where the reference has none (rad).
     pub(crate) first_heading_rad: f64,
-    /// Largest turn rate of a law (rad/s); beyond it the law is constant.
-    pub(crate) law_rad_s: f64,
+    /// Last knots of the laws.
+    pub(crate) law_largest: Largest,
     /// Whether rows may be outliers.
     pub(crate) robust: bool,
 }
@@ -196,7 +195,8 @@ impl WheelsToPose<'_> {
             let dt = span_s / pieces;
             let way = match physics.law {
                 Some(law) if dt.value() > 1e-9 => {
-                    way + law_at(&law, nominal_turn / dt, self.law_rad_s) * dt
+                    let driver = [nominal_turn / dt, nominal_way / dt];
+                    way + motion_law::added(&law, driver, self.law_largest) * dt
                 }
                 _ => way,
             };
@@ -265,28 +265,13 @@ impl WheelsToPose<'_> {
         Innovation {
             time_s: *time_s,
             weight,
+            scalar: false,
             ordinary,
             log_likelihood,
             difference,
             covariance,
         }
     }
-}
-
-/// A law of speed (m/s) at a turn rate, linear between its knots and constant beyond them.
-pub(crate) fn law_at<S: Scalar>(law: &[S; LAW], turn_rate: S, largest_rad_s: f64) -> S {
-    let zero = S::constant(0.0);
-    let knots = [law[0], law[1], zero, law[2], law[3]];
-    let z = (turn_rate * (1.0 / largest_rad_s) + 1.0) * 2.0;
-    if z.value() <= 0.0 {
-        return law[0];
-    }
-    if z.value() >= 4.0 {
-        return law[3];
-    }
-    let place = (z.value() as usize).min(3);
-    let share = z - S::constant(place as f64);
-    knots[place] + (knots[place + 1] - knots[place]) * share
 }
 
 impl<S: Scalar> Physics<S> {

@@ -19,8 +19,9 @@ use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
+use crate::filter::motion_law::{LAW, Largest};
 use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
-use crate::filter::wheels_to_pose::{self, LAW, PoseRow, WheelsToPose};
+use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
 /// Parameters of the machine.
 pub(crate) const COMMON: usize = 0;
@@ -48,7 +49,7 @@ const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
-/// Values of a law, as a share of what the wheels do in the fastest turn.
+/// Values of a law, as a share of the fastest speed of a rim.
 const LAW_SHARE: f64 = 0.3;
 /// Share of the time in which turns are faster than the last knot of a law.
 const FASTER_SHARE: f64 = 0.005;
@@ -87,8 +88,9 @@ pub(crate) struct FromWheels {
     pub(crate) half_track_m: f64,
     /// From the middle of the axle forward to the centre of mass (m).
     pub(crate) com_to_axle_m: f64,
-    /// Turn rate that nearly all of the time is not exceeded (rad/s): the last knot of laws.
-    pub(crate) law_rad_s: f64,
+    /// Turn rate (rad/s) and speed (m/s) that nearly all of the time are not exceeded: the last knots of
+    /// laws.
+    pub(crate) law_largest: Largest,
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
 }
@@ -113,7 +115,7 @@ impl FromWheels {
             wheel_radius_m: model.robot.wheel_radius_m,
             half_track_m: b,
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
-            law_rad_s: 0.0,
+            law_largest: [1e-9; 2],
             skids: robots.iter().any(|robot| skids(robot)),
         };
         let mut first_block = 0;
@@ -127,18 +129,18 @@ impl FromWheels {
         for i in 0..machine.runs.len() {
             machine.runs[i].first_heading_rad = machine.first_heading(&machine.runs[i]);
         }
-        let r = machine.wheel_radius_m / (2.0 * machine.half_track_m);
-        let rates = machine
-            .runs
-            .iter()
-            .map(|run| r * run.wheels.largest_difference_rad_s());
-        machine.law_rad_s = rates.fold(1e-9, f64::max);
+        for run in &machine.runs {
+            let [w, v] = run.wheels.largest_rad_s();
+            let [w, v] = [w / machine.half_track_m, v].map(|own| own * model.robot.wheel_radius_m);
+            let [w_so_far, v_so_far] = machine.law_largest;
+            machine.law_largest = [w_so_far.max(w), v_so_far.max(v)];
+        }
         (!machine.runs.is_empty()).then_some(machine)
     }
 
     /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
     fn law_prior_m_s(&self) -> f64 {
-        LAW_SHARE * self.law_rad_s * self.half_track_m
+        LAW_SHARE * self.law_largest[1].max(self.law_largest[0] * self.half_track_m)
     }
 
     /// Number of parameters, noise sizes included.
@@ -328,7 +330,7 @@ impl FromWheels {
             declared_m: run.declared_m,
             wheel_interval_s: run.wheel_interval_s,
             first_heading_rad: run.first_heading_rad,
-            law_rad_s: self.law_rad_s,
+            law_largest: self.law_largest,
             robust,
         }
     }
@@ -639,33 +641,38 @@ impl Source {
         }
     }
 
-    /// Difference of the wheels' speeds that is exceeded little of the time (rad/s).
-    fn largest_difference_rad_s(&self) -> f64 {
-        let mut all: Vec<(f64, f64)> = match self {
+    /// Half the difference and half the sum of the wheels' speeds that are exceeded little of the time
+    /// (rad/s).
+    fn largest_rad_s(&self) -> [f64; 2] {
+        let speeds: Vec<([f64; 2], f64)> = match self {
             Self::Measured(path) => {
                 let pairs = path.times_s.windows(2).zip(path.angles_rad.windows(2));
-                pairs
-                    .map(|(t, a)| {
-                        let h = t[1] - t[0];
-                        let turned = (a[1][0] - a[0][0]) - (a[1][1] - a[0][1]);
-                        (turned.abs() / h, h)
-                    })
-                    .collect()
+                let speeds = pairs.map(|(t, a)| {
+                    let h = t[1] - t[0];
+                    ([0, 1].map(|i| (a[1][i] - a[0][i]) / h), h)
+                });
+                speeds.collect()
             }
             Self::Commanded(path) => {
                 let held_s = path.times_s.windows(2).map(|t| t[1] - t[0]).chain([0.0]);
-                let sizes = path.speeds_rad_s.iter().map(|u| (u[0] - u[1]).abs());
-                sizes.zip(held_s).collect()
+                path.speeds_rad_s.iter().copied().zip(held_s).collect()
             }
         };
-        all.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let total: f64 = all.iter().map(|(_, h)| h).sum();
-        let mut passed = 0.0;
-        let found = all.iter().find(|(_, h)| {
-            passed += h;
-            passed > FASTER_SHARE * total
-        });
-        found.map_or(0.0, |(size, _)| *size)
+        let exceeded = |of: fn(&[f64; 2]) -> f64| {
+            let mut all: Vec<(f64, f64)> = speeds.iter().map(|(u, h)| (of(u).abs(), *h)).collect();
+            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let total: f64 = all.iter().map(|(_, h)| h).sum();
+            let mut passed = 0.0;
+            let found = all.iter().find(|(_, h)| {
+                passed += h;
+                passed > FASTER_SHARE * total
+            });
+            found.map_or(0.0, |(size, _)| *size)
+        };
+        [
+            exceeded(|u| (u[0] - u[1]) / 2.0),
+            exceeded(|u| f64::midpoint(u[0], u[1])),
+        ]
     }
 
     fn interval_s(&self) -> f64 {

@@ -91,6 +91,8 @@ enum Round {
 
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
+/// A gain of this many times what is asked for does not come of an unfinished fit.
+const CERTAIN: f64 = 10.0;
 /// Wald statistic per parameter below which a term is idle: its expectation without any effect.
 const IDLE: f64 = 1.0;
 /// A fit without a term that is better by this much shows that the fit with it was not finished
@@ -142,18 +144,22 @@ impl Elimination<'_> {
         at
     }
 
-    /// The same from larger noise: what was fitted with more terms may be too small a start.
-    fn wider(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
-        let mut at = self.without(start, terms, all);
-        for index in self.noise {
-            at[*index] += 0.5;
-        }
+    /// The same from larger and from smaller noise: what was fitted with more terms may be too small a
+    /// start, and what wanders may have settled too large.
+    fn again(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
         let (free, _) = self.free(terms);
-        let second = self.problem.fit(&at, &free, SHORT);
-        if second.objective > first.objective + 0.5 {
-            return self.problem.fit(&second.at, &free, FULL);
-        }
-        first
+        [0.5, -0.5].into_iter().fold(first, |best, shift| {
+            let mut at = self.without(start, terms, all);
+            for index in self.noise {
+                at[*index] += shift;
+            }
+            let other = self.problem.fit(&at, &free, SHORT);
+            if other.objective > best.objective + 0.5 {
+                self.problem.fit(&other.at, &free, FULL)
+            } else {
+                best
+            }
+        })
     }
 
     /// Removes terms from `fit`, which has all of `terms`, until each that is left is needed.
@@ -202,8 +208,9 @@ impl Elimination<'_> {
                 .collect();
             let mut less = self.fit(&fit.at, &rest, terms);
             let least = self.criterion.least_gain(term.parameters.len());
-            if fit.objective - less.objective > least {
-                less = self.wider(&fit.at, &rest, terms, less);
+            let gain = fit.objective - less.objective;
+            if (least..least * CERTAIN).contains(&gain) {
+                less = self.again(&fit.at, &rest, terms, less);
             }
             let gain = fit.objective - less.objective;
             if gain < -UNFINISHED_NATS {
