@@ -217,7 +217,7 @@ impl Predictor<'_> {
                 let nominal_turn = r * (turned[0] - turned[1]) / self.machine.half_track_m;
                 let law = if dt > 1e-9 {
                     let driver = [nominal_turn / dt, nominal_way / dt];
-                    added(&law, driver, self.machine.law_largest) * dt
+                    added(&law, driver, &self.machine.knots) * dt
                 } else {
                     0.0
                 };

@@ -497,14 +497,12 @@ impl Reading<'_> {
             let first = LAW_FIRST + place * VALUES;
             let mut claim = claim("unknown", fitted.known(name, &[]));
             claim.toggles = (first..first + VALUES).collect();
-            let largest = self.machine.law_largest[place];
-            let value = |i: usize| fitted.change(first + i);
+            let knots = self.machine.knots[place];
+            let changes: Vec<f64> = (first..first + VALUES).map(|i| fitted.change(i)).collect();
             claim.law = Some(Law {
                 driver: DRIVERS[place],
-                knots: [-1.0, -0.5, 0.0, 0.5, 1.0]
-                    .map(|share| share * largest)
-                    .to_vec(),
-                values: vec![value(0), value(1), 0.0, value(2), value(3)],
+                knots: knots.places(),
+                values: knots.values(&changes).to_vec(),
             });
             claims.push(claim);
         }

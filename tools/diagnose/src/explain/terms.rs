@@ -81,7 +81,7 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
 /// that hardly changes.
 pub(crate) fn laws(machine: &FromWheels, excluded: &[String]) -> Vec<Term> {
     let allowed = machine.has_pose() && !excluded.iter().any(|own| own == "motion_law");
-    let [w, v] = machine.law_largest;
+    let [w, v] = machine.knots.map(|knots| knots.step * VALUES as f64 / 2.0);
     let floor = LENGTH_SHARE * (w * machine.half_track_m).max(v);
     let both = [(w, LEAST_TURN_RAD_S), (v, LEAST_SPEED_M_S)];
     let moved = both.into_iter().zip(LAW_TERMS).enumerate();

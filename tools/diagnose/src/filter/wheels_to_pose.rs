@@ -8,7 +8,7 @@
 
 use slipstream_sim::Scalar;
 
-use super::motion_law::{self, LAW, Largest};
+use super::motion_law::{self, Knots, LAW};
 use super::row_update::{Row, State};
 use super::wheel_path::Turned;
 use super::{Innovation, wrapped};
@@ -37,8 +37,8 @@ pub(crate) struct WheelsToPose<'a> {
     pub(crate) wheel_interval_s: f64,
     /// Heading at the first row where the reference has none (rad).
     pub(crate) first_heading_rad: f64,
-    /// Last knots of the laws.
-    pub(crate) law_largest: Largest,
+    /// Knots of the laws.
+    pub(crate) knots: [Knots; 2],
     /// Whether rows may be outliers.
     pub(crate) robust: bool,
 }
@@ -196,7 +196,7 @@ impl WheelsToPose<'_> {
             let way = match physics.law {
                 Some(law) if dt.value() > 1e-9 => {
                     let driver = [nominal_turn / dt, nominal_way / dt];
-                    way + motion_law::added(&law, driver, self.law_largest) * dt
+                    way + motion_law::added(&law, driver, &self.knots) * dt
                 }
                 _ => way,
             };

@@ -19,7 +19,7 @@ use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
-use crate::filter::motion_law::{LAW, Largest};
+use crate::filter::motion_law::{Knots, LAW, VALUES};
 use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
 use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
@@ -51,8 +51,8 @@ const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 const LEAST_WAY: f64 = 4.0;
 /// Values of a law, as a share of the fastest speed of a rim.
 const LAW_SHARE: f64 = 0.3;
-/// Share of the time in which turns are faster than the last knot of a law.
-const FASTER_SHARE: f64 = 0.005;
+/// Speeds and turns that take less than this share of the time lie beyond the knots of a law.
+const RARE_SHARE: f64 = 0.005;
 /// Interval at which the wheels of a simulated drive count as known (s).
 const COMMANDED_STEP_S: f64 = 0.02;
 
@@ -88,9 +88,8 @@ pub(crate) struct FromWheels {
     pub(crate) half_track_m: f64,
     /// From the middle of the axle forward to the centre of mass (m).
     pub(crate) com_to_axle_m: f64,
-    /// Turn rate (rad/s) and speed (m/s) that nearly all of the time are not exceeded: the last knots of
-    /// laws.
-    pub(crate) law_largest: Largest,
+    /// Knots of laws over turn rate (rad/s) and speed (m/s).
+    pub(crate) knots: [Knots; 2],
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
 }
@@ -115,7 +114,7 @@ impl FromWheels {
             wheel_radius_m: model.robot.wheel_radius_m,
             half_track_m: b,
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
-            law_largest: [1e-9; 2],
+            knots: [Knots::default(); 2],
             skids: robots.iter().any(|robot| skids(robot)),
         };
         let mut first_block = 0;
@@ -129,18 +128,23 @@ impl FromWheels {
         for i in 0..machine.runs.len() {
             machine.runs[i].first_heading_rad = machine.first_heading(&machine.runs[i]);
         }
+        let mut ranges = [[0.0_f64; 2]; 2];
         for run in &machine.runs {
-            let [w, v] = run.wheels.largest_rad_s();
-            let [w, v] = [w / machine.half_track_m, v].map(|own| own * model.robot.wheel_radius_m);
-            let [w_so_far, v_so_far] = machine.law_largest;
-            machine.law_largest = [w_so_far.max(w), v_so_far.max(v)];
+            let [w, v] = run.wheels.ranges_rad_s();
+            let r = machine.wheel_radius_m;
+            let own = [w.map(|w| w * r / machine.half_track_m), v.map(|v| v * r)];
+            for (range, own) in ranges.iter_mut().zip(own) {
+                *range = [range[0].min(own[0]), range[1].max(own[1])];
+            }
         }
+        machine.knots = ranges.map(Knots::over);
         (!machine.runs.is_empty()).then_some(machine)
     }
 
     /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
     fn law_prior_m_s(&self) -> f64 {
-        LAW_SHARE * self.law_largest[1].max(self.law_largest[0] * self.half_track_m)
+        let [w, v] = self.knots.map(|knots| knots.step * VALUES as f64 / 2.0);
+        LAW_SHARE * v.max(w * self.half_track_m)
     }
 
     /// Number of parameters, noise sizes included.
@@ -330,7 +334,7 @@ impl FromWheels {
             declared_m: run.declared_m,
             wheel_interval_s: run.wheel_interval_s,
             first_heading_rad: run.first_heading_rad,
-            law_largest: self.law_largest,
+            knots: self.knots,
             robust,
         }
     }
@@ -641,9 +645,9 @@ impl Source {
         }
     }
 
-    /// Half the difference and half the sum of the wheels' speeds that are exceeded little of the time
+    /// Ranges of half the difference and half the sum of the wheels' speeds, without what is rare
     /// (rad/s).
-    fn largest_rad_s(&self) -> [f64; 2] {
+    fn ranges_rad_s(&self) -> [[f64; 2]; 2] {
         let speeds: Vec<([f64; 2], f64)> = match self {
             Self::Measured(path) => {
                 let pairs = path.times_s.windows(2).zip(path.angles_rad.windows(2));
@@ -658,20 +662,27 @@ impl Source {
                 path.speeds_rad_s.iter().copied().zip(held_s).collect()
             }
         };
-        let exceeded = |of: fn(&[f64; 2]) -> f64| {
-            let mut all: Vec<(f64, f64)> = speeds.iter().map(|(u, h)| (of(u).abs(), *h)).collect();
-            all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let range = |of: fn(&[f64; 2]) -> f64| {
+            let mut all: Vec<(f64, f64)> = speeds.iter().map(|(u, h)| (of(u), *h)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
             let total: f64 = all.iter().map(|(_, h)| h).sum();
             let mut passed = 0.0;
-            let found = all.iter().find(|(_, h)| {
+            let mut is_common = |(_, h): &&(f64, f64)| {
                 passed += h;
-                passed > FASTER_SHARE * total
-            });
-            found.map_or(0.0, |(size, _)| *size)
+                passed > RARE_SHARE * total
+            };
+            let low = all.iter().find(&mut is_common);
+            passed = 0.0;
+            let mut is_common = |(_, h): &&(f64, f64)| {
+                passed += h;
+                passed > RARE_SHARE * total
+            };
+            let high = all.iter().rev().find(&mut is_common);
+            [low, high].map(|end| end.map_or(0.0, |(speed, _)| *speed))
         };
         [
-            exceeded(|u| (u[0] - u[1]) / 2.0),
-            exceeded(|u| f64::midpoint(u[0], u[1])),
+            range(|u| (u[0] - u[1]) / 2.0),
+            range(|u| f64::midpoint(u[0], u[1])),
         ]
     }
 
