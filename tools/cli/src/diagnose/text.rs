@@ -1,6 +1,6 @@
 //! Texts of a diagnosis: verdict, warnings, differences, numbers.
 
-use slipstream_diagnose::{Answer, Unexplained, Verdict, Warning};
+use slipstream_diagnose::{Answer, Budget, Unexplained, Verdict, Warning};
 
 /// The verdict as a sentence.
 pub(super) fn verdict(verdict: Verdict) -> &'static str {
@@ -30,6 +30,38 @@ pub(super) fn unstated(answer: &Answer) -> impl Iterator<Item = &Unexplained> {
     };
     let differences = answer.unexplained.iter();
     differences.filter(move |difference| !is_stated(&difference.shape))
+}
+
+/// Parts of a budget below this share of it are left out.
+const SMALL_PART: f64 = 0.01;
+
+/// Where the error of one robot went, in centimetres or degrees.
+pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
+    let (factor, unit) = match budget.unit {
+        "m" => (100.0, "cm"),
+        _ => (1.0_f64.to_degrees(), "degrees"),
+    };
+    let number = |value: f64| match value * factor {
+        size if size.abs() < 1.0 => format!("{size:.2}"),
+        size => format!("{size:.1}"),
+    };
+    let parts = budget.parts.iter();
+    let parts = parts.filter(|part| part.share.abs() > SMALL_PART * budget.before);
+    let words: Vec<String> = parts
+        .map(|part| match part.name.as_str() {
+            "unexplained" => format!("{} follow no pattern", number(part.share)),
+            "sensor noise" => format!("{} are sensor noise", number(part.share)),
+            "unknown" => format!("what no effect explains {}", number(part.share)),
+            effect => format!("{} {}", effect.replace('_', " "), number(part.share)),
+        })
+        .collect();
+    format!(
+        "Robot {}: of {} {unit} rms over {horizon_s:.0} s: {}; {} {unit} are left with the findings",
+        budget.robot,
+        number(budget.before),
+        words.join(", "),
+        number(budget.after),
+    )
 }
 
 /// A number with four significant digits; a dash if it is not finite.
@@ -71,6 +103,32 @@ fn leading_zeros(size: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_budget_is_told_in_centimetres() {
+        let part = |name: &str, share: f64| slipstream_diagnose::BudgetPart {
+            name: name.to_owned(),
+            share,
+        };
+        let own = Budget {
+            robot: "r1".to_owned(),
+            unit: "m",
+            before: 0.352,
+            after: 0.041,
+            parts: vec![
+                part("pose_offset", 0.181),
+                part("wheel_radius", 0.137),
+                part("pose_latency", 0.001),
+                part("unexplained", 0.028),
+                part("sensor noise", 0.005),
+            ],
+        };
+        assert_eq!(
+            budget(&own, 5.0),
+            "Robot r1: of 35.2 cm rms over 5 s: pose offset 18.1, wheel radius 13.7, 2.8 follow no \
+             pattern, 0.50 are sensor noise; 4.1 cm are left with the findings"
+        );
+    }
 
     #[test]
     fn numbers_have_four_significant_digits() {

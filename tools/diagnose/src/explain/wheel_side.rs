@@ -75,7 +75,13 @@ pub(crate) fn settle(
         .filter(|(_, term, ..)| drive.after.kept(term).is_some());
     raised
         .map(|(doubt, _, rivals, shifts)| {
-            let advantage = advantage(machine, nominal, calibration, rivals, &shifts);
+            // scales of single runs take up whatever encoders do
+            let by_run = doubt == Doubt::Gain && calibration.by_run[0];
+            let advantage = if by_run {
+                0.0
+            } else {
+                advantage(machine, nominal, calibration, rivals, &shifts)
+            };
             Settled {
                 doubt,
                 is_wheels: advantage > 0.0,

@@ -91,6 +91,8 @@ enum Round {
 
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
+/// Largest variance of what is known, as a share of the prior's.
+const KNOWN_SHARE: f64 = 1.0 / 16.0;
 /// A gain of this many times what is asked for does not come of an unfinished fit.
 const CERTAIN: f64 = 10.0;
 /// Wald statistic per parameter below which a term is idle: its expectation without any effect.
@@ -199,6 +201,8 @@ impl Elimination<'_> {
             return Some(removed);
         }
         let mut kept = Vec::new();
+        // of those that gain enough but are not known well enough, the one that gains least
+        let mut weakest: Option<(f64, Fit, Vec<Term>)> = None;
         for i in order {
             let term = left[i].clone();
             let rest: Vec<Term> = left
@@ -219,9 +223,16 @@ impl Elimination<'_> {
                     return Some(Round::Better(better));
                 }
             }
-            let clear = self.needed(&term, gain, walds[i], &precision, fit, &less);
-            if !clear {
+            if gain / precision.overdispersion <= least {
                 return Some(Round::Removed(less, rest));
+            }
+            if !self.needed(&term, gain, walds[i], fit, &less) {
+                // terms that stand in for each other are not known either: what costs least goes first
+                let share = gain / least;
+                if weakest.as_ref().is_none_or(|(own, ..)| share < *own) {
+                    weakest = Some((share, less, rest));
+                }
+                continue;
             }
             kept.push(Kept {
                 term,
@@ -229,7 +240,10 @@ impl Elimination<'_> {
                 wald: walds[i],
             });
         }
-        Some(Round::Done(precision, kept))
+        Some(match weakest {
+            Some((_, less, rest)) => Round::Removed(less, rest),
+            None => Round::Done(precision, kept),
+        })
     }
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
@@ -251,34 +265,25 @@ impl Elimination<'_> {
             .then_some(Round::Removed(less, rest))
     }
 
-    /// Whether a term passes: gain after overdispersion, Wald statistic, a gain without its best
-    /// block, and an estimate that the data know better than the prior.
-    fn needed(
-        &self,
-        term: &Term,
-        gain: f64,
-        wald: f64,
-        precision: &Precision,
-        fit: &Fit,
-        less: &Fit,
-    ) -> bool {
+    /// Whether a term that gains enough passes: its Wald statistic, a gain without its best block, an
+    /// estimate that the data know better than the prior, a possible sign, and its use for predictions.
+    fn needed(&self, term: &Term, gain: f64, wald: f64, fit: &Fit, less: &Fit) -> bool {
         let count = term.parameters.len();
         let with = self.problem.likelihood.value(&fit.at);
         let without = self.problem.likelihood.value(&less.at);
         let gains: Vec<f64> = with.iter().zip(&without).map(|(a, b)| a - b).collect();
         let best = gains.iter().copied().fold(0.0, f64::max);
         let best = best.max(self.best_run(&gains));
-        let known = term.parameters.iter().any(|index| {
-            let place = fit.free.iter().position(|f| f == index);
-            place.is_some_and(|p| {
-                precision.covariance[(p, p)].sqrt() < 0.25 * self.problem.priors[*index].deviation
-            })
-        });
+        // along the estimate, the variance is a small share of the prior's
+        let of_prior = |index: &usize| {
+            let change = fit.at[*index] - self.neutral[*index];
+            (change / self.problem.priors[*index].deviation).powi(2)
+        };
+        let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * wald;
         let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
         let possible = !term.positive || term.parameters.iter().all(|i| fit.at[*i] >= 0.0);
         possible
             && (clear || term.by_profile)
-            && gain / precision.overdispersion > self.criterion.least_gain(count)
             && gain - best > 0.0
             && (!term.lasting || (self.useful)(fit, less))
     }

@@ -322,13 +322,6 @@ impl Bench {
         (self.over(every_other(&self.windows, from)), own)
     }
 
-    /// The same cut at the times of another.
-    pub(crate) fn cut_as(&self, other: &Self) -> Self {
-        let windows = other.windows.iter();
-        let cut = |w: &Window| Window::new(&self.tracks[w.run], w.run, w.from_s, w.to_s);
-        self.over(windows.map(cut).collect())
-    }
-
     /// The same under a force outside of the catalogue.
     pub(crate) fn under(&self, law: Option<Law>) -> Self {
         Self {

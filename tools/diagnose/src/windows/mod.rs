@@ -56,7 +56,6 @@ use std::sync::Arc;
 use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
-use slipstream_sim::CommandKind;
 
 pub use predict::{Prediction, predict};
 
@@ -68,7 +67,7 @@ use crate::diagnosis::{Request, model_of};
 
 use bench::Bench;
 use search::{Outcome, Search};
-use track::{Block, Track};
+use track::Track;
 use weigh::Found;
 
 use slipstream_bus::InputError;
@@ -92,7 +91,7 @@ pub(crate) fn examine(
     request: &Request<'_>,
     machine: &[(&Recording, &Recorded)],
     collected: &mut Collected,
-    mut each: impl FnMut(&Bench, &Found),
+    each: impl FnOnce(&Bench, &Found),
 ) -> Result<(), InputError> {
     let Collected {
         answer,
@@ -100,98 +99,55 @@ pub(crate) fn examine(
         courses,
     } = collected;
     let name = &machine[0].1.name;
-    let whole = bench(request, machine, Block::Whole)?;
-    let mut hypotheses = Vec::new();
-    let (mut judged, mut unknown) = (None, None);
-    for block in blocks(&whole, machine) {
-        let part;
-        let bench = match block {
-            Block::Whole => &whole,
-            _ => {
-                part = bench(request, machine, block)?;
-                &part
-            }
+    let bench = bench(request, machine)?;
+    let unusable = || {
+        let remedy = "check masses, lengths and units, and the kind of the commands";
+        InputError::new(name, "cannot be simulated by its model", remedy)
+    };
+    let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
+    let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
+    let mut cuts = 0;
+    let found = loop {
+        let bench = again.as_ref().unwrap_or(&bench);
+        let search = Search {
+            bench,
+            all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
+            excluded: request.excluded,
+            known,
+            cuts: cuts < CUTS,
+            progress: &progress,
         };
-        let unusable = || {
-            let remedy = "check masses, lengths and units, and the kind of the commands";
-            InputError::new(name, "cannot be simulated by its model", remedy)
-        };
-        let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-        let (mut again, mut known, mut slides) = (None, Vec::new(), Vec::new());
-        let mut cuts = 0;
-        let found = loop {
-            let bench = again.as_ref().unwrap_or(bench);
-            let search = Search {
-                bench,
-                all: hypothesis::all(&bench.model, &bench.tracks, request.excluded),
-                excluded: request.excluded,
-                known,
-                cuts: cuts < CUTS,
-                progress: &progress,
-            };
-            match search.run().ok_or_else(unusable)? {
-                Outcome::Found(found) => break found,
-                Outcome::Slides(more, found) => {
-                    slides.extend(more);
-                    let next = bench.avoiding(&slides);
-                    cuts = if next.begins_as(bench) {
-                        CUTS
-                    } else {
-                        cuts + 1
-                    };
-                    (known, again) = (found, Some(next));
-                }
+        match search.run().ok_or_else(unusable)? {
+            Outcome::Found(found) => break found,
+            Outcome::Slides(more, found) => {
+                slides.extend(more);
+                let next = bench.avoiding(&slides);
+                cuts = if next.begins_as(bench) {
+                    CUTS
+                } else {
+                    cuts + 1
+                };
+                (known, again) = (found, Some(next));
             }
-        };
-        let bench = again.as_ref().unwrap_or(bench);
-        answer.add(bench, &found);
-        each(bench, &found);
-        courses.extend(Course::new(bench, &found.node));
-        hypotheses.extend(found.node.hypotheses);
-        match block {
-            Block::Whole => (judged, unknown) = (again, found.unknown),
-            // a law of how wheels turn acts on the whole robot as well
-            Block::ToWheels if found.unknown.is_some() => {
-                (judged, unknown) = (Some(whole.cut_as(bench)), found.unknown);
-            }
-            Block::ToWheels | Block::FromWheels => {}
         }
-    }
-    let judged = judged.as_ref().unwrap_or(&whole);
-    answer.judge(judged, &hypotheses, unknown.as_ref());
-    improved.push((name.clone(), bench::with(&whole.model, &hypotheses)));
+    };
+    let bench = again.as_ref().unwrap_or(&bench);
+    answer.add(bench, &found);
+    each(bench, &found);
+    courses.extend(Course::new(bench, &found.node));
+    answer.judge(bench, &found.node.hypotheses, found.unknown.as_ref());
+    let better = bench::with(&bench.model, &found.node.hypotheses);
+    improved.push((name.clone(), better));
     Ok(())
 }
 
-/// The blocks that are diagnosed one by one. Where no mass is known, wheels turn as they are told
-/// and the floor carries them as they turn: two blocks that meet at the encoders. Else one: forces
-/// at the floor act back on the wheels.
-fn blocks(whole: &Bench, machine: &[(&Recording, &Recorded)]) -> Vec<Block> {
-    let masses = slipstream_sim::Robot::new(&whole.model)
-        .is_ok_and(|robot| robot.accepts(CommandKind::Torque).is_ok());
-    let both = machine.iter().all(|(_, robot)| {
-        robot.command.is_some()
-            && robot.wheels.is_some()
-            && (robot.pose.is_some() || robot.imu.is_some())
-    });
-    if both && !masses {
-        vec![Block::ToWheels, Block::FromWheels]
-    } else {
-        vec![Block::Whole]
-    }
-}
-
-fn bench(
-    request: &Request<'_>,
-    machine: &[(&Recording, &Recorded)],
-    block: Block,
-) -> Result<Bench, InputError> {
+fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<Bench, InputError> {
     let robot = machine[0].1;
     let model = model_of(request, machine[0])?;
     let constants = slipstream_sim::Robot::new(&model)?;
     let mut tracks = Vec::new();
     for (recording, robot) in machine {
-        let mut track = Track::new(recording, robot, &model, block)?;
+        let mut track = Track::new(recording, robot, &model)?;
         constants.accepts(track.kind())?;
         track.leave_out(request.excluded_s);
         track.thin(ROWS);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::windows::score;
-use crate::windows::track::{Block, Sensor, Track};
+use crate::windows::track::{Sensor, Track};
 use crate::windows::window::{WINDOW_S, Window, cut};
 use slipstream_bus::InputError;
 
@@ -55,7 +55,7 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
     let mut predictions = Vec::new();
     for recording in request.recordings {
         for robot in &recording.robots {
-            let bench = bench(request, &[(recording, robot)], Block::Whole)?;
+            let bench = bench(request, &[(recording, robot)])?;
             let windows = cut(&bench.tracks[0], 0, WINDOW_S, &[]);
             let pieces = windows.par_iter().filter_map(|window| {
                 let (residuals, fitted_s) = score::predicted(&bench, window, &[])?;

@@ -92,18 +92,6 @@ pub(crate) enum Driver {
     Wheels,
 }
 
-/// Which block of the robot is looked at. Each is driven by what was measured at its entry, so that
-/// what one block leaves out does not disturb the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Block {
-    /// From the command, or from the wheels where there is none, to everything measured.
-    Whole,
-    /// From the command to the wheels.
-    ToWheels,
-    /// From the wheels to pose and inertial sensor.
-    FromWheels,
-}
-
 /// One robot's recording.
 #[derive(Debug, Clone)]
 pub(crate) struct Track {
@@ -139,11 +127,10 @@ impl Track {
         recording: &Recording,
         robot: &Recorded,
         model: &RobotModel,
-        block: Block,
     ) -> Result<Self, InputError> {
         let place = format!("{}: {}", recording.name, robot.name);
         let wheels = wheels(robot, model);
-        let told = commands(robot).filter(|_| block != Block::FromWheels);
+        let told = commands(robot);
         let driver = if told.is_some() {
             Driver::Command
         } else {
@@ -156,13 +143,8 @@ impl Track {
         })?;
         let mut series: Vec<Series> = Vec::new();
         series.extend(wheels.filter(|_| driver == Driver::Command));
-        if block != Block::ToWheels {
-            series.extend(
-                [poses(robot), odometry(robot), imu(robot)]
-                    .into_iter()
-                    .flatten(),
-            );
-        }
+        let others = [poses(robot), odometry(robot), imu(robot)];
+        series.extend(others.into_iter().flatten());
         if !matches!(
             commands.first(),
             Some((_, Command::Torque { .. } | Command::Voltage { .. }))
