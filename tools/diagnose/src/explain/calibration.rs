@@ -11,7 +11,7 @@ use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
     COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
-    RUN_SCALE, RUN_TRACK, Reference, Source, TRACK, View,
+    RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, Source, TRACK, View,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Kept, Selected, Term};
@@ -29,6 +29,10 @@ const LATENCIES_S: [f64; 12] = [
 const BESIDE_S: [f64; 6] = [-0.1, -0.05, -0.025, 0.025, 0.05, 0.1];
 /// Where the search looks for them.
 const LATENCIES: [usize; 3] = [POSE_LATENCY, GYRO_LATENCY, DRIVE_FIRST + DELAY];
+/// Grid of the clocks of single runs: steps to each side, latency (s) and rate of a step.
+const RUN_STEPS: i32 = 8;
+const RUN_LATE_S: f64 = 0.06;
+const RUN_RATE_STEP: f64 = 1e-3;
 /// Lag of a drive from which the search starts (s).
 const LAG_S: f64 = 0.05;
 /// A start this much worse than the best is not followed (nats).
@@ -122,9 +126,17 @@ impl Search<'_> {
             priors: machine.priors(nominal),
             longest: machine.longest(),
         };
+        let own: &[usize] = if machine.has_clocks_of_runs() {
+            &[RUN_BIAS, RUN_LATE, RUN_RATE]
+        } else {
+            &[RUN_BIAS]
+        };
         let always: Vec<usize> = (0..machine.runs.len())
             .filter(|i| machine.runs[*i].gyro.is_some())
-            .map(|i| machine.of_run(i, RUN_BIAS))
+            .flat_map(|i| {
+                own.iter()
+                    .map(move |parameter| machine.of_run(i, *parameter))
+            })
             .collect();
         let noise = machine.noise();
         with(&Search {
@@ -275,7 +287,14 @@ impl Search<'_> {
             priors: self.problem.priors.clone(),
             longest: self.problem.longest.clone(),
         };
-        let still = free_of(&|i| !clocks.contains(&i), terms);
+        let is_clock = |i: usize| {
+            let runs = 0..self.machine.runs.len();
+            clocks.contains(&i)
+                || runs
+                    .flat_map(|run| [RUN_LATE, RUN_RATE].map(|p| self.machine.of_run(run, p)))
+                    .any(|own| own == i)
+        };
+        let still = free_of(&|i| !is_clock(i), terms);
         let mut at = gaussian.fit(self.nominal, &still, ROUGH).at;
         for index in self.noise {
             at[*index] -= 0.3;
@@ -291,6 +310,9 @@ impl Search<'_> {
         }
         if lean.contains(&(DRIVE_FIRST + DEAD_ZONE)) {
             first.at[DRIVE_FIRST + DEAD_ZONE] += DEAD_ZONE_SHARE * self.machine.largest_rad_s();
+        }
+        if self.machine.has_clocks_of_runs() {
+            first = self.clocks_of_runs(first);
         }
         let mut best = self.best_of_latencies(&first, &lean);
         for clock in LATENCIES {
@@ -342,6 +364,31 @@ impl Search<'_> {
                 .any(|i| *i == POSE_RATE || *i == GYRO_RATE)
         });
         (best, band_rad_s)
+    }
+
+    /// The gyro's clock of each run from the best point of a grid.
+    fn clocks_of_runs(&self, mut fit: Fit) -> Fit {
+        let view = View {
+            machine: self.machine,
+            robust: true,
+        };
+        for run in 0..self.machine.runs.len() {
+            let [late, rate] =
+                [RUN_LATE, RUN_RATE].map(|parameter| self.machine.of_run(run, parameter));
+            let grid = (-RUN_STEPS..=RUN_STEPS)
+                .flat_map(|i| (-RUN_STEPS..=RUN_STEPS).map(move |k| [i, k]));
+            let of = |[i, k]: [i32; 2]| {
+                let mut at = fit.at.clone();
+                at[late] = f64::from(i) * RUN_LATE_S;
+                at[rate] = f64::from(k) * RUN_RATE_STEP;
+                (view.gyro_value(run, &at), at)
+            };
+            let best = grid.map(of).max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, at)) = best {
+                fit.at = at;
+            }
+        }
+        fit
     }
 
     fn best_of_latencies(&self, first: &Fit, lean: &[usize]) -> Fit {

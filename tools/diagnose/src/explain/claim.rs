@@ -1,6 +1,7 @@
 //! A claim: one effect of the catalogue with the sizes that it has beyond the nominal model.
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
+use slipstream_sim::effects::{Domain, find};
 
 use crate::model::nominal::number;
 
@@ -118,6 +119,20 @@ impl Value {
 }
 
 impl Claim {
+    /// Whether its sizes are what the catalogue calls plausible.
+    pub(crate) fn is_plausible(&self, model: &RobotModel) -> bool {
+        let Some(info) = find(self.effect) else {
+            return true;
+        };
+        self.values.iter().all(|value| {
+            let estimate = value.estimate(self.nominal(model, value.name));
+            match info.parameter(value.name).map(|own| own.domain) {
+                Some(Domain::Number { lower, upper, .. }) => (lower..=upper).contains(&estimate),
+                _ => true,
+            }
+        })
+    }
+
     /// The nominal value of a parameter; of a drift, that of its stream.
     pub(crate) fn nominal(&self, model: &RobotModel, name: &str) -> Option<f64> {
         match self.word {

@@ -18,7 +18,7 @@ use crate::estimate::masked::Masked;
 use crate::estimate::scoring::{Problem, SHORT};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
-use crate::model::from_wheels::{DRIVE_FIRST, FromWheels, RUN_BIAS, View};
+use crate::model::from_wheels::{DRIVE_FIRST, FromWheels, RUN_BIAS, RUN_LATE, RUN_RATE, View};
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
 const ORDINARY: f64 = 0.5;
@@ -148,7 +148,11 @@ impl Machine<'_> {
             calibration: calibration.as_ref(),
             drive: drive.as_ref(),
         };
-        let claims = reading.claims();
+        let (claims, odd): (Vec<Claim>, Vec<Claim>) = reading
+            .claims()
+            .into_iter()
+            .partition(|claim| claim.is_plausible(self.model));
+        warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
         let fitted = self.settled(&claims, &reading.fitted());
         (task.progress)("predictions over 5 s");
         let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);
@@ -199,6 +203,31 @@ impl Machine<'_> {
         neutral
     }
 
+    /// What fits best and is no physics.
+    fn implausible(&self, task: &Task<'_>, claim: &Claim) -> Warning {
+        let run = claim.runs.as_ref().and_then(|runs| runs.first());
+        let of = run.map_or(String::new(), |run| {
+            let robot = self.robots[self.machine.runs[*run].robot];
+            format!(" in run {}", robot.name)
+        });
+        let values = claim.values.iter();
+        let values: Vec<String> = values
+            .map(|value| {
+                let nominal = claim.nominal(self.model, value.name);
+                format!("{} {:.3}", value.name, value.estimate(nominal))
+            })
+            .collect();
+        let statement = format!(
+            "what would fit best{of} is {} with {}, which no robot has: wheels and reference hardly \
+             follow each other",
+            claim.effect.replace('_', " "),
+            values.join(", "),
+        );
+        let remedy =
+            "look whether the wheels slip all the time, and whether both streams share a clock";
+        self.warning(task, "implausible", &statement, remedy)
+    }
+
     fn warning(&self, task: &Task<'_>, id: &str, statement: &str, remedy: &str) -> Warning {
         Warning {
             recording: task.runs[0].0.name.clone(),
@@ -230,12 +259,14 @@ impl Machine<'_> {
         at
     }
 
-    /// Nominal parameters with the biases of the gyros as they were fitted.
+    /// Nominal parameters with biases and clocks of single runs as they were fitted.
     fn sensed(&self, fitted: &[f64]) -> Vec<f64> {
         let mut at = self.nominal.clone();
         for run in 0..self.machine.runs.len() {
-            let bias = self.machine.of_run(run, RUN_BIAS);
-            at[bias] = fitted[bias];
+            for own in [RUN_BIAS, RUN_LATE, RUN_RATE] {
+                let index = self.machine.of_run(run, own);
+                at[index] = fitted[index];
+            }
         }
         at
     }

@@ -44,7 +44,10 @@ pub(crate) const MACHINE: usize = LAW_FIRST + LAW;
 pub(crate) const RUN_SCALE: usize = 0;
 pub(crate) const RUN_TRACK: usize = 1;
 pub(crate) const RUN_BIAS: usize = 2;
-const RUN: usize = 3;
+/// How much later (s) and faster the gyro's clock is in this run than in all.
+pub(crate) const RUN_LATE: usize = 3;
+pub(crate) const RUN_RATE: usize = 4;
+const RUN: usize = 5;
 const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
 /// Least distance that a run's wheels have to roll, in half tracks.
@@ -197,6 +200,11 @@ impl FromWheels {
         each.fold(0.0, f64::max).max(1e-3)
     }
 
+    /// Whether every run's gyro may have a clock of its own: several runs, and nothing else to tell.
+    pub(crate) fn has_clocks_of_runs(&self) -> bool {
+        self.runs.len() > 1 && self.has_gyro() && !self.has_pose()
+    }
+
     pub(crate) fn has_pose(&self) -> bool {
         self.runs.iter().any(|run| run.pose.is_some())
     }
@@ -274,7 +282,7 @@ impl FromWheels {
             0.3,
             0.005,
         ];
-        let run = [0.3, track, 0.02];
+        let run = [0.3, track, 0.02, 0.1, 0.005];
         let mut deviations = machine.to_vec();
         deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
         deviations.extend([self.law_prior_m_s(); LAW]);
@@ -300,7 +308,7 @@ impl FromWheels {
         longest.extend(command_to_wheels::longest(self.largest_rad_s()));
         longest.extend([0.5 * self.law_prior_m_s(); LAW]);
         for _ in &self.runs {
-            longest.extend([0.2, 0.3, 0.02]);
+            longest.extend([0.2, 0.3, 0.02, 0.05, 2e-3]);
             longest.extend([1.0; RUN_NOISE]);
         }
         longest
@@ -457,6 +465,14 @@ impl View<'_> {
 }
 
 impl View<'_> {
+    /// Log-likelihood of the gyro of one run.
+    pub(crate) fn gyro_value(&self, run: usize, at: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        let mut sink = |row: Innovation<f64>| sum += row.weight * row.log_likelihood;
+        self.innovations(Reference::Gyro, run, at, &mut sink);
+        sum
+    }
+
     /// Runs the filter of one reference of one run.
     pub(crate) fn innovations(
         &self,
@@ -520,7 +536,7 @@ impl Reference {
                 Self::Gyro => {
                     local == GYRO_LATENCY
                         || local == GYRO_RATE
-                        || local == MACHINE + RUN_BIAS
+                        || (MACHINE + RUN_BIAS..=MACHINE + RUN_RATE).contains(&local)
                         || local >= pose_noise.end
                 }
             }
@@ -610,7 +626,11 @@ pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let scale = local[COMMON] + run[RUN_SCALE];
     let half = local[ASYMMETRY] * 0.5;
     let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
-    all.extend([local[GYRO_LATENCY], local[GYRO_RATE], run[RUN_BIAS]]);
+    all.extend([
+        local[GYRO_LATENCY] + run[RUN_LATE],
+        local[GYRO_RATE] + run[RUN_RATE],
+        run[RUN_BIAS],
+    ]);
     all.extend(&run[RUN + wheels_to_pose::NOISE..]);
     all
 }
