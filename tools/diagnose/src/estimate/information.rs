@@ -188,8 +188,8 @@ impl Derivatives {
         });
         let mut place = 3;
         for (i, half) in half.iter().enumerate() {
-            for k in 0..=i {
-                let full: f64 = (0..=k).map(|l| half[l] * c[k][l]).sum();
+            for (k, c) in c.iter().enumerate().take(i + 1) {
+                let full: f64 = (0..=k).map(|l| half[l] * c[l]).sum();
                 let share = if i == k { FRAC_1_SQRT_2 } else { 1.0 };
                 out[place] = full * self.weight * share;
                 place += 1;

@@ -49,8 +49,6 @@ const SLOW_TERM: &str = "slow response";
 /// What was found of a drive.
 pub(crate) struct DriveFit {
     pub(crate) after: Selected,
-    /// Without any term.
-    pub(crate) before: Fit,
     pub(crate) nominal: Vec<f64>,
     pub(crate) criterion: Criterion,
     /// Ends of the interval in which a dead band cannot be told apart (rad/s).
@@ -61,7 +59,9 @@ pub(crate) struct DriveFit {
 /// largest command (rad/s).
 pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Term> {
     let command = COMMAND_SHARE * top_rad_s;
-    let all: [(&str, &'static str, &[(usize, f64)]); 8] = [
+    // effect, name of the term, parameters with their floors
+    type Row<'a> = (&'a str, &'static str, &'a [(usize, f64)]);
+    let all: [Row<'_>; 8] = [
         ("actuator_delay", DELAY_TERM, &[(DELAY, TIME_FLOOR_S)]),
         ("actuator_lag", LAG_TERM, &[(LAG, TIME_FLOOR_S)]),
         (
@@ -151,7 +151,6 @@ impl Search<'_> {
         let criterion = elimination.criterion;
         Some(DriveFit {
             after,
-            before,
             nominal: self.nominal,
             criterion,
             band_rad_s,

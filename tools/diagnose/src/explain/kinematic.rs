@@ -66,6 +66,15 @@ struct Machine<'a> {
     nominal: Vec<f64>,
 }
 
+/// What was fitted to a machine.
+struct Fits {
+    calibration: Option<Calibration>,
+    drive: Option<DriveFit>,
+    settled: Vec<Settled>,
+    /// Nominal parameters with what turned out to be the encoders'.
+    neutral: Vec<f64>,
+}
+
 /// What is asked of a machine.
 pub(crate) struct Task<'a> {
     pub(crate) runs: &'a [(&'a Recording, &'a Robot)],
@@ -103,8 +112,8 @@ pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
 }
 
 impl Machine<'_> {
-    fn examine(mut self, task: &Task<'_>) -> Result<Found, InputError> {
-        let mut warnings = Vec::new();
+    /// Fits the calibration and the drive.
+    fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
         (task.progress)("wheels against pose and gyro");
         let mut calibration = Calibration::new(&self.machine, &self.nominal, task.excluded);
         self.take_dense(&mut calibration);
@@ -140,11 +149,33 @@ impl Machine<'_> {
             calibration = Calibration::new(&self.machine, &neutral, task.excluded);
             self.take_dense(&mut calibration);
         }
+        let calibrated = calibration.iter().map(|own| own.after.fit.converged);
+        let driven = drive.iter().map(|own| own.after.fit.converged);
+        if calibrated.chain(driven).any(|converged| !converged) {
+            warnings.push(self.warning(
+                task,
+                "unfinished",
+                "a fit did not come to its end: sizes may be off",
+                "put what was found into the model with --improved and diagnose again",
+            ));
+        }
+        Fits {
+            calibration,
+            drive,
+            settled,
+            neutral,
+        }
+    }
+
+    fn examine(mut self, task: &Task<'_>) -> Result<Found, InputError> {
+        let mut warnings = Vec::new();
+        let fits = self.fits(task, &mut warnings);
+        let (calibration, drive) = (&fits.calibration, &fits.drive);
         let reading = Reading {
             machine: &self.machine,
             nominal: &self.nominal,
-            neutral: &neutral,
-            settled: &settled,
+            neutral: &fits.neutral,
+            settled: &fits.settled,
             calibration: calibration.as_ref(),
             drive: drive.as_ref(),
         };

@@ -47,7 +47,9 @@ pub(crate) fn settle(
     let change = |index: usize| drive.after.fit.at[index] - drive.nominal[index];
     let late = change(DELAY);
     let clock = change(CLOCK);
-    let doubts: [(Doubt, &str, &[&str], Vec<(usize, f64)>); 3] = [
+    // what is in doubt, its term of the drive, rival terms of the calibration, shifts
+    type Row<'a> = (Doubt, &'a str, &'a [&'a str], Vec<(usize, f64)>);
+    let doubts: [Row<'_>; 3] = [
         (
             Doubt::Delay,
             DELAY_TERM,
