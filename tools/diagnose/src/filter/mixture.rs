@@ -14,7 +14,7 @@ pub(crate) const PROCESS: [f64; 5] = [1.0, 1.0, 1.0, 100.0, 1e4];
 /// Number of components; the first is the ordinary one.
 pub(crate) const COMPONENTS: usize = 5;
 /// Components less probable than this share of the most probable one are left out (nats).
-pub(crate) const NEGLIGIBLE_NATS: f64 = 16.0;
+pub(crate) const NEGLIGIBLE_NATS: f64 = 11.0;
 
 /// Log-likelihoods of the components, prior included, into posterior probabilities; and the
 /// log-likelihood of the mixture. Components left out have `None`.
