@@ -196,28 +196,28 @@ impl Search<'_> {
     /// everything else.
     fn with_law(&self, full: Fit, terms: &mut Vec<Term>) -> Fit {
         let elimination = self.elimination(terms);
-        let with_law = |start: &[f64], own: &[Term], law: &Term| {
+        let with_law = |start: &[f64], own: &[Term], law: &Term, limits: SearchLimits| {
             let mut at = start.to_vec();
             for index in &law.parameters {
                 // at exactly 0 the filter leaves a law out
-                at[*index] = f64::MIN_POSITIVE;
+                at[*index] += f64::MIN_POSITIVE;
             }
             let all = [own, std::slice::from_ref(law)].concat();
-            self.problem.fit(&at, &elimination.free(&all).0, FULL)
+            self.problem.fit(&at, &elimination.free(&all).0, limits)
         };
         let laws = terms::laws(self.machine, self.excluded);
         let tried = laws
             .into_iter()
-            .map(|law| (with_law(&full.at, terms, &law), law));
+            .map(|law| (with_law(&full.at, terms, &law, SHORT), law));
         let best = tried.max_by(|a, b| a.0.objective.total_cmp(&b.0.objective));
         let Some((beside, law)) = best else {
             return full;
         };
-        if beside.objective - full.objective
-            < elimination.criterion.least_gain(law.parameters.len())
-        {
+        let least = elimination.criterion.least_gain(law.parameters.len());
+        if beside.objective - full.objective < least {
             return full;
         }
+        let beside = with_law(&beside.at, terms, &law, FULL);
         // thresholds and geometry may have stood in for it
         let stand_in = |t: &Term| [GEOMETRY, SATURATION_TERM, BAND_TERM].contains(&t.name);
         let mut at = full.at;
@@ -230,7 +230,7 @@ impl Search<'_> {
             .filter(|t| t.name != SATURATION_TERM && t.name != BAND_TERM)
             .cloned()
             .collect();
-        let other = with_law(&at, &honest, &law);
+        let other = with_law(&at, &honest, &law, FULL);
         let first = if other.objective > beside.objective - FOLLOWED_NATS {
             *terms = honest;
             other

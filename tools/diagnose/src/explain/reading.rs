@@ -494,11 +494,12 @@ impl Reading<'_> {
             if fitted.kept(name).is_none() {
                 continue;
             }
-            let first = LAW_FIRST + place * VALUES;
+            let first = LAW_FIRST + place * VALUES[0];
+            let own = first..first + VALUES[place];
             let mut claim = claim("unknown", fitted.known(name, &[]));
-            claim.toggles = (first..first + VALUES).collect();
+            claim.toggles = own.clone().collect();
             let knots = self.machine.knots[place];
-            let changes: Vec<f64> = (first..first + VALUES).map(|i| fitted.change(i)).collect();
+            let changes: Vec<f64> = own.map(|i| fitted.change(i)).collect();
             claim.law = Some(Law {
                 driver: DRIVERS[place],
                 knots: knots.places(),

@@ -81,15 +81,16 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
 /// that hardly changes.
 pub(crate) fn laws(machine: &FromWheels, excluded: &[String]) -> Vec<Term> {
     let allowed = machine.has_pose() && !excluded.iter().any(|own| own == "motion_law");
-    let [w, v] = machine.knots.map(|knots| knots.step * VALUES as f64 / 2.0);
+    let [w, v] = machine.knots.map(|knots| knots.reach());
     let floor = LENGTH_SHARE * (w * machine.half_track_m).max(v);
     let both = [(w, LEAST_TURN_RAD_S), (v, LEAST_SPEED_M_S)];
     let moved = both.into_iter().zip(LAW_TERMS).enumerate();
     let moved = moved.filter(|(_, ((largest, least), _))| allowed && largest > least);
     moved
         .map(|(place, (_, name))| {
-            let first = LAW_FIRST + place * VALUES;
-            let values: Vec<(usize, f64)> = (first..first + VALUES).map(|i| (i, floor)).collect();
+            let first = LAW_FIRST + place * VALUES[0];
+            let own = first..first + VALUES[place];
+            let values: Vec<(usize, f64)> = own.map(|i| (i, floor)).collect();
             let mut law = term(name, &values, 1.0);
             law.lasting = true;
             law

@@ -2,10 +2,13 @@
 
 use slipstream_sim::Scalar;
 
-/// Values of one table beside the one at 0, which is 0.
-pub(crate) const VALUES: usize = 4;
+/// Knots of one table beside the one at 0, where it is 0.
+const BESIDE: usize = 4;
+/// Parameters of each table. The one over the turn rate is without the part in proportion to it, which
+/// the place of the reference beside the axle would be.
+pub(crate) const VALUES: [usize; 2] = [BESIDE - 1, BESIDE];
 /// Values of both tables.
-pub(crate) const LAW: usize = 2 * VALUES;
+pub(crate) const LAW: usize = VALUES[0] + VALUES[1];
 /// Drivers of the tables, as `motion_law` names them.
 pub(crate) const DRIVERS: [&str; 2] = ["w", "v"];
 
@@ -25,30 +28,54 @@ impl Knots {
         let zero = if -low < ONE_SIDED * most {
             0
         } else if high < ONE_SIDED * most {
-            VALUES
+            BESIDE
         } else {
-            VALUES / 2
+            BESIDE / 2
         };
-        let reach = zero.max(VALUES - zero) as f64;
+        let reach = zero.max(BESIDE - zero) as f64;
         Self {
             step: most / reach,
             zero,
         }
     }
 
+    /// The last knot, counted from 0.
+    pub(crate) fn reach(&self) -> f64 {
+        self.step * self.zero.max(BESIDE - self.zero) as f64
+    }
+
     /// The knots.
     pub(crate) fn places(&self) -> Vec<f64> {
-        (0..=VALUES)
+        (0..=BESIDE)
             .map(|k| self.step * (k as f64 - self.zero as f64))
             .collect()
     }
 
     /// The values at all knots.
-    pub(crate) fn values<S: Scalar>(&self, law: &[S]) -> [S; VALUES + 1] {
+    pub(crate) fn values<S: Scalar>(&self, law: &[S]) -> [S; BESIDE + 1] {
+        let beside: [S; BESIDE] = match self.zero {
+            _ if law.len() == BESIDE => std::array::from_fn(|i| law[i]),
+            2 => [
+                law[0] + law[2] * 0.5,
+                law[1] - law[2],
+                law[1] + law[2],
+                law[0] - law[2] * 0.5,
+            ],
+            // at 1, 2, 3, 4 steps from 0, counted from it
+            _ => {
+                let first = law[0] * 2.0 + law[1] * 3.0 + law[2] * 4.0;
+                let outward = [first, -law[0], -law[1], -law[2]];
+                if self.zero == 0 {
+                    outward
+                } else {
+                    [outward[3], outward[2], outward[1], outward[0]]
+                }
+            }
+        };
         std::array::from_fn(|k| match k.cmp(&self.zero) {
-            std::cmp::Ordering::Less => law[k],
+            std::cmp::Ordering::Less => beside[k],
             std::cmp::Ordering::Equal => S::constant(0.0),
-            std::cmp::Ordering::Greater => law[k - 1],
+            std::cmp::Ordering::Greater => beside[k - 1],
         })
     }
 
@@ -59,10 +86,10 @@ impl Knots {
         if z.value() <= 0.0 {
             return values[0];
         }
-        if z.value() >= VALUES as f64 {
-            return values[VALUES];
+        if z.value() >= BESIDE as f64 {
+            return values[BESIDE];
         }
-        let place = (z.value() as usize).min(VALUES - 1);
+        let place = (z.value() as usize).min(BESIDE - 1);
         let share = z - S::constant(place as f64);
         values[place] + (values[place + 1] - values[place]) * share
     }
@@ -73,7 +100,7 @@ const ONE_SIDED: f64 = 0.1;
 
 /// The speed (m/s) that both tables add at a turn rate (rad/s) and a speed (m/s).
 pub(crate) fn added<S: Scalar>(law: &[S], [w, v]: [S; 2], knots: &[Knots; 2]) -> S {
-    knots[0].at(&law[..VALUES], w) + knots[1].at(&law[VALUES..LAW], v)
+    knots[0].at(&law[..VALUES[0]], w) + knots[1].at(&law[VALUES[0]..LAW], v)
 }
 
 #[cfg(test)]
@@ -82,23 +109,36 @@ mod tests {
 
     #[test]
     fn a_table_is_linear_between_its_knots_and_constant_beyond() {
-        let law = [-1.0, -0.25, 0.5, 2.0, 0.0, 0.0, 0.0, 0.0];
+        let law = [-1.0, -0.25, 0.5, 0.0, 0.0, 0.0, 0.0];
         let knots = [Knots::over([-2.0, 1.9]), Knots::over([0.0, 1.0])];
         for (w, wanted) in [
-            (-9.0, -1.0),
-            (-2.0, -1.0),
-            (-1.5, -0.625),
+            (-9.0, -0.75),
+            (-2.0, -0.75),
+            (-1.5, -0.75),
             (0.0, 0.0),
-            (0.5, 0.25),
-            (2.0, 2.0),
-            (7.0, 2.0),
+            (0.5, 0.125),
+            (1.0, 0.25),
+            (2.0, -1.25),
+            (7.0, -1.25),
         ] {
             let found: f64 = added(&law, [w, 3.0], &knots);
             assert!((found - wanted).abs() < 1e-12, "{w} {found}");
         }
         assert_eq!(knots[1].places(), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        let of_speed = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0];
+        let of_speed = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0];
         let found: f64 = added(&of_speed, [0.0, 0.125], &knots);
         assert!((found - 0.5).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn a_table_over_the_turn_rate_has_no_part_in_proportion_to_it() {
+        for range in [[-2.0, 2.0], [0.0, 1.0], [-3.0, 0.1]] {
+            let knots = Knots::over(range);
+            for law in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.3, -0.2, 0.7]] {
+                let values: [f64; BESIDE + 1] = knots.values(&law);
+                let product: f64 = knots.places().iter().zip(values).map(|(z, v)| z * v).sum();
+                assert!(product.abs() < 1e-12, "{range:?} {product}");
+            }
+        }
     }
 }

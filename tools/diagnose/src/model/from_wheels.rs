@@ -19,7 +19,7 @@ use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
-use crate::filter::motion_law::{Knots, LAW, VALUES};
+use crate::filter::motion_law::{Knots, LAW};
 use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
 use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
@@ -146,7 +146,7 @@ impl FromWheels {
 
     /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
     fn law_prior_m_s(&self) -> f64 {
-        let [w, v] = self.knots.map(|knots| knots.step * VALUES as f64 / 2.0);
+        let [w, v] = self.knots.map(|knots| knots.reach());
         LAW_SHARE * v.max(w * self.half_track_m)
     }
 
