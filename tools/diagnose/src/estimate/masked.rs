@@ -4,10 +4,19 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{BlockScore, Likelihood};
 
-/// The likelihood of every block for which `keeps` is true.
+/// Every so manyth block is left out.
+pub(crate) const FOLDS: usize = 5;
+
+/// The likelihood without the blocks of one fold.
 pub(crate) struct Masked<'a> {
     pub(crate) inner: &'a dyn Likelihood,
-    pub(crate) keeps: fn(usize) -> bool,
+    pub(crate) left_out: usize,
+}
+
+impl Masked<'_> {
+    fn keeps(&self, block: usize) -> bool {
+        block % FOLDS != self.left_out
+    }
 }
 
 impl Likelihood for Masked<'_> {
@@ -26,7 +35,7 @@ impl Likelihood for Masked<'_> {
     fn value(&self, at: &[f64]) -> Vec<f64> {
         let mut all = self.inner.value(at);
         for (block, value) in all.iter_mut().enumerate() {
-            if !(self.keeps)(block) {
+            if !self.keeps(block) {
                 *value = 0.0;
             }
         }
@@ -37,7 +46,7 @@ impl Likelihood for Masked<'_> {
         let mut all = self.inner.score(at, free);
         let n = free.len();
         for (block, score) in all.iter_mut().enumerate() {
-            if !(self.keeps)(block) {
+            if !self.keeps(block) {
                 score.gradient = DVector::zeros(n);
                 score.information = DMatrix::zeros(n, n);
             }

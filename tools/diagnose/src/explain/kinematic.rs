@@ -14,7 +14,7 @@ use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
 use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, BudgetPart, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
-use crate::estimate::masked::Masked;
+use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::{Problem, SHORT};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
@@ -302,19 +302,18 @@ impl Machine<'_> {
         at
     }
 
-    /// Parameters fitted to the blocks of even and of odd numbers alone.
+    /// Parameters fitted without the blocks of each fold.
     fn folds(
         &self,
         claims: &[Claim],
         calibration: Option<&Calibration>,
         drive: Option<&DriveFit>,
         fitted: &[f64],
-    ) -> [Vec<f64>; 2] {
+    ) -> [Vec<f64>; FOLDS] {
         if claims.is_empty() {
-            return [fitted.to_vec(), fitted.to_vec()];
+            return std::array::from_fn(|_| fitted.to_vec());
         }
-        let halves: [fn(usize) -> bool; 2] = [|block| block % 2 == 0, |block| block % 2 == 1];
-        halves.map(|keeps| {
+        std::array::from_fn(|left_out| {
             let mut at = fitted.to_vec();
             if let Some(calibration) = calibration {
                 let view = View {
@@ -324,7 +323,7 @@ impl Machine<'_> {
                 let problem = Problem {
                     likelihood: &Masked {
                         inner: &view,
-                        keeps,
+                        left_out,
                     },
                     priors: self.machine.priors(&self.nominal),
                     longest: self.machine.longest(),
@@ -336,7 +335,7 @@ impl Machine<'_> {
                 let problem = Problem {
                     likelihood: &Masked {
                         inner: drive,
-                        keeps,
+                        left_out,
                     },
                     priors: drive.priors(&found.nominal),
                     longest: drive.longest(),
@@ -350,25 +349,22 @@ impl Machine<'_> {
         })
     }
 
-    /// Errors of the nominal model, and of the model fitted to the other half of the blocks.
-    fn errors(&self, folds: &[Vec<f64>; 2], fitted: &[f64]) -> Vec<[Errors; 2]> {
+    /// Errors of the nominal model, and of the model fitted without the blocks that are predicted.
+    fn errors(&self, folds: &[Vec<f64>; FOLDS], fitted: &[f64]) -> Vec<[Errors; 2]> {
         let nominal = self.sensed(fitted);
         let each = (0..self.machine.runs.len()).map(|run| {
             let predictor = self.predictor(run);
             let windows = predictor.windows();
             let before = predictor.errors(run, &nominal, &windows, true);
             let blocks = &self.machine.runs[run].blocks;
-            let parity = |[a, b]: &[f64; 2]| (blocks.first + blocks.of(f64::midpoint(*a, *b))) % 2;
-            let halves = [0, 1].map(|fold| {
-                let own: Vec<[f64; 2]> = windows
-                    .iter()
-                    .filter(|w| parity(w) != fold)
-                    .copied()
-                    .collect();
-                predictor.errors(run, &folds[fold], &own, true)
+            let fold =
+                |[a, b]: &[f64; 2]| (blocks.first + blocks.of(f64::midpoint(*a, *b))) % FOLDS;
+            let after = (0..FOLDS).map(|left_out| {
+                let own = windows.iter().filter(|window| fold(window) == left_out);
+                let own: Vec<[f64; 2]> = own.copied().collect();
+                predictor.errors(run, &folds[left_out], &own, true)
             });
-            let [one, other] = halves;
-            [before, one.and(other)]
+            [before, after.fold(Errors::default(), Errors::and)]
         });
         each.collect()
     }
