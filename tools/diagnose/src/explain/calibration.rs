@@ -1,7 +1,7 @@
 //! Calibration of one machine from its wheels and a reference: a fit with every term, from several
 //! starts, then backward elimination.
 
-use super::drive::{BAND_TERM, DEAD_ZONE_SHARE, SATURATION_TERM};
+use super::drive::{BAND_TERM, DEAD_ZONE_SHARE, DELAY_TERM, LAG_TERM, SATURATION_TERM};
 use super::prediction::reference_error;
 use super::terms::{self, GEOMETRY, OFFSET, OFFSET_TURN};
 use super::thinning::is_white;
@@ -182,6 +182,7 @@ impl Search<'_> {
         fit = self.with_law(fit, &mut terms);
         let elimination = self.elimination(&terms);
         let after = elimination.run(fit, &terms)?;
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
             after,
@@ -523,6 +524,7 @@ impl Search<'_> {
             fit,
             precision,
             kept,
+            alike: found.alike,
         })
     }
 

@@ -148,6 +148,7 @@ impl Search<'_> {
         };
         let elimination = self.elimination(&terms, &useful);
         let after = elimination.run(full, &terms)?;
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let criterion = elimination.criterion;
         Some(DriveFit {
             after,

@@ -160,6 +160,13 @@ impl Reading<'_> {
         }
     }
 
+    /// The effect that fits as well in the place of a term of the drive.
+    fn alike(&self, term: &str, other: &'static str) -> Option<&'static str> {
+        let fitted = self.drive_fitted()?;
+        let mut all = fitted.found.alike.iter();
+        all.any(|[own, _]| *own == term).then_some(other)
+    }
+
     fn latencies(&self, claims: &mut Vec<Claim>) {
         let delay = self.drive_fitted().map_or(Known::default(), |fitted| {
             fitted.known(DELAY_TERM, &[(self.of_drive(DELAY), 1.0)])
@@ -195,6 +202,9 @@ impl Reading<'_> {
                 claim
             };
             claim.toggles.push(DRIVE_FIRST + DELAY);
+            claim
+                .confused
+                .extend(self.alike(DELAY_TERM, "actuator_lag"));
             claims.push(claim);
         } else if delay.needed {
             let mut claim = self.delay(delay);
@@ -204,6 +214,9 @@ impl Reading<'_> {
             } else {
                 vec!["imu_latency"]
             };
+            claim
+                .confused
+                .extend(self.alike(DELAY_TERM, "actuator_lag"));
             claims.push(claim);
         }
         for (known, effect, index) in [
@@ -541,6 +554,11 @@ impl Reading<'_> {
                 .values
                 .push(Value::new(name, Scale::Plain, known.value, half));
             claim.toggles = vec![DRIVE_FIRST + parameter];
+            if term == LAG_TERM {
+                claim
+                    .confused
+                    .extend(self.alike(LAG_TERM, "actuator_delay"));
+            }
             claims.push(claim);
         }
         if let Some(kept) = fitted.kept(BAND_TERM) {

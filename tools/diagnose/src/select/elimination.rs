@@ -41,6 +41,8 @@ pub(crate) struct Selected {
     pub(crate) fit: Fit,
     pub(crate) precision: Precision,
     pub(crate) kept: Vec<Kept>,
+    /// Terms that were kept, each with one that fits as well in its place.
+    pub(crate) alike: Vec<[&'static str; 2]>,
 }
 
 impl Selected {
@@ -91,6 +93,8 @@ enum Round {
 
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
+/// Look-alikes whose likelihoods differ by less cannot be told apart (nats).
+const ALIKE_NATS: f64 = 4.0;
 /// Largest variance of what is known, as a share of the prior's.
 const KNOWN_SHARE: f64 = 1.0 / 16.0;
 /// A gain of this many times what is asked for does not come of an unfinished fit.
@@ -177,11 +181,58 @@ impl Elimination<'_> {
                         fit,
                         precision,
                         kept,
+                        alike: Vec::new(),
                     });
                 }
             }
         }
         None
+    }
+
+    /// Tries each of two look-alikes of one parameter in the other's place: the better one stays, and
+    /// one that fits nearly as well is remembered.
+    pub(crate) fn rivals(
+        &self,
+        mut found: Selected,
+        pair: [&'static str; 2],
+        terms: &[Term],
+    ) -> Option<Selected> {
+        let [own, other] = match pair.map(|name| found.kept(name).is_some()) {
+            [true, false] => pair,
+            [false, true] => [pair[1], pair[0]],
+            _ => return Some(found),
+        };
+        let place = found.kept.iter().position(|kept| kept.term.name == own)?;
+        let Some(rival) = terms.iter().find(|term| term.name == other) else {
+            return Some(found);
+        };
+        let from = found.kept[place].term.parameters[0];
+        let to = rival.parameters[0];
+        let mut at = found.fit.at.clone();
+        at[to] = self.neutral[to] + at[from] - self.neutral[from];
+        at[from] = self.neutral[from];
+        let mut swapped: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
+        swapped[place] = rival.clone();
+        let (free, physics) = self.free(&swapped);
+        let fit = self.problem.fit(&at, &free, FULL);
+        let better = fit.objective - found.fit.objective;
+        if better.abs() < ALIKE_NATS {
+            let names = if better > 0.0 {
+                [other, own]
+            } else {
+                [own, other]
+            };
+            found.alike.push(names);
+        }
+        if better > 0.0 {
+            let precision = Precision::new(self.problem, &fit, physics)?;
+            let kept = &mut found.kept[place];
+            kept.gain += better;
+            kept.wald = self.wald(rival, &fit, &precision);
+            kept.term = rival.clone();
+            (found.fit, found.precision) = (fit, precision);
+        }
+        Some(found)
     }
 
     /// Tries to remove each term, the weakest first.
