@@ -1,0 +1,235 @@
+//! What the diagnosis says of a robot without known masses that is told speeds, and whose truth is known.
+
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test that cannot go on says so and stops"
+)]
+
+use slipstream_bus::{Body, RobotModel};
+use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
+
+const RADIUS_M: f64 = 0.05;
+const HALF_TRACK_M: f64 = 0.12;
+const STEP_S: f64 = 1e-3;
+
+/// What the robot really is.
+#[derive(Clone, Copy)]
+struct Truth {
+    delay_s: f64,
+    gain: f64,
+    counts: f64,
+    camera_m: [f64; 2],
+}
+
+const NOMINAL: Truth = Truth {
+    delay_s: 0.0,
+    gain: 1.0,
+    counts: 1.0,
+    camera_m: [0.0; 2],
+};
+
+fn model() -> RobotModel {
+    let body = Body {
+        body_mass_kg: None,
+        body_yaw_inertia_kg_m2: None,
+        wheel_mass_kg: None,
+        wheel_spin_inertia_kg_m2: None,
+        wheel_yaw_inertia_kg_m2: None,
+        wheel_radius_m: RADIUS_M,
+        half_track_m: HALF_TRACK_M,
+        com_to_axle_m: None,
+        com_to_caster_m: None,
+        com_height_m: None,
+    };
+    RobotModel {
+        robot: body,
+        motor: None,
+        encoder: None,
+        effects: Vec::new(),
+    }
+}
+
+/// Commanded wheel speeds (rad/s) from a time on: new ones every tenth of a second.
+fn told(t_s: f64) -> [f64; 2] {
+    if t_s < 0.0 {
+        return [0.0; 2];
+    }
+    let t_s = (t_s / 0.1).floor() * 0.1;
+    let v = 0.3 + 0.15 * (0.9 * t_s).sin() + 0.05 * (4.1 * t_s).sin();
+    let w = 0.8 * (0.5 * t_s).sin() + 0.3 * (2.7 * t_s).cos();
+    [v + HALF_TRACK_M * w, v - HALF_TRACK_M * w].map(|rim| rim / RADIUS_M)
+}
+
+/// Thirty seconds of `truth`: commands at 10 Hz, wheels at 50 Hz, poses at 20 Hz with 2 mm and 4 mrad.
+fn recorded(truth: Truth) -> Recording {
+    let noise = |seed: f64| 2.0 * ((seed * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
+    let mut columns: [Vec<f64>; 10] = Default::default();
+    let mut add = |from: usize, row: &[f64]| {
+        row.iter()
+            .zip(&mut columns[from..])
+            .for_each(|(value, column)| column.push(*value));
+    };
+    let (mut angles, [mut x, mut y, mut yaw]) = ([0.0_f64; 2], [0.0, 0.0, 0.2_f64]);
+    for k in 0..30_000_u32 {
+        let t_s = f64::from(k) * STEP_S;
+        if k % 100 == 0 {
+            let [right, left] = told(t_s);
+            add(0, &[t_s, right, left]);
+        }
+        if k % 20 == 0 {
+            add(
+                3,
+                &[t_s, angles[0] * truth.counts, angles[1] * truth.counts],
+            );
+        }
+        if k % 50 == 7 {
+            let [along, across, turn] = [0.0, 0.3, 0.7].map(|part| noise(f64::from(k) + part));
+            let [ox, oy] = truth.camera_m;
+            let (sin, cos) = yaw.sin_cos();
+            let at = [x + ox * cos - oy * sin, y + ox * sin + oy * cos];
+            add(
+                6,
+                &[
+                    t_s,
+                    at[0] + 2e-3 * along,
+                    at[1] + 2e-3 * across,
+                    yaw + 4e-3 * turn,
+                ],
+            );
+        }
+        let speeds = told(t_s + STEP_S / 2.0 - truth.delay_s).map(|u| u * truth.gain);
+        let way = RADIUS_M * f64::midpoint(speeds[0], speeds[1]) * STEP_S;
+        let turn = RADIUS_M * (speeds[0] - speeds[1]) / (2.0 * HALF_TRACK_M) * STEP_S;
+        angles = [0, 1].map(|i| angles[i] + speeds[i] * STEP_S);
+        x += way * (yaw + turn / 2.0).cos();
+        y += way * (yaw + turn / 2.0).sin();
+        yaw += turn;
+    }
+    let [
+        told_s,
+        right_rad_s,
+        left_rad_s,
+        wheels_s,
+        right_rad,
+        left_rad,
+        seen_s,
+        x_m,
+        y_m,
+        yaw,
+    ] = columns;
+    let mut robot = Robot::named("r1");
+    robot.command = Some(Stream {
+        t_s: told_s,
+        values: Command::WheelSpeed {
+            right_rad_s,
+            left_rad_s,
+        },
+        unknown: vec![],
+    });
+    robot.wheels = Some(Stream {
+        t_s: wheels_s,
+        values: Wheels::Angle {
+            right_rad,
+            left_rad,
+        },
+        unknown: vec![],
+    });
+    robot.pose = Some(Stream {
+        t_s: seen_s,
+        values: Pose {
+            x_m,
+            y_m,
+            yaw_rad: Some(yaw),
+        },
+        unknown: vec![],
+    });
+    Recording {
+        name: "speeds".to_owned(),
+        robots: vec![robot],
+        ..Recording::default()
+    }
+}
+
+fn diagnosed(truth: Truth, nominal: &RobotModel) -> (Answer, RobotModel) {
+    let (answer, mut improved) = diagnose(&Request {
+        recordings: &[recorded(truth)],
+        model_of: &|_| Some(nominal.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    })
+    .unwrap();
+    (answer, improved.remove(0).1)
+}
+
+/// Effects and their parameters, by name.
+fn found(answer: &Answer) -> Vec<(String, Vec<f64>)> {
+    let mut all: Vec<(String, Vec<f64>)> = answer
+        .findings
+        .iter()
+        .map(|finding| {
+            let parameters = finding.parameters.iter();
+            let values = parameters.filter_map(|p| p.estimate).collect();
+            (finding.effect.clone(), values)
+        })
+        .collect();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
+    all
+}
+
+#[test]
+fn a_robot_that_does_as_it_is_told_matches() {
+    let (answer, _) = diagnosed(NOMINAL, &model());
+    assert_eq!(answer.verdict, Verdict::Match, "{:?}", found(&answer));
+}
+
+#[test]
+fn a_late_and_weak_drive_and_a_camera_are_told_apart_and_then_match() {
+    let truth = Truth {
+        delay_s: 0.06,
+        gain: 0.93,
+        camera_m: [-0.08, 0.03],
+        ..NOMINAL
+    };
+    let (answer, improved) = diagnosed(truth, &model());
+    let all = found(&answer);
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["actuator_delay", "motor_gain", "pose_offset"],
+        "{all:?}"
+    );
+    // the delay is known to less than a step of the simulation, the gain to what rounding leaves,
+    // the camera to the mean of 600 poses
+    assert!((all[0].1[0] - 0.06).abs() < 1e-3, "{all:?}");
+    assert!(
+        all[1].1.iter().all(|gain| (gain - 0.93).abs() < 1e-3),
+        "{all:?}"
+    );
+    assert!((all[2].1[0] + 0.08).abs() < 3e-3, "{all:?}");
+    assert!((all[2].1[1] - 0.03).abs() < 3e-3, "{all:?}");
+    let place = answer.budget.iter().find(|own| own.unit == "m").unwrap();
+    let sum: f64 = place.parts.iter().map(|part| part.share).sum();
+    assert!((sum - place.before).abs() < 1e-9, "{place:?}");
+    assert!(place.after < 0.2 * place.before, "{place:?}");
+    let (again, _) = diagnosed(truth, &improved);
+    assert_eq!(again.verdict, Verdict::Match, "{:?}", found(&again));
+}
+
+#[test]
+fn encoders_that_count_too_much_are_neither_gain_nor_radius() {
+    let truth = Truth {
+        counts: 1.03,
+        ..NOMINAL
+    };
+    let (answer, _) = diagnosed(truth, &model());
+    let all = found(&answer);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert_eq!(all[0].0, "encoder_scale", "{all:?}");
+    assert!(
+        all[0].1.iter().all(|scale| (scale - 1.03).abs() < 1e-3),
+        "{all:?}"
+    );
+}
