@@ -107,6 +107,11 @@ fn recorded(truth: Truth) -> Recording {
         y += way * (yaw + turn / 2.0).sin();
         yaw += turn;
     }
+    recording(columns)
+}
+
+/// The recording of these columns: commands, wheels, poses.
+fn recording(columns: [Vec<f64>; 10]) -> Recording {
     let [
         told_s,
         right_rad_s,
