@@ -87,23 +87,7 @@ impl Problem<'_> {
         let mut objective = self.objective(&at, free);
         let mut damping = 0.1;
         let mut converged = free.is_empty();
-        struct Count(usize, usize, f64, std::time::Instant);
-        impl Drop for Count {
-            fn drop(&mut self) {
-                if std::env::var("COUNT").is_ok() {
-                    eprintln!(
-                        "fit n {} iterations {} from {:.1} {:.0} ms",
-                        self.1,
-                        self.0,
-                        self.2,
-                        self.3.elapsed().as_secs_f64() * 1e3
-                    );
-                }
-            }
-        }
-        let mut count = Count(0, free.len(), objective, std::time::Instant::now());
         for _ in 0..limits.iterations {
-            count.0 += 1;
             if converged || !objective.is_finite() {
                 break;
             }
