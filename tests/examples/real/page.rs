@@ -21,7 +21,7 @@ repository.
 Prediction error: the recording is cut into windows of 5 s. The state at the start of a window is fitted
 to its first half second; the rest is simulated from the commands, or from the wheels where no commands
 were recorded. The table shows the root mean square over all windows, in metres and degrees, against the
-independent reference. The parameters were fitted to up to 24 of these windows; the last table uses data
+independent reference. The parameters were fitted to the same recording; the last table uses data
 that no fit has seen. Findings are added in the order in which they were found, with their final values.
 Without a pose, the heading is the integral of the gyro over the window.
 ";

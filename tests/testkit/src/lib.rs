@@ -8,7 +8,7 @@
     reason = "used by tests only, which stop at what they do not expect"
 )]
 
-use slipstream_bus::{Camera, RobotModel, Sensors};
+use slipstream_bus::{Body, Camera, RobotModel, Sensors};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command as Commands, Pose, Robot, Stream, Wheels};
 use slipstream_sim::{Command, Setup, World};
@@ -113,5 +113,27 @@ fn stream<T, V>(rows: &[(f64, T)], values: V) -> Stream<V> {
         t_s: rows.iter().map(|(t_s, _)| *t_s).collect(),
         values,
         unknown: Vec::new(),
+    }
+}
+
+/// A robot of which radius and half track (m) alone are known.
+pub fn kinematic(wheel_radius_m: f64, half_track_m: f64) -> RobotModel {
+    let body = Body {
+        body_mass_kg: None,
+        body_yaw_inertia_kg_m2: None,
+        wheel_mass_kg: None,
+        wheel_spin_inertia_kg_m2: None,
+        wheel_yaw_inertia_kg_m2: None,
+        wheel_radius_m,
+        half_track_m,
+        com_to_axle_m: None,
+        com_to_caster_m: None,
+        com_height_m: None,
+    };
+    RobotModel {
+        robot: body,
+        motor: None,
+        encoder: None,
+        effects: Vec::new(),
     }
 }

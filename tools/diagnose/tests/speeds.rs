@@ -5,7 +5,7 @@
     reason = "a test that cannot go on says so and stops"
 )]
 
-use slipstream_bus::{Body, RobotModel};
+use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
@@ -31,24 +31,7 @@ const NOMINAL: Truth = Truth {
 };
 
 fn model() -> RobotModel {
-    let body = Body {
-        body_mass_kg: None,
-        body_yaw_inertia_kg_m2: None,
-        wheel_mass_kg: None,
-        wheel_spin_inertia_kg_m2: None,
-        wheel_yaw_inertia_kg_m2: None,
-        wheel_radius_m: RADIUS_M,
-        half_track_m: HALF_TRACK_M,
-        com_to_axle_m: None,
-        com_to_caster_m: None,
-        com_height_m: None,
-    };
-    RobotModel {
-        robot: body,
-        motor: None,
-        encoder: None,
-        effects: Vec::new(),
-    }
+    slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M)
 }
 
 /// Commanded wheel speeds (rad/s) from a time on: new ones every tenth of a second.

@@ -53,15 +53,6 @@ impl CommandPath {
         all.fold(0.0, |most, speed| f64::max(most, speed.abs()))
     }
 
-    /// Distinct sizes of commands but 0 (rad/s), rising.
-    pub(crate) fn levels_rad_s(&self) -> Vec<f64> {
-        let all = self.speeds_rad_s.iter().flatten().map(|speed| speed.abs());
-        let mut levels: Vec<f64> = all.filter(|level| *level > 1e-9).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        levels
-    }
-
     /// The command that holds at a time (s); none before the first.
     pub(crate) fn at(&self, time_s: f64) -> Option<[f64; 2]> {
         let next = self.times_s.partition_point(|t_s| *t_s <= time_s);

@@ -80,7 +80,9 @@ pub(crate) fn rows(
     })
 }
 
-fn values(robot: &Robot, model: &RobotModel) -> Option<(WheelKind, f64, Vec<[f64; 2]>)> {
+/// What both wheels' rows hold, the deviation of their rounding (rad), and the rows; NaN where a count is
+/// missing. `None` without wheels, or where counts per turn are unknown.
+pub(super) fn values(robot: &Robot, model: &RobotModel) -> Option<(WheelKind, f64, Vec<[f64; 2]>)> {
     let pairs =
         |right: &[f64], left: &[f64]| right.iter().zip(left).map(|(&r, &l)| [r, l]).collect();
     match &robot.wheels.as_ref()?.values {

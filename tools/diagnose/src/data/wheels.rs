@@ -1,10 +1,9 @@
 //! Wheel angles from whatever recorded them: ticks, angles, speeds, or the robot's own odometry.
 
-use std::f64::consts::TAU;
-
 use slipstream_bus::RobotModel;
-use slipstream_recording::recording::{Robot, Wheels};
+use slipstream_recording::recording::Robot;
 
+use super::wheel_rows::{WheelKind, values};
 use crate::filter::wheel_path::{WheelPath, median_interval};
 
 /// Rows that a wheel path needs.
@@ -40,33 +39,11 @@ fn angles(robot: &Robot, model: &RobotModel) -> Option<(Vec<f64>, Vec<[f64; 2]>)
     let Some(stream) = &robot.wheels else {
         return odometry(robot, model);
     };
-    let rows = match &stream.values {
-        Wheels::Ticks { right, left } => {
-            let tick = TAU / f64::from(robot.counts_per_rev(Some(model))?);
-            let angle = |count: &Option<i64>| count.map_or(f64::NAN, |n| n as f64 * tick);
-            right
-                .iter()
-                .zip(left)
-                .map(|(r, l)| [angle(r), angle(l)])
-                .collect()
-        }
-        Wheels::Angle {
-            right_rad,
-            left_rad,
-        } => right_rad
-            .iter()
-            .zip(left_rad)
-            .map(|(&r, &l)| [r, l])
-            .collect(),
-        Wheels::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => {
-            let speeds = right_rad_s.iter().zip(left_rad_s).map(|(&r, &l)| [r, l]);
-            return Some(integrated(&stream.t_s, speeds));
-        }
-    };
-    Some((stream.t_s.clone(), rows))
+    let (kind, _, rows) = values(robot, model)?;
+    Some(match kind {
+        WheelKind::Angle => (stream.t_s.clone(), rows),
+        WheelKind::Speed => integrated(&stream.t_s, rows.into_iter()),
+    })
 }
 
 /// Wheel angles that the robot's own estimate of its velocity stands for.

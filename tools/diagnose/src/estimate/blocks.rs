@@ -35,3 +35,15 @@ impl Blocks {
         self.first + self.count
     }
 }
+
+/// Number of blocks of all runs.
+pub(crate) fn total(mut runs: impl DoubleEndedIterator<Item = Blocks>) -> usize {
+    runs.next_back().map_or(0, |last| last.end())
+}
+
+/// Run to which each block belongs.
+pub(crate) fn run_of(runs: impl Iterator<Item = Blocks>) -> Vec<usize> {
+    let runs = runs.enumerate();
+    runs.flat_map(|(run, blocks)| vec![run; blocks.count])
+        .collect()
+}

@@ -11,8 +11,9 @@ use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
     COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
-    RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, Source, TRACK, View,
+    RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, TRACK, View,
 };
+use crate::model::run::Source;
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Kept, Selected, Term};
 
@@ -121,11 +122,7 @@ impl Search<'_> {
             machine,
             robust: true,
         };
-        let problem = Problem {
-            likelihood: &robust,
-            priors: machine.priors(nominal),
-            longest: machine.longest(),
-        };
+        let problem = machine.problem(&robust, nominal);
         let own: &[usize] = if machine.has_clocks_of_runs() {
             &[RUN_BIAS, RUN_LATE, RUN_RATE]
         } else {
@@ -283,11 +280,7 @@ impl Search<'_> {
             machine: self.machine,
             robust: false,
         };
-        let gaussian = Problem {
-            likelihood: &plain,
-            priors: self.problem.priors.clone(),
-            longest: self.problem.longest.clone(),
-        };
+        let gaussian = self.machine.problem(&plain, self.nominal);
         let is_clock = |i: usize| {
             let runs = 0..self.machine.runs.len();
             clocks.contains(&i)
@@ -347,13 +340,7 @@ impl Search<'_> {
         if self.machine.is_commanded() {
             (best, band_rad_s) = self.with_thresholds(best, terms);
         }
-        let saturation = DRIVE_FIRST + SATURATION;
-        let has_saturation = terms.iter().any(|t| t.parameters.contains(&saturation));
         let (all, _) = self.elimination(terms).free(terms);
-        let all: Vec<usize> = all
-            .into_iter()
-            .filter(|i| *i != saturation || has_saturation)
-            .collect();
         let rated = self.problem.fit(&best.at, &all, FULL);
         if rated.objective - best.objective > RATE_NATS {
             return (rated, band_rad_s);
@@ -548,7 +535,7 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
-    use slipstream_bus::{Body, RobotModel};
+    use slipstream_bus::RobotModel;
     use slipstream_recording::recording::{Pose, Robot, Stream, Wheels};
 
     use super::*;
@@ -558,24 +545,7 @@ mod tests {
     const HALF_TRACK_M: f64 = 0.3;
 
     fn nominal() -> RobotModel {
-        let body = Body {
-            body_mass_kg: None,
-            body_yaw_inertia_kg_m2: None,
-            wheel_mass_kg: None,
-            wheel_spin_inertia_kg_m2: None,
-            wheel_yaw_inertia_kg_m2: None,
-            wheel_radius_m: RADIUS_M,
-            half_track_m: HALF_TRACK_M,
-            com_to_axle_m: None,
-            com_to_caster_m: None,
-            com_height_m: None,
-        };
-        RobotModel {
-            robot: body,
-            motor: None,
-            encoder: None,
-            effects: Vec::new(),
-        }
+        slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M)
     }
 
     /// A number in [-1, 1] that looks random, the same on every machine.

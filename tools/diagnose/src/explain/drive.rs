@@ -125,11 +125,7 @@ impl DriveFit {
         let nominal = drive.nominal(model);
         let search = Search {
             drive,
-            problem: Problem {
-                likelihood: drive,
-                priors: drive.priors(&nominal),
-                longest: drive.longest(),
-            },
+            problem: drive.problem(drive, &nominal),
             nominal,
             noise: CommandToWheels::noise(),
         };

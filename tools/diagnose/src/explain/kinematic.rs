@@ -15,7 +15,7 @@ use super::reading::Reading;
 use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, BudgetPart, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::{FOLDS, Masked};
-use crate::estimate::scoring::{Problem, SHORT};
+use crate::estimate::scoring::SHORT;
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{DRIVE_FIRST, FromWheels, RUN_BIAS, RUN_LATE, RUN_RATE, View};
@@ -184,7 +184,8 @@ impl Machine<'_> {
             .into_iter()
             .partition(|claim| claim.is_plausible(self.model));
         warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
-        let fitted = self.settled(&claims, &reading.fitted());
+        let all = reading.fitted();
+        let fitted = self.settled(&claims, &all);
         (task.progress)("predictions over 5 s");
         let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);
         let errors = self.errors(&folds, &fitted);
@@ -197,8 +198,8 @@ impl Machine<'_> {
         Ok(Found {
             held_out: self.held_out(&errors, &deviations),
             budget: self.budget(&claims, &fitted, &deviations),
-            outliers: self.outliers(&reading.fitted()),
-            process_noise: self.process_noise(calibration.is_some(), &reading.fitted()),
+            outliers: self.outliers(&all),
+            process_noise: self.process_noise(calibration.is_some(), &all),
             improved: self.improved(&claims),
             spans_s: self
                 .machine
@@ -207,7 +208,7 @@ impl Machine<'_> {
                 .map(|run| run.blocks.span_s.map(|t| t + run.origin_s))
                 .collect(),
             origins_s: self.machine.runs.iter().map(|run| run.origin_s).collect(),
-            courses: self.courses(&reading.fitted(), &deviations),
+            courses: self.courses(&all, &deviations),
             robots: self.machine.runs.iter().map(|run| run.robot).collect(),
             claims,
             warnings,
@@ -320,26 +321,20 @@ impl Machine<'_> {
                     machine: &self.machine,
                     robust: true,
                 };
-                let problem = Problem {
-                    likelihood: &Masked {
-                        inner: &view,
-                        left_out,
-                    },
-                    priors: self.machine.priors(&self.nominal),
-                    longest: self.machine.longest(),
+                let masked = Masked {
+                    inner: &view,
+                    left_out,
                 };
+                let problem = self.machine.problem(&masked, &self.nominal);
                 let fit = &calibration.after.fit;
                 at = problem.fit(&fit.at, &fit.free, SHORT).at;
             }
             if let (Some(found), Some(drive)) = (drive, &self.drive) {
-                let problem = Problem {
-                    likelihood: &Masked {
-                        inner: drive,
-                        left_out,
-                    },
-                    priors: drive.priors(&found.nominal),
-                    longest: drive.longest(),
+                let masked = Masked {
+                    inner: drive,
+                    left_out,
                 };
+                let problem = drive.problem(&masked, &found.nominal);
                 let fit = &found.after.fit;
                 let half = problem.fit(&fit.at, &fit.free, SHORT).at;
                 at[DRIVE_FIRST..DRIVE_FIRST + DRIVE].copy_from_slice(&half[..DRIVE]);
@@ -374,21 +369,23 @@ impl Machine<'_> {
             horizon_s: HORIZON_S,
             ..HeldOut::default()
         };
-        // square deviations and counts of each channel, before and after
-        let mut sums = [[[0.0; 2]; CHANNELS.len()]; 2];
+        // squares in deviations and in the channel's unit, and counts, of each channel before and after
+        let mut sums = [[[0.0; 3]; CHANNELS.len()]; 2];
         for (pair, deviations) in errors.iter().zip(deviations) {
             for (side, errors) in pair.iter().enumerate() {
                 for channel in 0..CHANNELS.len() {
                     let square = deviations[channel] * deviations[channel];
-                    sums[side][channel][0] += errors.squares[channel] / square;
-                    sums[side][channel][1] += errors.counts[channel];
+                    let [level, own, count] = &mut sums[side][channel];
+                    *level += errors.squares[channel] / square;
+                    *own += errors.squares[channel];
+                    *count += errors.counts[channel];
                 }
             }
         }
         let level = |side: usize, channels: &[usize]| {
             let [squares, counts] = channels.iter().fold([0.0; 2], |[s, n], channel| {
-                let [own, count] = sums[side][*channel];
-                [s + own, n + count]
+                let [level, _, count] = sums[side][*channel];
+                [s + level, n + count]
             });
             (counts > 0.0).then(|| (squares / counts).sqrt())
         };
@@ -396,14 +393,9 @@ impl Machine<'_> {
             let Some(levels) = level(0, &[channel]).zip(level(1, &[channel])) else {
                 continue;
             };
-            let totals = [0, 1].map(|side| {
-                let all = errors.iter().map(|pair| pair[side].clone());
-                let sum = all.fold(Errors::default(), |sum, own| Errors {
-                    squares: std::array::from_fn(|c| sum.squares[c] + own.squares[c]),
-                    counts: std::array::from_fn(|c| sum.counts[c] + own.counts[c]),
-                    ..Errors::default()
-                });
-                sum.rms(channel).unwrap_or(0.0)
+            let [rms_before, rms_after] = [0, 1].map(|side| {
+                let [_, own, count] = sums[side][channel];
+                f64::sqrt(own / count)
             });
             held_out.channels.push(HeldOutChannel {
                 robot: self.name.to_owned(),
@@ -411,8 +403,8 @@ impl Machine<'_> {
                 nrmse_before: levels.0,
                 nrmse_after: levels.1,
                 unit: self.unit(channel),
-                rms_before: totals[0],
-                rms_after: totals[1],
+                rms_before,
+                rms_after,
             });
         }
         let channels: &[usize] = if self.machine.has_pose() {

@@ -11,9 +11,9 @@ use crate::filter::wrapped;
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::Response;
 use crate::model::from_wheels::{
-    FromWheels, MACHINE, RUN_BIAS, Run, drive_parameters, gyro_parameters, pose_parameters,
-    sensor_noise,
+    FromWheels, MACHINE, RUN_BIAS, drive_parameters, gyro_parameters, pose_parameters,
 };
+use crate::model::run::{Run, sensor_noise};
 
 /// Names and order of the channels.
 pub(crate) const CHANNELS: [&str; 6] = [
@@ -82,12 +82,6 @@ impl Errors {
         if draw {
             self.residuals.push((stamp_s, channel, residual));
         }
-    }
-
-    /// Root mean square of a channel; `None` where nothing was predicted.
-    pub(crate) fn rms(&self, channel: usize) -> Option<f64> {
-        let count = self.counts[channel];
-        (count > 0.0).then(|| (self.squares[channel] / count).sqrt())
     }
 
     /// Both together.

@@ -16,7 +16,7 @@ use super::terms::{
 use super::wheel_side::{Doubt, Settled};
 use crate::filter::motion_law::{DRIVERS, VALUES};
 use crate::model::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
 };
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
@@ -76,6 +76,11 @@ impl Fitted<'_> {
 
     fn half(&self, known: Known) -> f64 {
         self.criterion.half_width() * known.deviation
+    }
+
+    /// A number as the change of a parameter.
+    fn value(&self, name: &'static str, scale: Scale, known: Known) -> Value {
+        Value::new(name, scale, known.value, self.half(known))
     }
 
     /// Whether a number is clearly not 0.
@@ -230,24 +235,27 @@ impl Reading<'_> {
     }
 
     fn delay(&self, delay: Known) -> Claim {
-        let half = self.drive_fitted().map_or(0.0, |f| f.half(delay));
-        let mut claim = claim("actuator_delay", delay);
-        claim
-            .values
-            .push(Value::new("delay_s", Scale::Plain, delay.value, half));
-        claim
+        let fitted = self.drive_fitted();
+        let value = fitted.map(|fitted| fitted.value("delay_s", Scale::Plain, delay));
+        claim("actuator_delay", delay, value, [])
     }
 
     /// The claim of a late stream.
     fn late(&self, effect: &'static str, known: Known, toggles: &[usize]) -> Claim {
-        let half = self.reference().or_else(|| self.drive_fitted());
-        let half = half.map_or(0.0, |fitted| fitted.half(known));
-        let mut claim = claim(effect, known);
-        claim
-            .values
-            .push(Value::new("latency_s", Scale::Plain, known.value, half));
-        claim.toggles = toggles.to_vec();
-        claim
+        self.stamped(effect, "latency_s", known, toggles)
+    }
+
+    /// The claim of an effect of stamps.
+    fn stamped(
+        &self,
+        effect: &'static str,
+        name: &'static str,
+        known: Known,
+        toggles: &[usize],
+    ) -> Claim {
+        let fitted = self.reference().or_else(|| self.drive_fitted());
+        let value = fitted.map(|fitted| fitted.value(name, Scale::Plain, known));
+        claim(effect, known, value, toggles.iter().copied())
     }
 
     fn clocks(&self, claims: &mut Vec<Claim>) {
@@ -276,15 +284,10 @@ impl Reading<'_> {
     }
 
     fn drift(&self, stream: &'static str, known: Known, toggles: &[usize]) -> Claim {
-        let half = self.reference().or_else(|| self.drive_fitted());
-        let half = half.map_or(0.0, |fitted| fitted.half(known));
-        let mut claim = claim("clock_drift", known);
-        claim
-            .values
-            .push(Value::new("rate", Scale::Plain, known.value, half));
-        claim.word = Some(("stream", stream));
-        claim.toggles = toggles.to_vec();
-        claim
+        Claim {
+            word: Some(("stream", stream)),
+            ..self.stamped("clock_drift", "rate", known, toggles)
+        }
     }
 
     fn mounting(&self, claims: &mut Vec<Claim>) {
@@ -299,18 +302,18 @@ impl Reading<'_> {
         let y = fitted.known(OFFSET, &[(OFFSET_Y, 1.0)]);
         let yaw = fitted.known(OFFSET_TURN, &[(OFFSET_YAW, 1.0)]);
         let strongest = if x.gain > yaw.gain { x } else { yaw };
-        let mut claim = claim("pose_offset", strongest);
-        claim.gain = x.gain + yaw.gain;
-        for (name, known) in [("x_m", x), ("y_m", y), ("yaw_rad", yaw)] {
-            if known.needed {
-                let half = fitted.half(known);
-                claim
-                    .values
-                    .push(Value::new(name, Scale::Plain, known.value, half));
-            }
-        }
-        claim.toggles = vec![OFFSET_X, OFFSET_Y, OFFSET_YAW];
-        claims.push(claim);
+        let parts = [("x_m", x), ("y_m", y), ("yaw_rad", yaw)];
+        let needed = parts.into_iter().filter(|(_, known)| known.needed);
+        let values = needed.map(|(name, known)| fitted.value(name, Scale::Plain, known));
+        claims.push(Claim {
+            gain: x.gain + yaw.gain,
+            ..claim(
+                "pose_offset",
+                strongest,
+                values,
+                [OFFSET_X, OFFSET_Y, OFFSET_YAW],
+            )
+        });
     }
 
     /// Radii, slip, encoders, gains and track.
@@ -352,14 +355,9 @@ impl Reading<'_> {
         } else {
             ("motor_gain", ["right", "left"], "encoder_scale")
         };
-        let mut claim = claim(effect, gains[0]);
-        for (name, known) in names.into_iter().zip(gains) {
-            let half = fitted.half(known);
-            claim
-                .values
-                .push(Value::new(name, Scale::Factor, known.value, half));
-        }
-        claim.toggles = drive.to_vec();
+        let values = names.into_iter().zip(gains);
+        let values = values.map(|(name, known)| fitted.value(name, Scale::Factor, known));
+        let mut claim = claim(effect, gains[0], values, drive);
         if is_wheels {
             claim.toggles.extend([COMMON, ASYMMETRY]);
         }
@@ -383,25 +381,14 @@ impl Reading<'_> {
             claims.push(self.wheel_radius(fitted, &wheels));
         }
         if !self.calibration.is_some_and(|c| c.by_run[1]) && fitted.is_clear(track) {
-            let mut claim = claim("track_width", track);
-            let half = fitted.half(track);
-            claim
-                .values
-                .push(Value::new("scale", Scale::Factor, track.value, half));
-            claim.toggles = vec![TRACK];
-            claims.push(claim);
+            claims.push(track_width(fitted, track, vec![TRACK]));
         }
     }
 
     fn wheel_radius(&self, fitted: &Fitted<'_>, wheels: &[Known; 2]) -> Claim {
-        let mut claim = claim("wheel_radius", wheels[0]);
-        for (name, known) in ["right_scale", "left_scale"].into_iter().zip(wheels) {
-            let half = fitted.half(*known);
-            claim
-                .values
-                .push(Value::new(name, Scale::Factor, known.value, half));
-        }
-        claim.toggles = vec![COMMON, ASYMMETRY];
+        let values = ["right_scale", "left_scale"].into_iter().zip(wheels);
+        let values = values.map(|(name, known)| fitted.value(name, Scale::Factor, *known));
+        let mut claim = claim("wheel_radius", wheels[0], values, [COMMON, ASYMMETRY]);
         claim.confused = vec!["slip_ratio"];
         if self.machine.is_commanded() {
             claim.confused.push("motor_gain");
@@ -426,26 +413,15 @@ impl Reading<'_> {
         };
         if fitted.is_clear(asymmetry) {
             // wheels that differ; a common factor of both and the track are one in turns
-            let mut claim = claim("wheel_radius", asymmetry);
-            for (name, half) in [("right_scale", 0.5), ("left_scale", -0.5)] {
+            let values = [("right_scale", 0.5), ("left_scale", -0.5)].map(|(name, half)| {
                 let known = fitted.known(GEOMETRY, &[(ASYMMETRY, half), (TRACK, -1.0)]);
-                claim.values.push(Value::new(
-                    name,
-                    Scale::Factor,
-                    known.value,
-                    fitted.half(known),
-                ));
-            }
-            claim.toggles = vec![ASYMMETRY, TRACK];
+                fitted.value(name, Scale::Factor, known)
+            });
+            let mut claim = claim("wheel_radius", asymmetry, values, [ASYMMETRY, TRACK]);
             claim.confused = [&["slip_ratio"], drive].concat();
             claims.push(claim);
         } else if fitted.is_clear(track) {
-            let mut claim = claim("track_width", track);
-            let half = fitted.half(track);
-            claim
-                .values
-                .push(Value::new("scale", Scale::Factor, track.value, half));
-            claim.toggles = vec![TRACK, ASYMMETRY];
+            let mut claim = track_width(fitted, track, vec![TRACK, ASYMMETRY]);
             claim.confused = [&["wheel_radius"], drive].concat();
             claims.push(claim);
         }
@@ -460,11 +436,8 @@ impl Reading<'_> {
             if !fitted.is_clear(scale) {
                 continue;
             }
-            let mut claim = claim("slip_ratio", scale);
-            let half = fitted.half(scale);
-            claim
-                .values
-                .push(Value::new("ratio", Scale::Loss, scale.value, half));
+            let ratio = fitted.value("ratio", Scale::Loss, scale);
+            let mut claim = claim("slip_ratio", scale, [ratio], [index, ASYMMETRY]);
             if fitted.is_clear(asymmetry) {
                 let factor = -scale.value.exp();
                 let change = factor * 2.0 * (asymmetry.value / 2.0).sinh();
@@ -473,7 +446,6 @@ impl Reading<'_> {
                     .values
                     .push(Value::new("asymmetry", Scale::Plain, change, half));
             }
-            claim.toggles = vec![index, ASYMMETRY];
             claim.runs = Some(vec![run]);
             claim.confused = vec!["wheel_radius"];
             claims.push(claim);
@@ -487,12 +459,7 @@ impl Reading<'_> {
             if !fitted.is_clear(track) {
                 continue;
             }
-            let mut claim = claim("track_width", track);
-            let half = fitted.half(track);
-            claim
-                .values
-                .push(Value::new("scale", Scale::Factor, track.value, half));
-            claim.toggles = vec![index];
+            let mut claim = track_width(fitted, track, vec![index]);
             claim.runs = (self.machine.runs.len() > 1).then(|| vec![run]);
             claims.push(claim);
         }
@@ -509,8 +476,7 @@ impl Reading<'_> {
             }
             let first = LAW_FIRST + place * VALUES[0];
             let own = first..first + VALUES[place];
-            let mut claim = claim("unknown", fitted.known(name, &[]));
-            claim.toggles = own.clone().collect();
+            let mut claim = claim("unknown", fitted.known(name, &[]), [], own.clone());
             let knots = self.machine.knots[place];
             let changes: Vec<f64> = own.map(|i| fitted.change(i)).collect();
             claim.law = Some(Law {
@@ -548,12 +514,8 @@ impl Reading<'_> {
                 let total = known.value + self.nominal[DRIVE_FIRST + LAG];
                 known.value = total.abs() - self.nominal[DRIVE_FIRST + LAG];
             }
-            let mut claim = claim(effect, known);
-            let half = fitted.half(known);
-            claim
-                .values
-                .push(Value::new(name, Scale::Plain, known.value, half));
-            claim.toggles = vec![DRIVE_FIRST + parameter];
+            let value = fitted.value(name, Scale::Plain, known);
+            let mut claim = claim(effect, known, [value], [DRIVE_FIRST + parameter]);
             if term == LAG_TERM {
                 claim
                     .confused
@@ -570,16 +532,21 @@ impl Reading<'_> {
         let known = fitted.known(BAND_TERM, &[(self.of_drive(DEAD_BAND), 1.0)]);
         let [low, high] = self.band_rad_s();
         let at = known.value + self.nominal[DRIVE_FIRST + DEAD_BAND];
-        let mut claim = claim("command_dead_band", known);
-        claim.values.push(Value {
+        let value = Value {
             name: "speed_rad_s",
             scale: Scale::Plain,
             change: known.value,
             half: [at - low, high - at],
-        });
-        claim.p_value = (fitted.criterion.tried as f64 * (-kept.gain).exp()).min(1.0);
-        claim.toggles = vec![DRIVE_FIRST + DEAD_BAND];
-        claim
+        };
+        Claim {
+            p_value: (fitted.criterion.tried as f64 * (-kept.gain).exp()).min(1.0),
+            ..claim(
+                "command_dead_band",
+                known,
+                [value],
+                [DRIVE_FIRST + DEAD_BAND],
+            )
+        }
     }
 
     fn band_rad_s(&self) -> [f64; 2] {
@@ -597,25 +564,34 @@ impl Reading<'_> {
             None => self.nominal.to_vec(),
         };
         if let Some(drive) = self.drive {
-            let physics = drive.nominal.len().min(crate::model::drive::DRIVE);
-            at[DRIVE_FIRST..DRIVE_FIRST + physics].copy_from_slice(&drive.after.fit.at[..physics]);
+            at[DRIVE_FIRST..LAW_FIRST].copy_from_slice(&drive.after.fit.at[..DRIVE]);
         }
         at
     }
 }
 
-fn claim(effect: &'static str, known: Known) -> Claim {
+fn claim(
+    effect: &'static str,
+    known: Known,
+    values: impl IntoIterator<Item = Value>,
+    toggles: impl IntoIterator<Item = usize>,
+) -> Claim {
     Claim {
         effect,
-        values: Vec::new(),
+        values: values.into_iter().collect(),
         word: None,
         runs: None,
-        toggles: Vec::new(),
+        toggles: toggles.into_iter().collect(),
         gain: known.gain,
         p_value: known.p_value,
         confused: Vec::new(),
         law: None,
     }
+}
+
+fn track_width(fitted: &Fitted<'_>, track: Known, toggles: Vec<usize>) -> Claim {
+    let scale = fitted.value("scale", Scale::Factor, track);
+    claim("track_width", track, [scale], toggles)
 }
 
 /// Several signed measurements of one number, weighted by their precision.

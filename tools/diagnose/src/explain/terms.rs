@@ -4,8 +4,9 @@ use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
 use crate::filter::motion_law::VALUES;
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
-    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, Run, TRACK,
+    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
 };
+use crate::model::run::Run;
 use crate::select::elimination::Term;
 
 /// What the stamp of a row means within a sampling interval is a convention: this share of it.

@@ -30,7 +30,9 @@ pub(super) struct Thresholds<'a> {
 
 /// Distinct sizes of all commands but 0 (rad/s), rising.
 pub(super) fn levels<'a>(commands: impl Iterator<Item = &'a CommandPath>) -> Vec<f64> {
-    let mut levels: Vec<f64> = commands.flat_map(CommandPath::levels_rad_s).collect();
+    let all = commands.flat_map(|path| path.speeds_rad_s.iter().flatten());
+    let sizes = all.map(|speed| speed.abs()).filter(|size| *size > 1e-9);
+    let mut levels: Vec<f64> = sizes.collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
     levels

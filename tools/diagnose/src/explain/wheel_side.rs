@@ -5,14 +5,12 @@
 use super::calibration::Calibration;
 use super::drive::{CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM};
 use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, POSE_CLOCK, POSE_LATE};
-use crate::estimate::scoring::{FULL, Problem};
+use crate::estimate::scoring::FULL;
 use crate::model::drive::{CLOCK, DELAY, GAIN, GAIN_ASYMMETRY};
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, TRACK, View,
 };
-
-/// Hypotheses whose likelihoods differ by less cannot be told apart (nats).
-pub(crate) const TIE_NATS: f64 = 4.0;
+use crate::select::criterion::TIE_NATS;
 
 /// What may be the encoders'.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,11 +105,7 @@ fn advantage(
         machine,
         robust: true,
     };
-    let problem = Problem {
-        likelihood: &view,
-        priors: machine.priors(nominal),
-        longest: machine.longest(),
-    };
+    let problem = machine.problem(&view, nominal);
     let own = &calibration.after;
     let fixed = |index: &usize| shifts.iter().any(|(shifted, _)| shifted == index);
     let mut at = own.fit.at.clone();

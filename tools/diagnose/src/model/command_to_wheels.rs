@@ -12,8 +12,9 @@ use super::drive::{
 use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
 use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, rows};
-use crate::estimate::blocks::Blocks;
+use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow};
@@ -77,7 +78,7 @@ impl CommandToWheels {
     }
 
     /// Priors: weak ones, about the nominal values.
-    pub(crate) fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
+    fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
         let mut deviations = deviations(self.largest_rad_s).to_vec();
         deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
         let pairs = nominal.iter().zip(deviations);
@@ -91,8 +92,21 @@ impl CommandToWheels {
         priors
     }
 
+    /// The problem of fitting it by a likelihood, about nominal values.
+    pub(crate) fn problem<'a>(
+        &self,
+        likelihood: &'a dyn Likelihood,
+        nominal: &[f64],
+    ) -> Problem<'a> {
+        Problem {
+            likelihood,
+            priors: self.priors(nominal),
+            longest: self.longest(),
+        }
+    }
+
     /// Longest step of each parameter in one iteration of a fit.
-    pub(crate) fn longest(&self) -> Vec<f64> {
+    fn longest(&self) -> Vec<f64> {
         let mut longest = longest(self.largest_rad_s).to_vec();
         longest.extend([1.0; NOISE]);
         longest
@@ -215,13 +229,11 @@ impl DriveRun {
 
 impl Likelihood for CommandToWheels {
     fn blocks(&self) -> usize {
-        self.runs.last().map_or(0, |run| run.blocks.end())
+        blocks::total(self.runs.iter().map(|run| run.blocks))
     }
 
     fn run_of(&self) -> Vec<usize> {
-        let runs = self.runs.iter().enumerate();
-        runs.flat_map(|(i, run)| vec![i; run.blocks.count])
-            .collect()
+        blocks::run_of(self.runs.iter().map(|run| run.blocks))
     }
 
     fn is_shared(&self, _: usize) -> bool {

@@ -5,22 +5,21 @@
 
 use rayon::prelude::*;
 use slipstream_bus::RobotModel;
-use slipstream_recording::recording::{PosePoint, Robot};
+use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
 use super::command_to_wheels::{self, drive_of};
-use super::drive::{DRIVE, Response, SATURATION};
+use super::drive::{DRIVE, SATURATION};
 use super::nominal::{clock_rate, number};
-use crate::data::command::{self, CommandPath};
-use crate::data::reference::{POSE_STEP_S, Span, Thinned, gyro, poses};
-use crate::data::wheels;
-use crate::estimate::blocks::Blocks;
+use super::run::{RUN_NOISE, Run, Source};
+use crate::data::reference::POSE_STEP_S;
+use crate::estimate::blocks;
 use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
 use crate::filter::motion_law::{Knots, LAW};
-use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
 use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
 /// Parameters of the machine.
@@ -48,40 +47,9 @@ pub(crate) const RUN_BIAS: usize = 2;
 pub(crate) const RUN_LATE: usize = 3;
 pub(crate) const RUN_RATE: usize = 4;
 const RUN: usize = 5;
-const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
-/// Least distance that a run's wheels have to roll, in half tracks.
-const LEAST_WAY: f64 = 4.0;
 /// Values of a law, as a share of the fastest speed of a rim.
 const LAW_SHARE: f64 = 0.3;
-/// Speeds and turns that take less than this share of the time lie beyond the knots of a law.
-const RARE_SHARE: f64 = 0.005;
-/// Interval at which the wheels of a simulated drive count as known (s).
-const COMMANDED_STEP_S: f64 = 0.02;
-
-/// How the wheels turned.
-#[derive(Debug, Clone)]
-pub(crate) enum Source {
-    Measured(WheelPath),
-    /// No wheels were recorded: they turn as the drive follows its commands.
-    Commanded(CommandPath),
-}
-
-/// One run.
-#[derive(Debug, Clone)]
-pub(crate) struct Run {
-    /// Which of the robots it is of.
-    pub(crate) robot: usize,
-    /// What its times count from (s).
-    pub(crate) origin_s: f64,
-    pub(crate) wheels: Source,
-    pub(crate) wheel_interval_s: f64,
-    pub(crate) pose: Option<Thinned<PoseRow>>,
-    pub(crate) gyro: Option<Thinned<(f64, f64)>>,
-    pub(crate) declared_m: f64,
-    pub(crate) first_heading_rad: f64,
-    pub(crate) blocks: Blocks,
-}
 
 /// The machine.
 #[derive(Debug, Clone)]
@@ -267,7 +235,7 @@ impl FromWheels {
     }
 
     /// Priors: weak ones, about the nominal values.
-    pub(crate) fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
+    fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
         let b = self.half_track_m;
         let track = if self.skids { 0.6 } else { 0.3 };
         let machine = [
@@ -301,8 +269,21 @@ impl FromWheels {
         priors
     }
 
+    /// The problem of fitting it by a likelihood, about nominal values.
+    pub(crate) fn problem<'a>(
+        &self,
+        likelihood: &'a dyn Likelihood,
+        nominal: &[f64],
+    ) -> Problem<'a> {
+        Problem {
+            likelihood,
+            priors: self.priors(nominal),
+            longest: self.longest(),
+        }
+    }
+
     /// Longest step of each parameter in one iteration of a fit.
-    pub(crate) fn longest(&self) -> Vec<f64> {
+    fn longest(&self) -> Vec<f64> {
         let b = self.half_track_m;
         let mut longest = vec![0.2, 0.2, 0.3, 2.0 * b, 2.0 * b, 0.5, 0.1, 2e-3, 0.1, 2e-3];
         longest.extend(command_to_wheels::longest(self.largest_rad_s()));
@@ -462,9 +443,7 @@ impl View<'_> {
             }
         }
     }
-}
 
-impl View<'_> {
     /// Log-likelihood of the gyro of one run.
     pub(crate) fn gyro_value(&self, run: usize, at: &[f64]) -> f64 {
         let mut sum = 0.0;
@@ -545,13 +524,11 @@ impl Reference {
 
 impl Likelihood for View<'_> {
     fn blocks(&self) -> usize {
-        self.machine.runs.last().map_or(0, |run| run.blocks.end())
+        blocks::total(self.machine.runs.iter().map(|run| run.blocks))
     }
 
     fn run_of(&self) -> Vec<usize> {
-        let runs = self.machine.runs.iter().enumerate();
-        runs.flat_map(|(i, run)| vec![i; run.blocks.count])
-            .collect()
+        blocks::run_of(self.machine.runs.iter().map(|run| run.blocks))
     }
 
     fn is_shared(&self, parameter: usize) -> bool {
@@ -639,226 +616,4 @@ pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
 fn skids(robot: &Robot) -> bool {
     let drive = robot.notes.get("drive").and_then(|value| value.as_str());
     drive.is_some_and(|drive| drive.to_lowercase().contains("skid"))
-}
-
-impl Source {
-    fn new(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<Self> {
-        if let Some(path) = wheels::path(robot, model, origin_s) {
-            return Some(Self::Measured(path));
-        }
-        command::commands(robot, model, origin_s).map(Self::Commanded)
-    }
-
-    /// How far both wheels turned, all told (rad).
-    fn turned_rad(&self) -> f64 {
-        match self {
-            Self::Measured(path) => {
-                let pairs = path.angles_rad.windows(2);
-                let turned = pairs.map(|p| (p[1][0] - p[0][0]).abs() + (p[1][1] - p[0][1]).abs());
-                turned.sum()
-            }
-            Self::Commanded(path) => {
-                let held_s = path.times_s.windows(2).map(|t| t[1] - t[0]);
-                let held_s = held_s.chain([1.0]).zip(&path.speeds_rad_s);
-                held_s.map(|(h, u)| h * (u[0].abs() + u[1].abs())).sum()
-            }
-        }
-    }
-
-    /// Ranges of half the difference and half the sum of the wheels' speeds, without what is rare
-    /// (rad/s).
-    fn ranges_rad_s(&self) -> [[f64; 2]; 2] {
-        let speeds: Vec<([f64; 2], f64)> = match self {
-            Self::Measured(path) => {
-                let pairs = path.times_s.windows(2).zip(path.angles_rad.windows(2));
-                let speeds = pairs.map(|(t, a)| {
-                    let h = t[1] - t[0];
-                    ([0, 1].map(|i| (a[1][i] - a[0][i]) / h), h)
-                });
-                speeds.collect()
-            }
-            Self::Commanded(path) => {
-                let held_s = path.times_s.windows(2).map(|t| t[1] - t[0]).chain([0.0]);
-                path.speeds_rad_s.iter().copied().zip(held_s).collect()
-            }
-        };
-        let range = |of: fn(&[f64; 2]) -> f64| {
-            let mut all: Vec<(f64, f64)> = speeds.iter().map(|(u, h)| (of(u), *h)).collect();
-            all.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let total: f64 = all.iter().map(|(_, h)| h).sum();
-            let mut passed = 0.0;
-            let mut is_common = |(_, h): &&(f64, f64)| {
-                passed += h;
-                passed > RARE_SHARE * total
-            };
-            let low = all.iter().find(&mut is_common);
-            passed = 0.0;
-            let mut is_common = |(_, h): &&(f64, f64)| {
-                passed += h;
-                passed > RARE_SHARE * total
-            };
-            let high = all.iter().rev().find(&mut is_common);
-            [low, high].map(|end| end.map_or(0.0, |(speed, _)| *speed))
-        };
-        [
-            range(|u| (u[0] - u[1]) / 2.0),
-            range(|u| f64::midpoint(u[0], u[1])),
-        ]
-    }
-
-    fn interval_s(&self) -> f64 {
-        match self {
-            Self::Measured(path) => path.interval_s(),
-            Self::Commanded(_) => COMMANDED_STEP_S,
-        }
-    }
-
-    /// When something is known of them (s).
-    fn span_s(&self) -> [f64; 2] {
-        match self {
-            Self::Measured(path) => [path.times_s[0], path.times_s[path.times_s.len() - 1]],
-            // the last command holds on
-            Self::Commanded(path) => [path.times_s[0], f64::INFINITY],
-        }
-    }
-
-    pub(crate) fn is_commanded(&self) -> bool {
-        matches!(self, Self::Commanded(_))
-    }
-
-    /// Calls `with` with the wheels of a drive with these parameters.
-    pub(crate) fn turned<S: Scalar, T>(
-        &self,
-        drive: &[S],
-        with: impl FnOnce(&dyn Turned<S>) -> T,
-    ) -> T {
-        match self {
-            Self::Measured(path) => with(path),
-            Self::Commanded(path) => with(&Response::new(path, drive)),
-        }
-    }
-}
-
-impl Run {
-    fn new(
-        robot: &Robot,
-        model: &RobotModel,
-        excluded_s: &[[f64; 2]],
-        first_block: usize,
-    ) -> Option<Self> {
-        let origin_s = crate::data::origin_of(robot);
-        let wheels = Source::new(robot, model, origin_s)?;
-        if wheels.turned_rad() * model.robot.wheel_radius_m < LEAST_WAY * model.robot.half_track_m {
-            return None;
-        }
-        let wheel_interval_s = wheels.interval_s();
-        let span = Span {
-            origin_s,
-            excluded_s,
-            wheels_s: wheels.span_s(),
-        };
-        let pose = poses(robot, span);
-        let gyro = gyro(robot, span, wheel_interval_s);
-        let ends = |rows: Option<(f64, f64)>| rows.into_iter().flat_map(|(a, b)| [a, b]);
-        let pose_ends = pose
-            .as_ref()
-            .and_then(|p| Some((p.all.first()?.0, p.all.last()?.0)));
-        let gyro_ends = gyro
-            .as_ref()
-            .and_then(|p| Some((p.all.first()?.0, p.all.last()?.0)));
-        let mut all: Vec<f64> = ends(pose_ends).chain(ends(gyro_ends)).collect();
-        if all.is_empty() && !wheels.is_commanded() {
-            all.extend(wheels.span_s());
-        }
-        let from_s = all.iter().copied().fold(f64::INFINITY, f64::min);
-        let to_s = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if all.is_empty() {
-            return None;
-        }
-        let ahead_m = model.robot.com_to_axle_m.unwrap_or(0.0);
-        let axle = robot.pose_point == Some(PosePoint::Axle);
-        Some(Self {
-            robot: 0,
-            origin_s,
-            wheel_interval_s,
-            wheels,
-            pose,
-            gyro,
-            declared_m: if axle { 0.0 } else { ahead_m },
-            first_heading_rad: 0.0,
-            blocks: Blocks::new([from_s, to_s], first_block),
-        })
-    }
-
-    pub(crate) fn has_heading(&self) -> bool {
-        self.pose.as_ref().is_some_and(|pose| {
-            let seen = pose.all.iter().filter(|(_, z)| z[2].is_finite()).count();
-            2 * seen > pose.all.len()
-        })
-    }
-
-    /// Median time between rows of the gyro (s).
-    pub(crate) fn gyro_interval_s(&self) -> f64 {
-        self.gyro.as_ref().map_or(0.0, |gyro| {
-            let times: Vec<f64> = gyro.all.iter().map(|row| row.0).collect();
-            median_interval(&times)
-        })
-    }
-
-    /// Median time between poses (s).
-    pub(crate) fn pose_interval_s(&self) -> f64 {
-        let times = |pose: &Thinned<PoseRow>| pose.all.iter().map(|row| row.0).collect::<Vec<_>>();
-        self.pose
-            .as_ref()
-            .map_or(0.0, |pose| median_interval(&times(pose)))
-    }
-
-    /// Logs of noise sizes to start from; those of the pose's sensor from second differences.
-    fn noise_guesses(&self, track_m: f64) -> [f64; RUN_NOISE] {
-        let [place, yaw] = self
-            .pose
-            .as_ref()
-            .map_or([1e-2; 2], |pose| sensor_noise(&pose.all));
-        let root = track_m.sqrt();
-        [
-            0.1 * root,
-            0.05 * root,
-            0.05 / root,
-            0.05,
-            0.3 * place,
-            0.3 * yaw,
-            place,
-            yaw,
-            0.01,
-            0.02 / root,
-            0.03,
-            0.003,
-            0.001,
-            0.005,
-            0.03,
-            0.5,
-        ]
-        .map(f64::ln)
-    }
-}
-
-/// Order of the white noise of poses: place (m), yaw (rad), from medians of second differences.
-pub(crate) fn sensor_noise(rows: &[PoseRow]) -> [f64; 2] {
-    let median = |i: usize| {
-        let seconds = rows.windows(3).map(|w| {
-            let d = [w[1].1[i] - w[0].1[i], w[2].1[i] - w[1].1[i]];
-            let d = if i == 2 {
-                d.map(crate::filter::wrapped::<f64>)
-            } else {
-                d
-            };
-            (d[1] - d[0]).abs()
-        });
-        let mut all: Vec<f64> = seconds.filter(|d| d.is_finite() && *d > 0.0).collect();
-        all.sort_by(f64::total_cmp);
-        // deviation of a second difference of white noise is sqrt 6; median of |normal| is 0.67
-        all.get(all.len() / 2).map(|m| m / 0.67 / 6.0_f64.sqrt())
-    };
-    let place = [median(0), median(1)].into_iter().flatten().sum::<f64>() / 2.0;
-    [place.max(1e-5), median(2).unwrap_or(0.01).max(1e-5)]
 }

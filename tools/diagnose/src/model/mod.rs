@@ -4,3 +4,4 @@ pub(crate) mod command_to_wheels;
 pub(crate) mod drive;
 pub(crate) mod from_wheels;
 pub(crate) mod nominal;
+pub(crate) mod run;

@@ -5,6 +5,9 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT}
 /// Probability that a recording in which nothing is to be found yields a finding.
 pub(crate) const FALSE_ALARM: f64 = 0.01;
 
+/// Hypotheses whose likelihoods differ by less cannot be told apart (nats).
+pub(crate) const TIE_NATS: f64 = 4.0;
+
 /// A test of one recording, among `tried` terms, with `blocks` independent pieces of data.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Criterion {

@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criterion::Criterion;
+use super::criterion::{Criterion, TIE_NATS};
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
 
@@ -93,8 +93,6 @@ enum Round {
 
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
-/// Look-alikes whose likelihoods differ by less cannot be told apart (nats).
-const ALIKE_NATS: f64 = 4.0;
 /// Largest variance of what is known, as a share of the prior's.
 const KNOWN_SHARE: f64 = 1.0 / 16.0;
 /// A gain of this many times what is asked for does not come of an unfinished fit.
@@ -216,7 +214,7 @@ impl Elimination<'_> {
         let (free, physics) = self.free(&swapped);
         let fit = self.problem.fit(&at, &free, FULL);
         let better = fit.objective - found.fit.objective;
-        if better.abs() < ALIKE_NATS {
+        if better.abs() < TIE_NATS {
             let names = if better > 0.0 {
                 [other, own]
             } else {
