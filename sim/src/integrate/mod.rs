@@ -3,6 +3,7 @@
 
 mod active_set;
 mod carried;
+mod correction;
 mod event_step;
 mod fast;
 mod floor;
@@ -20,4 +21,5 @@ mod state;
 mod trial_step;
 mod velocity_projection;
 
+pub use correction::Correction;
 pub use state::State;

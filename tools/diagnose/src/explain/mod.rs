@@ -4,6 +4,7 @@ mod budget;
 pub(crate) mod calibration;
 pub(crate) mod claim;
 pub(crate) mod drive;
+pub(crate) mod dynamic;
 pub(crate) mod finding;
 pub(crate) mod kinematic;
 mod open_loop;

@@ -1,0 +1,390 @@
+//! A model with its noise, fitted: passes of the filter, noise sizes and parameters in turn.
+
+use rayon::prelude::*;
+use slipstream_bus::RobotModel;
+use slipstream_sim::effects::{Domain, Role};
+use slipstream_sim::{Robot, State};
+
+use super::channels::{deviance, levels};
+use super::gauss_newton::{Parameter, Problem};
+use super::machine::Machine;
+use super::noise_sizes::{Effort, QUICK, Search, THOROUGH};
+use crate::filter::dynamic::Noise;
+use crate::filter::dynamic::flow::Flow;
+use crate::filter::dynamic::gains::Pass;
+use crate::filter::dynamic::linear::likelihood;
+use crate::filter::dynamic::predictor::innovations;
+use crate::windows::bench::with;
+use crate::windows::hypothesis::{Hypothesis, least_probe, slides};
+
+/// Longest step of the plant (s), and where wheels can slide or gears have play.
+const STEP_S: f64 = 5e-3;
+const SHORT_STEP_S: f64 = 2e-3;
+/// Share of the smallest probe of a parameter over which differences begin.
+const SMALL: f64 = 0.05;
+/// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;
+/// and with torques of wheels in place of creep.
+const FLOOR: [f64; 5] = [5e-4, 2e-5, 1e-5, 1e-4, 1e-5];
+const FLOOR_OF_WHEELS: [f64; 5] = [5e-4, 2e-5, 2e-5, 2e-5, 1e-5];
+const FLOOR_MASS_KG: f64 = 1.6;
+/// Where a search for noise begins.
+const NOISE: [f64; 5] = [0.05, 0.002, 1e-3, 3e-3, 1e-3];
+const NOISE_OF_WHEELS: [f64; 5] = [0.05, 0.002, 3e-3, 3e-3, 1e-3];
+const NOISE_TIME_S: f64 = 0.3;
+
+/// A model with effects, and the noise that goes with it.
+#[derive(Clone)]
+pub(crate) struct Fit {
+    pub(crate) hypotheses: Vec<Hypothesis>,
+    pub(crate) noise: Noise,
+    pub(crate) passes: Vec<Pass>,
+    /// Whitened innovations of all runs.
+    pub(crate) whitened: Vec<f64>,
+    /// −2 ln L up to a constant.
+    pub(crate) deviance: f64,
+}
+
+/// Whether wheels can slide.
+pub(crate) fn may_slide(model: &RobotModel, hypotheses: &[Hypothesis]) -> bool {
+    let known = model
+        .effects
+        .iter()
+        .filter_map(|listed| slipstream_sim::effects::find(&listed.effect));
+    known.chain(hypotheses.iter().map(|h| h.info)).any(slides)
+}
+
+fn has_play(model: &RobotModel, hypotheses: &[Hypothesis]) -> bool {
+    with(model, hypotheses)
+        .effects
+        .iter()
+        .any(|listed| listed.effect == "backlash")
+}
+
+/// The parameters of `hypotheses` that are fitted, in their order.
+pub(crate) fn values(hypotheses: &[Hypothesis]) -> Vec<f64> {
+    let smooth = hypotheses.iter().filter(|h| !h.is_threshold());
+    smooth.flat_map(|h| h.values.iter().map(|v| v.1)).collect()
+}
+
+/// `hypotheses` with these values.
+pub(crate) fn valued(hypotheses: &[Hypothesis], values: &[f64]) -> Vec<Hypothesis> {
+    let mut values = values.iter();
+    let mut out = hypotheses.to_vec();
+    for hypothesis in out.iter_mut().filter(|h| !h.is_threshold()) {
+        for (own, value) in hypothesis.values.iter_mut().zip(&mut values) {
+            own.1 = *value;
+        }
+        hypothesis.keep_in_order();
+    }
+    out
+}
+
+pub(super) fn parameters(hypotheses: &[Hypothesis]) -> Vec<Parameter> {
+    let smooth = hypotheses.iter().filter(|h| !h.is_threshold());
+    let each = smooth.flat_map(|h| h.values.iter().map(move |(name, _)| (h, *name)));
+    let of = |(h, name): (&Hypothesis, &str)| {
+        let info = h.info.parameter(name);
+        let small = SMALL * least_probe(h.info, name).unwrap_or(1.0);
+        match info.map(|p| (p.domain, p.role)) {
+            Some((Domain::Number { lower, upper, .. }, role)) if role != Role::Direction => {
+                Parameter {
+                    lower,
+                    upper,
+                    small,
+                }
+            }
+            _ => Parameter {
+                lower: f64::NEG_INFINITY,
+                upper: f64::INFINITY,
+                small,
+            },
+        }
+    };
+    each.map(of).collect()
+}
+
+impl Machine {
+    /// Floor of the noise of a model.
+    pub(crate) fn floor(&self, of_wheels: bool) -> [f64; 5] {
+        let body = &self.model.robot;
+        let mass_kg = body.body_mass_kg.unwrap_or(FLOOR_MASS_KG);
+        let scale = mass_kg / FLOOR_MASS_KG;
+        let [surge, yaw, third, fourth, across] = if of_wheels { FLOOR_OF_WHEELS } else { FLOOR };
+        let creep = if of_wheels { scale } else { 1.0 };
+        [
+            surge * scale,
+            yaw * scale,
+            third * creep,
+            fourth * creep,
+            across,
+        ]
+    }
+
+    fn first_noise(&self, of_wheels: bool) -> Noise {
+        let size = if of_wheels { NOISE_OF_WHEELS } else { NOISE };
+        Noise {
+            size,
+            time_s: [NOISE_TIME_S; 3],
+            of_wheels,
+        }
+    }
+
+    fn robot(&self, hypotheses: &[Hypothesis]) -> Option<Robot> {
+        Robot::new(&with(&self.model, hypotheses)).ok()
+    }
+
+    fn step_s(&self, hypotheses: &[Hypothesis]) -> f64 {
+        if may_slide(&self.model, hypotheses) || has_play(&self.model, hypotheses) {
+            SHORT_STEP_S
+        } else {
+            STEP_S
+        }
+    }
+
+    /// Variances of the rows of a run: with backlash the time of an impact is known to a step only,
+    /// half a count more.
+    fn variances(&self, run: usize, hypotheses: &[Hypothesis]) -> Vec<[f64; 3]> {
+        let play = has_play(&self.model, hypotheses);
+        let rows = self.runs[run].rows.iter();
+        rows.map(|row| {
+            let angle = row.sensor == crate::filter::dynamic::Sensor::WheelAngle;
+            if play && angle {
+                // a count is √12 deviations of its rounding
+                row.variance.map(|v| v * 4.0)
+            } else {
+                row.variance
+            }
+        })
+        .collect()
+    }
+
+    /// Innovations of `hypotheses` at the gains of `fit`.
+    pub(crate) fn innovations(&self, fit: &Fit, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+        self.watched(fit, hypotheses, |_, _, _, _| ())
+    }
+
+    /// The same; `watch` sees run, time, state and disturbances at every row.
+    pub(crate) fn watched(
+        &self,
+        fit: &Fit,
+        hypotheses: &[Hypothesis],
+        mut watch: impl FnMut(usize, f64, &State, &[f64; 5]),
+    ) -> Option<Vec<f64>> {
+        let robot = self.robot(hypotheses)?;
+        let mut all = Vec::with_capacity(self.channels.len());
+        for (index, (run, pass)) in self.runs.iter().zip(&fit.passes).enumerate() {
+            let flow = Flow {
+                robot: &robot,
+                run,
+                step_s: self.step_s(hypotheses),
+                of_wheels: fit.noise.of_wheels,
+                law: None,
+            };
+            all.extend(innovations(&flow, &fit.noise, &pass.gains, |t_s, s, d| {
+                watch(index, t_s, s, d);
+            }));
+        }
+        Some(all)
+    }
+
+    /// Filters all runs.
+    pub(crate) fn pass(&self, hypotheses: Vec<Hypothesis>, noise: Noise) -> Option<Fit> {
+        let robot = self.robot(&hypotheses)?;
+        let step_s = self.step_s(&hypotheses);
+        let passes: Vec<Pass> = (0..self.runs.len())
+            .into_par_iter()
+            .map(|index| {
+                let flow = Flow {
+                    robot: &robot,
+                    run: &self.runs[index],
+                    step_s,
+                    of_wheels: noise.of_wheels,
+                    law: None,
+                };
+                let variances = self.variances(index, &hypotheses);
+                Pass::new(&flow, &noise, &variances, noise.of_wheels)
+            })
+            .collect();
+        let mut fit = Fit {
+            hypotheses,
+            noise,
+            passes,
+            whitened: Vec::new(),
+            deviance: f64::INFINITY,
+        };
+        fit.whitened = fit.own_innovations(self);
+        fit.deviance = deviance(&levels(&fit.whitened, &self.channels)) + fit.log_determinant();
+        Some(fit)
+    }
+
+    /// Noise sizes anew, then a pass with them, while that gains.
+    pub(crate) fn with_noise(&self, mut fit: Fit, rounds: usize, effort: Effort) -> Fit {
+        for _ in 0..rounds {
+            let (noise, _) = self.search(&fit, &fit.noise, effort);
+            if noise == fit.noise {
+                break;
+            }
+            let Some(next) = self.passed_between(&fit, noise) else {
+                break;
+            };
+            let gain = fit.deviance - next.deviance;
+            if gain < 0.0 {
+                break;
+            }
+            fit = next;
+            if gain < 2.0 {
+                break;
+            }
+        }
+        fit
+    }
+
+    /// A pass with `noise`, or with what lies between it and that of `fit` where the linear promise
+    /// does not hold.
+    fn passed_between(&self, fit: &Fit, noise: Noise) -> Option<Fit> {
+        let next = self.pass(fit.hypotheses.clone(), noise)?;
+        if next.deviance <= fit.deviance + 1.0 {
+            return Some(next);
+        }
+        let middle = Noise {
+            size: std::array::from_fn(|i| (noise.size[i] * fit.noise.size[i]).sqrt()),
+            time_s: std::array::from_fn(|i| (noise.time_s[i] * fit.noise.time_s[i]).sqrt()),
+            of_wheels: noise.of_wheels,
+        };
+        self.pass(fit.hypotheses.clone(), middle)
+    }
+
+    fn search(&self, fit: &Fit, from: &Noise, effort: Effort) -> (Noise, f64) {
+        let slides = fit.noise.of_wheels;
+        let variances: Vec<Vec<[f64; 3]>> = (0..self.runs.len())
+            .map(|run| self.variances(run, &fit.hypotheses))
+            .collect();
+        let value = |noise: &Noise| {
+            let mut whitened = Vec::with_capacity(self.channels.len());
+            let mut log_determinant = 0.0;
+            for (index, run) in self.runs.iter().enumerate() {
+                let own = likelihood(&fit.passes[index], run, noise, &variances[index], slides);
+                whitened.extend(own.whitened);
+                log_determinant += own.log_determinant;
+            }
+            let value = deviance(&levels(&whitened, &self.channels)) + log_determinant;
+            if value.is_finite() { value } else { f64::MAX }
+        };
+        let search = Search {
+            floor: self.floor(slides),
+            of_wheels: slides,
+            has_pose: self.has_pose(),
+            deviance: &value,
+        };
+        search.run(from, effort)
+    }
+
+    /// The likelihood in sizes and times has several maxima: the search goes also from a short time.
+    pub(crate) fn with_best_noise(&self, fit: Fit) -> Fit {
+        let own = self.search(&fit, &fit.noise, THOROUGH);
+        let mut short = fit.noise;
+        let first = self.first_noise(fit.noise.of_wheels);
+        for i in 0..2 {
+            short.size[i] = first.size[i];
+        }
+        short.time_s = [0.1; 3];
+        let other = self.search(&fit, &short, THOROUGH);
+        let best = if own.1 <= other.1 { own.0 } else { other.0 };
+        let next = self.passed_between(&fit, best);
+        match next {
+            Some(next) if next.deviance < fit.deviance => next,
+            _ => fit,
+        }
+    }
+
+    /// The nominal model, its noise fitted.
+    pub(crate) fn nominal(&self) -> Option<Fit> {
+        let of_wheels = may_slide(&self.model, &[]);
+        let fit = self.pass(Vec::new(), self.first_noise(of_wheels))?;
+        let fit = self.with_noise(fit, 4, THOROUGH);
+        Some(self.with_best_noise(fit))
+    }
+
+    /// The model of `fit` under small noise that acts on the wheels.
+    pub(crate) fn rolling_with_wheel_noise(&self, fit: &Fit) -> Option<Fit> {
+        self.pass(fit.hypotheses.clone(), self.first_noise(true))
+    }
+
+    /// Begins a fit of `hypotheses` at the noise of `fit`, or at small noise of another kind where
+    /// wheels can slide only now.
+    pub(crate) fn begun(&self, fit: &Fit, hypotheses: Vec<Hypothesis>) -> Option<Fit> {
+        let of_wheels = may_slide(&self.model, &hypotheses);
+        if of_wheels == fit.noise.of_wheels {
+            return self.pass(hypotheses, fit.noise);
+        }
+        let begun = self.pass(hypotheses, self.first_noise(of_wheels))?;
+        Some(self.with_noise(begun, 2, THOROUGH))
+    }
+
+    /// Parameters at fixed gains, then gains and noise, in turn.
+    pub(crate) fn fitted(&self, fit: Fit, rounds: usize, iterations: usize) -> Fit {
+        let mut fit = fit;
+        for _ in 0..rounds {
+            let before = fit.deviance;
+            let Some(next) = self.stepped(&fit, iterations) else {
+                break;
+            };
+            let next = self.with_noise(next, 1, QUICK);
+            if next.deviance > before {
+                break;
+            }
+            fit = next;
+            if fit.deviance > before - 1.0 {
+                break;
+            }
+        }
+        fit
+    }
+
+    /// Parameters by Gauss-Newton at the gains of `fit`, and a pass with them.
+    fn stepped(&self, fit: &Fit, iterations: usize) -> Option<Fit> {
+        let at = values(&fit.hypotheses);
+        let solution = self.solve(fit, &fit.hypotheses, &at, iterations)?;
+        self.pass(valued(&fit.hypotheses, &solution.at), fit.noise)
+    }
+
+    /// Gauss-Newton at the gains of `fit` on the parameters of `hypotheses`.
+    pub(crate) fn solve(
+        &self,
+        fit: &Fit,
+        hypotheses: &[Hypothesis],
+        at: &[f64],
+        iterations: usize,
+    ) -> Option<super::gauss_newton::Solution> {
+        let parameters = parameters(hypotheses);
+        let innovations = |at: &[f64]| self.innovations(fit, &valued(hypotheses, at));
+        let problem = Problem {
+            parameters: &parameters,
+            channels: &self.channels,
+            innovations: &innovations,
+        };
+        problem.fit(at, None, iterations, 0.5)
+    }
+}
+
+impl Fit {
+    /// −2 ln L's part that does not depend on innovations.
+    pub(crate) fn log_determinant(&self) -> f64 {
+        let gains = self.passes.iter().flat_map(|pass| &pass.gains);
+        gains.map(|gain| gain.log_determinant).sum()
+    }
+
+    fn own_innovations(&self, machine: &Machine) -> Vec<f64> {
+        let mut all = Vec::with_capacity(machine.channels.len());
+        for (run, pass) in machine.runs.iter().zip(&self.passes) {
+            let first = all.len();
+            all.resize(first + 3 * run.rows.len(), 0.0);
+            for row in &pass.rows {
+                let at = first + 3 * row.row;
+                let whitened = pass.gains[row.row].whitened(&row.innovation);
+                all[at..at + 3].copy_from_slice(&whitened);
+            }
+        }
+        all
+    }
+}

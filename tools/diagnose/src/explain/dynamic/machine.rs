@@ -1,0 +1,174 @@
+//! The runs of one machine as the filter reads them.
+
+use slipstream_bus::RobotModel;
+
+use super::channels::{NO_CHANNEL, first};
+use crate::filter::dynamic::gains::NOT_MEASURED;
+use crate::filter::dynamic::{N, Row, Run, Sensor};
+use crate::windows::track::{self, Track};
+
+/// Standard deviation of the first pose (m, rad): nothing is known of where a robot begins.
+const START_POSE: [f64; 3] = [1.0, 1.0, 0.5];
+/// Standard deviation of surge (m/s) and yaw rate (rad/s) of a robot that begins at rest, and of one
+/// that moves.
+const AT_REST: [f64; 2] = [0.003, 0.02];
+const MOVING: [f64; 2] = [0.2, 1.0];
+/// A robot whose wheels turn by this many deviations within this time (s) moves when its recording begins.
+const MOVES: f64 = 10.0;
+const BEGINS_S: f64 = 0.2;
+/// Standard deviation of a slip at the start (m/s).
+const START_SLIP: f64 = 0.01;
+
+/// The runs of one machine, and its nominal model.
+pub(crate) struct Machine {
+    pub(crate) tracks: Vec<Track>,
+    pub(crate) runs: Vec<Run>,
+    pub(crate) model: RobotModel,
+    /// Channel of each innovation: three for each row of each run.
+    pub(crate) channels: Vec<u8>,
+    /// Stamp of each (s), and its run.
+    pub(crate) stamps: Vec<(f64, usize)>,
+}
+
+impl Machine {
+    pub(crate) fn new(tracks: Vec<Track>, model: RobotModel) -> Self {
+        let runs: Vec<Run> = tracks.iter().map(|track| run(track, &model)).collect();
+        let (mut channels, mut stamps) = (Vec::new(), Vec::new());
+        for (index, run) in runs.iter().enumerate() {
+            for row in &run.rows {
+                let own = first(row.sensor);
+                for (i, part) in (0_u8..3).zip(row.variance) {
+                    channels.push(if part < NOT_MEASURED {
+                        own + i
+                    } else {
+                        NO_CHANNEL
+                    });
+                    stamps.push((row.stamp_s, index));
+                }
+            }
+        }
+        Self {
+            tracks,
+            runs,
+            model,
+            channels,
+            stamps,
+        }
+    }
+
+    /// Whether a pose was measured.
+    pub(crate) fn has_pose(&self) -> bool {
+        let mut rows = self.runs.iter().flat_map(|run| &run.rows);
+        rows.any(|row| row.sensor == Sensor::Pose)
+    }
+}
+
+fn run(track: &Track, model: &RobotModel) -> Run {
+    let mut rows = Vec::new();
+    for series in &track.series {
+        let sensor = match series.sensor {
+            track::Sensor::WheelAngle => Sensor::WheelAngle,
+            track::Sensor::WheelSpeed => Sensor::WheelSpeed,
+            track::Sensor::Pose => Sensor::Pose,
+            track::Sensor::Imu => Sensor::Imu,
+            // it is made of the wheels, and no evidence beside them
+            track::Sensor::Odometry => continue,
+        };
+        let first = rows.len();
+        rows.extend(series.rows.iter().map(|(stamp_s, value)| Row {
+            sensor,
+            stamp_s: *stamp_s,
+            value: *value,
+            variance: [0, 1, 2].map(|i| {
+                if value[i].is_finite() {
+                    series.deviation[i] * series.deviation[i]
+                } else {
+                    NOT_MEASURED
+                }
+            }),
+        }));
+        if sensor == Sensor::WheelAngle {
+            count_once(&mut rows[first..]);
+        }
+    }
+    let mut start = [0.0; N];
+    let mut deviation = [0.0; N];
+    let [rest_or_not, speeds] = motion(&rows, model);
+    let slow = rest_or_not[0] == 0.0;
+    for i in 0..2 {
+        start[3 + i] = if slow { 0.0 } else { speeds[i] };
+        deviation[3 + i] = if slow { AT_REST[i] } else { MOVING[i] };
+    }
+    deviation[..3].copy_from_slice(&START_POSE);
+    let first_of = |sensor: Sensor| rows.iter().find(|row| row.sensor == sensor);
+    if let Some(row) = first_of(Sensor::Pose) {
+        let [x, y, yaw] = row.value;
+        let yaw = if yaw.is_finite() { yaw } else { 0.0 };
+        let (sin, cos) = yaw.sin_cos();
+        let ahead = track.tracked_ahead_m;
+        start[..3].copy_from_slice(&[x - ahead * cos, y - ahead * sin, yaw]);
+    }
+    if let Some(row) = first_of(Sensor::WheelAngle) {
+        let wide = 12_f64.sqrt();
+        for i in 0..2 {
+            start[5 + i] = row.value[i];
+            deviation[5 + i] = wide * row.variance[i].sqrt();
+        }
+    }
+    for own in &mut deviation[12..] {
+        *own = START_SLIP;
+    }
+    Run {
+        commands: track.commands.clone(),
+        rows,
+        start,
+        start_deviation: deviation,
+        tracked_ahead_m: track.tracked_ahead_m,
+        without_gravity: track.imu_without_weight,
+    }
+}
+
+/// Readings of a wheel that repeat count as one: n equal readings get n times the variance each.
+fn count_once(rows: &mut [Row]) {
+    for wheel in 0..2 {
+        let mut from = 0;
+        while from < rows.len() {
+            let value = rows[from].value[wheel];
+            let mut to = from + 1;
+            while to < rows.len() && rows[to].value[wheel] == value {
+                to += 1;
+            }
+            let count = (to - from) as f64;
+            for row in &mut rows[from..to] {
+                row.variance[wheel] *= count;
+            }
+            from = to;
+        }
+    }
+}
+
+/// Whether the robot moves when its recording begins ([1] or [0]), and surge and yaw rate there.
+fn motion(rows: &[Row], model: &RobotModel) -> [[f64; 2]; 2] {
+    let wheels: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.sensor == Sensor::WheelAngle)
+        .collect();
+    let Some(first) = wheels.first() else {
+        return [[1.0; 2], [0.0; 2]];
+    };
+    let last = wheels
+        .iter()
+        .take_while(|row| row.stamp_s < first.stamp_s + BEGINS_S)
+        .last()
+        .unwrap_or(first);
+    let turned = [0, 1].map(|i| last.value[i] - first.value[i]);
+    let moves = (0..2).any(|i| turned[i].abs() > MOVES * first.variance[i].sqrt());
+    let over_s = (last.stamp_s - first.stamp_s).max(1e-3);
+    let [r, b] = [model.robot.wheel_radius_m, model.robot.half_track_m];
+    let [right, left] = turned.map(|turned| r * turned / over_s);
+    let flag = if moves { 1.0 } else { 0.0 };
+    [
+        [flag; 2],
+        [(right + left) / 2.0, (right - left) / (2.0 * b)],
+    ]
+}

@@ -1,0 +1,156 @@
+//! Which effects a fit lacks, at a glance: each at the gains of the fit, from every start that it has.
+
+use rayon::prelude::*;
+
+use super::channels::{deviance, levels};
+use super::fit::{Fit, may_slide, values};
+use super::machine::Machine;
+use crate::windows::hypothesis::{Hypothesis, is_limit, slides};
+
+/// Gain (−2 ln L) at fixed gains below which slip is not looked at with gains of its own.
+const SLIP_GAIN: f64 = 6.0;
+/// Frictions that are looked at with gains of their own.
+const SLIPS: usize = 4;
+/// Largest multiple of a probe that is tried: beyond, the flow is not linear.
+const MULTIPLE: f64 = 30.0;
+/// Iterations of a glance.
+const GLANCE: usize = 2;
+
+/// An effect that may be lacking.
+pub(crate) struct Candidate {
+    pub(crate) hypothesis: Hypothesis,
+    /// Gain at fixed gains (−2 ln L).
+    pub(crate) gain: f64,
+    /// Fitted with gains of its own already.
+    pub(crate) fit: Option<Fit>,
+}
+
+impl Machine {
+    /// Candidates among `all` beside `fit`, best first.
+    pub(crate) fn screened(&self, fit: &Fit, all: &[Hypothesis]) -> Vec<Candidate> {
+        let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
+        let beside = all
+            .iter()
+            .filter(|h| !fit.hypotheses.iter().any(|known| known.is_like(h)));
+        for hypothesis in beside {
+            match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
+                Some(kind) => kind.push(hypothesis),
+                None => kinds.push(vec![hypothesis]),
+            }
+        }
+        let each = kinds.par_iter().filter_map(|starts| {
+            if slides(starts[0].info) && !may_slide(&self.model, &fit.hypotheses) {
+                self.slip(fit, starts)
+            } else {
+                self.glanced(fit, starts)
+            }
+        });
+        let mut candidates: Vec<Candidate> = each.collect();
+        candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        candidates
+    }
+
+    /// Slip: at the gains of a model whose noise acts on the wheels, from a small size; then with gains
+    /// of its own.
+    fn slip(&self, fit: &Fit, starts: &[&Hypothesis]) -> Option<Candidate> {
+        let base = self.rolling_with_wheel_noise(fit)?;
+        let mut ranked: Vec<(f64, &Hypothesis)> = starts
+            .par_iter()
+            .filter_map(|h| {
+                let with = beside(fit, h);
+                let e = self.innovations(&base, &with)?;
+                let own = deviance(&levels(&e, &self.channels)) + base.log_determinant();
+                Some((base.deviance - own, *h))
+            })
+            .filter(|(gain, _)| *gain > SLIP_GAIN)
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.truncate(SLIPS);
+        let fits = ranked.par_iter().filter_map(|(_, h)| {
+            let begun = self.begun(fit, beside(fit, h))?;
+            Some((fit.deviance - begun.deviance, *h, begun))
+        });
+        let fits: Vec<(f64, &Hypothesis, Fit)> = fits.collect();
+        let best = fits.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(Candidate {
+            hypothesis: best.1.clone(),
+            gain: best.0,
+            fit: Some(best.2),
+        })
+    }
+
+    /// An effect from the best of its starts, by some iterations.
+    fn glanced(&self, fit: &Fit, starts: &[&Hypothesis]) -> Option<Candidate> {
+        let base = fit.deviance - fit.log_determinant();
+        let direct = starts[0].is_threshold() || is_limit(starts[0].info) || starts[0].is_abrupt();
+        let many = starts[0].values.len() > 1;
+        let mut best: Option<(f64, Hypothesis)> = None;
+        for start in starts {
+            let Some(e) = self.innovations(fit, &beside(fit, start)) else {
+                continue;
+            };
+            let own = deviance(&levels(&e, &self.channels));
+            let (gain, hypothesis) = if direct || many {
+                (base - own, (*start).clone())
+            } else {
+                self.scaled(fit, start, &e)
+            };
+            if best.as_ref().is_none_or(|(known, _)| gain > *known) {
+                best = Some((gain, hypothesis));
+            }
+        }
+        let (mut gain, mut hypothesis) = best?;
+        if !hypothesis.is_threshold() {
+            let with = beside(fit, &hypothesis);
+            if let Some(solution) = self.solve(fit, &with, &values(&with), GLANCE) {
+                let fitted = super::fit::valued(&with, &solution.at);
+                let own = base - solution.deviance;
+                if own > gain {
+                    gain = own;
+                    hypothesis = fitted.last()?.clone();
+                }
+            }
+        }
+        Some(Candidate {
+            hypothesis,
+            gain,
+            fit: None,
+        })
+    }
+
+    /// A start at the multiple that fits best, were the innovations linear in it; what they gain then.
+    fn scaled(&self, fit: &Fit, start: &Hypothesis, e: &[f64]) -> (f64, Hypothesis) {
+        let (name, value) = start.values[0];
+        let nothing = start.nothing(&self.model, name);
+        let (mut square, mut product) = (0.0, 0.0);
+        for (after, before) in e.iter().zip(&fit.whitened) {
+            let d = after - before;
+            square += d * d;
+            product += d * before;
+        }
+        if square < 1e-12 {
+            return (0.0, start.clone());
+        }
+        let multiple = (-product / square).clamp(-MULTIPLE, MULTIPLE);
+        let gain = product * product / square;
+        let mut scaled = start.clone();
+        scaled.set(name, nothing + multiple * (value - nothing));
+        if let Some(slipstream_sim::effects::Domain::Number { lower, upper, .. }) =
+            start.info.parameter(name).map(|p| p.domain)
+        {
+            let held = (nothing + multiple * (value - nothing)).clamp(lower, upper);
+            scaled.set(name, held);
+            if held == nothing {
+                return (0.0, start.clone());
+            }
+        }
+        (gain, scaled)
+    }
+}
+
+/// The effects of `fit` and one more.
+pub(crate) fn beside(fit: &Fit, hypothesis: &Hypothesis) -> Vec<Hypothesis> {
+    let mut all = fit.hypotheses.clone();
+    all.push(hypothesis.clone());
+    all
+}
