@@ -118,6 +118,11 @@ impl<S: Scalar> State<S> {
         FrictionConstraint::WHEELS.map(|wheel| self.mode.slides(wheel))
     }
 
+    /// Whether each motor and its wheel turn as one, right and left: true without backlash.
+    pub fn engaged(&self) -> [bool; 2] {
+        self.mode.gear.map(Gear::is_engaged)
+    }
+
     /// Sets a constant external force for all steps to come; `None` removes it. The five entries
     /// are forces along and across the body (N) and the moment about the vertical (N m), all at c,
     /// and torques at the right and the left wheel (N m). Used to probe which force a model lacks.

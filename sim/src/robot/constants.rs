@@ -106,6 +106,11 @@ impl<S: Scalar> Robot<S> {
         Self::build(parameters, effects)
     }
 
+    /// Wheel radius r and half track b by which twists are converted (m).
+    pub fn nominal_lengths(&self) -> Pair<f64> {
+        self.nominal
+    }
+
     /// The same robot at draft quality, for simulations by the thousand: events are located less
     /// exactly, and at most two in a step.
     #[must_use]

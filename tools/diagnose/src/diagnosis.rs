@@ -5,6 +5,7 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 
 use crate::answer::{Answer, Figures, Unexplained};
+use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Task};
 use crate::explain::pictures::figures;
@@ -61,6 +62,13 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         if kinematic::applies(&robots, &model) {
             let illustrated: Figures = by_filter(request, &machine, &model, &mut collected)?;
             all.extend(illustrate.then_some(illustrated));
+        } else if dynamic::applies(&robots, &model) {
+            all.extend(dynamic::examine(
+                request,
+                &machine,
+                &mut collected,
+                illustrate,
+            )?);
         } else {
             windows::examine(request, &machine, &mut collected, |bench, found| {
                 if illustrate {

@@ -1,6 +1,6 @@
 //! What a recording says beyond a fit: which terms it needs, and what each is worth.
 
-mod budget;
+pub(crate) mod budget;
 pub(crate) mod calibration;
 pub(crate) mod claim;
 pub(crate) mod drive;

@@ -131,16 +131,9 @@ impl Answer {
 }
 
 impl HeldOut {
-    fn add(&mut self, bench: &Bench, before: &Misfit, after: &Misfit) {
+    pub(crate) fn add(&mut self, bench: &Bench, before: &Misfit, after: &Misfit) {
         self.horizon_s = WINDOW_S;
-        let deviation = |channel: usize| {
-            let mut series = bench.tracks[0].series.iter();
-            let own = series.find_map(|series| {
-                let part = channel.checked_sub(series.sensor.channel())?;
-                (part < series.sensor.width()).then(|| series.deviation[part])
-            });
-            own.unwrap_or(1.0)
-        };
+        let deviation = |channel: usize| bench.deviation(channel);
         let angles = bench.tracks[0].of(Sensor::WheelAngle).is_some();
         for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
             let levels = score::level(before, channel).zip(score::level(after, channel));

@@ -116,6 +116,16 @@ impl Bench {
         })
     }
 
+    /// Standard deviation of the sensor of a channel, in its unit.
+    pub(crate) fn deviation(&self, channel: usize) -> f64 {
+        let mut series = self.tracks[0].series.iter();
+        let own = series.find_map(|series| {
+            let part = channel.checked_sub(series.sensor.channel())?;
+            (part < series.sensor.width()).then(|| series.deviation[part])
+        });
+        own.unwrap_or(1.0)
+    }
+
     /// Whether wheels turn as they are told, so that no force can be missing, but a motion.
     pub(crate) fn lacks_motion(&self) -> bool {
         let mut tracks = self.tracks.iter();

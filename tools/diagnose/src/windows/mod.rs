@@ -25,8 +25,8 @@ mod limits;
 mod linear;
 mod links;
 mod local;
-mod located;
-mod misfit;
+pub(crate) mod located;
+pub(crate) mod misfit;
 mod moment;
 mod motion;
 mod noise;
@@ -38,17 +38,17 @@ mod recut;
 mod refine;
 mod ridge;
 mod sampled;
-mod score;
+pub(crate) mod score;
 mod search;
 mod settle;
-mod simulate;
+pub(crate) mod simulate;
 mod start;
 mod swell;
 pub(crate) mod track;
 mod unknown;
 mod wander;
 mod weigh;
-mod window;
+pub(crate) mod window;
 mod work;
 
 use std::sync::Arc;
@@ -141,7 +141,10 @@ pub(crate) fn examine(
     Ok(())
 }
 
-fn bench(request: &Request<'_>, machine: &[(&Recording, &Recorded)]) -> Result<Bench, InputError> {
+pub(crate) fn bench(
+    request: &Request<'_>,
+    machine: &[(&Recording, &Recorded)],
+) -> Result<Bench, InputError> {
     let robot = machine[0].1;
     let model = model_of(request, machine[0])?;
     let constants = slipstream_sim::Robot::new(&model)?;

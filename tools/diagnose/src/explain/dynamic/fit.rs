@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use slipstream_bus::RobotModel;
-use slipstream_sim::effects::{Domain, Role};
+use slipstream_sim::effects::{Domain, Info, Role};
 use slipstream_sim::{Robot, State};
 
 use super::channels::{deviance, levels};
@@ -15,7 +15,7 @@ use crate::filter::dynamic::gains::Pass;
 use crate::filter::dynamic::linear::likelihood;
 use crate::filter::dynamic::predictor::innovations;
 use crate::windows::bench::with;
-use crate::windows::hypothesis::{Hypothesis, least_probe, slides};
+use crate::windows::hypothesis::{Hypothesis, slides};
 
 /// Longest step of the plant (s), and where wheels can slide or gears have play.
 const STEP_S: f64 = 5e-3;
@@ -25,7 +25,7 @@ const SMALL: f64 = 0.05;
 /// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;
 /// and with torques of wheels in place of creep.
 const FLOOR: [f64; 5] = [5e-4, 2e-5, 1e-5, 1e-4, 1e-5];
-const FLOOR_OF_WHEELS: [f64; 5] = [5e-4, 2e-5, 2e-5, 2e-5, 1e-5];
+const FLOOR_OF_WHEELS: [f64; 5] = [5e-4, 5e-5, 5e-5, 5e-5, 3e-4];
 const FLOOR_MASS_KG: f64 = 1.6;
 /// Where a search for noise begins.
 const NOISE: [f64; 5] = [0.05, 0.002, 1e-3, 3e-3, 1e-3];
@@ -84,7 +84,7 @@ pub(super) fn parameters(hypotheses: &[Hypothesis]) -> Vec<Parameter> {
     let each = smooth.flat_map(|h| h.values.iter().map(move |(name, _)| (h, *name)));
     let of = |(h, name): (&Hypothesis, &str)| {
         let info = h.info.parameter(name);
-        let small = SMALL * least_probe(h.info, name).unwrap_or(1.0);
+        let small = SMALL * least_change(h.info, name);
         match info.map(|p| (p.domain, p.role)) {
             Some((Domain::Number { lower, upper, .. }, role)) if role != Role::Direction => {
                 Parameter {
@@ -101,6 +101,22 @@ pub(super) fn parameters(hypotheses: &[Hypothesis]) -> Vec<Parameter> {
         }
     };
     each.map(of).collect()
+}
+
+/// The smallest change of a parameter among its probes.
+pub(super) fn least_change(info: &Info, name: &str) -> f64 {
+    let Some(parameter) = info.parameter(name) else {
+        return 1.0;
+    };
+    let Domain::Number { probes, .. } = parameter.domain else {
+        return 1.0;
+    };
+    let nothing = f64::from(u8::from(parameter.role == Role::Factor));
+    let changes = probes.iter().map(|probe| (probe - nothing).abs());
+    let least = changes
+        .filter(|change| *change > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 1.0 }
 }
 
 impl Machine {
@@ -129,8 +145,9 @@ impl Machine {
         }
     }
 
-    fn robot(&self, hypotheses: &[Hypothesis]) -> Option<Robot> {
-        Robot::new(&with(&self.model, hypotheses)).ok()
+    pub(super) fn robot(&self, hypotheses: &[Hypothesis]) -> Option<Robot> {
+        let robot = Robot::new(&with(&self.model, hypotheses)).ok()?;
+        Some(robot.draft())
     }
 
     fn step_s(&self, hypotheses: &[Hypothesis]) -> f64 {
@@ -139,23 +156,6 @@ impl Machine {
         } else {
             STEP_S
         }
-    }
-
-    /// Variances of the rows of a run: with backlash the time of an impact is known to a step only,
-    /// half a count more.
-    fn variances(&self, run: usize, hypotheses: &[Hypothesis]) -> Vec<[f64; 3]> {
-        let play = has_play(&self.model, hypotheses);
-        let rows = self.runs[run].rows.iter();
-        rows.map(|row| {
-            let angle = row.sensor == crate::filter::dynamic::Sensor::WheelAngle;
-            if play && angle {
-                // a count is √12 deviations of its rounding
-                row.variance.map(|v| v * 4.0)
-            } else {
-                row.variance
-            }
-        })
-        .collect()
     }
 
     /// Innovations of `hypotheses` at the gains of `fit`.
@@ -178,7 +178,7 @@ impl Machine {
                 run,
                 step_s: self.step_s(hypotheses),
                 of_wheels: fit.noise.of_wheels,
-                law: None,
+                loads: self.loads.get(index).map_or(&[], Vec::as_slice),
             };
             all.extend(innovations(&flow, &fit.noise, &pass.gains, |t_s, s, d| {
                 watch(index, t_s, s, d);
@@ -199,10 +199,9 @@ impl Machine {
                     run: &self.runs[index],
                     step_s,
                     of_wheels: noise.of_wheels,
-                    law: None,
+                    loads: self.loads.get(index).map_or(&[], Vec::as_slice),
                 };
-                let variances = self.variances(index, &hypotheses);
-                Pass::new(&flow, &noise, &variances, noise.of_wheels)
+                Pass::new(&flow, &noise)
             })
             .collect();
         let mut fit = Fit {
@@ -256,14 +255,11 @@ impl Machine {
 
     fn search(&self, fit: &Fit, from: &Noise, effort: Effort) -> (Noise, f64) {
         let slides = fit.noise.of_wheels;
-        let variances: Vec<Vec<[f64; 3]>> = (0..self.runs.len())
-            .map(|run| self.variances(run, &fit.hypotheses))
-            .collect();
         let value = |noise: &Noise| {
             let mut whitened = Vec::with_capacity(self.channels.len());
             let mut log_determinant = 0.0;
             for (index, run) in self.runs.iter().enumerate() {
-                let own = likelihood(&fit.passes[index], run, noise, &variances[index], slides);
+                let own = likelihood(&fit.passes[index], run, noise);
                 whitened.extend(own.whitened);
                 log_determinant += own.log_determinant;
             }
@@ -310,6 +306,17 @@ impl Machine {
         self.pass(fit.hypotheses.clone(), self.first_noise(true))
     }
 
+    /// Begins a fit of fewer effects: what they explained becomes noise again.
+    pub(crate) fn begun_anew(&self, fit: &Fit, hypotheses: Vec<Hypothesis>) -> Option<Fit> {
+        let of_wheels = may_slide(&self.model, &hypotheses);
+        let mut noise = self.first_noise(of_wheels);
+        if of_wheels == fit.noise.of_wheels {
+            noise.size = std::array::from_fn(|i| noise.size[i].max(fit.noise.size[i]));
+        }
+        let begun = self.pass(hypotheses, noise)?;
+        Some(self.with_noise(begun, 2, THOROUGH))
+    }
+
     /// Begins a fit of `hypotheses` at the noise of `fit`, or at small noise of another kind where
     /// wheels can slide only now.
     pub(crate) fn begun(&self, fit: &Fit, hypotheses: Vec<Hypothesis>) -> Option<Fit> {
@@ -329,6 +336,7 @@ impl Machine {
             let Some(next) = self.stepped(&fit, iterations) else {
                 break;
             };
+            let next = self.with_thresholds(next);
             let next = self.with_noise(next, 1, QUICK);
             if next.deviance > before {
                 break;
@@ -356,11 +364,23 @@ impl Machine {
         at: &[f64],
         iterations: usize,
     ) -> Option<super::gauss_newton::Solution> {
+        self.solve_on(fit, hypotheses, at, iterations, &self.channels)
+    }
+
+    /// The same on what belongs to a channel of `channels`.
+    pub(crate) fn solve_on(
+        &self,
+        fit: &Fit,
+        hypotheses: &[Hypothesis],
+        at: &[f64],
+        iterations: usize,
+        channels: &[u8],
+    ) -> Option<super::gauss_newton::Solution> {
         let parameters = parameters(hypotheses);
         let innovations = |at: &[f64]| self.innovations(fit, &valued(hypotheses, at));
         let problem = Problem {
             parameters: &parameters,
-            channels: &self.channels,
+            channels,
             innovations: &innovations,
         };
         problem.fit(at, None, iterations, 0.5)

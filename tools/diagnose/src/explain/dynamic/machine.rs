@@ -3,6 +3,7 @@
 use slipstream_bus::RobotModel;
 
 use super::channels::{NO_CHANNEL, first};
+use super::fit::Fit;
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
 use crate::windows::track::{self, Track};
@@ -20,18 +21,23 @@ const BEGINS_S: f64 = 0.2;
 const START_SLIP: f64 = 0.01;
 
 /// The runs of one machine, and its nominal model.
+#[derive(Clone)]
 pub(crate) struct Machine {
     pub(crate) tracks: Vec<Track>,
     pub(crate) runs: Vec<Run>,
     pub(crate) model: RobotModel,
+    /// Effects that are not looked for.
+    pub(crate) excluded: Vec<String>,
     /// Channel of each innovation: three for each row of each run.
     pub(crate) channels: Vec<u8>,
     /// Stamp of each (s), and its run.
     pub(crate) stamps: Vec<(f64, usize)>,
+    /// Of each run, a load outside of the catalogue: until when (s), along (N) and about (N m).
+    pub(crate) loads: Vec<Vec<(f64, [f64; 2])>>,
 }
 
 impl Machine {
-    pub(crate) fn new(tracks: Vec<Track>, model: RobotModel) -> Self {
+    pub(crate) fn new(tracks: Vec<Track>, model: RobotModel, excluded: &[String]) -> Self {
         let runs: Vec<Run> = tracks.iter().map(|track| run(track, &model)).collect();
         let (mut channels, mut stamps) = (Vec::new(), Vec::new());
         for (index, run) in runs.iter().enumerate() {
@@ -51,9 +57,33 @@ impl Machine {
             tracks,
             runs,
             model,
+            excluded: excluded.to_vec(),
             channels,
             stamps,
+            loads: Vec::new(),
         }
+    }
+
+    /// Adds loads: one for each row of each pass of `fit`, in its order.
+    pub(crate) fn add_loads(&mut self, fit: &Fit, loads: &[Vec<[f64; 2]>]) {
+        let known = std::mem::take(&mut self.loads);
+        for (run, (pass, own)) in fit.passes.iter().zip(loads).enumerate() {
+            let known = known.get(run).map_or(&[][..], Vec::as_slice);
+            let rows = pass.rows.iter().zip(own);
+            self.loads.push(
+                rows.map(|(row, [along, about])| {
+                    let at = known.partition_point(|(until_s, _)| *until_s < row.true_s - 1e-9);
+                    let [x, y] = known.get(at).map_or([0.0; 2], |(_, load)| *load);
+                    (row.true_s, [along + x, about + y])
+                })
+                .collect(),
+            );
+        }
+    }
+
+    /// Whether an effect is looked for.
+    pub(crate) fn tries(&self, id: &str) -> bool {
+        !self.excluded.iter().any(|excluded| excluded == id)
     }
 
     /// Whether a pose was measured.

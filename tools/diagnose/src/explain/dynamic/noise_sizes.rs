@@ -10,7 +10,7 @@ use crate::filter::dynamic::Noise;
 /// Largest sizes, in the units of [`Noise`].
 const LARGEST: [f64; 5] = [30.0, 1.0, 1.0, 3.0, 1.0];
 /// Shortest and longest correlation time (s).
-const TIMES_S: [f64; 2] = [0.03, 10.0];
+const TIMES_S: [f64; 2] = [0.01, 10.0];
 /// Logs of sizes and times: five and three.
 const LENGTH: usize = 8;
 type Logs = [f64; LENGTH];

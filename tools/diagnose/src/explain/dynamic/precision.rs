@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::channels::{deviance, levels};
 use super::fit::{Fit, valued, values};
 use super::machine::Machine;
 use crate::estimate::blocks::{self, Blocks};
@@ -9,6 +10,10 @@ use crate::estimate::cluster::Precision;
 use crate::estimate::scoring;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 
+/// Upper 5 % point of chi-square with one degree of freedom.
+const ONE_IN_TWENTY: f64 = 3.841;
+/// A profile goes no further than this multiple of a value.
+const FAR: f64 = 20.0;
 /// Standard deviation of a prior that says nothing, in units of a parameter.
 const FLAT: f64 = 1e6;
 
@@ -63,21 +68,86 @@ impl Machine {
         all
     }
 
-    /// How well the parameters of `fit` are known, in the order of [`values`]; `None` where one says
-    /// nothing.
+    /// How well the parameters of `fit` are known, in the order of [`values`]. What the recording says
+    /// nothing of has an infinite variance.
     pub(crate) fn known(&self, fit: &Fit) -> Option<Known> {
-        let at = values(&fit.hypotheses);
         let (columns, weighted) = self.weighted_jacobian(fit)?;
+        let all = columns.len();
+        let tells = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>() > 1e-9;
+        let told: Vec<usize> = (0..all).filter(|i| tells(&columns[*i])).collect();
+        let columns: Vec<&Vec<f64>> = told.iter().map(|i| &columns[*i]).collect();
         let blocks = self.blocks();
         let count = blocks::total(blocks.iter().copied());
-        let n = at.len();
-        let mut scores = vec![
-            BlockScore {
-                gradient: DVector::zeros(n),
-                information: DMatrix::zeros(n, n),
-            };
-            count
-        ];
+        let scores = self.block_scores(&columns, &weighted, &blocks, count);
+        let n = told.len();
+        let mut information = DMatrix::zeros(n, n);
+        for block in &scores {
+            information += &block.information;
+        }
+        let model = raised(&information)?;
+        let at = values(&fit.hypotheses);
+        let at: Vec<f64> = told.iter().map(|i| at[*i]).collect();
+        let linearised = Linearised {
+            scores,
+            run_of: blocks::run_of(blocks.iter().copied()),
+        };
+        let flat = |mean: &f64| Prior {
+            mean: *mean,
+            deviation: FLAT,
+        };
+        let problem = scoring::Problem {
+            likelihood: &linearised,
+            priors: at.iter().map(flat).collect(),
+            longest: vec![f64::INFINITY; n],
+        };
+        let fitted = scoring::Fit {
+            at,
+            free: (0..n).collect(),
+            objective: 0.0,
+            converged: true,
+        };
+        let precision = Precision::new(&problem, &fitted, n)?;
+        let mut by_blocks = precision.covariance;
+        for i in 0..n {
+            let raise = (model[(i, i)] / by_blocks[(i, i)]).sqrt().max(1.0);
+            for k in 0..n {
+                by_blocks[(i, k)] *= raise;
+                by_blocks[(k, i)] *= raise;
+            }
+        }
+        let spread = |own: &DMatrix<f64>| {
+            let mut out = DMatrix::zeros(all, all);
+            for i in 0..all {
+                out[(i, i)] = f64::INFINITY;
+            }
+            for (i, a) in told.iter().enumerate() {
+                for (k, b) in told.iter().enumerate() {
+                    out[(*a, *b)] = own[(i, k)];
+                }
+            }
+            out
+        };
+        Some(Known {
+            covariance: spread(&by_blocks),
+            model: spread(&model),
+            overdispersion: precision.overdispersion,
+            blocks: count,
+        })
+    }
+
+    fn block_scores(
+        &self,
+        columns: &[&Vec<f64>],
+        weighted: &[f64],
+        blocks: &[Blocks],
+        count: usize,
+    ) -> Vec<BlockScore> {
+        let n = columns.len();
+        let empty = BlockScore {
+            gradient: DVector::zeros(n),
+            information: DMatrix::zeros(n, n),
+        };
+        let mut scores = vec![empty; count];
         for (place, (stamp_s, run)) in self.stamps.iter().enumerate() {
             let own = &blocks[*run];
             let block = &mut scores[own.first + own.of(*stamp_s)];
@@ -92,47 +162,47 @@ impl Machine {
                 }
             }
         }
-        let mut information = DMatrix::zeros(n, n);
-        for block in &scores {
-            information += &block.information;
-        }
-        let model = information.cholesky()?.inverse();
-        let linearised = Linearised {
-            scores,
-            run_of: blocks::run_of(blocks.iter().copied()),
-        };
-        let problem = scoring::Problem {
-            likelihood: &linearised,
-            priors: at
-                .iter()
-                .map(|mean| Prior {
-                    mean: *mean,
-                    deviation: FLAT,
-                })
-                .collect(),
-            longest: vec![f64::INFINITY; n],
-        };
-        let fitted = scoring::Fit {
-            at: at.clone(),
-            free: (0..n).collect(),
-            objective: 0.0,
-            converged: true,
-        };
-        let precision = Precision::new(&problem, &fitted, n)?;
-        let mut covariance = precision.covariance;
-        for i in 0..n {
-            let raise = (model[(i, i)] / covariance[(i, i)]).sqrt().max(1.0);
-            for k in 0..n {
-                covariance[(i, k)] *= raise;
-                covariance[(k, i)] *= raise;
+        scores
+    }
+
+    /// Where −2 ln L, at the gains of `fit`, has risen by what one parameter takes with 95 %: for what
+    /// has no derivative.
+    pub(crate) fn profile(&self, fit: &Fit, index: usize, name: &str) -> Option<[f64; 2]> {
+        let own = &fit.hypotheses[index];
+        let at = own.value(name)?;
+        let here = deviance(&levels(&fit.whitened, &self.channels));
+        let rises = |value: f64| {
+            let mut all = fit.hypotheses.clone();
+            all[index].set(name, value);
+            all[index].keep_in_order();
+            if all[index].value(name) != Some(value) {
+                // static friction is not below kinetic friction
+                return true;
             }
-        }
-        Some(Known {
-            covariance,
-            model,
-            overdispersion: precision.overdispersion,
-            blocks: count,
-        })
+            self.innovations(fit, &all)
+                .is_none_or(|e| deviance(&levels(&e, &self.channels)) > here + ONE_IN_TWENTY)
+        };
+        let side = |sign: f64| {
+            let mut inside = 0.0;
+            let mut outside = 1e-3 * at.abs().max(1e-6);
+            while !rises(at + sign * outside) {
+                inside = outside;
+                outside *= 2.0;
+                if outside > at.abs() * FAR {
+                    return at + sign * inside;
+                }
+            }
+            for _ in 0..7 {
+                let middle = 0.5 * (inside + outside);
+                if rises(at + sign * middle) {
+                    outside = middle;
+                } else {
+                    inside = middle;
+                }
+            }
+            at + sign * outside
+        };
+        Some([side(-1.0), side(1.0)])
     }
 
     /// Derivatives of the innovations by each parameter, and the innovations, both over the roots of
@@ -163,4 +233,15 @@ impl Machine {
         let weighted = solution.whitened.iter().zip(&weights);
         Some((columns, weighted.map(|(e, w)| e * w).collect()))
     }
+}
+
+/// Inverse of an information matrix, which may be singular but for rounding.
+fn raised(information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    [0.0, 1e-9, 1e-6].into_iter().find_map(|share| {
+        let mut own = information.clone();
+        for i in 0..own.nrows() {
+            own[(i, i)] *= 1.0 + share;
+        }
+        Some(own.cholesky()?.inverse())
+    })
 }

@@ -13,6 +13,9 @@ const SLIP_GAIN: f64 = 6.0;
 const SLIPS: usize = 4;
 /// Largest multiple of a probe that is tried: beyond, the flow is not linear.
 const MULTIPLE: f64 = 30.0;
+/// Smallest and largest play that is tried (rad).
+const SMALLEST_RAD: f64 = 0.002;
+const LARGEST_RAD: f64 = 0.15;
 /// Iterations of a glance.
 const GLANCE: usize = 2;
 
@@ -41,11 +44,19 @@ impl Machine {
         let each = kinds.par_iter().filter_map(|starts| {
             if slides(starts[0].info) && !may_slide(&self.model, &fit.hypotheses) {
                 self.slip(fit, starts)
+            } else if starts[0].is_threshold() {
+                self.threshold(fit, starts[0])
             } else {
                 self.glanced(fit, starts)
             }
         });
         let mut candidates: Vec<Candidate> = each.collect();
+        if self.tries("push") {
+            candidates.extend(self.push(fit));
+        }
+        if self.tries("friction_patch") {
+            candidates.extend(self.patch(fit));
+        }
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         candidates
     }
@@ -82,10 +93,15 @@ impl Machine {
     /// An effect from the best of its starts, by some iterations.
     fn glanced(&self, fit: &Fit, starts: &[&Hypothesis]) -> Option<Candidate> {
         let base = fit.deviance - fit.log_determinant();
-        let direct = starts[0].is_threshold() || is_limit(starts[0].info) || starts[0].is_abrupt();
+        let direct = is_limit(starts[0].info) || starts[0].is_abrupt() || starts[0].has_play();
         let many = starts[0].values.len() > 1;
+        let gaps: Vec<Hypothesis> = if starts[0].has_play() {
+            gaps(starts[0])
+        } else {
+            Vec::new()
+        };
         let mut best: Option<(f64, Hypothesis)> = None;
-        for start in starts {
+        for start in starts.iter().copied().chain(&gaps) {
             let Some(e) = self.innovations(fit, &beside(fit, start)) else {
                 continue;
             };
@@ -100,16 +116,11 @@ impl Machine {
             }
         }
         let (mut gain, mut hypothesis) = best?;
-        if !hypothesis.is_threshold() {
-            let with = beside(fit, &hypothesis);
-            if let Some(solution) = self.solve(fit, &with, &values(&with), GLANCE) {
-                let fitted = super::fit::valued(&with, &solution.at);
-                let own = base - solution.deviance;
-                if own > gain {
-                    gain = own;
-                    hypothesis = fitted.last()?.clone();
-                }
-            }
+        let with = beside(fit, &hypothesis);
+        if let Some(solution) = self.solve(fit, &with, &values(&with), GLANCE) {
+            let fitted = super::fit::valued(&with, &solution.at);
+            gain = base - solution.deviance;
+            hypothesis = fitted.last()?.clone();
         }
         Some(Candidate {
             hypothesis,
@@ -153,4 +164,18 @@ pub(crate) fn beside(fit: &Fit, hypothesis: &Hypothesis) -> Vec<Hypothesis> {
     let mut all = fit.hypotheses.clone();
     all.push(hypothesis.clone());
     all
+}
+
+/// Sizes of a play from small to large: what lies between two of them is found from the nearer one.
+fn gaps(start: &Hypothesis) -> Vec<Hypothesis> {
+    let name = start.values[0].0;
+    let sizes = std::iter::successors(Some(SMALLEST_RAD), |size| Some(size * 1.35));
+    sizes
+        .take_while(|size| *size < LARGEST_RAD)
+        .map(|size| {
+            let mut own = start.clone();
+            own.set(name, size);
+            own
+        })
+        .collect()
 }

@@ -3,12 +3,14 @@
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, values};
+use super::channels::levels;
+use super::fit::{Fit, least_change, values};
 use super::machine::Machine;
 use super::precision::Known;
 use super::screen::beside;
+use super::unknown::Unknown;
 use crate::select::criterion::{Criterion, TIE_NATS};
-use crate::windows::hypothesis::{Hypothesis, least_probe};
+use crate::windows::hypothesis::Hypothesis;
 
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;
@@ -17,6 +19,14 @@ const POLISHED: usize = 4;
 const GLANCE_GAIN: f64 = 6.0;
 /// Most effects.
 const MOST: usize = 5;
+/// Multiple of its floor below which a disturbance is none, and mean square of innovations that is
+/// noise.
+const QUIET: f64 = 1.05;
+const QUIET_LEVEL: f64 = 1.15;
+/// Gain (−2 ln L) by which encoders that count wrong have to fit better than wheels of another radius.
+const FIRST_SUSPECT: f64 = 12.0;
+/// What a gain (−2 ln L) has to bring beyond the criterion: fits are finished to a few.
+const MARGIN: f64 = 12.0;
 /// Share of its smallest probe below which an effect is what integrators differ by.
 const TINY: f64 = 0.02;
 
@@ -30,6 +40,8 @@ pub(crate) struct Selected {
     pub(crate) alike: Vec<Vec<&'static str>>,
     /// How many effects were tried.
     pub(crate) tried: usize,
+    /// What the catalogue does not hold.
+    pub(crate) unknown: Option<Unknown>,
 }
 
 /// A selection on one machine.
@@ -59,7 +71,7 @@ impl Selection<'_> {
 
     /// −2 ln L that an effect has to bring.
     fn due(&self, hypothesis: &Hypothesis) -> f64 {
-        2.0 * self.criterion(None).least_gain(hypothesis.values.len()) + 12.0
+        2.0 * self.criterion(None).least_gain(hypothesis.values.len()) + MARGIN
     }
 
     pub(crate) fn run(&self) -> Option<Selected> {
@@ -67,25 +79,80 @@ impl Selection<'_> {
         let nominal = self.machine.nominal()?;
         let mut fit = nominal.clone();
         let mut rivals: Vec<(String, Vec<&'static str>)> = Vec::new();
-        while fit.hypotheses.len() < MOST {
+        let mut less: Vec<Option<Fit>> = Vec::new();
+        while fit.hypotheses.len() < MOST && !self.is_silent(&fit) {
             let Some((next, near)) = self.extended(&fit) else {
                 break;
             };
             let id = next.hypotheses.last()?.info.id.to_owned();
             rivals.push((id, near));
-            fit = self.machine.with_best_noise(next);
-            fit = self.machine.fitted(fit, 2, 6);
-            fit = self.pruned(fit);
-            fit = self.swapped(fit, &mut rivals);
+            if !self.is_silent(&next) {
+                fit = self.machine.with_best_noise(next);
+                fit = self.machine.fitted(fit, 2, 6);
+            } else {
+                fit = next;
+            }
+            (fit, less) = self.pruned(fit);
+            if !self.is_silent(&fit) {
+                (fit, less) = self.swapped(fit, less, &mut rivals);
+            }
         }
-        let (gains, alike) = self.weighed(&fit, &rivals);
+        let unknown = if self.is_silent(&fit) {
+            None
+        } else {
+            self.outside(&mut fit, &mut less)
+        };
+        let (gains, alike) = self.weighed(&fit, &less, &rivals);
         Some(Selected {
             nominal,
             fit,
             gains,
             alike,
             tried: self.tried(),
+            unknown,
         })
+    }
+
+    /// A force outside of the catalogue beside `fit`, which loses the effects that are not needed
+    /// beside it.
+    fn outside(&self, fit: &mut Fit, less: &mut Vec<Option<Fit>>) -> Option<Unknown> {
+        (self.progress)("forces outside of the catalogue");
+        let due = |own: &Unknown| 2.0 * self.criterion(None).least_gain(own.numbers) + MARGIN;
+        let mut unknown = self.machine.unknown(fit)?;
+        (self.progress)(&format!(
+            "   unknown {} {} gain {:.1} due {:.1} noise {:?}",
+            unknown.driver,
+            unknown.channel,
+            unknown.gain,
+            due(&unknown),
+            unknown.fit.noise
+        ));
+        if unknown.gain < due(&unknown) {
+            return None;
+        }
+        while !fit.hypotheses.is_empty() {
+            let without = less.iter().enumerate().filter_map(|(at, less)| {
+                let less = less.as_ref()?;
+                let own = self.machine.unknown(less)?;
+                let rise = own.fit.deviance - unknown.fit.deviance;
+                (rise < self.due(&fit.hypotheses[at])).then_some((less.clone(), own))
+            });
+            let best = without.min_by(|a, b| a.1.fit.deviance.total_cmp(&b.1.fit.deviance));
+            let Some((fewer, own)) = best else { break };
+            (*fit, unknown) = (fewer, own);
+            *less = self.all_without(fit);
+        }
+        Some(unknown)
+    }
+
+    /// Whether no disturbance is left above what integrators differ by, and every channel is at its
+    /// noise.
+    fn is_silent(&self, fit: &Fit) -> bool {
+        let floor = self.machine.floor(fit.noise.of_wheels);
+        let used = if self.machine.has_pose() { 5 } else { 2 };
+        let quiet = (0..used).all(|i| fit.noise.size[i] < QUIET * floor[i]);
+        let levels = levels(&fit.whitened, &self.machine.channels);
+        quiet && levels.iter().all(|[mean, _]| *mean < QUIET_LEVEL)
     }
 
     /// `fit` with the effect that is lacking most, and those that fit as well in its place.
@@ -93,6 +160,18 @@ impl Selection<'_> {
         let names: Vec<&str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!("effects beside [{}]", names.join(", ")));
         let mut candidates = self.machine.screened(fit, self.all);
+        (self.progress)(&format!(
+            "   screen {:?}",
+            candidates
+                .iter()
+                .take(12)
+                .map(|c| (
+                    c.hypothesis.info.id,
+                    c.hypothesis.values.iter().map(|v| v.1).collect::<Vec<_>>(),
+                    c.gain.round()
+                ))
+                .collect::<Vec<_>>()
+        ));
         candidates.retain(|candidate| candidate.gain > GLANCE_GAIN);
         candidates.truncate(REFITTED);
         let refits: Vec<(f64, Fit)> = candidates
@@ -109,6 +188,13 @@ impl Selection<'_> {
             })
             .filter(|(excess, own)| *excess > -12.0 && !self.is_tiny(own.hypotheses.last()))
             .collect();
+        for (excess, own) in &refits {
+            let h = own.hypotheses.last().unwrap();
+            (self.progress)(&format!(
+                "   refit {} {:?} excess {excess:.1}",
+                h.info.id, h.values
+            ));
+        }
         let best = refits.iter().map(|(excess, _)| *excess).fold(0.0, f64::max);
         let mut leaders: Vec<&(f64, Fit)> = refits
             .iter()
@@ -124,7 +210,19 @@ impl Selection<'_> {
             })
             .filter(|(_, own)| !self.is_tiny(own.hypotheses.last()))
             .collect();
-        polished.sort_by(|a, b| b.0.total_cmp(&a.0));
+        // among those that fit alike, lengths come before the sensor that measures with them
+        let rank = |(excess, own): &(f64, Fit)| {
+            let of_sensor = own
+                .hypotheses
+                .last()
+                .is_some_and(|h| h.info.id == "encoder_scale");
+            if of_sensor {
+                excess - FIRST_SUSPECT
+            } else {
+                *excess
+            }
+        };
+        polished.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
         for (excess, own) in &polished {
             if let Some(h) = own.hypotheses.last() {
                 (self.progress)(&format!(
@@ -146,6 +244,11 @@ impl Selection<'_> {
 
     /// Fits all parameters and the noise, thresholds by trying others.
     fn refitted(&self, fit: Fit, rounds: usize, iterations: usize) -> Fit {
+        let fit = if rounds > 2 && fit.hypotheses.last().is_some_and(Hypothesis::is_placed) {
+            self.machine.settled_patch(fit)
+        } else {
+            fit
+        };
         self.machine.fitted(fit, rounds, iterations)
     }
 
@@ -160,9 +263,8 @@ impl Selection<'_> {
         hypothesis.is_some_and(|h| {
             !h.is_abrupt()
                 && h.values.iter().all(|(name, value)| {
-                    let small = least_probe(h.info, name).unwrap_or(0.0);
                     let nothing = h.nothing(&self.machine.model, name);
-                    (value - nothing).abs() < TINY * (small - nothing).abs()
+                    (value - nothing).abs() < TINY * least_change(h.info, name)
                 })
         })
     }
@@ -207,74 +309,88 @@ impl Selection<'_> {
     fn without(&self, fit: &Fit, at: usize) -> Option<Fit> {
         let mut fewer = fit.hypotheses.clone();
         fewer.remove(at);
-        let begun = self.machine.begun(fit, fewer)?;
+        let begun = self.machine.begun_anew(fit, fewer)?;
         Some(self.machine.fitted(begun, 3, 6))
     }
 
-    /// Without the effects that are not worth what is due beside the others.
-    fn pruned(&self, mut fit: Fit) -> Fit {
-        let mut at = 0;
-        while fit.hypotheses.len() > 1 && at < fit.hypotheses.len() {
-            if let Some(less) = self.without(&fit, at)
-                && less.deviance - fit.deviance < self.due(&fit.hypotheses[at])
-            {
-                (self.progress)(&format!("   drop {}", fit.hypotheses[at].info.id));
-                (fit, at) = (less, 0);
-                continue;
+    /// The fits without each effect.
+    fn all_without(&self, fit: &Fit) -> Vec<Option<Fit>> {
+        let all = 0..fit.hypotheses.len();
+        all.into_par_iter()
+            .map(|at| self.without(fit, at))
+            .collect()
+    }
+
+    /// Without the effects that are not worth what is due beside the others; and the fits without each
+    /// of those that stay.
+    fn pruned(&self, mut fit: Fit) -> (Fit, Vec<Option<Fit>>) {
+        loop {
+            let less = self.all_without(&fit);
+            let idle = less.iter().zip(&fit.hypotheses).position(|(less, own)| {
+                let gain = less.as_ref().map(|less| less.deviance - fit.deviance);
+                gain.is_some_and(|gain| gain < self.due(own))
+            });
+            match idle {
+                Some(at) if fit.hypotheses.len() > 1 => {
+                    (self.progress)(&format!("   drop {}", fit.hypotheses[at].info.id));
+                    match less.into_iter().nth(at).flatten() {
+                        Some(next) => fit = next,
+                        None => return (fit, Vec::new()),
+                    }
+                }
+                _ => return (fit, less),
             }
-            at += 1;
         }
-        fit
     }
 
     /// Each effect against the best in its place.
-    fn swapped(&self, mut fit: Fit, rivals: &mut Vec<(String, Vec<&'static str>)>) -> Fit {
+    fn swapped(
+        &self,
+        fit: Fit,
+        less: Vec<Option<Fit>>,
+        rivals: &mut Vec<(String, Vec<&'static str>)>,
+    ) -> (Fit, Vec<Option<Fit>>) {
         if fit.hypotheses.len() < 2 {
-            return fit;
+            return (fit, less);
         }
-        for id in fit.hypotheses.iter().map(|h| h.info.id).collect::<Vec<_>>() {
-            let Some(at) = fit.hypotheses.iter().position(|h| h.info.id == id) else {
-                continue;
-            };
-            let own = fit.hypotheses[at].clone();
-            let Some(less) = self.without(&fit, at) else {
-                continue;
-            };
-            let mut candidates = self.machine.screened(&less, self.all);
-            candidates.retain(|c| c.gain > GLANCE_GAIN && !c.hypothesis.is_like(&own));
+        for (at, less) in less.iter().enumerate() {
+            let Some(less) = less else { continue };
+            let own = &fit.hypotheses[at];
+            let id = own.info.id;
+            let mut candidates = self.machine.screened(less, self.all);
+            candidates.retain(|c| c.gain > GLANCE_GAIN && !c.hypothesis.is_like(own));
             candidates.truncate(2);
             for candidate in candidates {
                 let begun = candidate.fit.or_else(|| {
                     self.machine
-                        .begun(&less, beside(&less, &candidate.hypothesis))
+                        .begun(less, beside(less, &candidate.hypothesis))
                 });
                 let Some(other) = begun.map(|begun| self.machine.fitted(begun, 2, 6)) else {
                     continue;
                 };
-                let better = other.deviance + self.due(&candidate.hypothesis)
-                    - fit.deviance
-                    - self.due(&own);
+                let better =
+                    other.deviance + self.due(&candidate.hypothesis) - fit.deviance - self.due(own);
                 if better < -3.0 {
                     (self.progress)(&format!("   swap {id} {}", candidate.hypothesis.info.id));
-                    fit = other;
-                    break;
+                    return self.pruned(other);
                 } else if better < 2.0 * TIE_NATS {
                     let rival = candidate.hypothesis.info.id;
                     rivals.push((id.to_owned(), vec![rival]));
                 }
             }
         }
-        fit
+        (fit, less)
     }
 
     /// What each effect brings (nats), and its rivals.
     fn weighed(
         &self,
         fit: &Fit,
+        less: &[Option<Fit>],
         rivals: &[(String, Vec<&'static str>)],
     ) -> (Vec<f64>, Vec<Vec<&'static str>>) {
         let each = (0..fit.hypotheses.len()).map(|at| {
-            let less = self.without(fit, at);
+            let less = less.get(at).and_then(Option::as_ref);
             let gain = less.map_or(0.0, |less| (less.deviance - fit.deviance) / 2.0);
             let id = fit.hypotheses[at].info.id;
             let own = rivals.iter().filter(|(known, _)| known == id);

@@ -21,8 +21,8 @@ pub(crate) struct Flow<'a> {
     pub(crate) step_s: f64,
     /// Whether the third and the fourth disturbance are torques of the wheels.
     pub(crate) of_wheels: bool,
-    /// A force outside of the catalogue: along (N) and about (N m), for each instant and state.
-    pub(crate) law: Option<&'a (dyn Fn(f64, &State) -> [f64; 2] + Sync)>,
+    /// A load outside of the catalogue: until when (s) each acts, along (N) and about (N m).
+    pub(crate) loads: &'a [(f64, [f64; 2])],
 }
 
 impl Flow<'_> {
@@ -57,16 +57,17 @@ impl Flow<'_> {
             return;
         }
         let start = point.state.pose();
-        let [surge, yaw, third, fourth, across] = point.disturbance;
+        let [mut surge, mut yaw, third, fourth, across] = point.disturbance;
+        let [along, about] = self.load(to_s);
+        surge += along;
+        yaw += about;
         let force = if self.of_wheels {
             [surge, 0.0, yaw, third, fourth]
         } else {
             [surge, 0.0, yaw, 0.0, 0.0]
         };
         let disturbed = force.iter().any(|force| *force != 0.0);
-        if self.law.is_none() {
-            point.state.set_external_force(disturbed.then_some(force));
-        }
+        point.state.set_external_force(disturbed.then_some(force));
         while point.t_s < to_s {
             while told
                 .get(point.command + 1)
@@ -80,7 +81,7 @@ impl Flow<'_> {
             } else {
                 change_s
             };
-            self.held(point, until_s, &told[point.command].1, force);
+            self.held(point, until_s, &told[point.command].1);
         }
         if !self.of_wheels && (third != 0.0 || fourth != 0.0) || across != 0.0 {
             let [along, about] = if self.of_wheels {
@@ -101,20 +102,21 @@ impl Flow<'_> {
         }
     }
 
+    /// The load outside of the catalogue until `to_s` (s).
+    fn load(&self, to_s: f64) -> [f64; 2] {
+        let at = self
+            .loads
+            .partition_point(|(until_s, _)| *until_s < to_s - SIMULTANEOUS_S);
+        self.loads.get(at).map_or([0.0; 2], |(_, load)| *load)
+    }
+
     /// Advances under one command.
-    fn held(&self, point: &mut Point, to_s: f64, command: &Command, force: [f64; 5]) {
+    fn held(&self, point: &mut Point, to_s: f64, command: &Command) {
         let steps = ((to_s - point.t_s) / self.step_s - 1e-6).ceil().max(1.0);
         let step_s = (to_s - point.t_s) / steps;
         let from_s = point.t_s;
         for k in 0..steps as u32 {
             let t_s = from_s + f64::from(k) * step_s;
-            if let Some(law) = self.law {
-                let [along, about] = law(t_s, &point.state);
-                let mut force = force;
-                force[0] += along;
-                force[2] += about;
-                point.state.set_external_force(Some(force));
-            }
             self.robot.step(&mut point.state, t_s, step_s, command);
         }
         point.t_s = to_s;

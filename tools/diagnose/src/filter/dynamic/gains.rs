@@ -10,6 +10,8 @@ const MOTION_STEP: [f64; 2] = [1e-4, 1e-3];
 const DISTURBANCE_STEP: [f64; 2] = [1e-2, 1e-4];
 const TORQUE_STEP: f64 = 1e-4;
 const SLIP_STEP: f64 = 1e-4;
+/// Factor of an encoder's variance beside an impact of its gear: half a count more.
+const IMPACT: f64 = 4.0;
 /// Variance of what was not measured: it says nothing.
 pub(crate) const NOT_MEASURED: f64 = 1e12;
 
@@ -25,6 +27,8 @@ pub(crate) struct Passed {
     pub(crate) innovation: [f64; 3],
     /// What is left of the disturbances at the next row.
     pub(crate) decay: [f64; DISTURBANCES],
+    /// Variance of the sensor's error.
+    pub(crate) variance: [f64; 3],
 }
 
 /// A pass over one run, in the order in which its rows were measured.
@@ -36,30 +40,42 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    /// Filters a run. `variances` are those of the run's rows.
-    pub(crate) fn new(
-        flow: &Flow<'_>,
-        noise: &Noise,
-        variances: &[[f64; 3]],
-        slides: bool,
-    ) -> Self {
+    /// Filters a run.
+    pub(crate) fn new(flow: &Flow<'_>, noise: &Noise) -> Self {
+        if noise.of_wheels {
+            Self::of::<N>(flow, noise)
+        } else {
+            Self::of::<SLIP>(flow, noise)
+        }
+    }
+
+    fn of<const M: usize>(flow: &Flow<'_>, noise: &Noise) -> Self {
+        let slides = noise.of_wheels;
         let run = flow.run;
         let mut order = Vec::new();
         in_order(flow.robot, run, &mut order);
-        let used = if slides { N } else { SLIP };
-        let mut covariance = Covariance {
+        let mut covariance = Covariance::<M> {
             p: start_covariance(&run.start_deviation, noise),
-            used,
         };
         let mut gains = vec![Gain::NONE; run.rows.len()];
         let mut rows = Vec::with_capacity(order.len());
         let mut point = flow.start();
+        let mut apart = false;
         for (place, &(true_s, index)) in order.iter().enumerate() {
             let row = &run.rows[index];
             let (after, step) = differentiated(flow, &point, true_s, row, slides);
             point = after;
             let innovation = flow.innovation(&point, row);
-            let gain = covariance.update(&step, &variances[index]);
+            let mut variance = row.variance;
+            let engaged = point.state.engaged();
+            if row.sensor == Sensor::WheelAngle && (engaged != [true; 2] || apart) {
+                // when a gear closes is known to a step only
+                for v in variance.iter_mut().filter(|v| **v < NOT_MEASURED) {
+                    *v *= IMPACT;
+                }
+                apart = engaged != [true; 2];
+            }
+            let gain = covariance.update(&step, &variance);
             let next_s = order.get(place + 1).map_or(true_s, |(next_s, _)| *next_s);
             let decay = noise.decay(next_s - true_s);
             flow.correct(&mut point, &gain.correction(&innovation));
@@ -74,6 +90,7 @@ impl Pass {
                 step,
                 innovation,
                 decay,
+                variance,
             });
         }
         Self { rows, gains }
@@ -81,10 +98,13 @@ impl Pass {
 }
 
 /// Covariance of the state where the run begins.
-pub(super) fn start_covariance(deviation: &[f64; N], noise: &Noise) -> super::Matrix {
-    let mut p = [[0.0; N]; N];
-    for (i, d) in deviation.iter().enumerate() {
-        p[i][i] = d * d;
+pub(super) fn start_covariance<const M: usize>(
+    deviation: &[f64; N],
+    noise: &Noise,
+) -> [[f64; M]; M] {
+    let mut p = [[0.0; M]; M];
+    for (i, row) in p.iter_mut().enumerate() {
+        row[i] = deviation[i] * deviation[i];
     }
     for (k, size) in noise.size.iter().enumerate() {
         p[DISTURBED + k][DISTURBED + k] = size * size;
@@ -126,11 +146,6 @@ fn differentiated(
     f[POSE][DISTURBED + 4] = -over_s * sin;
     f[POSE + 1][DISTURBED + 4] = over_s * cos;
     // what is measured by pose and angles after the flow
-    let scale = flow.robot.measured_angle(&flow.start().state);
-    let _ = scale;
-    for line in &mut g {
-        line.fill(0.0);
-    }
     let after_flow = configuration(flow, &after, row, &predicted);
     let analytic = |column: usize| {
         !(ROLLING..ROLLING + 2).contains(&column)
@@ -149,8 +164,24 @@ fn differentiated(
     if row.sensor == Sensor::Imu && creep {
         g[2][DISTURBED + 3] += 1.0;
     }
-    let last = if slides { N } else { SLIP };
-    let differences = (ROLLING..last).filter(|column| !analytic(*column));
+    // what does not slide has no slip to differ in; on wheels that roll a torque acts as a force
+    let sliding = |point: &Point| point.state.slides() != [false; 2];
+    let (slid, rolls) = (sliding(from), !sliding(from) && !sliding(&after));
+    let last = if slides && slid { N } else { SLIP };
+    if over_s <= 0.0 && row.sensor != Sensor::WheelSpeed && row.sensor != Sensor::Imu {
+        // no time passed: pose and angles alone are seen
+        return (
+            after,
+            Derivatives {
+                flow: f,
+                measurement: g,
+                still: true,
+            },
+        );
+    }
+    let torques = DISTURBED + 2..DISTURBED + 4;
+    let differences =
+        (ROLLING..last).filter(|column| !analytic(*column) && !(rolls && torques.contains(column)));
     for column in differences {
         let size = step_of(column);
         let mut change = [0.0; N];
@@ -168,11 +199,24 @@ fn differentiated(
             line[column] = if slope.is_finite() { slope } else { 0.0 };
         }
     }
+    if !creep && rolls {
+        let [radius, lever] = flow.robot.nominal_lengths();
+        let force = 1.0 / radius;
+        for (column, moment) in torques.zip([lever / radius, -lever / radius]) {
+            for line in f.iter_mut().chain(&mut g) {
+                line[column] = force * line[DISTURBED] + moment * line[DISTURBED + 1];
+            }
+            for (k, line) in f.iter_mut().enumerate().skip(DISTURBED).take(5) {
+                line[column] = f64::from(u8::from(k == column));
+            }
+        }
+    }
     (
         after,
         Derivatives {
             flow: f,
             measurement: g,
+            still: over_s <= 0.0,
         },
     )
 }

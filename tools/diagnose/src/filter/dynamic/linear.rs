@@ -13,17 +13,17 @@ pub(crate) struct Likelihood {
 }
 
 /// Likelihood of `run` under `noise`; `pass` was made with other noise.
-pub(crate) fn likelihood(
-    pass: &Pass,
-    run: &Run,
-    noise: &Noise,
-    variances: &[[f64; 3]],
-    slides: bool,
-) -> Likelihood {
-    let used = if slides { N } else { SLIP };
-    let mut covariance = Covariance {
+pub(crate) fn likelihood(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
+    if noise.of_wheels {
+        of::<N>(pass, run, noise)
+    } else {
+        of::<SLIP>(pass, run, noise)
+    }
+}
+
+fn of<const M: usize>(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
+    let mut covariance = Covariance::<M> {
         p: start_covariance(&run.start_deviation, noise),
-        used,
     };
     let mut whitened = vec![0.0; 3 * run.rows.len()];
     let mut log_determinant = 0.0;
@@ -35,17 +35,17 @@ pub(crate) fn likelihood(
         let mut innovation = row.innovation;
         for (a, own) in innovation.iter_mut().enumerate() {
             let g = &row.step.measurement[a];
-            *own -= (0..used).map(|j| g[j] * off[j]).sum::<f64>();
+            *own -= (0..M).map(|j| g[j] * off[j]).sum::<f64>();
         }
-        let mut moved = [0.0; N];
-        for (i, own) in moved.iter_mut().enumerate().take(used) {
+        let mut moved = off;
+        for (i, own) in moved.iter_mut().enumerate().take(M) {
             let f = &row.step.flow[i];
-            *own = (0..used).map(|j| f[j] * off[j]).sum();
+            *own = (0..M).map(|j| f[j] * off[j]).sum();
         }
-        let gain = covariance.update(&row.step, &variances[row.row]);
+        let gain = covariance.update(&row.step, &row.variance);
         let own = gain.correction(&innovation);
         let before = pass.gains[row.row].correction(&row.innovation);
-        for i in 0..used {
+        for i in 0..M {
             off[i] = moved[i] + own[i] - before[i];
         }
         let next_s = pass

@@ -11,8 +11,10 @@
 //! * [`linear`]: the same filter for other noise sizes, linear about the pass.
 //! * [`predictor`]: innovations of other parameters at the gains of a pass.
 
+pub(crate) mod columns;
 pub(crate) mod flow;
 pub(crate) mod gains;
+pub(crate) mod impulse;
 pub(crate) mod linear;
 pub(crate) mod predictor;
 mod update;

@@ -40,33 +40,29 @@ pub(crate) struct Derivatives {
     pub(crate) flow: Matrix,
     /// What is measured, by the state before the flow.
     pub(crate) measurement: [[f64; N]; 3],
+    /// No time passed: the flow changes nothing.
+    pub(crate) still: bool,
 }
 
-/// Covariance of the state; only the first `used` entries are not zero.
-pub(crate) struct Covariance {
-    pub(crate) p: Matrix,
-    pub(crate) used: usize,
+/// Covariance of the first M entries of the state; the others are known.
+pub(crate) struct Covariance<const M: usize> {
+    pub(crate) p: [[f64; M]; M],
 }
 
-impl Covariance {
+impl<const M: usize> Covariance<M> {
     /// Flow, measurement with these variances, and update. Returns the gain of the row.
     pub(crate) fn update(&mut self, step: &Derivatives, variance: &[f64; 3]) -> Gain {
-        let n = self.used;
-        // P Gᵀ
-        let mut pg = [[0.0; 3]; N];
-        for (a, g) in step.measurement.iter().enumerate() {
-            for (j, gj) in g.iter().enumerate().take(n) {
-                if *gj != 0.0 {
-                    for i in 0..n {
-                        pg[i][a] += self.p[j][i] * gj;
-                    }
-                }
+        // P Gᵀ, by rows of Gᵀ
+        let mut pg = [[0.0; M]; 3];
+        for (own, g) in pg.iter_mut().zip(&step.measurement) {
+            for (p, gj) in self.p.iter().zip(g) {
+                add(own, *gj, p);
             }
         }
         let mut s = [[0.0; 3]; 3];
         for (a, g) in step.measurement.iter().enumerate() {
             for b in 0..=a {
-                let sum: f64 = (0..n).map(|i| g[i] * pg[i][b]).sum();
+                let sum: f64 = pg[b].iter().zip(g).map(|(x, y)| x * y).sum();
                 s[a][b] = sum;
                 s[b][a] = sum;
             }
@@ -74,31 +70,30 @@ impl Covariance {
         }
         let (whitening, log_determinant) = whitening(&s);
         // cross covariance of the state after the flow with the row, times the whitening
-        let mut w = [[0.0; 3]; N];
-        for i in 0..n {
-            let mut cross = [0.0; 3];
-            for j in 0..n {
-                let f = step.flow[i][j];
-                if f != 0.0 {
-                    for a in 0..3 {
-                        cross[a] += f * pg[j][a];
-                    }
+        let mut cross = pg;
+        if !step.still {
+            for (own, before) in cross.iter_mut().zip(&pg) {
+                for (own, f) in own.iter_mut().zip(&step.flow) {
+                    *own = f.iter().zip(before).map(|(x, y)| x * y).sum();
                 }
             }
-            for a in 0..3 {
-                w[i][a] = (0..=a).map(|b| whitening[a][b] * cross[b]).sum();
+            self.flow(&step.flow);
+        }
+        let mut w = [[0.0; M]; 3];
+        for (own, row) in w.iter_mut().zip(&whitening) {
+            for (factor, cross) in row.iter().zip(&cross) {
+                add(own, *factor, cross);
             }
         }
-        self.flow(&step.flow);
         let mut gain = [[0.0; 3]; N];
-        for i in 0..n {
-            for b in 0..3 {
-                gain[i][b] = (b..3).map(|a| w[i][a] * whitening[a][b]).sum();
+        for (i, gain) in gain.iter_mut().enumerate().take(M) {
+            for (b, own) in gain.iter_mut().enumerate() {
+                *own = (b..3).map(|a| w[a][i] * whitening[a][b]).sum();
             }
-            let [x, y, z] = w[i];
-            let row = &mut self.p[i];
-            for (j, other) in w.iter().enumerate().take(n) {
-                row[j] -= x * other[0] + y * other[1] + z * other[2];
+        }
+        for (i, row) in self.p.iter_mut().enumerate() {
+            for w in &w {
+                add(row, -w[i], w);
             }
         }
         Gain {
@@ -108,41 +103,52 @@ impl Covariance {
         }
     }
 
-    /// P becomes F P Fᵀ.
+    /// P becomes F P Fᵀ: F (F P)ᵀ, as P is symmetric. F has few entries.
     fn flow(&mut self, f: &Matrix) {
-        let n = self.used;
-        let mut fp = [[0.0; N]; N];
-        for i in 0..n {
-            let row = &mut fp[i];
-            for (k, fk) in f[i].iter().enumerate().take(n) {
-                if *fk != 0.0 {
-                    for (own, p) in row.iter_mut().zip(&self.p[k]) {
-                        *own += fk * p;
-                    }
-                }
+        let once = product(f, &self.p);
+        let mut turned = [[0.0; M]; M];
+        for (i, row) in once.iter().enumerate() {
+            for (k, own) in row.iter().enumerate() {
+                turned[k][i] = *own;
             }
         }
-        // fp Fᵀ: its i-th row is the combination of columns; by symmetry only rows j <= i
-        for i in 0..n {
-            for j in 0..=i {
-                let sum: f64 = (0..n).map(|k| fp[i][k] * f[j][k]).sum();
-                self.p[i][j] = sum;
-                self.p[j][i] = sum;
-            }
-        }
+        self.p = product(f, &turned);
     }
 
     /// The disturbances decay, and are disturbed anew.
     pub(crate) fn disturb(&mut self, noise: &Noise, decay: &[f64; DISTURBANCES]) {
         for (k, a) in decay.iter().enumerate() {
             let j = DISTURBED + k;
-            for i in 0..self.used {
-                self.p[i][j] *= a;
-                self.p[j][i] *= a;
+            for row in &mut self.p {
+                row[j] *= a;
+            }
+            for own in &mut self.p[j] {
+                *own *= a;
             }
             self.p[j][j] += noise.size[k] * noise.size[k] * (1.0 - a * a);
         }
     }
+}
+
+/// Adds `factor` times `from` to `to`.
+#[inline]
+fn add<const M: usize>(to: &mut [f64; M], factor: f64, from: &[f64; M]) {
+    if factor != 0.0 {
+        for (own, other) in to.iter_mut().zip(from) {
+            *own += factor * other;
+        }
+    }
+}
+
+/// F times `m`, where F has few entries.
+fn product<const M: usize>(f: &Matrix, m: &[[f64; M]; M]) -> [[f64; M]; M] {
+    let mut out = [[0.0; M]; M];
+    for (own, f) in out.iter_mut().zip(f) {
+        for (factor, row) in f.iter().zip(m) {
+            add(own, *factor, row);
+        }
+    }
+    out
 }
 
 /// Inverse of the lower Cholesky factor of `s`, and the log of its determinant.

@@ -1,0 +1,279 @@
+//! What the filter found, as findings.
+
+use slipstream_sim::effects::When;
+
+use super::fit::Fit;
+use super::machine::Machine;
+use super::precision::Known;
+use super::selection::Selected;
+use super::unknown::Unknown;
+use crate::answer::statement::statement;
+use crate::answer::{Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained};
+use crate::select::criterion::Criterion;
+use crate::windows::hypothesis::{Hypothesis, STATIC};
+use crate::windows::{bench::Bench, located};
+
+/// Share of a value by which integrators differ.
+const INTEGRATORS: f64 = 0.0015;
+/// Speed at which a contact counts as sliding (m/s), and the gap that does not part an interval (s).
+const SLIDING_M_S: f64 = 3e-3;
+const GAP_S: f64 = 0.1;
+/// Duration of a push (s).
+const PUSH_S: f64 = 0.06;
+
+/// The findings of one machine.
+pub(crate) fn findings(machine: &Machine, bench: &Bench, selected: &Selected) -> Vec<Finding> {
+    let fit = &selected.fit;
+    let known = machine.known(fit);
+    let mut first = 0;
+    let mut out = Vec::new();
+    for (index, hypothesis) in fit.hypotheses.iter().enumerate() {
+        let intervals: Vec<[f64; 2]> = hypothesis
+            .values
+            .iter()
+            .enumerate()
+            .map(|(i, (name, value))| {
+                interval(
+                    machine,
+                    fit,
+                    known.as_ref(),
+                    (index, first + i),
+                    (name, *value),
+                )
+            })
+            .collect();
+        if !hypothesis.is_threshold() {
+            first += hypothesis.values.len();
+        }
+        out.push(finding(machine, bench, selected, index, &intervals));
+    }
+    out
+}
+
+/// 95 % interval of the parameter `name` of the effect `index`, the `place`th of all.
+fn interval(
+    machine: &Machine,
+    fit: &Fit,
+    known: Option<&Known>,
+    (index, place): (usize, usize),
+    (name, value): (&str, f64),
+) -> [f64; 2] {
+    let hypothesis = &fit.hypotheses[index];
+    let profiled = || {
+        let wide = [value * 0.5, value * 1.5];
+        machine.profile(fit, index, name).unwrap_or(wide)
+    };
+    if hypothesis.is_threshold() || name == STATIC {
+        return profiled();
+    }
+    let Some(known) = known else {
+        return profiled();
+    };
+    let local = hypothesis.is_local();
+    let variance = if local {
+        known.model[(place, place)]
+    } else {
+        known.covariance[(place, place)]
+    };
+    if !variance.is_finite() {
+        return profiled();
+    }
+    let criterion = Criterion {
+        tried: 1,
+        blocks: if local { usize::MAX } else { known.blocks },
+    };
+    let width = if local { 1.96 } else { criterion.half_width() };
+    let nothing = hypothesis.nothing(&machine.model, name);
+    let grain = INTEGRATORS * (value - nothing).abs();
+    let half = width * (variance + grain * grain).sqrt();
+    [value - half, value + half]
+}
+
+fn finding(
+    machine: &Machine,
+    bench: &Bench,
+    selected: &Selected,
+    index: usize,
+    intervals: &[[f64; 2]],
+) -> Finding {
+    let fit = &selected.fit;
+    let hypothesis = &fit.hypotheses[index];
+    let info = hypothesis.info;
+    let unit = |name: &str| info.parameter(name).map_or("1", |p| p.unit).to_owned();
+    let mut parameters: Vec<ParameterEstimate> = hypothesis
+        .values
+        .iter()
+        .zip(intervals)
+        .map(|((name, value), ci95)| ParameterEstimate {
+            name: (*name).to_owned(),
+            unit: unit(name),
+            nominal: hypothesis.nominal(&machine.model, name),
+            estimate: Some(*value),
+            ci95: Some(*ci95),
+            text: None,
+        })
+        .collect();
+    if let Some((name, word)) = hypothesis.text {
+        parameters.push(ParameterEstimate {
+            name: name.to_owned(),
+            unit: "text".to_owned(),
+            nominal: None,
+            estimate: None,
+            ci95: None,
+            text: Some(word.to_owned()),
+        });
+    }
+    let gain = selected.gains[index];
+    let mut finding = Finding {
+        statement: String::new(),
+        robot: machine.tracks[0].robot.clone(),
+        effect: info.id.to_owned(),
+        parameters,
+        place: Place {
+            channel: info.channels[0].name().to_owned(),
+            intervals_s: at_work(machine, fit, hypothesis),
+            condition: located::condition(bench, hypothesis),
+        },
+        runs: None,
+        confused_with: selected.alike[index]
+            .iter()
+            .map(|id| (*id).to_owned())
+            .collect(),
+        evidence: Evidence {
+            log_likelihood_gain: gain,
+            p_value: (selected.tried as f64 * (-gain).exp()).min(1.0),
+        },
+        shape: None,
+        driver: None,
+    };
+    let span_s = machine.tracks[0].span_s();
+    let known = hypothesis.replaces.is_some();
+    finding.statement = statement(&finding, info.summary, span_s, known);
+    finding
+}
+
+/// When an effect is at work (s): while a wheel slides, during a push, always.
+fn at_work(machine: &Machine, fit: &Fit, hypothesis: &Hypothesis) -> Vec<[f64; 2]> {
+    match hypothesis.info.acts {
+        When::Sliding => sliding(machine, fit, None),
+        When::Inside => sliding(machine, fit, Some(hypothesis)),
+        When::Once => {
+            let t_s = hypothesis.value("t_s").unwrap_or(0.0);
+            vec![[t_s, t_s + PUSH_S]]
+        }
+        _ => vec![machine.tracks[0].span_s()],
+    }
+}
+
+/// When a wheel slides in the first run, or only on a patch.
+fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
+    let value = |name: &str| patch.and_then(|p| p.value(name)).unwrap_or(0.0);
+    let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
+    let body = &machine.model.robot;
+    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+    let Some(robot) = machine.robot(&fit.hypotheses) else {
+        return Vec::new();
+    };
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    let mut last = machine.runs[0].from_s();
+    machine.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
+        if run > 0 {
+            return;
+        }
+        let [right, left, across] = robot.slip_m_s(state);
+        let slides = state.slides();
+        let [x, y, yaw] = state.pose();
+        let (sin, cos) = yaw.sin_cos();
+        let on_patch = |side: f64| {
+            let place = [x - d * cos + side * sin, y - d * sin - side * cos];
+            patch.is_none() || (place[0] - px).hypot(place[1] - py) < radius
+        };
+        let fast = |i: usize, along: f64, side: f64| {
+            slides[i] && along.hypot(across) > SLIDING_M_S && on_patch(side)
+        };
+        if fast(0, right, b) || fast(1, left, -b) {
+            match intervals.last_mut() {
+                Some(own) if last - own[1] < GAP_S => own[1] = t_s,
+                _ => intervals.push([last, t_s]),
+            }
+        }
+        last = t_s;
+    });
+    intervals
+}
+
+/// What always pushes and follows nothing that was looked at.
+pub(crate) fn process_noise(machine: &Machine, fit: &Fit) -> Vec<ProcessNoise> {
+    let floor = machine.floor(fit.noise.of_wheels);
+    let names = if fit.noise.of_wheels {
+        [
+            ("surge_force", "N"),
+            ("yaw_moment", "N m"),
+            ("wheel_torque", "N m"),
+            ("wheel_torque", "N m"),
+            ("lateral_speed", "m/s"),
+        ]
+    } else {
+        [
+            ("surge_force", "N"),
+            ("yaw_moment", "N m"),
+            ("speed", "m/s"),
+            ("turn_rate", "rad/s"),
+            ("lateral_speed", "m/s"),
+        ]
+    };
+    let has_pose = machine.has_pose();
+    let each = (0..5).filter(|i| !(fit.noise.of_wheels && *i == 3));
+    let each = each.filter(|i| has_pose || *i < 2 || fit.noise.of_wheels && *i == 2);
+    let above = each.filter(|i| fit.noise.size[*i] > ABOVE_FLOOR * floor[*i]);
+    above
+        .map(|i| ProcessNoise {
+            robot: machine.tracks[0].robot.clone(),
+            acts_on: names[i].0,
+            size: fit.noise.size[i],
+            unit: names[i].1,
+            correlation_time_s: fit.noise.time_s[i.min(2)],
+        })
+        .collect()
+}
+
+/// Multiple of the floor from which on a size is said.
+const ABOVE_FLOOR: f64 = 3.0;
+
+/// What the catalogue does not hold, as a finding and as unexplained.
+pub(crate) fn outside(
+    machine: &Machine,
+    unknown: &Unknown,
+    tried: usize,
+) -> (Finding, Unexplained) {
+    let robot = machine.tracks[0].robot.clone();
+    let shape = unknown.shape.clone();
+    let gain = unknown.gain / 2.0;
+    let finding = Finding {
+        robot: robot.clone(),
+        effect: "unknown".to_owned(),
+        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
+        parameters: Vec::new(),
+        place: Place {
+            channel: unknown.channel.to_owned(),
+            intervals_s: unknown.intervals_s.clone(),
+            condition: format!("follows {}", unknown.driver),
+        },
+        runs: None,
+        confused_with: Vec::new(),
+        evidence: Evidence {
+            log_likelihood_gain: gain,
+            p_value: (tried as f64 * (-gain).exp()).min(1.0),
+        },
+        shape: Some(shape.clone()),
+        driver: Some(unknown.driver.to_owned()),
+    };
+    let what = Unexplained {
+        robot,
+        channel: unknown.channel.to_owned(),
+        driver: unknown.driver.to_owned(),
+        intervals_s: unknown.intervals_s.clone(),
+        shape,
+    };
+    (finding, what)
+}

@@ -1,0 +1,229 @@
+//! Variables that a force outside of the catalogue may follow, and functions of them.
+
+use super::fit::Fit;
+use super::machine::Machine;
+use crate::filter::dynamic::columns::Load;
+
+/// Hats over a variable, over a place, and over what a wheel is told.
+const HATS: usize = 9;
+const FINE: usize = 27;
+const TOLD: usize = 15;
+/// Share of the moments at either end of a variable that need no hat of their own.
+const RIM: f64 = 0.01;
+/// Speed over which a force against the motion changes its sign (m/s).
+const SLOW_M_S: f64 = 0.01;
+/// Waves of a turn of a wheel, in groups; and of a heading.
+const TURNS: [[u32; 2]; 3] = [[1, 3], [4, 6], [7, 9]];
+const HEADINGS: [u32; 2] = [1, 2];
+
+/// The motion while a row is reached.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Moment {
+    pub(crate) t_s: f64,
+    pub(crate) pose: [f64; 3],
+    pub(crate) speed: f64,
+    pub(crate) turn_rate: f64,
+    pub(crate) angle: [f64; 2],
+    /// Torque that each wheel is told (N m).
+    pub(crate) told: [f64; 2],
+}
+
+/// Functions of one variable on one part of the robot.
+pub(crate) struct Driver {
+    /// Its name in answers.
+    pub(crate) name: &'static str,
+    /// Where it acts, as in `where.channel`.
+    pub(crate) channel: &'static str,
+    /// What a model lists it by: which quantity, and the knots of its table.
+    pub(crate) table: Option<(&'static str, Vec<f64>)>,
+    /// Of each function, the load at each row of the pass of each run.
+    pub(crate) functions: Vec<Vec<Vec<Load>>>,
+}
+
+impl Machine {
+    /// The motion of `fit` at each row of each run, in the order of its passes.
+    pub(crate) fn moments(&self, fit: &Fit) -> Option<Vec<Vec<Moment>>> {
+        let body = &self.model.robot;
+        let per_volt = self
+            .model
+            .motor
+            .as_ref()
+            .map_or(1.0, |m| m.stall_torque_nm / m.nominal_voltage_v);
+        let mut all: Vec<Vec<Moment>> = vec![Vec::new(); self.runs.len()];
+        self.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
+            let told = &self.runs[run].commands;
+            let at = told.partition_point(|(from_s, _)| *from_s <= t_s);
+            let command = told[at.saturating_sub(1)].1;
+            let asked =
+                crate::windows::simulate::asked(&command, body.wheel_radius_m, body.half_track_m);
+            let unit = match command {
+                slipstream_sim::Command::Voltage { .. } => per_volt,
+                _ => 1.0,
+            };
+            let [speed, _, turn_rate] = state.velocity();
+            all[run].push(Moment {
+                t_s,
+                pose: state.pose(),
+                speed,
+                turn_rate,
+                angle: state.wheel_angle(),
+                told: asked.map(|asked| asked * unit),
+            });
+        })?;
+        Some(all)
+    }
+
+    /// Everything that a force may follow in these motions.
+    pub(crate) fn drivers(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
+        let body = &self.model.robot;
+        let [r, b] = [body.wheel_radius_m, body.half_track_m];
+        let mut drivers = Vec::new();
+        let over: [(&str, usize, fn(&Moment) -> f64); 5] = [
+            ("t", HATS, |m| m.t_s),
+            ("v", HATS, |m| m.speed),
+            ("w", HATS, |m| m.turn_rate),
+            ("x", FINE, |m| m.pose[0]),
+            ("y", FINE, |m| m.pose[1]),
+        ];
+        let parts = [("longitudinal", "surge_force"), ("yaw", "yaw_moment")];
+        for (name, count, of) in over {
+            if !self.has_pose() && matches!(name, "x" | "y") {
+                continue;
+            }
+            let Some(knots) = knots(count, moments, of) else {
+                continue;
+            };
+            for (part, (channel, acts_on)) in parts.into_iter().enumerate() {
+                drivers.push(Driver {
+                    name,
+                    channel,
+                    table: Some((acts_on, knots.clone())),
+                    functions: each(knots.len(), moments, |i, m| {
+                        let mut load = [0.0; 2];
+                        load[part] = hat(&knots, i, of(m));
+                        load
+                    }),
+                });
+            }
+        }
+        let places: [(&str, fn(&Moment) -> f64); 2] = [("x", |m| m.pose[0]), ("y", |m| m.pose[1])];
+        for (name, of) in places.into_iter().filter(|_| self.has_pose()) {
+            // a floor that brakes: against the motion
+            let Some(knots) = knots(FINE, moments, of) else {
+                continue;
+            };
+            drivers.push(Driver {
+                name,
+                channel: "longitudinal",
+                table: None,
+                functions: each(knots.len(), moments, |i, m| {
+                    [hat(&knots, i, of(m)) * (m.speed / SLOW_M_S).tanh(), 0.0]
+                }),
+            });
+        }
+        for (part, (channel, _)) in parts.into_iter().enumerate() {
+            drivers.push(Driver {
+                name: "heading",
+                channel,
+                table: None,
+                functions: each(4, moments, |i, m| {
+                    let mut load = [0.0; 2];
+                    load[part] = wave(HEADINGS[i / 2], i % 2, m.pose[2]);
+                    load
+                }),
+            });
+            // what grows with the command, more or less as time goes by
+            if let Some(knots) = knots(HATS, moments, |m| m.t_s) {
+                drivers.push(Driver {
+                    name: "t",
+                    channel,
+                    table: None,
+                    functions: each(knots.len(), moments, |i, m| {
+                        let [right, left] = m.told;
+                        let told = [(right + left) / r, b * (right - left) / r];
+                        let mut load = [0.0; 2];
+                        load[part] = told[part] * hat(&knots, i, m.t_s);
+                        load
+                    }),
+                });
+            }
+        }
+        let torque = |wheel: usize, torque_nm: f64| {
+            let lever = if wheel == 0 { b } else { -b };
+            [torque_nm / r, lever * torque_nm / r]
+        };
+        let both = |loads: [Load; 2]| [loads[0][0] + loads[1][0], loads[0][1] + loads[1][1]];
+        if let Some(knots) = told_knots(moments) {
+            drivers.push(Driver {
+                name: "torque",
+                channel: "wheel_right",
+                table: None,
+                functions: each(knots.len(), moments, |i, m| {
+                    both([0, 1].map(|w| torque(w, hat(&knots, i, m.told[w]))))
+                }),
+            });
+        }
+        for [first, last] in TURNS {
+            let count = 4 * (last - first + 1) as usize;
+            drivers.push(Driver {
+                name: "wheel_angle",
+                channel: "wheel_right",
+                table: None,
+                functions: each(count, moments, |i, m| {
+                    let wheel = i % 2;
+                    let number = first + (i / 4) as u32;
+                    torque(wheel, wave(number, i / 2 % 2, m.angle[wheel]))
+                }),
+            });
+        }
+        drivers
+    }
+}
+
+fn each(
+    count: usize,
+    moments: &[Vec<Moment>],
+    load: impl Fn(usize, &Moment) -> Load,
+) -> Vec<Vec<Vec<Load>>> {
+    (0..count)
+        .map(|i| {
+            let runs = moments.iter();
+            runs.map(|run| run.iter().map(|m| load(i, m)).collect())
+                .collect()
+        })
+        .collect()
+}
+
+/// Knots over what a variable covers, but for its rims; none for one that does not vary.
+fn knots(count: usize, moments: &[Vec<Moment>], of: impl Fn(&Moment) -> f64) -> Option<Vec<f64>> {
+    spread(count, moments.iter().flatten().map(of).collect())
+}
+
+fn told_knots(moments: &[Vec<Moment>]) -> Option<Vec<f64>> {
+    let told = moments.iter().flatten().flat_map(|m| m.told);
+    spread(TOLD, told.collect())
+}
+
+fn spread(count: usize, mut values: Vec<f64>) -> Option<Vec<f64>> {
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get((share * values.len() as f64) as usize).copied();
+    let (low, high) = (at(RIM)?, at(1.0 - RIM)?);
+    if high - low <= 1e-6 {
+        return None;
+    }
+    let step = (high - low) / (count - 1) as f64;
+    Some((0..count).map(|i| low + step * i as f64).collect())
+}
+
+/// The i-th hat on `knots`; the outer ones go on as they are.
+fn hat(knots: &[f64], i: usize, x: f64) -> f64 {
+    let step = knots[1] - knots[0];
+    let at = ((x - knots[0]) / step).clamp(0.0, (knots.len() - 1) as f64);
+    (1.0 - (at - i as f64).abs()).max(0.0)
+}
+
+/// Sine (0) or cosine (1) of a multiple of an angle.
+fn wave(number: u32, phase: usize, angle: f64) -> f64 {
+    let (sin, cos) = (f64::from(number) * angle).sin_cos();
+    if phase == 0 { sin } else { cos }
+}

@@ -1,0 +1,94 @@
+//! Diagnosis of one machine whose masses are known and that is told torques or voltages.
+
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::{Command, Robot as Recorded};
+
+use super::machine::Machine;
+use super::selection::Selection;
+use super::{answer, pictures, prediction};
+use crate::answer::Figures;
+use crate::diagnosis::Request;
+use crate::windows::bench::with;
+use crate::windows::{Collected, Course, bench, hypothesis};
+
+/// Whether the filter over the plant diagnoses a machine: its masses are known, and torques or
+/// voltages drive it.
+pub(crate) fn applies(robots: &[&Recorded], model: &RobotModel) -> bool {
+    let kind = |robot: &&&Recorded| match robot.command.as_ref().map(|stream| &stream.values) {
+        Some(Command::Torque { .. }) => Some(slipstream_sim::CommandKind::Torque),
+        Some(Command::Voltage { .. }) => Some(slipstream_sim::CommandKind::Voltage),
+        _ => None,
+    };
+    let accepted = slipstream_sim::Robot::new(model);
+    let Ok(plant) = accepted else { return false };
+    robots
+        .iter()
+        .all(|robot| kind(&robot).is_some_and(|kind| plant.accepts(kind).is_ok()))
+}
+
+/// Diagnoses a machine; returns what its figures show, if they are asked for.
+///
+/// # Errors
+/// A machine that cannot be diagnosed.
+pub(crate) fn examine(
+    request: &Request<'_>,
+    runs: &[(&Recording, &Recorded)],
+    collected: &mut Collected,
+    illustrate: bool,
+) -> Result<Option<Figures>, InputError> {
+    let name = &runs[0].1.name;
+    let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
+    let bench = bench(request, runs)?;
+    let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
+    let machine = Machine::new(bench.tracks.clone(), bench.model.clone(), request.excluded);
+    let selection = Selection {
+        machine: &machine,
+        all: &all,
+        progress: &progress,
+    };
+    let unusable = || {
+        let remedy = "check masses, lengths and units, and the kind of the commands";
+        InputError::new(name, "cannot be simulated by its model", remedy)
+    };
+    let selected = selection.run().ok_or_else(unusable)?;
+    progress("how well it predicts");
+    let fit = &selected.fit;
+    let answer = &mut collected.answer;
+    answer
+        .findings
+        .extend(answer::findings(&machine, &bench, &selected));
+    answer
+        .held_out
+        .merge(&prediction::held_out(&machine, &bench, fit));
+    answer
+        .budget
+        .extend(prediction::budgets(&machine, &bench, fit));
+    answer
+        .process_noise
+        .extend(answer::process_noise(&machine, fit));
+    let mut improved = with(&machine.model, &fit.hypotheses);
+    if let Some(unknown) = &selected.unknown {
+        let (finding, what) = answer::outside(&machine, unknown, selected.tried);
+        answer.findings.push(finding);
+        answer.unexplained.push(what);
+        improved.effects.extend(unknown.spec.clone());
+    }
+    collected.improved.push((name.clone(), improved));
+    collected.courses.extend(course(&machine, fit));
+    Ok(illustrate.then(|| pictures::figures(&machine, &bench, &selected)))
+}
+
+/// Where the robot was in its first run, by the filter; none without a pose.
+fn course(machine: &Machine, fit: &super::fit::Fit) -> Option<Course> {
+    use crate::windows::track::Sensor;
+    let track = &machine.tracks[0];
+    let deviation = track.of(Sensor::Pose)?.deviation;
+    let mut points: Vec<(f64, [f64; 3])> = Vec::new();
+    machine.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
+        if run == 0 && points.last().is_none_or(|(last, _)| *last < t_s) {
+            points.push((t_s, state.pose()));
+        }
+    })?;
+    Some(Course::of(track.robot.clone(), points, deviation))
+}

@@ -1,0 +1,149 @@
+//! Predictions over windows of 5 s, before and after, and where their error went.
+
+use rayon::prelude::*;
+
+use super::channels::NO_CHANNEL;
+use super::fit::{Fit, valued, values};
+use super::machine::Machine;
+use crate::answer::{Budget, BudgetPart, HeldOut};
+use crate::explain::budget::shares;
+use crate::windows::bench::Bench;
+use crate::windows::hypothesis::Hypothesis;
+use crate::windows::misfit::Misfit;
+use crate::windows::score::prediction;
+use crate::windows::window::Window;
+
+/// Parts of the windows that are predicted by what was fitted to the others.
+const FOLDS: usize = 2;
+/// Iterations of such a fit.
+const ITERATIONS: usize = 3;
+/// Windows of a budget at most, and effects.
+const BUDGET_WINDOWS: usize = 12;
+const PLAYERS: usize = 5;
+/// Errors below are none (m, rad).
+const NOTHING: f64 = 1e-9;
+
+/// Predictions before and after; each window is predicted by effects that were fitted without it.
+pub(crate) fn held_out(machine: &Machine, bench: &Bench, fit: &Fit) -> HeldOut {
+    let windows = &bench.windows;
+    let before = prediction(bench, windows, &[]);
+    let after = if fit.hypotheses.is_empty() {
+        prediction(bench, windows, &[])
+    } else {
+        let folds = (0..FOLDS).into_par_iter().map(|fold| {
+            let own: Vec<Window> = windows.iter().skip(fold).step_by(FOLDS).cloned().collect();
+            let learnt = machine
+                .fitted_outside(fit, &own)
+                .unwrap_or_else(|| fit.hypotheses.clone());
+            prediction(bench, &own, &learnt)
+        });
+        let folds: Vec<Misfit> = folds.collect();
+        folds
+            .iter()
+            .fold(Misfit::default(), |sum, own| sum.and(own))
+    };
+    let mut held_out = HeldOut::default();
+    held_out.add(bench, &before, &after);
+    held_out
+}
+
+impl Machine {
+    /// The effects of `fit` fitted without what was measured in `windows`, at its gains.
+    fn fitted_outside(&self, fit: &Fit, windows: &[Window]) -> Option<Vec<Hypothesis>> {
+        let inside = |stamp_s: f64, run: usize| {
+            let mut own = windows.iter().filter(|w| w.run == run);
+            own.any(|w| (w.from_s..w.to_s).contains(&stamp_s))
+        };
+        let channels: Vec<u8> = self
+            .channels
+            .iter()
+            .zip(&self.stamps)
+            .map(|(channel, (stamp_s, run))| {
+                if inside(*stamp_s, *run) {
+                    NO_CHANNEL
+                } else {
+                    *channel
+                }
+            })
+            .collect();
+        let at = values(&fit.hypotheses);
+        let solution = self.solve_on(fit, &fit.hypotheses, &at, ITERATIONS, &channels)?;
+        Some(valued(&fit.hypotheses, &solution.at))
+    }
+}
+
+/// Where the error of predictions went, in metres and radians.
+pub(crate) fn budgets(machine: &Machine, bench: &Bench, fit: &Fit) -> Vec<Budget> {
+    let stride = bench.windows.len().div_ceil(BUDGET_WINDOWS).max(1);
+    let windows: Vec<Window> = bench.windows.iter().step_by(stride).cloned().collect();
+    let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.truncate(PLAYERS);
+    let subsets = (0..1_usize << names.len()).into_par_iter().map(|subset| {
+        let has = |h: &&Hypothesis| match names.iter().position(|n| *n == h.info.id) {
+            Some(place) => subset >> place & 1 == 1,
+            None => true,
+        };
+        let own: Vec<Hypothesis> = fit.hypotheses.iter().filter(has).cloned().collect();
+        prediction(bench, &windows, &own)
+    });
+    let worth: Vec<Misfit> = subsets.collect();
+    let deviation = |channel: usize| bench.deviation(channel);
+    let mean = |misfit: &Misfit, channels: &[usize]| -> f64 {
+        let each = channels
+            .iter()
+            .map(|c| misfit.mean_square(*c) * deviation(*c).powi(2));
+        each.sum()
+    };
+    let has = |channel: usize| worth.first().is_some_and(|w| w.counts[channel] > 0.0);
+    let budget = |unit: &'static str, channels: &[usize]| {
+        if !channels.iter().all(|c| has(*c)) {
+            return None;
+        }
+        let worth: Vec<f64> = worth.iter().map(|w| mean(w, channels)).collect();
+        let noise: f64 = channels.iter().map(|c| deviation(*c).powi(2)).sum();
+        budget_of(machine, unit, &names, &worth, noise)
+    };
+    [("m", &[2, 3][..]), ("rad", &[4][..])]
+        .into_iter()
+        .filter_map(|(unit, channels)| budget(unit, channels))
+        .collect()
+}
+
+fn budget_of(
+    machine: &Machine,
+    unit: &'static str,
+    names: &[&'static str],
+    worth: &[f64],
+    noise: f64,
+) -> Option<Budget> {
+    let (first, last) = (*worth.first()?, *worth.last()?);
+    let before = first.sqrt();
+    if before < NOTHING {
+        return None;
+    }
+    let noise = noise.min(last);
+    let mut parts: Vec<BudgetPart> = names
+        .iter()
+        .zip(shares(names.len(), worth))
+        .map(|(name, share)| BudgetPart {
+            name: (*name).to_owned(),
+            share: share / before,
+        })
+        .collect();
+    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+    for (name, share) in [("unexplained", last - noise), ("sensor noise", noise)] {
+        parts.push(BudgetPart {
+            name: name.to_owned(),
+            share: share / before,
+        });
+    }
+    Some(Budget {
+        robot: machine.tracks[0].robot.clone(),
+        unit,
+        before,
+        after: last.sqrt(),
+        parts,
+    })
+}

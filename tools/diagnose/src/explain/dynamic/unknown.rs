@@ -1,0 +1,220 @@
+//! What the catalogue does not hold: a force that follows a variable, looked for through the stored
+//! derivatives of a pass, then refitted with its own noise.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use slipstream_bus::{EffectSpec, Parameter};
+
+use super::channels::levels;
+use super::drivers::Driver;
+use super::fit::Fit;
+use super::machine::Machine;
+use super::noise_sizes::THOROUGH;
+use crate::filter::dynamic::columns::{Load, columns};
+
+/// Drivers that are refitted with their noise.
+const LEADERS: usize = 4;
+/// Gain (−2 ln L) from which on a force is linearised again, at the sharper gains.
+const AGAIN: f64 = 15.0;
+/// Share of the largest force from which on it counts as at work, and the gap that does not part an
+/// interval (s).
+const AT_WORK: f64 = 0.5;
+const GAP_S: f64 = 0.25;
+
+/// A force outside of the catalogue.
+pub(crate) struct Unknown {
+    pub(crate) driver: &'static str,
+    pub(crate) channel: &'static str,
+    /// The fit under it, and the machine on which it acts.
+    pub(crate) fit: Fit,
+    pub(crate) machine: Machine,
+    /// Gain in −2 ln L, and how many numbers it took.
+    pub(crate) gain: f64,
+    pub(crate) numbers: usize,
+    /// When it is large (s), in the first run.
+    pub(crate) intervals_s: Vec<[f64; 2]>,
+    /// What it looks like.
+    pub(crate) shape: String,
+    /// As a model lists it, where it can.
+    pub(crate) spec: Option<EffectSpec>,
+}
+
+/// A driver with the factors of its functions.
+struct Fitted<'a> {
+    driver: &'a Driver,
+    factors: Vec<f64>,
+    gain: f64,
+}
+
+impl Machine {
+    /// The force that gains most beside `fit`.
+    pub(crate) fn unknown(&self, fit: &Fit) -> Option<Unknown> {
+        let moments = self.moments(fit)?;
+        let drivers = self.drivers(&moments);
+        let mut fitted: Vec<Fitted<'_>> = drivers
+            .par_iter()
+            .filter_map(|driver| self.linear(fit, driver))
+            .collect();
+        fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        let mut seen: Vec<&str> = Vec::new();
+        fitted.retain(|own| {
+            let new = !seen.contains(&own.driver.name);
+            seen.push(own.driver.name);
+            new
+        });
+        fitted.truncate(LEADERS);
+        let refitted = fitted.par_iter().filter_map(|own| self.refitted(fit, own));
+        refitted.max_by(|a, b| {
+            let score = |own: &Unknown| own.gain - 2.0 * own.numbers as f64;
+            score(a).total_cmp(&score(b))
+        })
+    }
+
+    /// The factors that fit best, were the innovations linear in them.
+    fn linear<'a>(&self, fit: &Fit, driver: &'a Driver) -> Option<Fitted<'a>> {
+        let count = driver.functions.len();
+        let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(self.channels.len()); count];
+        for (run, pass) in fit.passes.iter().enumerate() {
+            let own: Vec<Vec<Load>> = driver.functions.iter().map(|f| f[run].clone()).collect();
+            for (all, own) in all
+                .iter_mut()
+                .zip(columns(pass, &own, self.runs[run].rows.len()))
+            {
+                all.extend(own);
+            }
+        }
+        let levels = levels(&fit.whitened, &self.channels);
+        let weight = |channel: &u8| {
+            let level = levels.get(usize::from(*channel));
+            level.map_or(0.0, |[mean, _]| mean.max(1.0).recip())
+        };
+        let weights: Vec<f64> = self.channels.iter().map(weight).collect();
+        let dot = |a: &[f64], b: &[f64]| {
+            let products = a.iter().zip(b).zip(&weights).map(|((x, y), w)| x * y * w);
+            products.sum::<f64>()
+        };
+        let mut normal = DMatrix::from_fn(count, count, |i, k| {
+            if k <= i { dot(&all[i], &all[k]) } else { 0.0 }
+        });
+        normal.fill_upper_triangle_with_lower_triangle();
+        let ridge = 1e-6 * normal.trace() / count as f64 + 1e-12;
+        for i in 0..count {
+            normal[(i, i)] += ridge;
+        }
+        let gradient = DVector::from_fn(count, |i, _| dot(&all[i], &fit.whitened));
+        let factors = -normal.cholesky()?.solve(&gradient);
+        let gain = -factors.dot(&gradient);
+        Some(Fitted {
+            driver,
+            factors: factors.iter().copied().collect(),
+            gain: gain - 2.0 * count as f64,
+        })
+    }
+
+    /// A force beside `fit`, with its own noise; linearised twice.
+    fn refitted(&self, fit: &Fit, own: &Fitted<'_>) -> Option<Unknown> {
+        let mut factors = own.factors.clone();
+        let (mut machine, mut under) = self.under(fit, own.driver, &factors)?;
+        if fit.deviance - under.deviance - 2.0 * factors.len() as f64 > AGAIN
+            && let Some(more) = machine.linear(&under, own.driver)
+        {
+            let moved: Vec<f64> = factors
+                .iter()
+                .zip(&more.factors)
+                .map(|(a, b)| a + b)
+                .collect();
+            if let Some((next, better)) = self.under(fit, own.driver, &moved)
+                && better.deviance < under.deviance
+            {
+                (machine, under, factors) = (next, better, moved);
+            }
+        }
+        let loads = load(own.driver, &factors);
+        Some(Unknown {
+            driver: own.driver.name,
+            channel: own.driver.channel,
+            gain: fit.deviance - under.deviance,
+            numbers: factors.len(),
+            intervals_s: at_work(&under, &loads[0]),
+            shape: shape(own.driver, &loads),
+            spec: spec(own.driver, &factors),
+            fit: under,
+            machine,
+        })
+    }
+
+    /// The machine under a force with these factors, and the fit there.
+    fn under(&self, fit: &Fit, driver: &Driver, factors: &[f64]) -> Option<(Self, Fit)> {
+        let loads = load(driver, factors);
+        let mut machine = self.clone();
+        machine.add_loads(fit, &loads);
+        let pass = machine.pass(fit.hypotheses.clone(), fit.noise)?;
+        let fit = machine.with_noise(pass, 1, THOROUGH);
+        Some((machine, fit))
+    }
+}
+
+/// The load of a driver at each row of the pass of each run.
+fn load(driver: &Driver, factors: &[f64]) -> Vec<Vec<Load>> {
+    let runs = driver.functions.first().map_or(0, Vec::len);
+    (0..runs)
+        .map(|run| {
+            let rows = driver.functions[0][run].len();
+            (0..rows)
+                .map(|q| {
+                    let parts = driver.functions.iter().zip(factors);
+                    parts.fold([0.0; 2], |[along, about], (function, factor)| {
+                        let [x, y] = function[run][q];
+                        [along + factor * x, about + factor * y]
+                    })
+                })
+                .collect()
+        })
+        .collect()
+}
+
+/// When a load of the first run is large (s).
+fn at_work(fit: &Fit, loads: &[Load]) -> Vec<[f64; 2]> {
+    let largest = [0, 1].map(|i| loads.iter().map(|l| l[i].abs()).fold(0.0, f64::max));
+    let large =
+        |load: &Load| (0..2).any(|i| largest[i] > 0.0 && load[i].abs() > AT_WORK * largest[i]);
+    let mut intervals: Vec<[f64; 2]> = Vec::new();
+    for (row, load) in fit.passes[0].rows.iter().zip(loads) {
+        if large(load) {
+            match intervals.last_mut() {
+                Some(own) if row.true_s - own[1] < GAP_S => own[1] = row.true_s,
+                _ => intervals.push([row.true_s, row.true_s]),
+            }
+        }
+    }
+    intervals
+}
+
+/// What a load looks like, in words.
+fn shape(driver: &Driver, loads: &[Vec<Load>]) -> String {
+    let part = usize::from(driver.channel == "yaw");
+    let (what, unit) = if part == 0 {
+        ("force along the body", "N")
+    } else {
+        ("moment about the vertical", "N m")
+    };
+    let values = loads.iter().flatten().map(|load| load[part]);
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    let name = driver.name.replace('_', " ");
+    format!("a {what} that depends on {name}, from {low:.3} to {high:.3} {unit}")
+}
+
+/// A table over a driver as a model lists it.
+fn spec(driver: &Driver, factors: &[f64]) -> Option<EffectSpec> {
+    let (acts_on, knots) = driver.table.as_ref()?;
+    let text = |word: &str| Parameter::Text(word.to_owned());
+    let mut spec = EffectSpec::new("force_law", &[]);
+    spec.parameters = vec![
+        ("acts_on".to_owned(), text(acts_on)),
+        ("driver".to_owned(), text(driver.name)),
+        ("knots".to_owned(), Parameter::List(knots.clone())),
+        ("values".to_owned(), Parameter::List(factors.to_vec())),
+    ];
+    Some(spec)
+}
