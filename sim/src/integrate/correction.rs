@@ -53,8 +53,8 @@ impl Robot<f64> {
         body.nu[1] += self.com_to_axle * turn + lateral;
         body.nu[2] += turn;
         let rim = [self.half_track * turn, -self.half_track * turn];
-        for i in 0..2 {
-            body.nu[3 + i] += (surge + rim[i] - slip(i)) / self.radius[i];
+        for (i, rim) in rim.into_iter().enumerate() {
+            body.nu[3 + i] += (surge + rim - slip(i)) / self.radius[i];
             if state.mode.gear[i] != Gear::Free {
                 body.motor_speed[i] = body.nu[3 + i];
             }

@@ -8,7 +8,9 @@ use super::precision::Known;
 use super::selection::Selected;
 use super::unknown::Unknown;
 use crate::answer::statement::statement;
-use crate::answer::{Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained};
+use crate::answer::{
+    Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
+};
 use crate::select::criterion::Criterion;
 use crate::windows::hypothesis::{Hypothesis, STATIC};
 use crate::windows::{bench::Bench, located};
@@ -175,7 +177,7 @@ fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64
         return Vec::new();
     };
     let mut intervals: Vec<[f64; 2]> = Vec::new();
-    let mut last = machine.runs[0].from_s();
+    let mut last = machine.runs[0].begin_s();
     machine.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
         if run > 0 {
             return;
@@ -235,6 +237,33 @@ pub(crate) fn process_noise(machine: &Machine, fit: &Fit) -> Vec<ProcessNoise> {
             correlation_time_s: fit.noise.time_s[i.min(2)],
         })
         .collect()
+}
+
+/// A warning where forces without pattern were found.
+pub(crate) fn wandering(machine: &Machine, noise: &[ProcessNoise]) -> Option<Warning> {
+    if noise.is_empty() {
+        return None;
+    }
+    let parts: Vec<String> = noise
+        .iter()
+        .map(|own| {
+            let name = own.acts_on.replace('_', " ");
+            let (size, unit, time_s) = (own.size, own.unit, own.correlation_time_s);
+            format!("{name} {size:.1e} {unit} for about {time_s:.2} s")
+        })
+        .collect();
+    Some(Warning {
+        recording: machine.tracks[0].recording.clone(),
+        robot: Some(machine.tracks[0].robot.clone()),
+        id: "wandering_forces".to_owned(),
+        statement: format!(
+            "something pushes that follows no variable looked at (standard deviations: {})",
+            parts.join(", ")
+        ),
+        remedy: "effects that do not stand out from it were not accepted; a smoother floor or a \
+                 longer recording would show more"
+            .to_owned(),
+    })
 }
 
 /// Multiple of the floor from which on a size is said.

@@ -16,6 +16,12 @@ const SLOW_M_S: f64 = 0.01;
 const TURNS: [[u32; 2]; 3] = [[1, 3], [4, 6], [7, 9]];
 const HEADINGS: [u32; 2] = [1, 2];
 
+/// Where a force along the body and a moment act, as in `where.channel` and in a model's tables.
+const PARTS: [(&str, &str); 2] = [("longitudinal", "surge_force"), ("yaw", "yaw_moment")];
+
+/// A variable of a moment.
+type Of = fn(&Moment) -> f64;
+
 /// The motion while a row is reached.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Moment {
@@ -75,17 +81,23 @@ impl Machine {
 
     /// Everything that a force may follow in these motions.
     pub(crate) fn drivers(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
-        let body = &self.model.robot;
-        let [r, b] = [body.wheel_radius_m, body.half_track_m];
-        let mut drivers = Vec::new();
-        let over: [(&str, usize, fn(&Moment) -> f64); 5] = [
+        let mut drivers = self.tables(moments);
+        drivers.extend(self.brakes(moments));
+        drivers.extend(self.of_body(moments));
+        drivers.extend(self.of_wheels(moments));
+        drivers
+    }
+
+    /// Tables over one variable.
+    fn tables(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
+        let over: [(&'static str, usize, Of); 5] = [
             ("t", HATS, |m| m.t_s),
             ("v", HATS, |m| m.speed),
             ("w", HATS, |m| m.turn_rate),
             ("x", FINE, |m| m.pose[0]),
             ("y", FINE, |m| m.pose[1]),
         ];
-        let parts = [("longitudinal", "surge_force"), ("yaw", "yaw_moment")];
+        let mut drivers = Vec::new();
         for (name, count, of) in over {
             if !self.has_pose() && matches!(name, "x" | "y") {
                 continue;
@@ -93,91 +105,111 @@ impl Machine {
             let Some(knots) = knots(count, moments, of) else {
                 continue;
             };
-            for (part, (channel, acts_on)) in parts.into_iter().enumerate() {
+            for (part, (channel, acts_on)) in PARTS.into_iter().enumerate() {
                 drivers.push(Driver {
                     name,
                     channel,
                     table: Some((acts_on, knots.clone())),
-                    functions: each(knots.len(), moments, |i, m| {
-                        let mut load = [0.0; 2];
-                        load[part] = hat(&knots, i, of(m));
-                        load
-                    }),
+                    functions: each(knots.len(), moments, |i, m| on(part, hat(&knots, i, of(m)))),
                 });
             }
         }
-        let places: [(&str, fn(&Moment) -> f64); 2] = [("x", |m| m.pose[0]), ("y", |m| m.pose[1])];
-        for (name, of) in places.into_iter().filter(|_| self.has_pose()) {
-            // a floor that brakes: against the motion
-            let Some(knots) = knots(FINE, moments, of) else {
-                continue;
-            };
-            drivers.push(Driver {
+        drivers
+    }
+
+    /// Floors that brake: against the motion, by the place.
+    fn brakes(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
+        let places: [(&'static str, Of); 2] = [("x", |m| m.pose[0]), ("y", |m| m.pose[1])];
+        let seen = places.into_iter().filter(|_| self.has_pose());
+        seen.filter_map(|(name, of)| {
+            let knots = knots(FINE, moments, of)?;
+            Some(Driver {
                 name,
-                channel: "longitudinal",
+                channel: PARTS[0].0,
                 table: None,
                 functions: each(knots.len(), moments, |i, m| {
-                    [hat(&knots, i, of(m)) * (m.speed / SLOW_M_S).tanh(), 0.0]
+                    on(0, hat(&knots, i, of(m)) * (m.speed / SLOW_M_S).tanh())
                 }),
-            });
-        }
-        for (part, (channel, _)) in parts.into_iter().enumerate() {
+            })
+        })
+        .collect()
+    }
+
+    /// Waves of the heading, and what grows with the command, more or less as time goes by.
+    fn of_body(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
+        let [r, b] = self.lengths();
+        let mut drivers = Vec::new();
+        for (part, (channel, _)) in PARTS.into_iter().enumerate() {
             drivers.push(Driver {
                 name: "heading",
                 channel,
                 table: None,
                 functions: each(4, moments, |i, m| {
-                    let mut load = [0.0; 2];
-                    load[part] = wave(HEADINGS[i / 2], i % 2, m.pose[2]);
-                    load
+                    on(part, wave(HEADINGS[i / 2], i % 2, m.pose[2]))
                 }),
             });
-            // what grows with the command, more or less as time goes by
-            if let Some(knots) = knots(HATS, moments, |m| m.t_s) {
-                drivers.push(Driver {
-                    name: "t",
-                    channel,
-                    table: None,
-                    functions: each(knots.len(), moments, |i, m| {
-                        let [right, left] = m.told;
-                        let told = [(right + left) / r, b * (right - left) / r];
-                        let mut load = [0.0; 2];
-                        load[part] = told[part] * hat(&knots, i, m.t_s);
-                        load
-                    }),
-                });
-            }
-        }
-        let torque = |wheel: usize, torque_nm: f64| {
-            let lever = if wheel == 0 { b } else { -b };
-            [torque_nm / r, lever * torque_nm / r]
-        };
-        let both = |loads: [Load; 2]| [loads[0][0] + loads[1][0], loads[0][1] + loads[1][1]];
-        if let Some(knots) = told_knots(moments) {
+            let Some(knots) = knots(HATS, moments, |m| m.t_s) else {
+                continue;
+            };
             drivers.push(Driver {
-                name: "torque",
-                channel: "wheel_right",
+                name: "t",
+                channel,
                 table: None,
                 functions: each(knots.len(), moments, |i, m| {
-                    both([0, 1].map(|w| torque(w, hat(&knots, i, m.told[w]))))
-                }),
-            });
-        }
-        for [first, last] in TURNS {
-            let count = 4 * (last - first + 1) as usize;
-            drivers.push(Driver {
-                name: "wheel_angle",
-                channel: "wheel_right",
-                table: None,
-                functions: each(count, moments, |i, m| {
-                    let wheel = i % 2;
-                    let number = first + (i / 4) as u32;
-                    torque(wheel, wave(number, i / 2 % 2, m.angle[wheel]))
+                    let [right, left] = m.told;
+                    let told = [(right + left) / r, b * (right - left) / r];
+                    on(part, told[part] * hat(&knots, i, m.t_s))
                 }),
             });
         }
         drivers
     }
+
+    /// Torques of the wheels, by what each is told and by its angle.
+    fn of_wheels(&self, moments: &[Vec<Moment>]) -> Vec<Driver> {
+        let [r, b] = self.lengths();
+        let torque = |wheel: usize, torque_nm: f64| {
+            let lever = if wheel == 0 { b } else { -b };
+            [torque_nm / r, lever * torque_nm / r]
+        };
+        let both = |loads: [Load; 2]| [loads[0][0] + loads[1][0], loads[0][1] + loads[1][1]];
+        let driver = |name, functions| Driver {
+            name,
+            channel: "wheel_right",
+            table: None,
+            functions,
+        };
+        let mut drivers = Vec::new();
+        if let Some(knots) = told_knots(moments) {
+            let functions = each(knots.len(), moments, |i, m| {
+                both([0, 1].map(|w| torque(w, hat(&knots, i, m.told[w]))))
+            });
+            drivers.push(driver("torque", functions));
+        }
+        for [first, last] in TURNS {
+            let count = 4 * (last - first + 1) as usize;
+            let functions = each(count, moments, |i, m| {
+                let wheel = i % 2;
+                let number = first + (i / 4) as u32;
+                torque(wheel, wave(number, i / 2 % 2, m.angle[wheel]))
+            });
+            drivers.push(driver("wheel_angle", functions));
+        }
+        drivers
+    }
+
+    /// Wheel radius and half track of the nominal model (m).
+    fn lengths(&self) -> [f64; 2] {
+        let body = &self.model.robot;
+        [body.wheel_radius_m, body.half_track_m]
+    }
+}
+
+/// A load on one part: along the body, or about the vertical.
+fn on(part: usize, value: f64) -> Load {
+    let mut load = [0.0; 2];
+    load[part] = value;
+    load
 }
 
 fn each(

@@ -64,9 +64,13 @@ pub(crate) fn examine(
     answer
         .budget
         .extend(prediction::budgets(&machine, &bench, fit));
-    answer
-        .process_noise
-        .extend(answer::process_noise(&machine, fit));
+    let noisy = selected
+        .unknown
+        .as_ref()
+        .map_or(fit, |unknown| &unknown.fit);
+    let noise = answer::process_noise(&machine, noisy);
+    answer.warnings.extend(answer::wandering(&machine, &noise));
+    answer.process_noise.extend(noise);
     let mut improved = with(&machine.model, &fit.hypotheses);
     if let Some(unknown) = &selected.unknown {
         let (finding, what) = answer::outside(&machine, unknown, selected.tried);

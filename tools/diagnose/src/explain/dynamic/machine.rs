@@ -17,6 +17,8 @@ const MOVING: [f64; 2] = [0.2, 1.0];
 /// A robot whose wheels turn by this many deviations within this time (s) moves when its recording begins.
 const MOVES: f64 = 10.0;
 const BEGINS_S: f64 = 0.2;
+/// Standard deviation of the angle of a wheel after times of which nothing is believed (rad).
+const LOST_ANGLE_RAD: f64 = 30.0;
 /// Standard deviation of a slip at the start (m/s).
 const START_SLIP: f64 = 0.01;
 
@@ -148,6 +150,11 @@ fn run(track: &Track, model: &RobotModel) -> Run {
     for own in &mut deviation[12..] {
         *own = START_SLIP;
     }
+    let mut lost_deviation = deviation;
+    lost_deviation[3..5].copy_from_slice(&MOVING);
+    for own in &mut lost_deviation[5..7] {
+        *own = LOST_ANGLE_RAD;
+    }
     Run {
         commands: track.commands.clone(),
         rows,
@@ -155,6 +162,8 @@ fn run(track: &Track, model: &RobotModel) -> Run {
         start_deviation: deviation,
         tracked_ahead_m: track.tracked_ahead_m,
         without_gravity: track.imu_without_weight,
+        left_out_s: track.left_out_s.clone(),
+        lost_deviation,
     }
 }
 

@@ -28,12 +28,12 @@ pub(crate) fn figures(machine: &Machine, bench: &Bench, selected: &Selected) -> 
     for run in 0..machine.runs.len() {
         let before = of_run(bench, run, &[]);
         let after = found.then(|| of_run(bench, run, &selected.fit.hypotheses));
-        for channel in 0..CHANNELS {
+        for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
             let own = &before.residuals[channel];
             if own.iter().any(|(_, r)| r.is_finite()) {
                 residuals.push(Residuals {
                     run,
-                    channel: CHANNEL_NAMES[channel],
+                    channel: name,
                     before: own.clone(),
                     after: after
                         .as_ref()

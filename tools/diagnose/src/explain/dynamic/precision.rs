@@ -51,7 +51,6 @@ pub(crate) struct Known {
     pub(crate) covariance: DMatrix<f64>,
     /// By the model.
     pub(crate) model: DMatrix<f64>,
-    pub(crate) overdispersion: f64,
     pub(crate) blocks: usize,
 }
 
@@ -130,9 +129,28 @@ impl Machine {
         Some(Known {
             covariance: spread(&by_blocks),
             model: spread(&model),
-            overdispersion: precision.overdispersion,
             blocks: count,
         })
+    }
+
+    /// −2 ln L of each block, up to a constant.
+    pub(crate) fn by_block(&self, fit: &Fit) -> Vec<f64> {
+        let levels = levels(&fit.whitened, &self.channels).map(|[mean, _]| mean.max(1.0));
+        let blocks = self.blocks();
+        let mut out = vec![0.0; blocks::total(blocks.iter().copied())];
+        let place = |stamp_s: f64, run: usize| blocks[run].first + blocks[run].of(stamp_s);
+        let all = fit.whitened.iter().zip(&self.channels).zip(&self.stamps);
+        for ((e, channel), (stamp_s, run)) in all {
+            if let Some(level) = levels.get(usize::from(*channel)) {
+                out[place(*stamp_s, *run)] += e * e / level + level.ln();
+            }
+        }
+        let gains = fit.passes.iter().flat_map(|pass| &pass.gains);
+        for (gain, row) in gains.zip(self.stamps.chunks(3)) {
+            let (stamp_s, run) = row[0];
+            out[place(stamp_s, run)] += gain.log_determinant;
+        }
+        out
     }
 
     fn block_scores(
@@ -157,8 +175,8 @@ impl Machine {
                     continue;
                 }
                 block.gradient[i] -= a * weighted[place];
-                for k in 0..n {
-                    block.information[(i, k)] += a * columns[k][place];
+                for (k, other) in columns.iter().enumerate() {
+                    block.information[(i, k)] += a * other[place];
                 }
             }
         }

@@ -65,18 +65,24 @@ impl Machine {
     /// of its own.
     fn slip(&self, fit: &Fit, starts: &[&Hypothesis]) -> Option<Candidate> {
         let base = self.rolling_with_wheel_noise(fit)?;
-        let mut ranked: Vec<(f64, &Hypothesis)> = starts
-            .par_iter()
-            .filter_map(|h| {
-                let with = beside(fit, h);
-                let e = self.innovations(&base, &with)?;
-                let own = deviance(&levels(&e, &self.channels)) + base.log_determinant();
-                Some((base.deviance - own, *h))
-            })
-            .filter(|(gain, _)| *gain > SLIP_GAIN)
-            .collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        ranked.truncate(SLIPS);
+        let ranked = |at: &Fit| {
+            let gains = starts.par_iter().filter_map(|h| {
+                let e = self.innovations(at, &beside(fit, h))?;
+                let own = deviance(&levels(&e, &self.channels)) + at.log_determinant();
+                Some((at.deviance - own, *h))
+            });
+            let mut ranked: Vec<(f64, &Hypothesis)> =
+                gains.filter(|(gain, _)| *gain > SLIP_GAIN).collect();
+            ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+            ranked.truncate(SLIPS);
+            ranked
+        };
+        // at small noise what slides is told from what pushes; where nothing else fits, at large
+        let mut best = ranked(&base);
+        if best.is_empty() {
+            best = ranked(fit);
+        }
+        let ranked = best;
         let fits = ranked.par_iter().filter_map(|(_, h)| {
             let begun = self.begun(fit, beside(fit, h))?;
             Some((fit.deviance - begun.deviance, *h, begun))

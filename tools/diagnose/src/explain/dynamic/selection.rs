@@ -10,7 +10,7 @@ use super::precision::Known;
 use super::screen::beside;
 use super::unknown::Unknown;
 use crate::select::criterion::{Criterion, TIE_NATS};
-use crate::windows::hypothesis::Hypothesis;
+use crate::windows::hypothesis::{Hypothesis, KINETIC};
 
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;
@@ -19,6 +19,12 @@ const POLISHED: usize = 4;
 const GLANCE_GAIN: f64 = 6.0;
 /// Most effects.
 const MOST: usize = 5;
+/// Kinetic friction from which on no wheel is said to slip: rubber on a clean floor has 1.
+const GRIPS: f64 = 1.2;
+/// Share of a gain that has to be left without its best block, and the gain (−2 ln L) from which on one
+/// block is enough.
+const REST: f64 = 0.3;
+const CERTAIN: f64 = 200.0;
 /// Multiple of its floor below which a disturbance is none, and mean square of innovations that is
 /// noise.
 const QUIET: f64 = 1.05;
@@ -119,14 +125,6 @@ impl Selection<'_> {
         (self.progress)("forces outside of the catalogue");
         let due = |own: &Unknown| 2.0 * self.criterion(None).least_gain(own.numbers) + MARGIN;
         let mut unknown = self.machine.unknown(fit)?;
-        (self.progress)(&format!(
-            "   unknown {} {} gain {:.1} due {:.1} noise {:?}",
-            unknown.driver,
-            unknown.channel,
-            unknown.gain,
-            due(&unknown),
-            unknown.fit.noise
-        ));
         if unknown.gain < due(&unknown) {
             return None;
         }
@@ -160,86 +158,56 @@ impl Selection<'_> {
         let names: Vec<&str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!("effects beside [{}]", names.join(", ")));
         let mut candidates = self.machine.screened(fit, self.all);
-        (self.progress)(&format!(
-            "   screen {:?}",
-            candidates
-                .iter()
-                .take(12)
-                .map(|c| (
-                    c.hypothesis.info.id,
-                    c.hypothesis.values.iter().map(|v| v.1).collect::<Vec<_>>(),
-                    c.gain.round()
-                ))
-                .collect::<Vec<_>>()
-        ));
         candidates.retain(|candidate| candidate.gain > GLANCE_GAIN);
         candidates.truncate(REFITTED);
-        let refits: Vec<(f64, Fit)> = candidates
-            .par_iter()
-            .filter_map(|candidate| {
-                let begun = match &candidate.fit {
-                    Some(begun) => begun.clone(),
-                    None => self
-                        .machine
-                        .begun(fit, beside(fit, &candidate.hypothesis))?,
-                };
-                let own = self.refitted(begun, 2, 5);
-                Some((self.excess(fit, &own), own))
-            })
-            .filter(|(excess, own)| *excess > -12.0 && !self.is_tiny(own.hypotheses.last()))
-            .collect();
-        for (excess, own) in &refits {
-            let h = own.hypotheses.last().unwrap();
-            (self.progress)(&format!(
-                "   refit {} {:?} excess {excess:.1}",
-                h.info.id, h.values
-            ));
+        let refits = candidates.par_iter().filter_map(|candidate| {
+            let begun = match &candidate.fit {
+                Some(begun) => begun.clone(),
+                None => self
+                    .machine
+                    .begun(fit, beside(fit, &candidate.hypothesis))?,
+            };
+            Some(self.refitted(begun, 2, 5))
+        });
+        let leaders = self.leaders(fit, refits.collect(), -MARGIN);
+        let polished = leaders.into_par_iter().map(|own| self.refitted(own, 6, 8));
+        let mut polished = self.leaders(fit, polished.collect(), 0.0).into_iter();
+        let best = polished.next()?;
+        if !self.is_clear(&best, best.hypotheses.len() - 1) || !self.is_lasting(fit, &best) {
+            return None;
         }
-        let best = refits.iter().map(|(excess, _)| *excess).fold(0.0, f64::max);
-        let mut leaders: Vec<&(f64, Fit)> = refits
-            .iter()
-            .filter(|(excess, _)| *excess >= 0.5 * best)
-            .collect();
-        leaders.sort_by(|a, b| b.0.total_cmp(&a.0));
-        leaders.truncate(POLISHED);
-        let mut polished: Vec<(f64, Fit)> = leaders
-            .par_iter()
-            .map(|(_, own)| {
-                let own = self.refitted(own.clone(), 6, 8);
-                (self.excess(fit, &own), own)
-            })
-            .filter(|(_, own)| !self.is_tiny(own.hypotheses.last()))
-            .collect();
+        let excess = self.excess(fit, &best);
+        let near = polished
+            .filter(|own| self.excess(fit, own) > excess - 2.0 * TIE_NATS)
+            .filter_map(|own| Some(own.hypotheses.last()?.info.id));
+        Some((best, near.collect()))
+    }
+
+    /// Of fits with one more effect than `fit`, those that bring at least `least` beyond what is due
+    /// and half as much as the best, best first.
+    fn leaders(&self, fit: &Fit, fits: Vec<Fit>, least: f64) -> Vec<Fit> {
         // among those that fit alike, lengths come before the sensor that measures with them
-        let rank = |(excess, own): &(f64, Fit)| {
+        let rank = |own: &Fit| {
             let of_sensor = own
                 .hypotheses
                 .last()
                 .is_some_and(|h| h.info.id == "encoder_scale");
+            let excess = self.excess(fit, own);
             if of_sensor {
                 excess - FIRST_SUSPECT
             } else {
-                *excess
+                excess
             }
         };
-        polished.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
-        for (excess, own) in &polished {
-            if let Some(h) = own.hypotheses.last() {
-                (self.progress)(&format!(
-                    "   {} {:?} excess {excess:.1} noise {:?}",
-                    h.info.id, h.values, own.noise.size
-                ));
-            }
-        }
-        let (excess, best) = polished.first()?;
-        if *excess < 0.0 || !self.is_clear(best, best.hypotheses.len() - 1) {
-            return None;
-        }
-        let near = polished[1..]
-            .iter()
-            .filter(|(other, _)| *other > excess - 2.0 * TIE_NATS)
-            .filter_map(|(_, own)| Some(own.hypotheses.last()?.info.id));
-        Some((best.clone(), near.collect()))
+        let mut ranked: Vec<(f64, Fit)> = fits
+            .into_iter()
+            .filter(|own| self.excess(fit, own) > least && !self.is_tiny(own.hypotheses.last()))
+            .map(|own| (rank(&own), own))
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let best = ranked.first().map_or(0.0, |(rank, _)| rank.max(0.0));
+        let near = ranked.into_iter().filter(|(rank, _)| *rank >= 0.5 * best);
+        near.take(POLISHED).map(|(_, own)| own).collect()
     }
 
     /// Fits all parameters and the noise, thresholds by trying others.
@@ -272,8 +240,11 @@ impl Selection<'_> {
     /// Whether the effect at `at` is known to differ from nothing: by the model, and by blocks.
     fn is_clear(&self, fit: &Fit, at: usize) -> bool {
         let hypothesis = &fit.hypotheses[at];
-        if hypothesis.is_abrupt() || hypothesis.is_threshold() {
+        if hypothesis.is_threshold() {
             return true;
+        }
+        if hypothesis.is_abrupt() {
+            return hypothesis.value(KINETIC).is_none_or(|own| own < GRIPS);
         }
         let Some(known) = self.machine.known(fit) else {
             return false;
@@ -294,16 +265,21 @@ impl Selection<'_> {
                 })
                 .fold(0.0, f64::max)
         };
-        (self.progress)(&format!(
-            "   clear {} model {:.1} blocks {:.1} over {:.2} least {:.1}",
-            hypothesis.info.id,
-            strength(&known.model),
-            strength(&known.covariance),
-            known.overdispersion,
-            criterion.alone().least_wald(1)
-        ));
         strength(&known.model) > 2.0 * criterion.least_gain(1)
             && strength(&known.covariance) > criterion.alone().least_wald(1)
+    }
+
+    /// Whether the last effect of `own`, if it acts more than once, gains without its best block, or so
+    /// much that a rare event is enough.
+    fn is_lasting(&self, fit: &Fit, own: &Fit) -> bool {
+        if own.hypotheses.last().is_none_or(Hypothesis::is_local) {
+            return true;
+        }
+        let (before, after) = (self.machine.by_block(fit), self.machine.by_block(own));
+        let gains: Vec<f64> = before.iter().zip(&after).map(|(a, b)| a - b).collect();
+        let total: f64 = gains.iter().sum();
+        let best = gains.iter().copied().fold(0.0, f64::max);
+        total > CERTAIN || total - best > REST * total
     }
 
     fn without(&self, fit: &Fit, at: usize) -> Option<Fit> {
@@ -331,13 +307,10 @@ impl Selection<'_> {
                 gain.is_some_and(|gain| gain < self.due(own))
             });
             match idle {
-                Some(at) if fit.hypotheses.len() > 1 => {
-                    (self.progress)(&format!("   drop {}", fit.hypotheses[at].info.id));
-                    match less.into_iter().nth(at).flatten() {
-                        Some(next) => fit = next,
-                        None => return (fit, Vec::new()),
-                    }
-                }
+                Some(at) if fit.hypotheses.len() > 1 => match less.into_iter().nth(at).flatten() {
+                    Some(next) => fit = next,
+                    None => return (fit, Vec::new()),
+                },
                 _ => return (fit, less),
             }
         }
@@ -371,7 +344,6 @@ impl Selection<'_> {
                 let better =
                     other.deviance + self.due(&candidate.hypothesis) - fit.deviance - self.due(own);
                 if better < -3.0 {
-                    (self.progress)(&format!("   swap {id} {}", candidate.hypothesis.info.id));
                     return self.pruned(other);
                 } else if better < 2.0 * TIE_NATS {
                     let rival = candidate.hypothesis.info.id;

@@ -25,9 +25,8 @@ const GAP_S: f64 = 0.25;
 pub(crate) struct Unknown {
     pub(crate) driver: &'static str,
     pub(crate) channel: &'static str,
-    /// The fit under it, and the machine on which it acts.
+    /// The fit under it.
     pub(crate) fit: Fit,
-    pub(crate) machine: Machine,
     /// Gain in −2 ln L, and how many numbers it took.
     pub(crate) gain: f64,
     pub(crate) numbers: usize,
@@ -114,7 +113,7 @@ impl Machine {
     /// A force beside `fit`, with its own noise; linearised twice.
     fn refitted(&self, fit: &Fit, own: &Fitted<'_>) -> Option<Unknown> {
         let mut factors = own.factors.clone();
-        let (mut machine, mut under) = self.under(fit, own.driver, &factors)?;
+        let (machine, mut under) = self.under(fit, own.driver, &factors)?;
         if fit.deviance - under.deviance - 2.0 * factors.len() as f64 > AGAIN
             && let Some(more) = machine.linear(&under, own.driver)
         {
@@ -123,10 +122,10 @@ impl Machine {
                 .zip(&more.factors)
                 .map(|(a, b)| a + b)
                 .collect();
-            if let Some((next, better)) = self.under(fit, own.driver, &moved)
+            if let Some((_, better)) = self.under(fit, own.driver, &moved)
                 && better.deviance < under.deviance
             {
-                (machine, under, factors) = (next, better, moved);
+                (under, factors) = (better, moved);
             }
         }
         let loads = load(own.driver, &factors);
@@ -139,7 +138,6 @@ impl Machine {
             shape: shape(own.driver, &loads),
             spec: spec(own.driver, &factors),
             fit: under,
-            machine,
         })
     }
 

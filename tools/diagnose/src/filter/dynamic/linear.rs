@@ -42,6 +42,9 @@ fn of<const M: usize>(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
             let f = &row.step.flow[i];
             *own = (0..M).map(|j| f[j] * off[j]).sum();
         }
+        if row.lost {
+            covariance.p = start_covariance(&run.lost_deviation, noise);
+        }
         let gain = covariance.update(&row.step, &row.variance);
         let own = gain.correction(&innovation);
         let before = pass.gains[row.row].correction(&row.innovation);

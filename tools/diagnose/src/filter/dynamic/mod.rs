@@ -12,6 +12,7 @@
 //! * [`predictor`]: innovations of other parameters at the gains of a pass.
 
 pub(crate) mod columns;
+mod derivatives;
 pub(crate) mod flow;
 pub(crate) mod gains;
 pub(crate) mod impulse;
@@ -84,11 +85,22 @@ pub(crate) struct Run {
     pub(crate) tracked_ahead_m: f64,
     /// The accelerometer leaves gravity out.
     pub(crate) without_gravity: bool,
+    /// Times (s) of which nothing is believed: what the state is after them is as unknown as at the
+    /// start, but for a robot that moves.
+    pub(crate) left_out_s: Vec<[f64; 2]>,
+    /// Standard deviation of the state after such a time.
+    pub(crate) lost_deviation: Vector,
 }
 
 impl Run {
+    /// Whether times of which nothing is believed lie between two instants (s).
+    pub(super) fn is_lost_between(&self, from_s: f64, to_s: f64) -> bool {
+        let mut left_out = self.left_out_s.iter();
+        left_out.any(|[begin, end]| from_s <= *end && to_s >= *begin && from_s < to_s)
+    }
+
     /// Stamps of first command and last row (s).
-    pub(crate) fn from_s(&self) -> f64 {
+    pub(crate) fn begin_s(&self) -> f64 {
         self.commands.first().map_or(0.0, |(t_s, _)| *t_s)
     }
 }
@@ -115,7 +127,7 @@ impl Noise {
 
 /// Order in which the rows of `run` were measured, with the true time of each (s).
 pub(super) fn in_order(robot: &slipstream_sim::Robot, run: &Run, order: &mut Vec<(f64, usize)>) {
-    let from_s = run.from_s();
+    let from_s = run.begin_s();
     order.clear();
     order.extend(run.rows.iter().enumerate().map(|(index, row)| {
         let true_s = robot.true_s(row.sensor.stream(), row.stamp_s);

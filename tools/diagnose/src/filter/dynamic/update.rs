@@ -1,5 +1,6 @@
 //! Covariance of the state through flow, measurement and disturbances.
 
+use super::derivatives::Derivatives;
 use super::{DISTURBANCES, DISTURBED, Matrix, N, Noise};
 
 /// Gains and whitening of one row.
@@ -31,17 +32,6 @@ impl Gain {
         self.whitening
             .map(|row| row[0] * innovation[0] + row[1] * innovation[1] + row[2] * innovation[2])
     }
-}
-
-/// Derivatives of flow and measurement from one row to the next.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Derivatives {
-    /// State after the flow, by the state before it.
-    pub(crate) flow: Matrix,
-    /// What is measured, by the state before the flow.
-    pub(crate) measurement: [[f64; N]; 3],
-    /// No time passed: the flow changes nothing.
-    pub(crate) still: bool,
 }
 
 /// Covariance of the first M entries of the state; the others are known.
