@@ -126,7 +126,6 @@ fn diagnosis_page_is_complete_without_layout_problems() {
         "Residuals before and after",
         "When each finding acts",
         "missing force along the body (N)",
-        "wheels faster than the body",
         "Path",
         "friction_kinetic",
         "Prediction error over 5 s by channel",

@@ -59,7 +59,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
         let model = model_of(request, machine[0])?;
         slipstream_sim::Robot::new(&model)?;
-        if kinematic::applies(&robots, &model) {
+        if kinematic::applies(&robots) {
             let illustrated: Figures = by_filter(request, &machine, &model, &mut collected)?;
             all.extend(illustrate.then_some(illustrated));
         } else if dynamic::applies(&robots, &model) {

@@ -189,8 +189,13 @@ fn answered(recording: &Recording, nominal: &RobotModel) -> Answer {
 
 /// `record`ed under torques of which the recording tells only the `gentle` part.
 fn disturbed(torque: fn(f64) -> [f64; 2]) -> Answer {
+    disturbed_beside(&RobotModel::default(), torque)
+}
+
+/// The same of a robot whose model is not the nominal one.
+fn disturbed_beside(truth: &RobotModel, torque: fn(f64) -> [f64; 2]) -> Answer {
     let nominal = RobotModel::default();
-    let mut recording = slipstream_testkit::record(&nominal, torque, 20.0, 11);
+    let mut recording = slipstream_testkit::record(truth, torque, 20.0, 11);
     let command = recording.robots[0].command.as_mut().unwrap();
     let told = command
         .t_s
@@ -224,6 +229,17 @@ fn forces_without_pattern_are_no_finding() {
     assert_eq!(answer.verdict, Verdict::Match, "{}", listing(&answer));
     let ids: Vec<&str> = answer.warnings.iter().map(|w| w.id.as_str()).collect();
     assert_eq!(ids, ["wandering_forces"]);
+}
+
+#[test]
+fn an_effect_stands_out_of_forces_without_pattern() {
+    let truth = RobotModel::default().with("viscous_drag", &[("coefficient", 0.3)]);
+    let answer = disturbed_beside(&truth, wandering);
+    let found: Vec<&str> = answer.findings.iter().map(|f| f.effect.as_str()).collect();
+    assert_eq!(found, ["viscous_drag"], "{}", listing(&answer));
+    let [low, high] = answer.findings[0].parameters[0].ci95.unwrap();
+    assert!((low..=high).contains(&0.3), "{}", listing(&answer));
+    assert!(!answer.process_noise.is_empty(), "{}", listing(&answer));
 }
 
 #[test]

@@ -599,17 +599,14 @@ fn mean(claims: &[&Claim], runs: usize) -> Claim {
     mean
 }
 
-/// Whether this engine diagnoses a machine: its masses are unknown, and what drives it are speeds.
-pub(crate) fn applies(robots: &[&Robot], model: &RobotModel) -> bool {
+/// Whether this engine diagnoses a machine: what drives it are speeds, whatever its masses.
+pub(crate) fn applies(robots: &[&Robot]) -> bool {
     use slipstream_recording::recording::Command;
-    let masses = slipstream_sim::Robot::new(model)
-        .is_ok_and(|robot| robot.accepts(slipstream_sim::CommandKind::Torque).is_ok());
-    let speeds = robots.iter().all(|robot| match &robot.command {
+    robots.iter().all(|robot| match &robot.command {
         None => true,
         Some(stream) => matches!(
             stream.values,
             Command::Twist { .. } | Command::WheelSpeed { .. }
         ),
-    });
-    !masses && speeds
+    })
 }

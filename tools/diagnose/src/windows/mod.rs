@@ -14,7 +14,7 @@ mod drivers;
 mod figures;
 mod fit;
 #[cfg(test)]
-mod fixture;
+pub(crate) mod fixture;
 mod follow;
 mod force;
 pub(crate) mod hypothesis;

@@ -239,6 +239,34 @@ pub(crate) fn process_noise(machine: &Machine, fit: &Fit) -> Vec<ProcessNoise> {
         .collect()
 }
 
+/// A warning where something pushed more than once.
+pub(crate) fn gusts(machine: &Machine) -> Option<Warning> {
+    let mut times: Vec<f64> = machine
+        .runs
+        .iter()
+        .flat_map(|run| {
+            run.gusts_s
+                .iter()
+                .map(|[from, to]| f64::midpoint(*from, *to))
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    if times.is_empty() {
+        return None;
+    }
+    let words: Vec<String> = times.iter().map(|t_s| format!("{t_s:.2}")).collect();
+    Some(Warning {
+        recording: machine.tracks[0].recording.clone(),
+        robot: Some(machine.tracks[0].robot.clone()),
+        id: "gusts".to_owned(),
+        statement: format!(
+            "something pushes for a moment now and then, near {} s; these moments count for nothing",
+            words.join(", ")
+        ),
+        remedy: "record again where nobody and nothing pushes the robot".to_owned(),
+    })
+}
+
 /// A warning where forces without pattern were found.
 pub(crate) fn wandering(machine: &Machine, noise: &[ProcessNoise]) -> Option<Warning> {
     if noise.is_empty() {

@@ -42,8 +42,8 @@ pub(crate) fn examine(
     let bench = bench(request, runs)?;
     let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
     let machine = Machine::new(bench.tracks.clone(), bench.model.clone(), request.excluded);
-    let selection = Selection {
-        machine: &machine,
+    let mut selection = Selection {
+        machine,
         all: &all,
         progress: &progress,
     };
@@ -52,6 +52,7 @@ pub(crate) fn examine(
         InputError::new(name, "cannot be simulated by its model", remedy)
     };
     let selected = selection.run().ok_or_else(unusable)?;
+    let machine = selection.machine;
     progress("how well it predicts");
     let fit = &selected.fit;
     let answer = &mut collected.answer;
@@ -70,6 +71,7 @@ pub(crate) fn examine(
         .map_or(fit, |unknown| &unknown.fit);
     let noise = answer::process_noise(&machine, noisy);
     answer.warnings.extend(answer::wandering(&machine, &noise));
+    answer.warnings.extend(answer::gusts(&machine));
     answer.process_noise.extend(noise);
     let mut improved = with(&machine.model, &fit.hypotheses);
     if let Some(unknown) = &selected.unknown {
@@ -80,7 +82,7 @@ pub(crate) fn examine(
     }
     collected.improved.push((name.clone(), improved));
     collected.courses.extend(course(&machine, fit));
-    Ok(illustrate.then(|| pictures::figures(&machine, &bench, &selected)))
+    Ok(illustrate.then(|| pictures::figures(&machine, &bench, &selected, &all)))
 }
 
 /// Where the robot was in its first run, by the filter; none without a pose.

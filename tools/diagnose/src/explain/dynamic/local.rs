@@ -7,11 +7,15 @@ use super::channels::{deviance, levels};
 use super::fit::{Fit, may_slide};
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
-use crate::filter::dynamic::impulse::impulses;
+use crate::filter::dynamic::impulse::{Impulse, impulses};
 use crate::windows::hypothesis::Hypothesis;
 
 /// A push lasts this long (s); its first instant lies half of it before the middle.
 const PUSH_S: f64 = 0.06;
+
+/// Gusts at most, and the time before and after its largest impulse (s) that belongs to one.
+const GUSTS: usize = 16;
+const GUST_S: [f64; 2] = [0.08, 0.15];
 
 /// Cells of the floor in which a patch is tried (m), and how many of them at most.
 const CELL_M: f64 = 0.1;
@@ -49,12 +53,8 @@ const RADII_M: [f64; 2] = [0.03, 1.0];
 const LEAST_INVERSE: f64 = 2.0;
 
 impl Machine {
-    /// The push that gains most beside `fit`.
-    pub(crate) fn push(&self, fit: &Fit) -> Option<Candidate> {
-        if may_slide(&self.model, &fit.hypotheses) || !self.has_pose() {
-            return None;
-        }
-        let info = find("push")?;
+    /// The impulse that gains most beside `fit`, and its run.
+    fn impulse(&self, fit: &Fit) -> Option<(usize, Impulse)> {
         let levels = levels(&fit.whitened, &self.channels);
         let weight = levels.map(|[mean, _]| mean.max(1.0).sqrt().recip());
         let weights: Vec<f64> = self
@@ -64,7 +64,7 @@ impl Machine {
             .collect();
         let lever = self.model.robot.com_to_axle_m.unwrap_or(0.0);
         let mut first = 0;
-        let mut best: Option<(usize, crate::filter::dynamic::impulse::Impulse)> = None;
+        let mut best: Option<(usize, Impulse)> = None;
         for (run, pass) in fit.passes.iter().enumerate() {
             let end = first + 3 * self.runs[run].rows.len();
             let own = impulses(pass, &fit.whitened[first..end], &weights[first..end], lever);
@@ -75,7 +75,35 @@ impl Machine {
             }
             first = end;
         }
-        let (run, impulse) = best?;
+        best
+    }
+
+    /// Marks the times at which something pushes for a moment, one after the other, while that gains
+    /// `due` (−2 ln L). Returns the nominal model there.
+    pub(crate) fn mark_gusts(&mut self, due: f64) -> Option<Fit> {
+        let mut fit = self.nominal()?;
+        for _ in 0..GUSTS {
+            let Some((run, impulse)) = self.impulse(&fit).filter(|(_, own)| own.gain > due) else {
+                break;
+            };
+            let [before, after] = GUST_S;
+            self.runs[run]
+                .gusts_s
+                .push([impulse.t_s - before, impulse.t_s + after]);
+            let next = self.pass(Vec::new(), fit.noise)?;
+            fit = self.with_noise(next, 1, super::noise_sizes::QUICK);
+        }
+        self.excluded.push("push".to_owned());
+        self.nominal()
+    }
+
+    /// The push that gains most beside `fit`.
+    pub(crate) fn push(&self, fit: &Fit) -> Option<Candidate> {
+        if may_slide(&self.model, &fit.hypotheses) || !self.has_pose() {
+            return None;
+        }
+        let info = find("push")?;
+        let (run, impulse) = self.impulse(fit)?;
         let mut heading = 0.0;
         self.watched(fit, &fit.hypotheses, |index, t_s, state, _| {
             if index == run && t_s <= impulse.t_s {

@@ -164,6 +164,7 @@ fn run(track: &Track, model: &RobotModel) -> Run {
         without_gravity: track.imu_without_weight,
         left_out_s: track.left_out_s.clone(),
         lost_deviation,
+        gusts_s: Vec::new(),
     }
 }
 

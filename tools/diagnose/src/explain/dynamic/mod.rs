@@ -6,6 +6,7 @@ pub(crate) mod drivers;
 pub(crate) mod examine;
 pub(crate) mod fit;
 pub(crate) mod gauss_newton;
+pub(crate) mod limits;
 pub(crate) mod local;
 pub(crate) mod machine;
 pub(crate) mod noise_sizes;

@@ -189,3 +189,37 @@ struct At {
     deviance: f64,
     evaluations: usize,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_search_follows_a_ridge_and_lets_what_is_idle_rest() {
+        // surge known by its size times the root of its time, and weakly by itself; all else is idle
+        let deviance = |noise: &Noise| {
+            let along = (noise.size[0] * noise.time_s[0].sqrt()).ln() - (0.2_f64 * 0.5).ln();
+            let across = noise.time_s[0].ln() - 0.25_f64.ln();
+            let idle: f64 = noise.size[1..].iter().map(|size| size * size).sum();
+            1e4 * along * along + 10.0 * across * across + 1e3 * idle
+        };
+        let search = Search {
+            floor: [1e-4; 5],
+            of_wheels: false,
+            has_pose: true,
+            deviance: &deviance,
+        };
+        let from = Noise {
+            size: [0.01, 0.01, 0.01, 0.01, 0.01],
+            time_s: [3.0; 3],
+            of_wheels: false,
+        };
+        let (found, value) = search.run(&from, THOROUGH);
+        assert!(value < 1.0, "{value} {found:?}");
+        assert!((found.size[0] / 0.2).ln().abs() < 0.3, "{found:?}");
+        assert!(
+            found.size[1..].iter().all(|size| *size < 1.1e-4),
+            "{found:?}"
+        );
+    }
+}

@@ -1,6 +1,7 @@
 //! What the figures of a report show of a machine with masses.
 
 use super::fit::Fit;
+use super::limits::limits;
 use super::machine::Machine;
 use super::selection::Selected;
 use crate::answer::{Figures, MissingForce, Paths, Point, Residuals};
@@ -22,7 +23,12 @@ struct Predicted {
 }
 
 /// The figures of one machine.
-pub(crate) fn figures(machine: &Machine, bench: &Bench, selected: &Selected) -> Figures {
+pub(crate) fn figures(
+    machine: &Machine,
+    bench: &Bench,
+    selected: &Selected,
+    all: &[Hypothesis],
+) -> Figures {
     let (mut residuals, mut forces, mut paths) = (Vec::new(), Vec::new(), Vec::new());
     let found = !selected.fit.hypotheses.is_empty();
     for run in 0..machine.runs.len() {
@@ -51,7 +57,10 @@ pub(crate) fn figures(machine: &Machine, bench: &Bench, selected: &Selected) -> 
         }
         let before = missing(machine, &selected.nominal, run);
         let after = missing(machine, &selected.fit, run);
-        let parts = ["missing force (N)", "missing moment (N m)"];
+        let parts = [
+            "missing force along the body (N)",
+            "missing moment about the vertical (N m)",
+        ];
         for ((quantity, before), after) in parts.into_iter().zip(before).zip(after) {
             forces.push(MissingForce {
                 run,
@@ -68,7 +77,7 @@ pub(crate) fn figures(machine: &Machine, bench: &Bench, selected: &Selected) -> 
         forces,
         against: Vec::new(),
         paths,
-        limits: Vec::new(),
+        limits: limits(machine, &selected.fit, all),
     }
 }
 

@@ -74,6 +74,9 @@ impl Machine {
 
 /// Where the error of predictions went, in metres and radians.
 pub(crate) fn budgets(machine: &Machine, bench: &Bench, fit: &Fit) -> Vec<Budget> {
+    if fit.hypotheses.is_empty() {
+        return Vec::new();
+    }
     let stride = bench.windows.len().div_ceil(BUDGET_WINDOWS).max(1);
     let windows: Vec<Window> = bench.windows.iter().step_by(stride).cloned().collect();
     let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();

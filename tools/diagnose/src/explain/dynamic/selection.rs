@@ -2,6 +2,7 @@
 //! then backward.
 
 use rayon::prelude::*;
+use slipstream_sim::effects::find;
 
 use super::channels::levels;
 use super::fit::{Fit, least_change, values};
@@ -50,9 +51,16 @@ pub(crate) struct Selected {
     pub(crate) unknown: Option<Unknown>,
 }
 
+/// What a selection comes to.
+enum Course {
+    Found(Box<Selected>),
+    /// More than one push was needed.
+    Gusts,
+}
+
 /// A selection on one machine.
 pub(crate) struct Selection<'a> {
-    pub(crate) machine: &'a Machine,
+    pub(crate) machine: Machine,
     pub(crate) all: &'a [Hypothesis],
     pub(crate) progress: &'a (dyn Fn(&str) + Sync),
 }
@@ -80,9 +88,27 @@ impl Selection<'_> {
         2.0 * self.criterion(None).least_gain(hypothesis.values.len()) + MARGIN
     }
 
-    pub(crate) fn run(&self) -> Option<Selected> {
+    pub(crate) fn run(&mut self) -> Option<Selected> {
         (self.progress)("nominal model");
         let nominal = self.machine.nominal()?;
+        match self.from(nominal)? {
+            Course::Found(selected) => Some(*selected),
+            Course::Gusts => {
+                // several pushes are no single event: nothing is said of them but when they were
+                (self.progress)("gusts");
+                let push = find("push").map(|info| info.parameters.len());
+                let due = 2.0 * self.criterion(None).least_gain(push.unwrap_or(1)) + MARGIN;
+                let nominal = self.machine.mark_gusts(due)?;
+                match self.from(nominal)? {
+                    Course::Found(selected) => Some(*selected),
+                    Course::Gusts => None,
+                }
+            }
+        }
+    }
+
+    /// The selection from the nominal model on.
+    fn from(&self, nominal: Fit) -> Option<Course> {
         let mut fit = nominal.clone();
         let mut rivals: Vec<(String, Vec<&'static str>)> = Vec::new();
         let mut less: Vec<Option<Fit>> = Vec::new();
@@ -90,6 +116,10 @@ impl Selection<'_> {
             let Some((next, near)) = self.extended(&fit) else {
                 break;
             };
+            let pushes = next.hypotheses.iter().filter(|h| h.is_momentary());
+            if pushes.count() > 1 {
+                return Some(Course::Gusts);
+            }
             let id = next.hypotheses.last()?.info.id.to_owned();
             rivals.push((id, near));
             if !self.is_silent(&next) {
@@ -109,14 +139,14 @@ impl Selection<'_> {
             self.outside(&mut fit, &mut less)
         };
         let (gains, alike) = self.weighed(&fit, &less, &rivals);
-        Some(Selected {
+        Some(Course::Found(Box::new(Selected {
             nominal,
             fit,
             gains,
             alike,
             tried: self.tried(),
             unknown,
-        })
+        })))
     }
 
     /// A force outside of the catalogue beside `fit`, which loses the effects that are not needed

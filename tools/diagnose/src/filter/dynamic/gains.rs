@@ -26,6 +26,8 @@ pub(crate) struct Passed {
     pub(crate) variance: [f64; 3],
     /// The state was lost before it.
     pub(crate) lost: bool,
+    /// Something pushes after it.
+    pub(crate) gusty: bool,
 }
 
 /// A pass over one run, in the order in which its rows were measured.
@@ -85,6 +87,10 @@ impl Pass {
                 *own *= a;
             }
             covariance.disturb(noise, &decay);
+            let gusty = run.is_gusty(true_s);
+            if gusty {
+                covariance.push(&run.lost_deviation);
+            }
             gains[index] = gain;
             rows.push(Passed {
                 row: index,
@@ -94,6 +100,7 @@ impl Pass {
                 decay,
                 variance,
                 lost,
+                gusty,
             });
         }
         Self { rows, gains }

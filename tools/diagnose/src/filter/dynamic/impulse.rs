@@ -180,3 +180,30 @@ fn add(to: &mut Vector, factor: f64, from: &Vector) {
 fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use super::impulses;
+    use crate::explain::dynamic::machine::Machine;
+    use crate::windows::fixture;
+
+    #[test]
+    fn a_push_is_seen_where_and_as_large_as_it_was() {
+        let push = [("t_s", 4.0), ("impulse_n_s", 0.1), ("direction_rad", 0.5)];
+        let truth = RobotModel::default().with("push", &push);
+        let track = fixture::driven(&truth, 8.0, fixture::gentle);
+        let machine = Machine::new(vec![track], RobotModel::default(), &[]);
+        let fit = machine.nominal().unwrap();
+        let weights = vec![1.0; fit.whitened.len()];
+        let lever = machine.model.robot.com_to_axle_m.unwrap();
+        let all = impulses(&fit.passes[0], &fit.whitened, &weights, lever);
+        let best = all.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)).unwrap();
+        // in the interval between two rows, 20 ms, in which most of its 60 ms lie
+        assert!((best.t_s - 4.03).abs() < 0.03, "{best:?}");
+        // what lies beyond that interval is taken for noise
+        let size = best.size[0].hypot(best.size[1]);
+        assert!((0.02..0.15).contains(&size), "{best:?}");
+    }
+}

@@ -64,6 +64,9 @@ fn of<const M: usize>(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
             passed[k] *= row.decay[k];
         }
         covariance.disturb(noise, &decay);
+        if row.gusty {
+            covariance.push(&run.lost_deviation);
+        }
         write(&mut whitened, row.row, &gain, &innovation);
         log_determinant += gain.log_determinant;
     }
@@ -75,4 +78,57 @@ fn of<const M: usize>(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
 
 pub(super) fn write(whitened: &mut [f64], row: usize, gain: &Gain, innovation: &[f64; 3]) {
     whitened[3 * row..3 * row + 3].copy_from_slice(&gain.whitened(innovation));
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use crate::explain::dynamic::machine::Machine;
+    use crate::filter::dynamic::Noise;
+    use crate::filter::dynamic::linear::likelihood;
+    use crate::windows::fixture;
+
+    fn noise(surge: f64, yaw: f64, time_s: f64) -> Noise {
+        Noise {
+            size: [surge, yaw, 1e-4, 1e-3, 1e-4],
+            time_s: [time_s; 3],
+            of_wheels: false,
+        }
+    }
+
+    /// The largest difference between two series.
+    fn apart(a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn under_the_noise_of_the_pass_it_is_the_pass() {
+        let truth = RobotModel::default().with("viscous_drag", &[("coefficient", 0.3)]);
+        let track = fixture::driven(&truth, 8.0, fixture::gentle);
+        let machine = Machine::new(vec![track], RobotModel::default(), &[]);
+        let own = noise(0.05, 2e-3, 0.3);
+        let fit = machine.pass(Vec::new(), own).unwrap();
+        let same = likelihood(&fit.passes[0], &machine.runs[0], &own);
+        // the same operations up to their order: rounding alone
+        assert!(apart(&same.whitened, &fit.whitened) < 1e-8);
+        assert!((same.log_determinant - fit.log_determinant()).abs() < 1e-8);
+    }
+
+    #[test]
+    fn under_other_noise_it_is_the_filter_to_first_order() {
+        let truth = RobotModel::default().with("viscous_drag", &[("coefficient", 0.3)]);
+        let track = fixture::driven(&truth, 8.0, fixture::gentle);
+        let machine = Machine::new(vec![track], RobotModel::default(), &[]);
+        let fit = machine.pass(Vec::new(), noise(0.05, 2e-3, 0.3)).unwrap();
+        let other = noise(0.1, 1e-3, 0.1);
+        let linear = likelihood(&fit.passes[0], &machine.runs[0], &other);
+        let exact = machine.pass(Vec::new(), other).unwrap();
+        let largest = apart(&exact.whitened, &vec![0.0; exact.whitened.len()]);
+        // the trajectories differ by a small part of what is not linear in them
+        assert!(apart(&linear.whitened, &exact.whitened) < 0.05 * largest);
+        let off = linear.log_determinant - exact.log_determinant();
+        assert!(off.abs() < 0.5, "{off}");
+    }
 }

@@ -90,9 +90,17 @@ pub(crate) struct Run {
     pub(crate) left_out_s: Vec<[f64; 2]>,
     /// Standard deviation of the state after such a time.
     pub(crate) lost_deviation: Vector,
+    /// Times (s) at which something pushes for a moment: between two rows surge and yaw rate may change
+    /// as if they were lost.
+    pub(crate) gusts_s: Vec<[f64; 2]>,
 }
 
 impl Run {
+    /// Whether something pushes for a moment at this time (s).
+    pub(super) fn is_gusty(&self, true_s: f64) -> bool {
+        let mut gusts = self.gusts_s.iter();
+        gusts.any(|[begin, end]| (*begin..=*end).contains(&true_s))
+    }
     /// Whether times of which nothing is believed lie between two instants (s).
     pub(super) fn is_lost_between(&self, from_s: f64, to_s: f64) -> bool {
         let mut left_out = self.left_out_s.iter();

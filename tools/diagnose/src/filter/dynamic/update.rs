@@ -1,7 +1,7 @@
 //! Covariance of the state through flow, measurement and disturbances.
 
 use super::derivatives::Derivatives;
-use super::{DISTURBANCES, DISTURBED, Matrix, N, Noise};
+use super::{DISTURBANCES, DISTURBED, Matrix, N, Noise, ROLLING};
 
 /// Gains and whitening of one row.
 #[derive(Debug, Clone, Copy)]
@@ -103,6 +103,13 @@ impl<const M: usize> Covariance<M> {
             }
         }
         self.p = product(f, &turned);
+    }
+
+    /// Surge and yaw rate change by as much as these deviations.
+    pub(crate) fn push(&mut self, deviation: &[f64; N]) {
+        for (i, own) in deviation.iter().enumerate().skip(ROLLING).take(2) {
+            self.p[i][i] += own * own;
+        }
     }
 
     /// The disturbances decay, and are disturbed anew.

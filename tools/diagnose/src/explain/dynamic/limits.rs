@@ -1,0 +1,119 @@
+//! From which size on an effect that was not found would have been seen.
+
+use rayon::prelude::*;
+use slipstream_sim::effects::When;
+
+use super::channels::{deviance, levels};
+use super::fit::{Fit, least_change};
+use super::machine::Machine;
+use super::screen::beside;
+use crate::answer::{Limit, Seen};
+use crate::windows::hypothesis::{Hypothesis, is_limit, sizes_of};
+
+/// Estimate over standard deviation from which on an effect would have been found.
+const SIGMAS: f64 = 4.5;
+/// Rise of −2 ln L from which on a size that was tried counts as refuted.
+const REFUTED: f64 = 24.0;
+/// Share of the smallest change that the catalogue expects, over which a derivative is taken.
+const STEP: f64 = 0.1;
+
+/// The limits of everything in `all` that `fit` does not hold.
+pub(crate) fn limits(machine: &Machine, fit: &Fit, all: &[Hypothesis]) -> Vec<Limit> {
+    let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
+    let held = |h: &Hypothesis| fit.hypotheses.iter().any(|known| known.is_like(h));
+    for hypothesis in all.iter().filter(|h| !held(h)) {
+        match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
+            Some(kind) => kind.push(hypothesis),
+            None => kinds.push(vec![hypothesis]),
+        }
+    }
+    let each = kinds
+        .par_iter()
+        .flat_map_iter(|kind| of_kind(machine, fit, kind));
+    let mut limits: Vec<Limit> = each.collect();
+    let remote = |limit: &Limit| limit.size.map_or(-1.0, |size| size / limit.usual);
+    limits.sort_by(|a, b| remote(b).total_cmp(&remote(a)));
+    limits
+}
+
+fn of_kind(machine: &Machine, fit: &Fit, kind: &[&Hypothesis]) -> Vec<Limit> {
+    let one = kind[0];
+    match one.info.acts {
+        When::Sliding | When::Above => vec![by_trial(machine, fit, kind, Seen::Below)],
+        When::Below | When::Apart => vec![by_trial(machine, fit, kind, Seen::Above)],
+        _ => {
+            let parameters = one.values.iter().take(sizes_of(one.info));
+            parameters
+                .map(|(name, _)| by_deviation(machine, fit, one, name))
+                .collect()
+        }
+    }
+}
+
+/// The limit of a parameter by its standard deviation beside the effects of `fit`.
+fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static str) -> Limit {
+    let nothing = one.nothing(&machine.model, name);
+    let step = STEP * least_change(one.info, name);
+    let mut moved = one.clone();
+    for (own, value) in &mut moved.values {
+        // places and directions stay where they begin
+        if sizes_of(one.info) == one.values.len() || own == &name {
+            *value = one.nothing(&machine.model, own);
+        }
+    }
+    moved.set(name, nothing + step);
+    let size = machine
+        .innovations(fit, &beside(fit, &moved))
+        .and_then(|e| {
+            let levels = levels(&fit.whitened, &machine.channels);
+            let weight = |channel: &u8| {
+                let level = levels.get(usize::from(*channel));
+                level.map_or(0.0, |[mean, _]| mean.max(1.0).recip())
+            };
+            let pairs = e.iter().zip(&fit.whitened).zip(&machine.channels);
+            let square: f64 = pairs
+                .map(|((after, before), channel)| (after - before).powi(2) * weight(channel))
+                .sum();
+            (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
+        });
+    let seen = if nothing == 0.0 {
+        Seen::Above
+    } else {
+        Seen::Around(nothing)
+    };
+    limit(one, name, seen, size)
+}
+
+/// The limit of what changes nothing until it is large, or small, enough: of the sizes that were tried
+/// the one nearest to nothing that the recording refutes.
+fn by_trial(machine: &Machine, fit: &Fit, kind: &[&Hypothesis], seen: Seen) -> Limit {
+    let here = deviance(&levels(&fit.whitened, &machine.channels));
+    let name = kind[0].values[0].0;
+    let refuted = kind.iter().filter(|one| {
+        let e = machine.innovations(fit, &beside(fit, one));
+        e.is_some_and(|e| deviance(&levels(&e, &machine.channels)) > here + REFUTED)
+    });
+    let sizes = refuted.filter_map(|one| one.value(name));
+    let size = if is_limit(kind[0].info) || seen == Seen::Below {
+        sizes.max_by(f64::total_cmp)
+    } else {
+        sizes.min_by(f64::total_cmp)
+    };
+    limit(kind[0], name, seen, size)
+}
+
+fn limit(one: &Hypothesis, name: &'static str, seen: Seen, size: Option<f64>) -> Limit {
+    let usual = match seen {
+        Seen::Around(nothing) if nothing != 0.0 => 0.05 * nothing.abs(),
+        _ => least_change(one.info, name),
+    };
+    Limit {
+        effect: one.info.id,
+        word: one.text.map(|(_, word)| word),
+        parameter: name,
+        unit: one.info.parameter(name).map_or("1", |p| p.unit),
+        seen,
+        size,
+        usual,
+    }
+}
