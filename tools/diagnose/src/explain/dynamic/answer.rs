@@ -177,7 +177,7 @@ fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64
         return Vec::new();
     };
     let mut intervals: Vec<[f64; 2]> = Vec::new();
-    let mut last = machine.runs[0].begin_s();
+    let mut last = machine.runs[0].begin_s;
     machine.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
         if run > 0 {
             return;

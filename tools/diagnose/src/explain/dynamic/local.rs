@@ -68,7 +68,12 @@ impl Machine {
         for (run, pass) in fit.passes.iter().enumerate() {
             let end = first + 3 * self.runs[run].rows.len();
             let own = impulses(pass, &fit.whitened[first..end], &weights[first..end], lever);
-            for impulse in own {
+            let left_out = &self.runs[run].left_out_s;
+            let believed = |t_s: f64| {
+                let mut near = left_out.iter();
+                !near.any(|[from, to]| (from - PUSH_S..=to + PUSH_S).contains(&t_s))
+            };
+            for impulse in own.into_iter().filter(|own| believed(own.t_s)) {
                 if best.is_none_or(|(_, known)| impulse.gain > known.gain) {
                     best = Some((run, impulse));
                 }

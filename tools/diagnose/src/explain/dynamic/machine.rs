@@ -17,6 +17,8 @@ const MOVING: [f64; 2] = [0.2, 1.0];
 /// A robot whose wheels turn by this many deviations within this time (s) moves when its recording begins.
 const MOVES: f64 = 10.0;
 const BEGINS_S: f64 = 0.2;
+/// A first row that comes this much later than the first command is where a run begins (s).
+const LATE_S: f64 = 0.5;
 /// Standard deviation of the angle of a wheel after times of which nothing is believed (rad).
 const LOST_ANGLE_RAD: f64 = 30.0;
 /// Standard deviation of a slip at the start (m/s).
@@ -155,9 +157,19 @@ fn run(track: &Track, model: &RobotModel) -> Run {
     for own in &mut lost_deviation[5..7] {
         *own = LOST_ANGLE_RAD;
     }
+    let first_s = rows
+        .iter()
+        .map(|row| row.stamp_s)
+        .fold(f64::INFINITY, f64::min);
+    let told_s = track.commands.first().map_or(0.0, |(t_s, _)| *t_s);
     Run {
         commands: track.commands.clone(),
         rows,
+        begin_s: if first_s > told_s + LATE_S {
+            first_s
+        } else {
+            told_s
+        },
         start,
         start_deviation: deviation,
         tracked_ahead_m: track.tracked_ahead_m,

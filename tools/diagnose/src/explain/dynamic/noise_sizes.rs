@@ -215,7 +215,8 @@ mod tests {
             of_wheels: false,
         };
         let (found, value) = search.run(&from, THOROUGH);
-        assert!(value < 1.0, "{value} {found:?}");
+        // the last step, 0.03, leaves 1e4 (0.03 / 2)² and less
+        assert!(value < 5.0, "{value} {found:?}");
         assert!((found.size[0] / 0.2).ln().abs() < 0.3, "{found:?}");
         assert!(
             found.size[1..].iter().all(|size| *size < 1.1e-4),

@@ -11,7 +11,7 @@ use super::precision::Known;
 use super::screen::beside;
 use super::unknown::Unknown;
 use crate::select::criterion::{Criterion, TIE_NATS};
-use crate::windows::hypothesis::{Hypothesis, KINETIC};
+use crate::windows::hypothesis::{Hypothesis, KINETIC, is_where};
 
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;
@@ -26,6 +26,8 @@ const GRIPS: f64 = 1.2;
 /// block is enough.
 const REST: f64 = 0.3;
 const CERTAIN: f64 = 200.0;
+/// Blocks without which a force outside of the catalogue still has to gain so much.
+const RARE: usize = 2;
 /// Multiple of its floor below which a disturbance is none, and mean square of innovations that is
 /// noise.
 const QUIET: f64 = 1.05;
@@ -155,7 +157,11 @@ impl Selection<'_> {
         (self.progress)("forces outside of the catalogue");
         let due = |own: &Unknown| 2.0 * self.criterion(None).least_gain(own.numbers) + MARGIN;
         let mut unknown = self.machine.unknown(fit)?;
-        if unknown.gain < due(&unknown) {
+        // rare gusts, each at a place of its own, look like a force that follows the place
+        let gains = self.gains_by_block(fit, &unknown.fit);
+        let spread: f64 = gains.iter().skip(RARE).sum();
+        let rare = unknown.driver != "t" && spread < REST * unknown.gain;
+        if unknown.gain < due(&unknown) || rare {
             return None;
         }
         while !fit.hypotheses.is_empty() {
@@ -274,7 +280,7 @@ impl Selection<'_> {
             return true;
         }
         if hypothesis.is_abrupt() {
-            return hypothesis.value(KINETIC).is_none_or(|own| own < GRIPS);
+            return !grips(hypothesis);
         }
         let Some(known) = self.machine.known(fit) else {
             return false;
@@ -289,6 +295,7 @@ impl Selection<'_> {
                 .values
                 .iter()
                 .enumerate()
+                .filter(|(_, (name, _))| !is_where(hypothesis.info, name))
                 .map(|(i, (name, value))| {
                     let off = value - hypothesis.nothing(&self.machine.model, name);
                     off * off / covariance[(first + i, first + i)]
@@ -305,11 +312,17 @@ impl Selection<'_> {
         if own.hypotheses.last().is_none_or(Hypothesis::is_local) {
             return true;
         }
-        let (before, after) = (self.machine.by_block(fit), self.machine.by_block(own));
-        let gains: Vec<f64> = before.iter().zip(&after).map(|(a, b)| a - b).collect();
+        let gains = self.gains_by_block(fit, own);
         let total: f64 = gains.iter().sum();
-        let best = gains.iter().copied().fold(0.0, f64::max);
-        total > CERTAIN || total - best > REST * total
+        total > CERTAIN || total - gains[0] > REST * total
+    }
+
+    /// What `own` gains over `fit` in each block, most first.
+    fn gains_by_block(&self, fit: &Fit, own: &Fit) -> Vec<f64> {
+        let (before, after) = (self.machine.by_block(fit), self.machine.by_block(own));
+        let mut gains: Vec<f64> = before.iter().zip(&after).map(|(a, b)| a - b).collect();
+        gains.sort_by(|a, b| b.total_cmp(a));
+        gains
     }
 
     fn without(&self, fit: &Fit, at: usize) -> Option<Fit> {
@@ -334,7 +347,7 @@ impl Selection<'_> {
             let less = self.all_without(&fit);
             let idle = less.iter().zip(&fit.hypotheses).position(|(less, own)| {
                 let gain = less.as_ref().map(|less| less.deviance - fit.deviance);
-                gain.is_some_and(|gain| gain < self.due(own))
+                gain.is_some_and(|gain| gain < self.due(own)) || less.is_some() && grips(own)
             });
             match idle {
                 Some(at) if fit.hypotheses.len() > 1 => match less.into_iter().nth(at).flatten() {
@@ -404,4 +417,10 @@ impl Selection<'_> {
         });
         each.unzip()
     }
+}
+
+/// Whether a wheel would not slip with such friction.
+fn grips(hypothesis: &Hypothesis) -> bool {
+    let kinetic = hypothesis.value(KINETIC);
+    kinetic.is_some_and(|own| own >= GRIPS)
 }

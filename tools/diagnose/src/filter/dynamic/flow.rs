@@ -44,7 +44,7 @@ impl Flow<'_> {
         Point {
             state,
             disturbance: [0.0; 5],
-            t_s: self.run.begin_s(),
+            t_s: self.run.begin_s,
             command: 0,
         }
     }

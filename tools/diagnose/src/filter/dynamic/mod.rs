@@ -78,6 +78,8 @@ pub(crate) struct Run {
     /// From when (s) each command holds.
     pub(crate) commands: Vec<(f64, Command)>,
     pub(crate) rows: Vec<Row>,
+    /// When it begins (s): with its first command, or with its first row where that comes late.
+    pub(crate) begin_s: f64,
     /// State at the start, and standard deviation of each of its entries.
     pub(crate) start: Vector,
     pub(crate) start_deviation: Vector,
@@ -106,11 +108,6 @@ impl Run {
         let mut left_out = self.left_out_s.iter();
         left_out.any(|[begin, end]| from_s <= *end && to_s >= *begin && from_s < to_s)
     }
-
-    /// Stamps of first command and last row (s).
-    pub(crate) fn begin_s(&self) -> f64 {
-        self.commands.first().map_or(0.0, |(t_s, _)| *t_s)
-    }
 }
 
 /// Standard deviation and correlation time of each disturbance.
@@ -135,7 +132,7 @@ impl Noise {
 
 /// Order in which the rows of `run` were measured, with the true time of each (s).
 pub(super) fn in_order(robot: &slipstream_sim::Robot, run: &Run, order: &mut Vec<(f64, usize)>) {
-    let from_s = run.begin_s();
+    let from_s = run.begin_s;
     order.clear();
     order.extend(run.rows.iter().enumerate().map(|(index, row)| {
         let true_s = robot.true_s(row.sensor.stream(), row.stamp_s);
