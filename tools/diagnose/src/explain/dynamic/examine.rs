@@ -12,6 +12,11 @@ use crate::diagnosis::Request;
 use crate::windows::bench::with;
 use crate::windows::{Collected, Course, bench, hypothesis};
 
+/// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says
+/// little more, and every fit filters all of them.
+const ROWS: usize = 6000;
+const LEAST_ROWS: usize = 500;
+
 /// Whether the filter over the plant diagnoses a machine: its masses are known, and torques or
 /// voltages drive it.
 pub(crate) fn applies(robots: &[&Recorded], model: &RobotModel) -> bool {
@@ -41,7 +46,10 @@ pub(crate) fn examine(
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
     let bench = bench(request, runs)?;
     let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
-    let machine = Machine::new(bench.tracks.clone(), bench.model.clone(), request.excluded);
+    let mut tracks = bench.tracks.clone();
+    let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
+    tracks.iter_mut().for_each(|track| track.thin(most));
+    let machine = Machine::new(tracks, bench.model.clone(), request.excluded);
     let mut selection = Selection {
         machine,
         all: &all,
