@@ -95,7 +95,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     Ok((answer, improved, all))
 }
 
-/// Diagnoses a machine whose masses are unknown.
+/// Diagnoses a machine that is told speeds or nothing.
 fn by_filter(
     request: &Request<'_>,
     machine: &[(&Recording, &Recorded)],

@@ -99,6 +99,43 @@ pub struct ParameterEstimate {
     pub text: Option<String>,
 }
 
+impl ParameterEstimate {
+    /// A parameter that is a word.
+    pub(crate) fn word(name: &str, word: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            unit: "text".to_owned(),
+            nominal: None,
+            estimate: None,
+            ci95: None,
+            text: Some(word.to_owned()),
+        }
+    }
+}
+
+impl Unexplained {
+    /// What the catalogue does not hold, as a finding.
+    pub(crate) fn finding(&self, condition: String, evidence: Evidence) -> Finding {
+        let Self { robot, shape, .. } = self;
+        Finding {
+            robot: robot.clone(),
+            effect: "unknown".to_owned(),
+            statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
+            parameters: Vec::new(),
+            place: Place {
+                channel: self.channel.clone(),
+                intervals_s: self.intervals_s.clone(),
+                condition,
+            },
+            runs: None,
+            confused_with: Vec::new(),
+            evidence,
+            shape: Some(shape.clone()),
+            driver: Some(self.driver.clone()),
+        }
+    }
+}
+
 /// Where a finding shows.
 #[derive(Debug, Clone, Serialize)]
 pub struct Place {

@@ -2,9 +2,13 @@
 //! average over all orders in which they can be taken out (Shapley 1953).
 
 use super::claim::Claim;
+use crate::answer::{Budget, BudgetPart};
 
 /// Most players: every subset of them is predicted once.
 const MOST: usize = 10;
+
+/// Errors below are none (m, rad).
+const NOTHING: f64 = 1e-6;
 
 /// One player: claims of one effect, and the parameters of the machine that they explain.
 #[derive(Debug, Clone)]
@@ -30,7 +34,7 @@ pub(crate) fn players(claims: &[Claim]) -> Vec<Player> {
 }
 
 /// Share of each player in `worth(none) − worth(all)`, given what every subset (as bits) is worth.
-pub(crate) fn shares(players: usize, worth: &[f64]) -> Vec<f64> {
+fn shares(players: usize, worth: &[f64]) -> Vec<f64> {
     let mut factorials = vec![1.0];
     for k in 1..=players {
         factorials.push(factorials[k - 1] * k as f64);
@@ -49,6 +53,39 @@ pub(crate) fn shares(players: usize, worth: &[f64]) -> Vec<f64> {
                 .sum()
         })
         .collect()
+}
+
+/// The budget of a robot's prediction error, given the mean square error of every subset of `players`
+/// (as bits) and that of the sensor; none of an error that is none.
+pub(crate) fn budget(
+    robot: &str,
+    unit: &'static str,
+    players: &[&str],
+    worth: &[f64],
+    noise: f64,
+) -> Option<Budget> {
+    let (first, last) = (*worth.first()?, *worth.last()?);
+    let before = first.sqrt();
+    if before < NOTHING {
+        return None;
+    }
+    let noise = noise.min(last);
+    let part = |name: &str, share: f64| BudgetPart {
+        name: name.to_owned(),
+        share: share / before,
+    };
+    let named = players.iter().zip(shares(players.len(), worth));
+    let mut parts: Vec<BudgetPart> = named.map(|(name, share)| part(name, share)).collect();
+    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+    parts.push(part("unexplained", last - noise));
+    parts.push(part("sensor noise", noise));
+    Some(Budget {
+        robot: robot.to_owned(),
+        unit,
+        before,
+        after: last.sqrt(),
+        parts,
+    })
 }
 
 #[cfg(test)]

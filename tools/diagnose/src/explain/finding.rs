@@ -5,7 +5,7 @@ use slipstream_sim::effects::find;
 
 use super::claim::{Claim, Law};
 use crate::answer::statement::statement;
-use crate::answer::{Evidence, Finding, ParameterEstimate, Place};
+use crate::answer::{Evidence, Finding, ParameterEstimate, Place, Unexplained};
 
 /// The finding of a claim about `robot`; `runs` are the names of all runs, `span_s` when the recording
 /// begins and ends.
@@ -37,14 +37,7 @@ pub(crate) fn finding(
         })
         .collect();
     if let Some((name, word)) = claim.word {
-        parameters.push(ParameterEstimate {
-            name: name.to_owned(),
-            unit: "text".to_owned(),
-            nominal: None,
-            estimate: None,
-            ci95: None,
-            text: Some(word.to_owned()),
-        });
+        parameters.push(ParameterEstimate::word(name, word));
     }
     let known = parameters.iter().any(|p| p.nominal.is_some());
     let of_runs = claim.runs.as_ref().map(|own| {
@@ -84,24 +77,16 @@ pub(crate) fn finding(
 
 /// The finding of what the catalogue does not have.
 fn outside(claim: &Claim, law: &Law, robot: &str, span_s: [f64; 2]) -> Finding {
-    let shape = law.shape();
-    Finding {
+    let what = Unexplained {
         robot: robot.to_owned(),
-        effect: claim.effect.to_owned(),
-        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
-        parameters: Vec::new(),
-        place: Place {
-            channel: "longitudinal".to_owned(),
-            intervals_s: vec![span_s],
-            condition: format!("follows {}", law.driver),
-        },
-        runs: None,
-        confused_with: Vec::new(),
-        evidence: Evidence {
-            log_likelihood_gain: claim.gain,
-            p_value: claim.p_value,
-        },
-        shape: Some(shape),
-        driver: Some(law.driver.to_owned()),
-    }
+        channel: "longitudinal".to_owned(),
+        driver: law.driver.to_owned(),
+        intervals_s: vec![span_s],
+        shape: law.shape(),
+    };
+    let evidence = Evidence {
+        log_likelihood_gain: claim.gain,
+        p_value: claim.p_value,
+    };
+    what.finding(format!("follows {}", law.driver), evidence)
 }

@@ -1,11 +1,11 @@
-//! Diagnosis of a machine whose masses are unknown: from commands to wheels, from wheels to poses and
+//! Diagnosis of a machine that is told speeds or nothing: from commands to wheels, from wheels to poses and
 //! gyro, and what both say together.
 
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot;
 
-use super::budget::{players, shares};
+use super::budget::{budget, players};
 use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
@@ -13,7 +13,7 @@ use super::open_loop::HORIZON_S;
 use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
 use super::wheel_side::{Settled, settle};
-use crate::answer::{Budget, BudgetPart, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
+use crate::answer::{Budget, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::SHORT;
 use crate::model::command_to_wheels::CommandToWheels;
@@ -479,45 +479,8 @@ impl Machine<'_> {
         let names: Vec<&str> = players.iter().map(|player| player.name).collect();
         let all = both
             .into_iter()
-            .filter_map(|(unit, worth, noise)| self.budget_of(unit, &names, &worth?, noise));
+            .filter_map(|(unit, worth, noise)| budget(self.name, unit, &names, &worth?, noise));
         all.collect()
-    }
-
-    fn budget_of(
-        &self,
-        unit: &'static str,
-        players: &[&str],
-        worth: &[f64],
-        noise: f64,
-    ) -> Option<Budget> {
-        let (first, last) = (*worth.first()?, *worth.last()?);
-        let before = first.sqrt();
-        if before < NOTHING {
-            return None;
-        }
-        let noise = noise.min(last);
-        let names = players.iter().map(|name| (*name).to_owned());
-        let mut parts: Vec<BudgetPart> = names
-            .zip(shares(players.len(), worth))
-            .map(|(name, share)| BudgetPart {
-                name,
-                share: share / before,
-            })
-            .collect();
-        parts.sort_by(|a, b| b.share.total_cmp(&a.share));
-        for (name, share) in [("unexplained", last - noise), ("sensor noise", noise)] {
-            parts.push(BudgetPart {
-                name: name.to_owned(),
-                share: share / before,
-            });
-        }
-        Some(Budget {
-            robot: self.name.to_owned(),
-            unit,
-            before,
-            after: last.sqrt(),
-            parts,
-        })
     }
 
     fn courses(&self, fitted: &[f64], deviations: &[[f64; 6]]) -> Vec<Path> {

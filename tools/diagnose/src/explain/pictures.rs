@@ -1,4 +1,4 @@
-//! What the figures of a report show of a machine without masses.
+//! What the figures of a report show of a machine that is told speeds or nothing.
 
 use super::kinematic::Found;
 use super::prediction::{CHANNELS, Errors};

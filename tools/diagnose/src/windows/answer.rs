@@ -124,8 +124,11 @@ impl Answer {
 
     /// Adds what the catalogue does not hold, as a finding and as unexplained.
     fn outside(&mut self, what: Unexplained, condition: String, gain: f64, looked_at: usize) {
-        self.findings
-            .push(outside(&what, condition, gain, looked_at));
+        let evidence = Evidence {
+            log_likelihood_gain: gain,
+            p_value: (looked_at as f64 * (-gain).exp()).min(1.0),
+        };
+        self.findings.push(what.finding(condition, evidence));
         self.unexplained.push(what);
     }
 }
@@ -188,14 +191,7 @@ fn finding(bench: &Bench, found: &Found, hypothesis: &Hypothesis, at: usize) -> 
         })
         .collect();
     if let Some((name, word)) = hypothesis.text {
-        parameters.push(ParameterEstimate {
-            name: name.to_owned(),
-            unit: "text".to_owned(),
-            nominal: None,
-            estimate: None,
-            ci95: None,
-            text: Some(word.to_owned()),
-        });
+        parameters.push(ParameterEstimate::word(name, word));
     }
     let gain = found.gains.get(at).copied().unwrap_or(0.0);
     let confused: Vec<String> = found
@@ -268,28 +264,4 @@ fn wandering(bench: &Bench, wander: &Wander) -> Warning {
     let statement = format!("what is left is as forces without pattern leave it, {sizes}");
     let remedy = "effects that do not stand out from them were not accepted; a smoother floor or a longer recording would show more";
     warning(bench, "wandering_forces", statement, remedy)
-}
-
-/// A finding that the catalogue does not hold.
-fn outside(what: &Unexplained, condition: String, gain: f64, looked_at: usize) -> Finding {
-    let Unexplained { robot, shape, .. } = what;
-    Finding {
-        robot: robot.clone(),
-        effect: "unknown".to_owned(),
-        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
-        parameters: Vec::new(),
-        place: Place {
-            channel: what.channel.clone(),
-            intervals_s: what.intervals_s.clone(),
-            condition,
-        },
-        runs: None,
-        confused_with: Vec::new(),
-        evidence: Evidence {
-            log_likelihood_gain: gain,
-            p_value: (looked_at as f64 * (-gain).exp()).min(1.0),
-        },
-        shape: Some(shape.clone()),
-        driver: Some(what.driver.clone()),
-    }
 }

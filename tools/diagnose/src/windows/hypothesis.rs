@@ -258,6 +258,18 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
     fresh.chain(listed(model, excluded)).collect()
 }
 
+/// Hypotheses that say the same in other numbers, together; the kinds in the order of their first.
+pub(crate) fn kinds<'a>(all: impl IntoIterator<Item = &'a Hypothesis>) -> Vec<Vec<&'a Hypothesis>> {
+    let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
+    for hypothesis in all {
+        match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
+            Some(kind) => kind.push(hypothesis),
+            None => kinds.push(vec![hypothesis]),
+        }
+    }
+    kinds
+}
+
 /// Whether a track has the sensors and the drive in which an effect shows.
 fn shows(info: &Info, track: &Track) -> bool {
     let has = |sensor| track.of(sensor).is_some();

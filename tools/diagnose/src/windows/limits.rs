@@ -5,7 +5,7 @@ use slipstream_sim::effects::{Channel, Info, When};
 
 use crate::answer::{Limit, Seen};
 use crate::windows::bench::{Bench, Node};
-use crate::windows::hypothesis::{Hypothesis, least_probe, points_downhill, sizes_of};
+use crate::windows::hypothesis::{Hypothesis, kinds, least_probe, points_downhill, sizes_of};
 use crate::windows::linear;
 use crate::windows::misfit::Misfit;
 use crate::windows::weigh::Found;
@@ -18,14 +18,8 @@ const REFUTED: f64 = 24.0;
 /// The limits of everything in `all` that `found` does not hold, the least well known first and what
 /// cannot be judged last.
 pub(crate) fn limits(bench: &Bench, all: &[Hypothesis], found: &Found) -> Vec<Limit> {
-    let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
     let held = |h: &Hypothesis| found.node.hypotheses.iter().any(|known| known.is_like(h));
-    for hypothesis in all.iter().filter(|h| !held(h)) {
-        match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
-            Some(kind) => kind.push(hypothesis),
-            None => kinds.push(vec![hypothesis]),
-        }
-    }
+    let kinds = kinds(all.iter().filter(|h| !held(h)));
     let limits = kinds
         .par_iter()
         .flat_map_iter(|kind| of_kind(bench, &found.node, kind));

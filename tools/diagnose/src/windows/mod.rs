@@ -1,4 +1,4 @@
-//! The older engine, for models with masses: windows of 5 s, each simulated open loop.
+//! The older engine, for machines that are told speeds and torques: windows of 5 s, each simulated open loop.
 //!
 //! The nominal model is simulated from what drove the robot in windows of 5 s, each with a free
 //! initial state. Every effect of the catalogue is a hypothesis, fitted together with those found

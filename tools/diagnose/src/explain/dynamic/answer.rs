@@ -17,6 +17,8 @@ use crate::windows::{bench::Bench, located};
 
 /// Share of a value by which integrators differ.
 const INTEGRATORS: f64 = 0.0015;
+/// Half width of a 95 % interval of a normal distribution (deviations).
+const NORMAL: f64 = 1.96;
 /// Speed at which a contact counts as sliding (m/s), and the gap that does not part an interval (s).
 const SLIDING_M_S: f64 = 3e-3;
 const GAP_S: f64 = 0.1;
@@ -80,11 +82,13 @@ fn interval(
     if !variance.is_finite() {
         return profiled();
     }
-    let criterion = Criterion {
-        tried: 1,
-        blocks: if local { usize::MAX } else { known.blocks },
+    let width = if local {
+        // its one block has no spread
+        NORMAL
+    } else {
+        let blocks = known.blocks;
+        Criterion { tried: 1, blocks }.half_width()
     };
-    let width = if local { 1.96 } else { criterion.half_width() };
     let nothing = hypothesis.nothing(&machine.model, name);
     let grain = INTEGRATORS * (value - nothing).abs();
     let half = width * (variance + grain * grain).sqrt();
@@ -116,16 +120,9 @@ fn finding(
         })
         .collect();
     if let Some((name, word)) = hypothesis.text {
-        parameters.push(ParameterEstimate {
-            name: name.to_owned(),
-            unit: "text".to_owned(),
-            nominal: None,
-            estimate: None,
-            ci95: None,
-            text: Some(word.to_owned()),
-        });
+        parameters.push(ParameterEstimate::word(name, word));
     }
-    let gain = selected.gains[index];
+
     let mut finding = Finding {
         statement: String::new(),
         robot: machine.tracks[0].robot.clone(),
@@ -141,10 +138,7 @@ fn finding(
             .iter()
             .map(|id| (*id).to_owned())
             .collect(),
-        evidence: Evidence {
-            log_likelihood_gain: gain,
-            p_value: (selected.tried as f64 * (-gain).exp()).min(1.0),
-        },
+        evidence: evidence(selected.gains[index], selected.tried),
         shape: None,
         driver: None,
     };
@@ -303,34 +297,24 @@ pub(crate) fn outside(
     unknown: &Unknown,
     tried: usize,
 ) -> (Finding, Unexplained) {
-    let robot = machine.tracks[0].robot.clone();
-    let shape = unknown.shape.clone();
-    let gain = unknown.gain / 2.0;
-    let finding = Finding {
-        robot: robot.clone(),
-        effect: "unknown".to_owned(),
-        statement: format!("Robot {robot}: something outside of the catalogue: {shape}."),
-        parameters: Vec::new(),
-        place: Place {
-            channel: unknown.channel.to_owned(),
-            intervals_s: unknown.intervals_s.clone(),
-            condition: format!("follows {}", unknown.driver),
-        },
-        runs: None,
-        confused_with: Vec::new(),
-        evidence: Evidence {
-            log_likelihood_gain: gain,
-            p_value: (tried as f64 * (-gain).exp()).min(1.0),
-        },
-        shape: Some(shape.clone()),
-        driver: Some(unknown.driver.to_owned()),
-    };
     let what = Unexplained {
-        robot,
+        robot: machine.tracks[0].robot.clone(),
         channel: unknown.channel.to_owned(),
         driver: unknown.driver.to_owned(),
         intervals_s: unknown.intervals_s.clone(),
-        shape,
+        shape: unknown.shape.clone(),
     };
-    (finding, what)
+    let condition = format!("follows {}", unknown.driver);
+    (
+        what.finding(condition, evidence(unknown.gain / 2.0, tried)),
+        what,
+    )
+}
+
+/// How sure a gain (nats) is, over everything that was tried.
+fn evidence(gain: f64, tried: usize) -> Evidence {
+    Evidence {
+        log_likelihood_gain: gain,
+        p_value: (tried as f64 * (-gain).exp()).min(1.0),
+    }
 }

@@ -37,3 +37,19 @@ pub(crate) fn deviance(levels: &[[f64; 2]; CHANNELS]) -> f64 {
     };
     levels.iter().map(of).sum()
 }
+
+/// One over the root of its channel's level for each innovation; 0 for what was not measured.
+pub(crate) fn weights(whitened: &[f64], channels: &[u8]) -> Vec<f64> {
+    by_level(whitened, channels, |level| level.sqrt().recip())
+}
+
+/// One over its channel's level for each innovation; 0 for what was not measured.
+pub(crate) fn precisions(whitened: &[f64], channels: &[u8]) -> Vec<f64> {
+    by_level(whitened, channels, f64::recip)
+}
+
+fn by_level(whitened: &[f64], channels: &[u8], of: impl Fn(f64) -> f64) -> Vec<f64> {
+    let each = levels(whitened, channels).map(|[mean, _]| of(mean.max(1.0)));
+    let own = |channel: &u8| each.get(usize::from(*channel)).copied().unwrap_or(0.0);
+    channels.iter().map(own).collect()
+}

@@ -158,6 +158,21 @@ impl Machine {
         }
     }
 
+    fn flow<'a>(&'a self, robot: &'a Robot, run: usize, step_s: f64, noise: &Noise) -> Flow<'a> {
+        Flow {
+            robot,
+            run: &self.runs[run],
+            step_s,
+            of_wheels: noise.of_wheels,
+            loads: self.loads.get(run).map_or(&[], Vec::as_slice),
+        }
+    }
+
+    /// −2 ln L of whitened innovations, but for what does not depend on them.
+    pub(crate) fn deviance(&self, whitened: &[f64]) -> f64 {
+        deviance(&levels(whitened, &self.channels))
+    }
+
     /// Innovations of `hypotheses` at the gains of `fit`.
     pub(crate) fn innovations(&self, fit: &Fit, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
         self.watched(fit, hypotheses, |_, _, _, _| ())
@@ -171,15 +186,10 @@ impl Machine {
         mut watch: impl FnMut(usize, f64, &State, &[f64; 5]),
     ) -> Option<Vec<f64>> {
         let robot = self.robot(hypotheses)?;
+        let step_s = self.step_s(hypotheses);
         let mut all = Vec::with_capacity(self.channels.len());
-        for (index, (run, pass)) in self.runs.iter().zip(&fit.passes).enumerate() {
-            let flow = Flow {
-                robot: &robot,
-                run,
-                step_s: self.step_s(hypotheses),
-                of_wheels: fit.noise.of_wheels,
-                loads: self.loads.get(index).map_or(&[], Vec::as_slice),
-            };
+        for (index, pass) in fit.passes.iter().enumerate() {
+            let flow = self.flow(&robot, index, step_s, &fit.noise);
             all.extend(innovations(&flow, &fit.noise, &pass.gains, |t_s, s, d| {
                 watch(index, t_s, s, d);
             }));
@@ -193,16 +203,7 @@ impl Machine {
         let step_s = self.step_s(&hypotheses);
         let passes: Vec<Pass> = (0..self.runs.len())
             .into_par_iter()
-            .map(|index| {
-                let flow = Flow {
-                    robot: &robot,
-                    run: &self.runs[index],
-                    step_s,
-                    of_wheels: noise.of_wheels,
-                    loads: self.loads.get(index).map_or(&[], Vec::as_slice),
-                };
-                Pass::new(&flow, &noise)
-            })
+            .map(|index| Pass::new(&self.flow(&robot, index, step_s, &noise), &noise))
             .collect();
         let mut fit = Fit {
             hypotheses,
@@ -212,7 +213,7 @@ impl Machine {
             deviance: f64::INFINITY,
         };
         fit.whitened = fit.own_innovations(self);
-        fit.deviance = deviance(&levels(&fit.whitened, &self.channels)) + fit.log_determinant();
+        fit.deviance = self.deviance(&fit.whitened) + fit.log_determinant();
         Some(fit)
     }
 
@@ -263,7 +264,7 @@ impl Machine {
                 whitened.extend(own.whitened);
                 log_determinant += own.log_determinant;
             }
-            let value = deviance(&levels(&whitened, &self.channels)) + log_determinant;
+            let value = self.deviance(&whitened) + log_determinant;
             if value.is_finite() { value } else { f64::MAX }
         };
         let search = Search {
@@ -388,6 +389,13 @@ impl Machine {
 }
 
 impl Fit {
+    /// Whether it has an effect, in whatever numbers.
+    pub(crate) fn has(&self, hypothesis: &Hypothesis) -> bool {
+        self.hypotheses
+            .iter()
+            .any(|known| known.is_like(hypothesis))
+    }
+
     /// −2 ln L's part that does not depend on innovations.
     pub(crate) fn log_determinant(&self) -> f64 {
         let gains = self.passes.iter().flat_map(|pass| &pass.gains);

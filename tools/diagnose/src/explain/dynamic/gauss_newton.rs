@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::channels::{deviance, levels};
+use super::channels::{deviance, levels, weights};
 
 /// Share of a standard deviation over which differences are taken.
 const STEP_SHARE: f64 = 0.3;
@@ -67,10 +67,7 @@ impl Problem<'_> {
 
     /// Weight of each innovation: one over the root of its channel's level.
     pub(crate) fn weights(&self, whitened: &[f64]) -> Vec<f64> {
-        let levels = levels(whitened, self.channels);
-        let weights = levels.map(|[mean, _]| mean.max(1.0).sqrt().recip());
-        let of = |channel: &u8| weights.get(usize::from(*channel)).copied().unwrap_or(0.0);
-        self.channels.iter().map(of).collect()
+        weights(whitened, self.channels)
     }
 
     /// Fits from `start`; ends after `iterations` or when one gains less than `tolerance` (−2 ln L).

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::When;
 
-use super::channels::{deviance, levels};
+use super::channels::precisions;
 use super::fit::{Fit, least_change};
 use super::machine::Machine;
 use super::screen::beside;
 use crate::answer::{Limit, Seen};
-use crate::windows::hypothesis::{Hypothesis, is_limit, sizes_of};
+use crate::windows::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
 
 /// Estimate over standard deviation from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;
@@ -19,14 +19,7 @@ const STEP: f64 = 0.1;
 
 /// The limits of everything in `all` that `fit` does not hold.
 pub(crate) fn limits(machine: &Machine, fit: &Fit, all: &[Hypothesis]) -> Vec<Limit> {
-    let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
-    let held = |h: &Hypothesis| fit.hypotheses.iter().any(|known| known.is_like(h));
-    for hypothesis in all.iter().filter(|h| !held(h)) {
-        match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
-            Some(kind) => kind.push(hypothesis),
-            None => kinds.push(vec![hypothesis]),
-        }
-    }
+    let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
     let each = kinds
         .par_iter()
         .flat_map_iter(|kind| of_kind(machine, fit, kind));
@@ -65,14 +58,10 @@ fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static s
     let size = machine
         .innovations(fit, &beside(fit, &moved))
         .and_then(|e| {
-            let levels = levels(&fit.whitened, &machine.channels);
-            let weight = |channel: &u8| {
-                let level = levels.get(usize::from(*channel));
-                level.map_or(0.0, |[mean, _]| mean.max(1.0).recip())
-            };
-            let pairs = e.iter().zip(&fit.whitened).zip(&machine.channels);
+            let precisions = precisions(&fit.whitened, &machine.channels);
+            let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
             let square: f64 = pairs
-                .map(|((after, before), channel)| (after - before).powi(2) * weight(channel))
+                .map(|((after, before), precision)| (after - before).powi(2) * precision)
                 .sum();
             (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
         });
@@ -87,11 +76,11 @@ fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static s
 /// The limit of what changes nothing until it is large, or small, enough: of the sizes that were tried
 /// the one nearest to nothing that the recording refutes.
 fn by_trial(machine: &Machine, fit: &Fit, kind: &[&Hypothesis], seen: Seen) -> Limit {
-    let here = deviance(&levels(&fit.whitened, &machine.channels));
+    let here = machine.deviance(&fit.whitened);
     let name = kind[0].values[0].0;
     let refuted = kind.iter().filter(|one| {
         let e = machine.innovations(fit, &beside(fit, one));
-        e.is_some_and(|e| deviance(&levels(&e, &machine.channels)) > here + REFUTED)
+        e.is_some_and(|e| machine.deviance(&e) > here + REFUTED)
     });
     let sizes = refuted.filter_map(|one| one.value(name));
     let size = if is_limit(kind[0].info) || seen == Seen::Below {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::find;
 
-use super::channels::{deviance, levels};
+use super::channels::weights;
 use super::fit::{Fit, may_slide};
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
@@ -17,11 +17,10 @@ const PUSH_S: f64 = 0.06;
 const GUSTS: usize = 16;
 const GUST_S: [f64; 2] = [0.08, 0.15];
 
-/// Cells of the floor in which a patch is tried (m), and how many of them at most.
+/// Cells of the floor in which a patch is tried (m), and how many of them at most beside their
+/// neighbours.
 const CELL_M: f64 = 0.1;
 const CELLS: usize = 12;
-/// The first of these are tried together with the cells beside them.
-const WITH_NEIGHBOURS: usize = 12;
 /// Frictions and radii (m) with which each is tried.
 const TRIED: [[f64; 2]; 6] = [
     [0.05, 0.1],
@@ -55,13 +54,7 @@ const LEAST_INVERSE: f64 = 2.0;
 impl Machine {
     /// The impulse that gains most beside `fit`, and its run.
     fn impulse(&self, fit: &Fit) -> Option<(usize, Impulse)> {
-        let levels = levels(&fit.whitened, &self.channels);
-        let weight = levels.map(|[mean, _]| mean.max(1.0).sqrt().recip());
-        let weights: Vec<f64> = self
-            .channels
-            .iter()
-            .map(|c| weight.get(usize::from(*c)).copied().unwrap_or(0.0))
-            .collect();
+        let weights = weights(&fit.whitened, &self.channels);
         let lever = self.model.robot.com_to_axle_m.unwrap_or(0.0);
         let mut first = 0;
         let mut best: Option<(usize, Impulse)> = None;
@@ -83,10 +76,10 @@ impl Machine {
         best
     }
 
-    /// Marks the times at which something pushes for a moment, one after the other, while that gains
-    /// `due` (−2 ln L). Returns the nominal model there.
-    pub(crate) fn mark_gusts(&mut self, due: f64) -> Option<Fit> {
-        let mut fit = self.nominal()?;
+    /// Marks the times at which something pushes for a moment beside `nominal`, one after the other,
+    /// while that gains `due` (−2 ln L). Returns the nominal model there.
+    pub(crate) fn mark_gusts(&mut self, nominal: Fit, due: f64) -> Option<Fit> {
+        let mut fit = nominal;
         for _ in 0..GUSTS {
             let Some((run, impulse)) = self.impulse(&fit).filter(|(_, own)| own.gain > due) else {
                 break;
@@ -151,7 +144,7 @@ impl Machine {
             .collect();
         let value = |at: &Fit, h: &Hypothesis| {
             let e = self.innovations(at, &beside(fit, h))?;
-            Some(deviance(&levels(&e, &self.channels)))
+            Some(self.deviance(&e))
         };
         let still = base.deviance - base.log_determinant();
         let mut ranked: Vec<(f64, &Hypothesis)> = tried
@@ -183,10 +176,10 @@ impl Machine {
 
     /// Places of the floor where the innovations of `base` are largest, and those beside them.
     fn conspicuous_places(&self, fit: &Fit, base: &Fit) -> Option<Vec<[f64; 2]>> {
-        let mut poses: Vec<(usize, f64, [f64; 2])> = Vec::new();
-        self.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
+        let mut places: Vec<[f64; 2]> = Vec::new();
+        self.watched(fit, &fit.hypotheses, |_, _, state, _| {
             let [x, y, _] = state.pose();
-            poses.push((run, t_s, [x, y]));
+            places.push([x, y]);
         })?;
         let mut energy: Vec<([i64; 2], f64)> = Vec::new();
         let squares = base
@@ -199,8 +192,8 @@ impl Machine {
             .map(|((stamp_s, run), square)| (run, stamp_s, square))
             .collect();
         all.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        // rows and poses are in nearly the same order: by time
-        for ((_, _, square), (_, _, place)) in all.iter().zip(&poses) {
+        // rows and places are in nearly the same order: by time
+        for ((_, _, square), place) in all.iter().zip(&places) {
             let cell = place.map(|at| (at / CELL_M).round() as i64);
             match energy.iter_mut().find(|(known, _)| *known == cell) {
                 Some((_, sum)) => *sum += square,
@@ -210,10 +203,8 @@ impl Machine {
         energy.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         energy.truncate(CELLS);
         let mut cells: Vec<[i64; 2]> = Vec::new();
-        for (rank, ([i, k], _)) in energy.into_iter().enumerate() {
-            let beside = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)];
-            let count = if rank < WITH_NEIGHBOURS { 5 } else { 1 };
-            for (di, dk) in beside.into_iter().take(count) {
+        for ([i, k], _) in energy {
+            for (di, dk) in [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)] {
                 let cell = [i + di, k + dk];
                 if !cells.contains(&cell) {
                     cells.push(cell);
@@ -257,7 +248,7 @@ impl Machine {
             let Some(e) = self.innovations(&fit, &all) else {
                 continue;
             };
-            let value = deviance(&levels(&e, &self.channels));
+            let value = self.deviance(&e);
             if value < best {
                 (best, at) = (value, trial);
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::channels::{deviance, levels};
+use super::channels::levels;
 use super::fit::{Fit, valued, values};
 use super::machine::Machine;
 use crate::estimate::blocks::{self, Blocks};
@@ -188,7 +188,7 @@ impl Machine {
     pub(crate) fn profile(&self, fit: &Fit, index: usize, name: &str) -> Option<[f64; 2]> {
         let own = &fit.hypotheses[index];
         let at = own.value(name)?;
-        let here = deviance(&levels(&fit.whitened, &self.channels));
+        let here = self.deviance(&fit.whitened);
         let rises = |value: f64| {
             let mut all = fit.hypotheses.clone();
             all[index].set(name, value);
@@ -198,7 +198,7 @@ impl Machine {
                 return true;
             }
             self.innovations(fit, &all)
-                .is_none_or(|e| deviance(&levels(&e, &self.channels)) > here + ONE_IN_TWENTY)
+                .is_none_or(|e| self.deviance(&e) > here + ONE_IN_TWENTY)
         };
         let side = |sign: f64| {
             let mut inside = 0.0;

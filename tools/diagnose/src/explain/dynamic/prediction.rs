@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::channels::NO_CHANNEL;
 use super::fit::{Fit, valued, values};
 use super::machine::Machine;
-use crate::answer::{Budget, BudgetPart, HeldOut};
-use crate::explain::budget::shares;
+use crate::answer::{Budget, HeldOut};
+use crate::explain::budget::budget;
 use crate::windows::bench::Bench;
 use crate::windows::hypothesis::Hypothesis;
 use crate::windows::misfit::Misfit;
@@ -20,8 +20,6 @@ const ITERATIONS: usize = 3;
 /// Windows of a budget at most, and effects.
 const BUDGET_WINDOWS: usize = 12;
 const PLAYERS: usize = 5;
-/// Errors below are none (m, rad).
-const NOTHING: f64 = 1e-9;
 
 /// Predictions before and after; each window is predicted by effects that were fitted without it.
 pub(crate) fn held_out(machine: &Machine, bench: &Bench, fit: &Fit) -> HeldOut {
@@ -100,53 +98,16 @@ pub(crate) fn budgets(machine: &Machine, bench: &Bench, fit: &Fit) -> Vec<Budget
         each.sum()
     };
     let has = |channel: usize| worth.first().is_some_and(|w| w.counts[channel] > 0.0);
-    let budget = |unit: &'static str, channels: &[usize]| {
+    let of = |unit: &'static str, channels: &[usize]| {
         if !channels.iter().all(|c| has(*c)) {
             return None;
         }
         let worth: Vec<f64> = worth.iter().map(|w| mean(w, channels)).collect();
         let noise: f64 = channels.iter().map(|c| deviation(*c).powi(2)).sum();
-        budget_of(machine, unit, &names, &worth, noise)
+        budget(&machine.tracks[0].robot, unit, &names, &worth, noise)
     };
     [("m", &[2, 3][..]), ("rad", &[4][..])]
         .into_iter()
-        .filter_map(|(unit, channels)| budget(unit, channels))
+        .filter_map(|(unit, channels)| of(unit, channels))
         .collect()
-}
-
-fn budget_of(
-    machine: &Machine,
-    unit: &'static str,
-    names: &[&'static str],
-    worth: &[f64],
-    noise: f64,
-) -> Option<Budget> {
-    let (first, last) = (*worth.first()?, *worth.last()?);
-    let before = first.sqrt();
-    if before < NOTHING {
-        return None;
-    }
-    let noise = noise.min(last);
-    let mut parts: Vec<BudgetPart> = names
-        .iter()
-        .zip(shares(names.len(), worth))
-        .map(|(name, share)| BudgetPart {
-            name: (*name).to_owned(),
-            share: share / before,
-        })
-        .collect();
-    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
-    for (name, share) in [("unexplained", last - noise), ("sensor noise", noise)] {
-        parts.push(BudgetPart {
-            name: name.to_owned(),
-            share: share / before,
-        });
-    }
-    Some(Budget {
-        robot: machine.tracks[0].robot.clone(),
-        unit,
-        before,
-        after: last.sqrt(),
-        parts,
-    })
 }

@@ -1,11 +1,11 @@
 //! Which effects a fit lacks, at a glance: each at the gains of the fit, from every start that it has.
 
 use rayon::prelude::*;
+use slipstream_sim::effects::Domain;
 
-use super::channels::{deviance, levels};
 use super::fit::{Fit, may_slide, values};
 use super::machine::Machine;
-use crate::windows::hypothesis::{Hypothesis, is_limit, slides};
+use crate::windows::hypothesis::{Hypothesis, is_limit, kinds, slides};
 
 /// Gain (−2 ln L) at fixed gains below which slip is not looked at with gains of its own.
 const SLIP_GAIN: f64 = 6.0;
@@ -31,16 +31,7 @@ pub(crate) struct Candidate {
 impl Machine {
     /// Candidates among `all` beside `fit`, best first.
     pub(crate) fn screened(&self, fit: &Fit, all: &[Hypothesis]) -> Vec<Candidate> {
-        let mut kinds: Vec<Vec<&Hypothesis>> = Vec::new();
-        let beside = all
-            .iter()
-            .filter(|h| !fit.hypotheses.iter().any(|known| known.is_like(h)));
-        for hypothesis in beside {
-            match kinds.iter_mut().find(|kind| kind[0].is_like(hypothesis)) {
-                Some(kind) => kind.push(hypothesis),
-                None => kinds.push(vec![hypothesis]),
-            }
-        }
+        let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
         let each = kinds.par_iter().filter_map(|starts| {
             if slides(starts[0].info) && !may_slide(&self.model, &fit.hypotheses) {
                 self.slip(fit, starts)
@@ -68,7 +59,7 @@ impl Machine {
         let ranked = |at: &Fit| {
             let gains = starts.par_iter().filter_map(|h| {
                 let e = self.innovations(at, &beside(fit, h))?;
-                let own = deviance(&levels(&e, &self.channels)) + at.log_determinant();
+                let own = self.deviance(&e) + at.log_determinant();
                 Some((at.deviance - own, *h))
             });
             let mut ranked: Vec<(f64, &Hypothesis)> =
@@ -78,12 +69,11 @@ impl Machine {
             ranked
         };
         // at small noise what slides is told from what pushes; where nothing else fits, at large
-        let mut best = ranked(&base);
-        if best.is_empty() {
-            best = ranked(fit);
+        let mut leaders = ranked(&base);
+        if leaders.is_empty() {
+            leaders = ranked(fit);
         }
-        let ranked = best;
-        let fits = ranked.par_iter().filter_map(|(_, h)| {
+        let fits = leaders.par_iter().filter_map(|(_, h)| {
             let begun = self.begun(fit, beside(fit, h))?;
             Some((fit.deviance - begun.deviance, *h, begun))
         });
@@ -111,7 +101,7 @@ impl Machine {
             let Some(e) = self.innovations(fit, &beside(fit, start)) else {
                 continue;
             };
-            let own = deviance(&levels(&e, &self.channels));
+            let own = self.deviance(&e);
             let (gain, hypothesis) = if direct || many {
                 (base - own, (*start).clone())
             } else {
@@ -151,16 +141,16 @@ impl Machine {
         let multiple = (-product / square).clamp(-MULTIPLE, MULTIPLE);
         let gain = product * product / square;
         let mut scaled = start.clone();
-        scaled.set(name, nothing + multiple * (value - nothing));
-        if let Some(slipstream_sim::effects::Domain::Number { lower, upper, .. }) =
+        let mut held = nothing + multiple * (value - nothing);
+        if let Some(Domain::Number { lower, upper, .. }) =
             start.info.parameter(name).map(|p| p.domain)
         {
-            let held = (nothing + multiple * (value - nothing)).clamp(lower, upper);
-            scaled.set(name, held);
+            held = held.clamp(lower, upper);
             if held == nothing {
                 return (0.0, start.clone());
             }
         }
+        scaled.set(name, held);
         (gain, scaled)
     }
 }

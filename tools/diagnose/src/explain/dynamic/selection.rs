@@ -11,7 +11,7 @@ use super::precision::Known;
 use super::screen::beside;
 use super::unknown::Unknown;
 use crate::select::criterion::{Criterion, TIE_NATS};
-use crate::windows::hypothesis::{Hypothesis, KINETIC, is_where};
+use crate::windows::hypothesis::{Hypothesis, KINETIC, is_where, kinds};
 
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;
@@ -69,13 +69,7 @@ pub(crate) struct Selection<'a> {
 
 impl Selection<'_> {
     fn tried(&self) -> usize {
-        let mut kinds: Vec<&Hypothesis> = Vec::new();
-        for hypothesis in self.all {
-            if !kinds.iter().any(|known| known.is_like(hypothesis)) {
-                kinds.push(hypothesis);
-            }
-        }
-        kinds.len()
+        kinds(self.all).len()
     }
 
     fn criterion(&self, known: Option<&Known>) -> Criterion {
@@ -85,22 +79,27 @@ impl Selection<'_> {
         }
     }
 
+    /// −2 ln L that so many numbers have to bring.
+    fn due_of(&self, numbers: usize) -> f64 {
+        2.0 * self.criterion(None).least_gain(numbers) + MARGIN
+    }
+
     /// −2 ln L that an effect has to bring.
     fn due(&self, hypothesis: &Hypothesis) -> f64 {
-        2.0 * self.criterion(None).least_gain(hypothesis.values.len()) + MARGIN
+        self.due_of(hypothesis.values.len())
     }
 
     pub(crate) fn run(&mut self) -> Option<Selected> {
         (self.progress)("nominal model");
         let nominal = self.machine.nominal()?;
-        match self.from(nominal)? {
+        match self.from(nominal.clone())? {
             Course::Found(selected) => Some(*selected),
             Course::Gusts => {
                 // several pushes are no single event: nothing is said of them but when they were
                 (self.progress)("gusts");
                 let push = find("push").map(|info| info.parameters.len());
-                let due = 2.0 * self.criterion(None).least_gain(push.unwrap_or(1)) + MARGIN;
-                let nominal = self.machine.mark_gusts(due)?;
+                let due = self.due_of(push.unwrap_or(1));
+                let nominal = self.machine.mark_gusts(nominal, due)?;
                 match self.from(nominal)? {
                     Course::Found(selected) => Some(*selected),
                     Course::Gusts => None,
@@ -155,13 +154,12 @@ impl Selection<'_> {
     /// beside it.
     fn outside(&self, fit: &mut Fit, less: &mut Vec<Option<Fit>>) -> Option<Unknown> {
         (self.progress)("forces outside of the catalogue");
-        let due = |own: &Unknown| 2.0 * self.criterion(None).least_gain(own.numbers) + MARGIN;
         let mut unknown = self.machine.unknown(fit)?;
         // rare gusts, each at a place of its own, look like a force that follows the place
         let gains = self.gains_by_block(fit, &unknown.fit);
         let spread: f64 = gains.iter().skip(RARE).sum();
         let rare = unknown.driver != "t" && spread < REST * unknown.gain;
-        if unknown.gain < due(&unknown) || rare {
+        if unknown.gain < self.due_of(unknown.numbers) || rare {
             return None;
         }
         while !fit.hypotheses.is_empty() {
@@ -209,7 +207,7 @@ impl Selection<'_> {
         let polished = leaders.into_par_iter().map(|own| self.refitted(own, 6, 8));
         let mut polished = self.leaders(fit, polished.collect(), 0.0).into_iter();
         let best = polished.next()?;
-        if !self.is_clear(&best, best.hypotheses.len() - 1) || !self.is_lasting(fit, &best) {
+        if !self.is_clear(&best) || !self.is_lasting(fit, &best) {
             return None;
         }
         let excess = self.excess(fit, &best);
@@ -273,9 +271,11 @@ impl Selection<'_> {
         })
     }
 
-    /// Whether the effect at `at` is known to differ from nothing: by the model, and by blocks.
-    fn is_clear(&self, fit: &Fit, at: usize) -> bool {
-        let hypothesis = &fit.hypotheses[at];
+    /// Whether the last effect is known to differ from nothing: by the model, and by blocks.
+    fn is_clear(&self, fit: &Fit) -> bool {
+        let Some((hypothesis, before)) = fit.hypotheses.split_last() else {
+            return false;
+        };
         if hypothesis.is_threshold() {
             return true;
         }
@@ -285,10 +285,7 @@ impl Selection<'_> {
         let Some(known) = self.machine.known(fit) else {
             return false;
         };
-        let first: usize = fit.hypotheses[..at]
-            .iter()
-            .map(|h| values(std::slice::from_ref(h)).len())
-            .sum();
+        let first = values(before).len();
         let criterion = self.criterion(Some(&known));
         let strength = |covariance: &nalgebra::DMatrix<f64>| {
             hypothesis

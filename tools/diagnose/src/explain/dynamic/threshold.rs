@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use super::channels::{deviance, levels};
 use super::fit::Fit;
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
@@ -46,7 +45,7 @@ impl Machine {
         };
         let value = |place: usize| {
             let e = self.innovations(fit, &beside(fit, &at(place)))?;
-            Some(deviance(&levels(&e, &self.channels)))
+            Some(self.deviance(&e))
         };
         let mut ranked: Vec<(f64, usize)> = (0..places.len())
             .into_par_iter()
@@ -81,7 +80,7 @@ impl Machine {
             };
             let value = |place: usize| {
                 let e = self.innovations(&fit, &at(place))?;
-                Some(deviance(&levels(&e, &self.channels)))
+                Some(self.deviance(&e))
             };
             let place = sizes.partition_point(|size| *size < now);
             let width = sizes.len().div_ceil(TRIED).max(2);

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use slipstream_bus::{EffectSpec, Parameter};
 
-use super::channels::levels;
+use super::channels::precisions;
 use super::drivers::Driver;
 use super::fit::Fit;
 use super::machine::Machine;
@@ -82,14 +82,13 @@ impl Machine {
                 all.extend(own);
             }
         }
-        let levels = levels(&fit.whitened, &self.channels);
-        let weight = |channel: &u8| {
-            let level = levels.get(usize::from(*channel));
-            level.map_or(0.0, |[mean, _]| mean.max(1.0).recip())
-        };
-        let weights: Vec<f64> = self.channels.iter().map(weight).collect();
+        let precisions = precisions(&fit.whitened, &self.channels);
         let dot = |a: &[f64], b: &[f64]| {
-            let products = a.iter().zip(b).zip(&weights).map(|((x, y), w)| x * y * w);
+            let products = a
+                .iter()
+                .zip(b)
+                .zip(&precisions)
+                .map(|((x, y), p)| x * y * p);
             products.sum::<f64>()
         };
         let mut normal = DMatrix::from_fn(count, count, |i, k| {

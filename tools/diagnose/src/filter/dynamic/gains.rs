@@ -50,8 +50,7 @@ impl Pass {
 
     fn of<const M: usize>(flow: &Flow<'_>, noise: &Noise) -> Self {
         let run = flow.run;
-        let mut order = Vec::new();
-        in_order(flow.robot, run, &mut order);
+        let order = in_order(flow.robot, run);
         let mut covariance = Covariance::<M> {
             p: start_covariance(&run.start_deviation, noise),
         };

@@ -103,6 +103,7 @@ impl Run {
         let mut gusts = self.gusts_s.iter();
         gusts.any(|[begin, end]| (*begin..=*end).contains(&true_s))
     }
+
     /// Whether times of which nothing is believed lie between two instants (s).
     pub(super) fn is_lost_between(&self, from_s: f64, to_s: f64) -> bool {
         let mut left_out = self.left_out_s.iter();
@@ -131,12 +132,12 @@ impl Noise {
 }
 
 /// Order in which the rows of `run` were measured, with the true time of each (s).
-pub(super) fn in_order(robot: &slipstream_sim::Robot, run: &Run, order: &mut Vec<(f64, usize)>) {
-    let from_s = run.begin_s;
-    order.clear();
-    order.extend(run.rows.iter().enumerate().map(|(index, row)| {
+pub(super) fn in_order(robot: &slipstream_sim::Robot, run: &Run) -> Vec<(f64, usize)> {
+    let timed = run.rows.iter().enumerate().map(|(index, row)| {
         let true_s = robot.true_s(row.sensor.stream(), row.stamp_s);
-        (true_s.max(from_s), index)
-    }));
+        (true_s.max(run.begin_s), index)
+    });
+    let mut order: Vec<(f64, usize)> = timed.collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order
 }

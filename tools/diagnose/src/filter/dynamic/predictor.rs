@@ -16,8 +16,7 @@ pub(crate) fn innovations(
     mut watch: impl FnMut(f64, &State, &[f64; 5]),
 ) -> Vec<f64> {
     let run = flow.run;
-    let mut order = Vec::new();
-    in_order(flow.robot, run, &mut order);
+    let order = in_order(flow.robot, run);
     let mut whitened = vec![0.0; 3 * run.rows.len()];
     let mut point = flow.start();
     for (place, &(true_s, index)) in order.iter().enumerate() {
