@@ -1,4 +1,4 @@
-//! What a diagnosis costs: one simulation of a recording, one hypothesis, the whole.
+//! What a diagnosis costs: predictions over 5 s, the filter with its noise sizes, the whole.
 //!
 //! 60 s of one robot with torque commands, encoders and a camera. The limit beside is the plant
 //! alone, once over the same commands at the steps of the fit, with nothing compared. What takes
@@ -10,7 +10,7 @@
 )]
 
 use std::hint::black_box;
-use std::sync::{LazyLock, Mutex};
+use std::sync::LazyLock;
 use std::time::Instant;
 
 use divan::Bencher;
@@ -34,8 +34,6 @@ const TIMES: u32 = 2;
 
 /// What the robots of the hypotheses have and their models lack.
 const LEFT_OUT: &str = "rolling_resistance";
-/// Effects that cannot be mistaken for it, each from several sizes: they are screened, and no more.
-const SCREENED: [&str; 3] = ["pose_latency", "wheels_latency", "clock_drift"];
 
 static MATCHING: LazyLock<Case> = LazyLock::new(|| {
     let model = RobotModel::default();
@@ -86,45 +84,29 @@ impl Case {
     }
 
     /// Hands `ask` the request that tries no effect of `excluded`.
-    fn asked<T>(
-        &self,
-        excluded: &[String],
-        progress: &(dyn Fn(&str) + Sync),
-        ask: impl FnOnce(&Request<'_>) -> T,
-    ) -> T {
+    fn asked<T>(&self, excluded: &[String], ask: impl FnOnce(&Request<'_>) -> T) -> T {
         ask(&Request {
             recordings: std::slice::from_ref(&self.recording),
             model_of: &|_| Some(self.nominal.clone()),
             excluded,
             excluded_s: &[],
-            progress,
+            progress: &|_| (),
         })
     }
 
     fn diagnosed(&self) -> Answer {
-        self.asked(&[], &|_| (), |request| diagnose(request).unwrap().0)
+        self.asked(&[], |request| diagnose(request).unwrap().0)
     }
 
     fn predicted(&self) {
-        let predictions = self.asked(&[], &|_| (), |request| predict(request).unwrap());
+        let predictions = self.asked(&[], |request| predict(request).unwrap());
         black_box(predictions);
     }
 
-    /// How many hypotheses are looked at beside the nominal model where these effects alone are
-    /// tried, and the CPU time of that (s), by what the diagnosis says of its progress.
-    fn looked_at(&self, tried: &[&str]) -> (f64, f64) {
-        let others = CATALOGUE.iter().filter(|info| !tried.contains(&info.id));
-        let excluded: Vec<String> = others.map(|info| info.id.to_owned()).collect();
-        let heard = Mutex::new(Vec::new());
-        let progress = |what: &str| heard.lock().unwrap().push((cpu_s(), what.to_owned()));
-        let (answer, _) = self.asked(&excluded, &progress, |request| diagnose(request).unwrap());
-        assert_found(&answer, &[LEFT_OUT]);
-        let heard = heard.into_inner().unwrap();
-        let looks = |(_, what): &(f64, String)| what.contains(" effects beside [");
-        let at = heard.iter().rposition(looks).unwrap();
-        let mut words = heard[at].1.split(' ');
-        let count = words.find_map(|word| word.parse().ok()).unwrap();
-        (count, heard[at + 1].0 - heard[at].0)
+    /// The nominal model under the filter, with no effect to try.
+    fn filtered(&self) {
+        let all: Vec<String> = CATALOGUE.iter().map(|info| info.id.to_owned()).collect();
+        black_box(self.asked(&all, |request| diagnose(request).unwrap()));
     }
 }
 
@@ -225,9 +207,9 @@ fn prices() {
         let plant_s = least_cpu_s(20, || {
             black_box(drive(&robot, case));
         });
-        let (predict_s, [screened_s, fitted_s]) = cores(1).install(|| {
+        let [predict_s, filter_s] = cores(1).install(|| {
             let predict_s = least_cpu_s(5, || case.predicted());
-            (predict_s, hypothesis_s(case))
+            [predict_s, least_cpu_s(1, || case.filtered())]
         });
         let row = |what: &str, s: f64| {
             let (ms, times) = (s * 1e3, s / plant_s);
@@ -235,24 +217,8 @@ fn prices() {
         };
         row("the plant alone", plant_s);
         row("predict: starts fitted, all compared once", predict_s);
-        row("one more hypothesis, screened", screened_s);
-        row("the one that explains, fitted to the end", fitted_s);
+        row("diagnose without effects: noise sizes alone", filter_s);
     }
-}
-
-/// CPU time of a hypothesis that is screened, and of one that is fitted to the end (s): what the
-/// search takes with what is left out alone, and how much more with hypotheses that are not it.
-fn hypothesis_s(case: &Case) -> [f64; 2] {
-    let least = |tried: &[&str]| {
-        let all = (0..TIMES).map(|_| case.looked_at(tried));
-        all.reduce(|a, b| if b.1 < a.1 { b } else { a }).unwrap()
-    };
-    let mut tried = vec![LEFT_OUT];
-    let (few, few_s) = least(&tried);
-    tried.extend(SCREENED);
-    let (many, many_s) = least(&tried);
-    let screened_s = (many_s - few_s) / (many - few);
-    [screened_s, few_s - few * screened_s]
 }
 
 /// Prints what whole diagnoses take, with the whole catalogue to try.

@@ -5,11 +5,13 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 
 use crate::answer::{Answer, Figures, Unexplained};
+use crate::data::faults;
+use crate::data::track::Track;
 use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Task};
+use crate::explain::links::{self, Course};
 use crate::explain::pictures::figures;
-use crate::windows::{self, Collected, Course, add_links, input};
 
 /// What is asked.
 pub struct Request<'a> {
@@ -23,6 +25,14 @@ pub struct Request<'a> {
     pub excluded_s: &'a [[f64; 2]],
     /// Hears what is being done.
     pub progress: &'a (dyn Fn(&str) + Sync),
+}
+
+/// What is added while machine after machine is diagnosed.
+#[derive(Default)]
+pub(crate) struct Collected {
+    pub(crate) answer: Answer,
+    pub(crate) improved: Vec<(String, RobotModel)>,
+    pub(crate) courses: Vec<Course>,
 }
 
 /// The answer, each robot's improved model, and the figures of each machine, block by block.
@@ -49,7 +59,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     let mut collected = Collected {
         answer: Answer {
             format: 1,
-            warnings: input::warnings(request)?,
+            warnings: faults::warnings(request)?,
             ..Answer::default()
         },
         ..Collected::default()
@@ -70,11 +80,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
                 illustrate,
             )?);
         } else {
-            windows::examine(request, &machine, &mut collected, |bench, found| {
-                if illustrate {
-                    all.push(windows::figures(bench, found, request));
-                }
-            })?;
+            return Err(told_apart(&machine, &model));
         }
     }
     let Collected {
@@ -83,7 +89,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         courses,
     } = collected;
     if let [recording] = request.recordings {
-        add_links(
+        links::add(
             recording,
             &courses,
             request.excluded,
@@ -93,6 +99,21 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     }
     answer.conclude();
     Ok((answer, improved, all))
+}
+
+/// Why a machine is neither told speeds alone nor efforts alone, or cannot be told its efforts.
+fn told_apart(machine: &[(&Recording, &Recorded)], model: &RobotModel) -> InputError {
+    let place = &machine[0].1.name;
+    let accepts = |(recording, robot): &(&Recording, &Recorded)| {
+        let kind = Track::new(recording, robot, model)?.kind();
+        slipstream_sim::Robot::<f64>::new(model)?.accepts(kind)
+    };
+    if let Some(error) = machine.iter().find_map(|run| accepts(run).err()) {
+        return error;
+    }
+    let problem = "is told speeds in one recording, torques or voltages in another";
+    let remedy = "diagnose the recordings of each kind by themselves";
+    InputError::new(place, problem, remedy)
 }
 
 /// Diagnoses a machine that is told speeds or nothing.

@@ -7,8 +7,8 @@ mod estimate;
 mod explain;
 mod filter;
 mod model;
+mod predict;
 mod select;
-mod windows;
 
 pub use answer::{
     Against, Answer, Budget, BudgetPart, Evidence, Figures, Finding, HeldOut, HeldOutChannel,
@@ -16,6 +16,6 @@ pub use answer::{
     Seen, Unexplained, Verdict, Warning, in_digits, manoeuvre,
 };
 pub use diagnosis::{Illustrated, Request, diagnose, diagnose_with_figures};
+pub use predict::prediction::{Prediction, predict};
 /// Why a recording cannot be diagnosed.
 pub use slipstream_bus::InputError;
-pub use windows::{Prediction, predict};

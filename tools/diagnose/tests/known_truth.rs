@@ -469,3 +469,25 @@ fn effects_are_found_on_a_robot_of_any_size() {
         }
     }
 }
+
+#[test]
+fn recordings_of_speeds_and_of_torques_are_not_mixed() {
+    let model = RobotModel::default();
+    let torques = slipstream_testkit::record(&model, slipstream_testkit::gentle, 10.0, 7);
+    let mut speeds = torques.clone();
+    let stream = speeds.robots[0].command.as_mut().unwrap();
+    let still = vec![0.0; stream.t_s.len()];
+    stream.values = Command::WheelSpeed {
+        right_rad_s: still.clone(),
+        left_rad_s: still,
+    };
+    let refused = diagnose(&Request {
+        recordings: &[torques, speeds],
+        model_of: &|_| Some(model.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    });
+    let words = refused.unwrap_err().to_string();
+    assert!(words.contains("told speeds in one recording"), "{words}");
+}

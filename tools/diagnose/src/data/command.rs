@@ -1,7 +1,8 @@
 //! Wheel speeds that were commanded, whatever recorded them: a twist or the speeds themselves.
 
 use slipstream_bus::RobotModel;
-use slipstream_recording::recording::{Command, Robot};
+use slipstream_recording::recording::{Command as Told, Robot};
+use slipstream_sim::Command;
 
 /// Commanded wheel speeds, [right, left] (rad/s): each holds until the next row.
 #[derive(Debug, Clone, Default)]
@@ -18,19 +19,19 @@ pub(crate) fn commands(robot: &Robot, model: &RobotModel, origin_s: f64) -> Opti
     let stream = robot.command.as_ref()?;
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
     let speeds: Vec<[f64; 2]> = match &stream.values {
-        Command::Twist { v_m_s, w_rad_s } => {
+        Told::Twist { v_m_s, w_rad_s } => {
             let rows = v_m_s.iter().zip(w_rad_s);
             rows.map(|(v, w)| [(v + b * w) / r, (v - b * w) / r])
                 .collect()
         }
-        Command::WheelSpeed {
+        Told::WheelSpeed {
             right_rad_s,
             left_rad_s,
         } => {
             let rows = right_rad_s.iter().zip(left_rad_s);
             rows.map(|(&right, &left)| [right, left]).collect()
         }
-        Command::Torque { .. } | Command::Voltage { .. } => return None,
+        Told::Torque { .. } | Told::Voltage { .. } => return None,
     };
     let mut path = CommandPath::default();
     for (stamp_s, speed) in stream.t_s.iter().zip(speeds) {
@@ -57,5 +58,21 @@ impl CommandPath {
     pub(crate) fn at(&self, time_s: f64) -> Option<[f64; 2]> {
         let next = self.times_s.partition_point(|t_s| *t_s <= time_s);
         Some(self.speeds_rad_s[next.checked_sub(1)?])
+    }
+}
+
+/// What a command asks of each wheel: N m, V or rad/s.
+pub(crate) fn asked(command: &Command, radius_m: f64, half_track_m: f64) -> [f64; 2] {
+    match *command {
+        Command::Torque { right_nm, left_nm } => [right_nm, left_nm],
+        Command::Voltage { right_v, left_v } => [right_v, left_v],
+        Command::Speed {
+            right_rad_s,
+            left_rad_s,
+        } => [right_rad_s, left_rad_s],
+        Command::Twist { v_m_s, w_rad_s } => {
+            let turn = half_track_m * w_rad_s;
+            [(v_m_s + turn) / radius_m, (v_m_s - turn) / radius_m]
+        }
     }
 }

@@ -7,7 +7,10 @@
 //! 2011).
 
 pub(crate) mod command;
+pub(crate) mod faults;
+pub(crate) mod noise;
 pub(crate) mod reference;
+pub(crate) mod track;
 pub(crate) mod wheel_rows;
 pub(crate) mod wheels;
 

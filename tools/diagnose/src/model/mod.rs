@@ -3,5 +3,6 @@
 pub(crate) mod command_to_wheels;
 pub(crate) mod drive;
 pub(crate) mod from_wheels;
+pub(crate) mod hypothesis;
 pub(crate) mod nominal;
 pub(crate) mod run;

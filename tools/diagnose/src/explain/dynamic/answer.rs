@@ -2,6 +2,7 @@
 
 use slipstream_sim::effects::When;
 
+use super::condition::condition;
 use super::fit::Fit;
 use super::machine::Machine;
 use super::precision::Known;
@@ -11,9 +12,8 @@ use crate::answer::statement::statement;
 use crate::answer::{
     Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
 };
+use crate::model::hypothesis::{Hypothesis, STATIC};
 use crate::select::criterion::Criterion;
-use crate::windows::hypothesis::{Hypothesis, STATIC};
-use crate::windows::{bench::Bench, located};
 
 /// Share of a value by which integrators differ.
 const INTEGRATORS: f64 = 0.0015;
@@ -26,7 +26,7 @@ const GAP_S: f64 = 0.1;
 const PUSH_S: f64 = 0.06;
 
 /// The findings of one machine.
-pub(crate) fn findings(machine: &Machine, bench: &Bench, selected: &Selected) -> Vec<Finding> {
+pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
     let fit = &selected.fit;
     let known = machine.known(fit);
     let mut first = 0;
@@ -49,7 +49,7 @@ pub(crate) fn findings(machine: &Machine, bench: &Bench, selected: &Selected) ->
         if !hypothesis.is_threshold() {
             first += hypothesis.values.len();
         }
-        out.push(finding(machine, bench, selected, index, &intervals));
+        out.push(finding(machine, selected, index, &intervals));
     }
     out
 }
@@ -97,7 +97,6 @@ fn interval(
 
 fn finding(
     machine: &Machine,
-    bench: &Bench,
     selected: &Selected,
     index: usize,
     intervals: &[[f64; 2]],
@@ -131,7 +130,7 @@ fn finding(
         place: Place {
             channel: info.channels[0].name().to_owned(),
             intervals_s: at_work(machine, fit, hypothesis),
-            condition: located::condition(bench, hypothesis),
+            condition: condition(&machine.model, hypothesis),
         },
         runs: None,
         confused_with: selected.alike[index]

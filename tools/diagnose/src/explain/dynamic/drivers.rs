@@ -2,6 +2,7 @@
 
 use super::fit::Fit;
 use super::machine::Machine;
+use crate::data::command::asked;
 use crate::filter::dynamic::columns::Load;
 
 /// Hats over a variable, over a place, and over what a wheel is told.
@@ -60,8 +61,7 @@ impl Machine {
             let told = &self.runs[run].commands;
             let at = told.partition_point(|(from_s, _)| *from_s <= t_s);
             let command = told[at.saturating_sub(1)].1;
-            let asked =
-                crate::windows::simulate::asked(&command, body.wheel_radius_m, body.half_track_m);
+            let asked = asked(&command, body.wheel_radius_m, body.half_track_m);
             let unit = match command {
                 slipstream_sim::Command::Voltage { .. } => per_volt,
                 _ => 1.0,

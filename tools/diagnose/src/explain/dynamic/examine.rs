@@ -8,9 +8,12 @@ use super::machine::Machine;
 use super::selection::Selection;
 use super::{answer, pictures, prediction};
 use crate::answer::Figures;
+use crate::data::track::Sensor;
+use crate::diagnosis::Collected;
 use crate::diagnosis::Request;
-use crate::windows::bench::with;
-use crate::windows::{Collected, Course, bench, hypothesis};
+use crate::explain::links::Course;
+use crate::model::hypothesis::{self, with};
+use crate::predict::predictor::Predictor;
 
 /// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says
 /// little more, and every fit filters all of them.
@@ -44,12 +47,12 @@ pub(crate) fn examine(
 ) -> Result<Option<Figures>, InputError> {
     let name = &runs[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-    let bench = bench(request, runs)?;
-    let all = hypothesis::all(&bench.model, &bench.tracks, request.excluded);
-    let mut tracks = bench.tracks.clone();
+    let predictor = Predictor::new(request, runs)?;
+    let all = hypothesis::all(&predictor.model, &predictor.tracks, request.excluded);
+    let mut tracks = predictor.tracks.clone();
     let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
     tracks.iter_mut().for_each(|track| track.thin(most));
-    let machine = Machine::new(tracks, bench.model.clone(), request.excluded);
+    let machine = Machine::new(tracks, predictor.model.clone(), request.excluded);
     let mut selection = Selection {
         machine,
         all: &all,
@@ -66,13 +69,13 @@ pub(crate) fn examine(
     let answer = &mut collected.answer;
     answer
         .findings
-        .extend(answer::findings(&machine, &bench, &selected));
+        .extend(answer::findings(&machine, &selected));
     answer
         .held_out
-        .merge(&prediction::held_out(&machine, &bench, fit));
+        .merge(&prediction::held_out(&machine, &predictor, fit));
     answer
         .budget
-        .extend(prediction::budgets(&machine, &bench, fit));
+        .extend(prediction::budgets(&machine, &predictor, fit));
     let noisy = selected
         .unknown
         .as_ref()
@@ -90,12 +93,11 @@ pub(crate) fn examine(
     }
     collected.improved.push((name.clone(), improved));
     collected.courses.extend(course(&machine, fit));
-    Ok(illustrate.then(|| pictures::figures(&machine, &bench, &selected, &all)))
+    Ok(illustrate.then(|| pictures::figures(&machine, &predictor, &selected, &all)))
 }
 
 /// Where the robot was in its first run, by the filter; none without a pose.
 fn course(machine: &Machine, fit: &super::fit::Fit) -> Option<Course> {
-    use crate::windows::track::Sensor;
     let track = &machine.tracks[0];
     let deviation = track.of(Sensor::Pose)?.deviation;
     let mut points: Vec<(f64, [f64; 3])> = Vec::new();

@@ -14,8 +14,7 @@ use crate::filter::dynamic::flow::Flow;
 use crate::filter::dynamic::gains::Pass;
 use crate::filter::dynamic::linear::likelihood;
 use crate::filter::dynamic::predictor::innovations;
-use crate::windows::bench::with;
-use crate::windows::hypothesis::{Hypothesis, slides};
+use crate::model::hypothesis::{Hypothesis, come_round, slides, with};
 
 /// Longest step of the plant (s), and where wheels can slide or gears have play.
 const STEP_S: f64 = 5e-3;
@@ -72,7 +71,7 @@ pub(crate) fn valued(hypotheses: &[Hypothesis], values: &[f64]) -> Vec<Hypothesi
     let mut out = hypotheses.to_vec();
     for hypothesis in out.iter_mut().filter(|h| !h.is_threshold()) {
         for (own, value) in hypothesis.values.iter_mut().zip(&mut values) {
-            own.1 = *value;
+            own.1 = come_round(hypothesis.info, own.0, *value);
         }
         hypothesis.keep_in_order();
     }

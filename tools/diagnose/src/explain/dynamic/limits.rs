@@ -8,7 +8,7 @@ use super::fit::{Fit, least_change};
 use super::machine::Machine;
 use super::screen::beside;
 use crate::answer::{Limit, Seen};
-use crate::windows::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
+use crate::model::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
 
 /// Estimate over standard deviation from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;

@@ -8,7 +8,7 @@ use super::fit::{Fit, may_slide};
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
 use crate::filter::dynamic::impulse::{Impulse, impulses};
-use crate::windows::hypothesis::Hypothesis;
+use crate::model::hypothesis::Hypothesis;
 
 /// A push lasts this long (s); its first instant lies half of it before the middle.
 const PUSH_S: f64 = 0.06;

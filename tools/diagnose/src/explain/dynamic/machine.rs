@@ -4,9 +4,9 @@ use slipstream_bus::RobotModel;
 
 use super::channels::{NO_CHANNEL, first};
 use super::fit::Fit;
+use crate::data::track::{self, Track};
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
-use crate::windows::track::{self, Track};
 
 /// Standard deviation of the first pose (m, rad): nothing is known of where a robot begins.
 const START_POSE: [f64; 3] = [1.0, 1.0, 0.5];

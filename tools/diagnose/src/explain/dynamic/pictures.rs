@@ -5,11 +5,10 @@ use super::limits::limits;
 use super::machine::Machine;
 use super::selection::Selected;
 use crate::answer::{Figures, MissingForce, Paths, Point, Residuals};
-use crate::windows::bench::Bench;
-use crate::windows::hypothesis::Hypothesis;
-use crate::windows::score::predicted;
-use crate::windows::track::{CHANNEL_NAMES, CHANNELS, Sensor};
-use crate::windows::window::{WINDOW_S, cut};
+use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor};
+use crate::model::hypothesis::Hypothesis;
+use crate::predict::predictor::Predictor;
+use crate::predict::window::{WINDOW_S, cut};
 
 /// A gap between pieces of a line.
 const GAP: Point = (f64::NAN, f64::NAN);
@@ -25,15 +24,15 @@ struct Predicted {
 /// The figures of one machine.
 pub(crate) fn figures(
     machine: &Machine,
-    bench: &Bench,
+    predictor: &Predictor,
     selected: &Selected,
     all: &[Hypothesis],
 ) -> Figures {
     let (mut residuals, mut forces, mut paths) = (Vec::new(), Vec::new(), Vec::new());
     let found = !selected.fit.hypotheses.is_empty();
     for run in 0..machine.runs.len() {
-        let before = of_run(bench, run, &[]);
-        let after = found.then(|| of_run(bench, run, &selected.fit.hypotheses));
+        let before = of_run(predictor, run, &[]);
+        let after = found.then(|| of_run(predictor, run, &selected.fit.hypotheses));
         for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
             let own = &before.residuals[channel];
             if own.iter().any(|(_, r)| r.is_finite()) {
@@ -93,16 +92,20 @@ fn missing(machine: &Machine, fit: &Fit, run: usize) -> [Vec<Point>; 2] {
     lines
 }
 
-fn of_run(bench: &Bench, run: usize, hypotheses: &[Hypothesis]) -> Predicted {
-    let track = &bench.tracks[run];
+fn of_run(predictor: &Predictor, run: usize, hypotheses: &[Hypothesis]) -> Predicted {
+    let simulated = predictor.simulated(hypotheses);
+    let track = &predictor.tracks[run];
     let mut out = Predicted {
         residuals: vec![Vec::new(); CHANNELS],
         seen: Vec::new(),
         path: Vec::new(),
     };
     let pose = track.series.iter().position(|s| s.sensor == Sensor::Pose);
-    for window in cut(track, run, WINDOW_S, &[]) {
-        let Some((residuals, _)) = predicted(bench, &window, hypotheses) else {
+    for window in cut(track, run, WINDOW_S) {
+        let predicted = simulated
+            .as_ref()
+            .and_then(|simulated| predictor.predicted(simulated, &window));
+        let Some((residuals, _)) = predicted else {
             continue;
         };
         let rows = window.channels.iter().zip(&window.stamps_s).zip(&residuals);

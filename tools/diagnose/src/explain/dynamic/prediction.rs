@@ -7,11 +7,10 @@ use super::fit::{Fit, valued, values};
 use super::machine::Machine;
 use crate::answer::{Budget, HeldOut};
 use crate::explain::budget::budget;
-use crate::windows::bench::Bench;
-use crate::windows::hypothesis::Hypothesis;
-use crate::windows::misfit::Misfit;
-use crate::windows::score::prediction;
-use crate::windows::window::Window;
+use crate::model::hypothesis::Hypothesis;
+use crate::predict::misfit::Misfit;
+use crate::predict::predictor::Predictor;
+use crate::predict::window::Window;
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 2;
@@ -22,18 +21,18 @@ const BUDGET_WINDOWS: usize = 12;
 const PLAYERS: usize = 5;
 
 /// Predictions before and after; each window is predicted by effects that were fitted without it.
-pub(crate) fn held_out(machine: &Machine, bench: &Bench, fit: &Fit) -> HeldOut {
-    let windows = &bench.windows;
-    let before = prediction(bench, windows, &[]);
+pub(crate) fn held_out(machine: &Machine, predictor: &Predictor, fit: &Fit) -> HeldOut {
+    let windows = &predictor.windows;
+    let before = predictor.misfit(windows, &[]);
     let after = if fit.hypotheses.is_empty() {
-        prediction(bench, windows, &[])
+        predictor.misfit(windows, &[])
     } else {
         let folds = (0..FOLDS).into_par_iter().map(|fold| {
             let own: Vec<Window> = windows.iter().skip(fold).step_by(FOLDS).cloned().collect();
             let learnt = machine
                 .fitted_outside(fit, &own)
                 .unwrap_or_else(|| fit.hypotheses.clone());
-            prediction(bench, &own, &learnt)
+            predictor.misfit(&own, &learnt)
         });
         let folds: Vec<Misfit> = folds.collect();
         folds
@@ -41,7 +40,7 @@ pub(crate) fn held_out(machine: &Machine, bench: &Bench, fit: &Fit) -> HeldOut {
             .fold(Misfit::default(), |sum, own| sum.and(own))
     };
     let mut held_out = HeldOut::default();
-    held_out.add(bench, &before, &after);
+    held_out.add(predictor, &before, &after);
     held_out
 }
 
@@ -71,12 +70,12 @@ impl Machine {
 }
 
 /// Where the error of predictions went, in metres and radians.
-pub(crate) fn budgets(machine: &Machine, bench: &Bench, fit: &Fit) -> Vec<Budget> {
+pub(crate) fn budgets(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Vec<Budget> {
     if fit.hypotheses.is_empty() {
         return Vec::new();
     }
-    let stride = bench.windows.len().div_ceil(BUDGET_WINDOWS).max(1);
-    let windows: Vec<Window> = bench.windows.iter().step_by(stride).cloned().collect();
+    let stride = predictor.windows.len().div_ceil(BUDGET_WINDOWS).max(1);
+    let windows: Vec<Window> = predictor.windows.iter().step_by(stride).cloned().collect();
     let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
     names.sort_unstable();
     names.dedup();
@@ -87,17 +86,17 @@ pub(crate) fn budgets(machine: &Machine, bench: &Bench, fit: &Fit) -> Vec<Budget
             None => true,
         };
         let own: Vec<Hypothesis> = fit.hypotheses.iter().filter(has).cloned().collect();
-        prediction(bench, &windows, &own)
+        predictor.misfit(&windows, &own)
     });
     let worth: Vec<Misfit> = subsets.collect();
-    let deviation = |channel: usize| bench.deviation(channel);
+    let deviation = |channel: usize| predictor.deviation(channel);
     let mean = |misfit: &Misfit, channels: &[usize]| -> f64 {
         let each = channels
             .iter()
             .map(|c| misfit.mean_square(*c) * deviation(*c).powi(2));
         each.sum()
     };
-    let has = |channel: usize| worth.first().is_some_and(|w| w.counts[channel] > 0.0);
+    let has = |channel: usize| worth.first().is_some_and(|w| w.has(channel));
     let of = |unit: &'static str, channels: &[usize]| {
         if !channels.iter().all(|c| has(*c)) {
             return None;

@@ -5,7 +5,7 @@ use slipstream_sim::effects::Domain;
 
 use super::fit::{Fit, may_slide, values};
 use super::machine::Machine;
-use crate::windows::hypothesis::{Hypothesis, is_limit, kinds, slides};
+use crate::model::hypothesis::{Hypothesis, is_limit, kinds, slides};
 
 /// Gain (−2 ln L) at fixed gains below which slip is not looked at with gains of its own.
 const SLIP_GAIN: f64 = 6.0;

@@ -10,8 +10,8 @@ use super::machine::Machine;
 use super::precision::Known;
 use super::screen::beside;
 use super::unknown::Unknown;
+use crate::model::hypothesis::{Hypothesis, KINETIC, is_where, kinds};
 use crate::select::criterion::{Criterion, TIE_NATS};
-use crate::windows::hypothesis::{Hypothesis, KINETIC, is_where, kinds};
 
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::fit::Fit;
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
-use crate::windows::hypothesis::{Hypothesis, all_sizes, threshold};
+use crate::model::hypothesis::{Hypothesis, all_sizes, threshold};
 
 /// Thresholds that are tried first, and the largest share of all commanded sizes that one swallows.
 const TRIED: usize = 80;

@@ -187,7 +187,7 @@ mod tests {
 
     use super::impulses;
     use crate::explain::dynamic::machine::Machine;
-    use crate::windows::fixture;
+    use crate::predict::fixture;
 
     #[test]
     fn a_push_is_seen_where_and_as_large_as_it_was() {

@@ -87,7 +87,7 @@ mod tests {
     use crate::explain::dynamic::machine::Machine;
     use crate::filter::dynamic::Noise;
     use crate::filter::dynamic::linear::likelihood;
-    use crate::windows::fixture;
+    use crate::predict::fixture;
 
     fn noise(surge: f64, yaw: f64, time_s: f64) -> Noise {
         Noise {

@@ -5,9 +5,6 @@ use slipstream_recording::Recording;
 use slipstream_sim::effects::find;
 
 use crate::answer::{Answer, Evidence, Finding, HeldOutChannel, ParameterEstimate, Place};
-use crate::windows::bench::{Bench, Node};
-use crate::windows::misfit::inefficiency;
-use crate::windows::track::{Driver, Sensor};
 
 /// Gain (nats) that a delay has to bring.
 const PAY: f64 = 15.0;
@@ -35,35 +32,6 @@ impl Course {
             points,
             deviation,
         }
-    }
-
-    /// The course of a robot whose pose is known.
-    pub(crate) fn new(bench: &Bench, node: &Node) -> Option<Self> {
-        let track = &bench.tracks[0];
-        let deviation = track.of(Sensor::Pose)?.deviation;
-        if track.driver == Driver::Wheels {
-            return None;
-        }
-        let points = bench.posed(&node.hypotheses, &bench.windows, |problem, values| {
-            let robots = problem.robots(values).ok()?;
-            let mut points = Vec::new();
-            let windows = bench.windows.iter().zip(&node.fit.starts);
-            for (window, start) in windows.filter(|(window, _)| window.run == 0) {
-                problem
-                    .simulation(window, &robots)
-                    .watched(start, |t_s, state| {
-                        if t_s <= window.to_s && points.last().is_none_or(|(last, _)| *last < t_s) {
-                            points.push((t_s, state.pose()));
-                        }
-                    });
-            }
-            Some(points)
-        })?;
-        Some(Self {
-            robot: track.robot.clone(),
-            points,
-            deviation,
-        })
     }
 
     fn at(&self, t_s: f64) -> Option<[f64; 3]> {
@@ -286,4 +254,31 @@ fn delay_of(spec: &EffectSpec) -> Option<f64> {
             slipstream_bus::Parameter::Number(number) if name == "delay_s" => Some(*number),
             _ => None,
         })
+}
+
+/// 1 + 2 Σ of the autocorrelation over all series up to where it is gone.
+fn inefficiency(series: &[Vec<f64>]) -> f64 {
+    const LONGEST: usize = 120;
+    let covariance = |lag: usize| -> f64 {
+        let sums = series.iter().map(|s| {
+            s.iter()
+                .zip(s.iter().skip(lag))
+                .map(|(a, b)| a * b)
+                .sum::<f64>()
+        });
+        sums.sum()
+    };
+    let own = covariance(0);
+    if own <= 0.0 {
+        return 1.0;
+    }
+    let mut sum = 1.0;
+    for lag in 1..LONGEST {
+        let correlation = covariance(lag) / own;
+        if correlation < 0.05 {
+            break;
+        }
+        sum += 2.0 * correlation;
+    }
+    sum
 }

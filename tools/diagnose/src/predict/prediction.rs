@@ -2,14 +2,13 @@
 
 use rayon::prelude::*;
 
-use crate::windows::score;
-use crate::windows::track::{Sensor, Track};
-use crate::windows::window::{WINDOW_S, Window, cut};
+use crate::data::track::{Sensor, Track};
+use crate::predict::predictor::Predictor;
+use crate::predict::window::{WINDOW_S, Window, cut};
 use slipstream_bus::InputError;
 
 use crate::answer::Point;
 use crate::diagnosis::Request;
-use crate::windows::bench;
 
 /// How one robot of one recording is predicted over windows of 5 s: the start of each is fitted to
 /// its first half second, the rest is simulated from what drove the robot. The model is taken as it
@@ -55,12 +54,14 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
     let mut predictions = Vec::new();
     for recording in request.recordings {
         for robot in &recording.robots {
-            let bench = bench(request, &[(recording, robot)])?;
-            let windows = cut(&bench.tracks[0], 0, WINDOW_S, &[]);
+            let predictor = Predictor::new(request, &[(recording, robot)])?;
+            let track = &predictor.tracks[0];
+            let simulated = predictor.simulated(&[]);
+            let windows = cut(track, 0, WINDOW_S);
             let pieces = windows.par_iter().filter_map(|window| {
-                let (residuals, fitted_s) = score::predicted(&bench, window, &[])?;
+                let (residuals, fitted_s) = predictor.predicted(simulated.as_ref()?, window)?;
                 let from_s = window.from_s + fitted_s;
-                Some(piece(&bench.tracks[0], window, &residuals, from_s))
+                Some(piece(track, window, &residuals, from_s))
             });
             let pieces: Vec<Piece> = pieces.collect();
             predictions.push(Prediction::new(&recording.name, &robot.name, &pieces));

@@ -4,11 +4,11 @@
 use slipstream_bus::Body;
 use slipstream_sim::{Command, CommandKind};
 
-use crate::windows::track::{Sensor, Series, Track, geometry};
+use crate::data::track::{Sensor, Series, Track, geometry};
 
 /// Length of a window (s).
 pub(crate) const WINDOW_S: f64 = 5.0;
-/// Windows that are fitted of a long recording.
+/// Windows that are predicted of a long recording.
 const MOST: usize = 24;
 /// How far a window's end may be moved to where the robot rolls gently (s).
 const SEARCH_S: f64 = 1.2;
@@ -16,17 +16,11 @@ const SEARCH_S: f64 = 1.2;
 /// A slide that a torque began is over this long after it (s).
 const SLIDE_S: f64 = 0.35;
 
-/// No window begins closer than this to a known slide (s).
-pub(crate) const AFTER_S: f64 = 0.02;
-
 /// An encoder that reads the same for so long (s) was looked at while its wheel rests.
 const RESTS_S: f64 = 0.2;
 
 /// Unknowns of a window's start: pose (3), surge and yaw rate, angles of both wheels.
 pub(crate) const LOCALS: usize = 7;
-
-/// How long each of the forces acts that a window may hold (s).
-pub(crate) const PULSE_S: f64 = 0.05;
 
 /// One window: what was told and measured in it.
 #[derive(Debug, Clone)]
@@ -49,16 +43,11 @@ pub(crate) struct Window {
     pub(crate) rests: Vec<Vec<usize>>,
     /// Which unknowns of the start there are.
     pub(crate) free: [bool; LOCALS],
-    /// Force along the body (N) and moment about the vertical (N m) that act beside those of the
-    /// effects, for one pulse each from the start on; none beyond.
-    pub(crate) forces: Vec<[f64; 2]>,
 }
 
 /// Cuts `track`, the `run`th, into windows of about `length_s` that start where little drives the
-/// robot.
-///
-/// Nothing is simulated over times that are left out; no window begins in one of the times `avoided` (s): what slides there is not known.
-pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]) -> Vec<Window> {
+/// robot. Nothing is simulated over times that are left out.
+pub(crate) fn cut(track: &Track, run: usize, length_s: f64) -> Vec<Window> {
     let mut windows = Vec::new();
     for [begin, end] in track.stretches_s() {
         let mut from_s = begin;
@@ -67,7 +56,7 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
             let to_s = if wanted + 0.3 * length_s > end {
                 end
             } else {
-                gentle(track, [from_s, end], wanted, avoided)
+                gentle(track, wanted)
             };
             windows.push(Window::new(track, run, from_s, to_s));
             from_s = to_s;
@@ -77,16 +66,11 @@ pub(crate) fn cut(track: &Track, run: usize, length_s: f64, avoided: &[[f64; 2]]
     windows
 }
 
-/// All runs cut into windows of 5 s that begin in none of the times `avoided` (s).
-pub(crate) fn cut_all(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
+/// All runs cut into windows of 5 s; of very long recordings some of them.
+pub(crate) fn cut_some(tracks: &[Track]) -> Vec<Window> {
     let runs = tracks.iter().enumerate();
-    runs.flat_map(|(run, track)| cut(track, run, WINDOW_S, avoided))
-        .collect()
-}
-
-/// As many of all windows as are fitted.
-pub(crate) fn cut_fitted(tracks: &[Track], avoided: &[[f64; 2]]) -> Vec<Window> {
-    spread(cut_all(tracks, avoided), MOST)
+    let all = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S));
+    spread(all.collect(), MOST)
 }
 
 /// At most `most` of all windows, from begin to end.
@@ -100,28 +84,10 @@ fn spread(windows: Vec<Window>, most: usize) -> Vec<Window> {
 }
 
 /// The instant near `wanted_s` at which a command begins, both wheels turn, and the least has been
-/// asked of them for a while; where all that is near is to be avoided the nearest that is not, or
-/// else the end of the stretch.
-fn gentle(track: &Track, [from_s, end_s]: [f64; 2], wanted_s: f64, avoided: &[[f64; 2]]) -> f64 {
-    let slides = |t_s: f64| {
-        let mut avoided = avoided.iter();
-        avoided.any(|[from, to]| (from - AFTER_S..=to + AFTER_S).contains(&t_s))
-    };
-    let commands = || track.commands.iter().map(|(t_s, _)| *t_s);
+/// asked of them for a while.
+fn gentle(track: &Track, wanted_s: f64) -> f64 {
+    let commands = track.commands.iter().map(|(t_s, _)| *t_s);
     let near = |t_s: &f64| (t_s - wanted_s).abs() <= SEARCH_S;
-    if commands().filter(near).all(slides) {
-        // commands may be far apart where nothing slides
-        let until_s = if slides(wanted_s) {
-            end_s
-        } else {
-            end_s.min(2.0 * wanted_s - from_s)
-        };
-        let rest = commands().filter(|t_s| (from_s + 1.0..until_s).contains(t_s));
-        let away = |t_s: &f64| (t_s - wanted_s).abs();
-        let rolls = rest.filter(|t_s| !slides(*t_s));
-        let nearest = rolls.min_by(|a, b| away(a).total_cmp(&away(b)));
-        return nearest.unwrap_or(if slides(wanted_s) { end_s } else { wanted_s });
-    }
     let wheels = track.of(Sensor::WheelAngle);
     let cost = |t_s: f64| {
         let [first, end] = range(&track.commands, t_s - SLIDE_S, t_s + 0.05);
@@ -129,11 +95,11 @@ fn gentle(track: &Track, [from_s, end_s]: [f64; 2], wanted_s: f64, avoided: &[[f
         let asked = asked.map(|(_, command)| size(command)).fold(0.0, f64::max);
         let speeds = wheels.map_or([1.0; 2], |wheels| speeds(wheels, t_s));
         let stands = speeds.iter().any(|speed| speed.abs() < 0.4);
-        (slides(t_s), stands, asked + (t_s - wanted_s).abs() * 1e-4)
+        (stands, asked + (t_s - wanted_s).abs() * 1e-4)
     };
-    let best = commands().filter(near).min_by(|a_s, b_s| {
+    let best = commands.filter(near).min_by(|a_s, b_s| {
         let (a, b) = (cost(*a_s), cost(*b_s));
-        (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2))
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     best.unwrap_or(wanted_s)
 }
@@ -213,7 +179,6 @@ impl Window {
             stamps_s,
             rests,
             free: [true; LOCALS],
-            forces: Vec::new(),
         };
         window.free = window.unknowns(track);
         window
@@ -324,8 +289,8 @@ mod tests {
     use slipstream_bus::RobotModel;
 
     use super::*;
-    use crate::windows::fixture;
-    use crate::windows::misfit::Misfit;
+    use crate::predict::fixture;
+    use crate::predict::misfit::Misfit;
 
     fn track(length_s: f64) -> Track {
         fixture::driven(&RobotModel::default(), length_s, fixture::gentle)
@@ -338,7 +303,7 @@ mod tests {
     #[test]
     fn windows_follow_each_other_without_overlap() {
         let track = track(31.0);
-        let windows = cut(&track, 0, WINDOW_S, &[]);
+        let windows = cut(&track, 0, WINDOW_S);
         let [begin, end] = track.span_s();
         assert_eq!(windows[0].from_s, begin);
         assert_eq!(windows.last().unwrap().to_s, end);
@@ -354,29 +319,16 @@ mod tests {
     }
 
     #[test]
-    fn no_window_begins_where_it_must_not() {
-        let track = track(31.0);
-        let free = begins(&cut(&track, 0, WINDOW_S, &[]));
-        let avoided: Vec<[f64; 2]> = free[1..].iter().map(|t| [t - 0.2, t + 0.2]).collect();
-        let led = begins(&cut(&track, 0, WINDOW_S, &avoided));
-        assert!(led.len() > 3);
-        for t_s in &led[1..] {
-            let inside = |[from, to]: &[f64; 2]| (from - AFTER_S..to + AFTER_S).contains(t_s);
-            assert!(!avoided.iter().any(inside), "{t_s} in {avoided:?}");
-        }
-    }
-
-    #[test]
     fn a_short_recording_is_one_window_or_none() {
         for (length_s, count) in [(0.9, 0), (1.5, 1), (6.0, 1), (8.0, 2)] {
-            let windows = cut(&track(length_s), 0, WINDOW_S, &[]);
+            let windows = cut(&track(length_s), 0, WINDOW_S);
             assert_eq!(windows.len(), count, "{length_s} s");
         }
     }
 
     #[test]
     fn of_too_many_windows_the_first_and_the_last_stay() {
-        let windows = cut(&track(31.0), 0, WINDOW_S, &[]);
+        let windows = cut(&track(31.0), 0, WINDOW_S);
         let all = begins(&windows);
         assert_eq!(begins(&spread(windows.clone(), 100)), all);
         let few = begins(&spread(windows, 3));
@@ -388,19 +340,19 @@ mod tests {
     fn what_rests_has_no_speed_to_fit() {
         let still = fixture::driven(&RobotModel::default(), 5.0, |_| [0.0; 2]);
         let [pose, angle] = [true; 2];
-        let windows = cut(&still, 0, WINDOW_S, &[]);
+        let windows = cut(&still, 0, WINDOW_S);
         assert_eq!(
             windows[0].free,
             [pose, pose, pose, false, false, angle, angle]
         );
-        let moving = cut(&track(12.0), 0, WINDOW_S, &[]);
+        let moving = cut(&track(12.0), 0, WINDOW_S);
         assert_eq!(moving[1].free, [true; LOCALS]);
     }
 
     #[test]
     fn a_wheel_at_rest_is_measured_once() {
         let still = fixture::driven(&RobotModel::default(), 3.0, |_| [0.0; 2]);
-        let windows = cut(&still, 0, WINDOW_S, &[]);
+        let windows = cut(&still, 0, WINDOW_S);
         let [right, left] = &windows[0].rests[..] else {
             panic!("two wheels, {} rests", windows[0].rests.len());
         };
@@ -413,8 +365,10 @@ mod tests {
         windows[0].share(&mut residuals);
         let squares: f64 = right.iter().map(|i| residuals[*i].powi(2)).sum();
         assert!((squares - 1.7 * 1.7).abs() < 1e-12);
-        let misfit = Misfit::new(&windows, &[residuals]);
-        assert_eq!([misfit.counts[0], misfit.counts[1]], [1.0, 0.0]);
+        let misfit = Misfit::new(&windows[0], &residuals);
+        // one reading of the right wheel, none of the left one
+        assert!((misfit.mean_square(0) - 1.7 * 1.7).abs() < 1e-12);
+        assert!(!misfit.has(1));
     }
 
     #[test]
@@ -428,7 +382,7 @@ mod tests {
 
     #[test]
     fn wheels_that_turn_are_measured_with_each_reading() {
-        let windows = cut(&track(12.0), 0, WINDOW_S, &[]);
+        let windows = cut(&track(12.0), 0, WINDOW_S);
         assert!(windows[1].rests.is_empty());
     }
 }

@@ -1,13 +1,11 @@
 //! What the tests of several modules begin from: tracks without noise, made by the plant itself.
 
-use std::sync::Arc;
-
 use slipstream_bus::RobotModel;
 use slipstream_sim::{Command, Robot, State};
 
-use crate::windows::bench::Bench;
-use crate::windows::track::{Driver, Sensor, Series, Track};
-use crate::windows::window::{LOCALS, WINDOW_S, Window, cut};
+use crate::data::track::{Driver, Sensor, Series, Track};
+use crate::predict::predictor::Predictor;
+use crate::predict::window::{LOCALS, WINDOW_S, Window, cut};
 
 /// How long each command holds, and between two rows of every sensor (s).
 pub(crate) const HOLD_S: f64 = 0.02;
@@ -17,7 +15,6 @@ pub(crate) fn series(sensor: Sensor, rows: Vec<(f64, [f64; 3])>, deviation: f64)
         sensor,
         rows,
         deviation: [deviation; 3],
-        declared: true,
     }
 }
 
@@ -64,14 +61,12 @@ pub(crate) fn gentle(t_s: f64) -> [f64; 2] {
     ]
 }
 
-pub(crate) fn bench(track: Track, model: RobotModel) -> Bench {
-    let windows = cut(&track, 0, WINDOW_S, &[]);
-    Bench {
+pub(crate) fn predictor(track: Track, model: RobotModel) -> Predictor {
+    let windows = cut(&track, 0, WINDOW_S);
+    Predictor {
         tracks: vec![track],
         windows,
         model,
-        law: None,
-        work: Arc::default(),
     }
 }
 
@@ -88,15 +83,5 @@ pub(crate) fn window(channels: Vec<u8>) -> Window {
         channels,
         free: [true; LOCALS],
         rests: Vec::new(),
-        forces: Vec::new(),
-    }
-}
-
-/// Numbers without a pattern between -1 and 1.
-pub(crate) fn numbers(seed: u32) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(state >> 8) / f64::from(1 << 23) - 1.0
     }
 }

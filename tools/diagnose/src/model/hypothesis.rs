@@ -9,12 +9,8 @@ use slipstream_sim::effects::{
 };
 use slipstream_sim::{CommandKind, Stream};
 
-use crate::windows::simulate::asked;
-use crate::windows::track::{Driver, Sensor, Series, Track};
-
-/// Latencies below it (s) are none: half a step of the finest simulators of fixed steps, by which events
-/// differ between them.
-const INSTANT_S: f64 = 5e-5;
+use crate::data::command::asked;
+use crate::data::track::{Sensor, Series, Track};
 
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
@@ -26,8 +22,6 @@ pub(crate) struct Hypothesis {
     pub(crate) text: Option<(&'static str, &'static str)>,
     /// The model's own effect that this one stands for with other numbers.
     pub(crate) replaces: Option<usize>,
-    /// The track to which it belongs alone.
-    pub(crate) only: Option<usize>,
 }
 
 impl Hypothesis {
@@ -37,7 +31,6 @@ impl Hypothesis {
             values,
             text: None,
             replaces: None,
-            only: None,
         }
     }
 
@@ -73,29 +66,6 @@ impl Hypothesis {
                 Parameter::Number(number) if known == name => Some(*number),
                 _ => None,
             })
-    }
-
-    /// Whether a value lies at the end of what is plausible: the fit wanted something else.
-    pub(crate) fn is_at_bound(&self) -> bool {
-        self.values.iter().any(|(name, value)| {
-            let own = self.info.parameter(name);
-            match own.map(|p| p.domain) {
-                Some(Domain::Number { lower, upper, .. }) => {
-                    let near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs();
-                    (lower != 0.0 && near(lower)) || near(upper)
-                }
-                _ => false,
-            }
-        })
-    }
-
-    /// Whether it is a latency of next to nothing.
-    pub(crate) fn is_instant(&self) -> bool {
-        let lasts = |name: &str| self.info.parameter(name).is_some_and(|p| p.unit == "s");
-        let latency = |name: &str| lasts(name) && !is_where(self.info, name);
-        let mut values = self.values.iter();
-        self.replaces.is_none()
-            && values.any(|(name, value)| latency(name) && value.abs() < INSTANT_S)
     }
 
     /// Static friction is not below kinetic friction.
@@ -160,6 +130,18 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
     } else {
         value
     }
+}
+
+/// The nominal model with `hypotheses`, in place of its own effects where they say so.
+pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel {
+    let mut better = model.clone();
+    for hypothesis in hypotheses {
+        match hypothesis.replaces {
+            Some(at) => better.effects[at] = hypothesis.spec(),
+            None => better.effects.push(hypothesis.spec()),
+        }
+    }
+    better
 }
 
 /// Whether an effect does less the larger it is, and nothing at all from some size on.
@@ -273,18 +255,6 @@ pub(crate) fn kinds<'a>(all: impl IntoIterator<Item = &'a Hypothesis>) -> Vec<Ve
 /// Whether a track has the sensors and the drive in which an effect shows.
 fn shows(info: &Info, track: &Track) -> bool {
     let has = |sensor| track.of(sensor).is_some();
-    if track.driver == Driver::Wheels {
-        // the wheels' own motion is the input: of what acts before it their size alone can show
-        let seen = match info.site {
-            ModelSite::Command | ModelSite::Link => false,
-            ModelSite::DriveTrain => info.kinematic,
-            ModelSite::Contact | ModelSite::Body => true,
-            ModelSite::Sensor => info.channels != [Channel::SensorWheels],
-        };
-        if !seen {
-            return false;
-        }
-    }
     let wheels = has(Sensor::WheelAngle) || has(Sensor::WheelSpeed) || has(Sensor::Odometry);
     info.channels.iter().any(|channel| match channel {
         Channel::SensorPose => has(Sensor::Pose),
@@ -344,7 +314,6 @@ fn listed(model: &RobotModel, excluded: &[String]) -> Vec<Hypothesis> {
                 values: numbers.collect(),
                 text,
                 replaces: Some(i),
-                only: None,
             }
         })
         .filter(|h| !h.values.is_empty())
@@ -386,12 +355,6 @@ fn of(info: &'static Info, track: &Track, model: &RobotModel) -> Vec<Hypothesis>
             })
         })
         .collect()
-}
-
-/// The smallest size among a parameter's probes, if it has any.
-pub(crate) fn least_probe(info: &Info, name: &str) -> Option<f64> {
-    let sizes = probes(info.parameter(name)?).iter().map(|p| p.abs());
-    sizes.filter(|p| *p > 0.0).min_by(f64::total_cmp)
 }
 
 fn probes(p: &ParameterInfo) -> &'static [f64] {
@@ -523,27 +486,4 @@ pub(crate) fn all_sizes(track: &Track, model: &RobotModel) -> Vec<f64> {
     sizes.sort_by(f64::total_cmp);
     sizes.dedup();
     sizes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_delay_below_what_simulators_differ_by_is_none() {
-        let delay =
-            |delay_s| Hypothesis::new(find("actuator_delay").unwrap(), vec![("delay_s", delay_s)]);
-        assert!(delay(8.6e-6).is_instant());
-        assert!(!delay(1e-4).is_instant());
-        let push = Hypothesis::new(
-            find("push").unwrap(),
-            vec![("t_s", 0.0), ("impulse_n_s", 0.1)],
-        );
-        assert!(!push.is_instant());
-        let listed = Hypothesis {
-            replaces: Some(0),
-            ..delay(0.0)
-        };
-        assert!(!listed.is_instant());
-    }
 }

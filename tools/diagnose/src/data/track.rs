@@ -9,8 +9,8 @@ use slipstream_recording::recording::{
 };
 use slipstream_sim::{Command, CommandKind, Stream};
 
-use crate::windows::InputError;
-use crate::windows::noise;
+use crate::data::noise;
+use slipstream_bus::InputError;
 
 /// Standard deviation of a rounding to whole counts (counts).
 pub(crate) const ROUNDING: f64 = 0.288_675_134_594_812_9;
@@ -79,8 +79,6 @@ pub(crate) struct Series {
     /// Stamp (s) and values.
     pub(crate) rows: Vec<(f64, [f64; 3])>,
     pub(crate) deviation: [f64; 3],
-    /// The deviation was declared, or is that of a rounding; otherwise the rows themselves gave it.
-    pub(crate) declared: bool,
 }
 
 /// What the simulation is driven by.
@@ -364,7 +362,6 @@ fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
         sensor,
         rows,
         deviation: [deviation[0], deviation[1], 1.0],
-        declared: one.is_some(),
     })
 }
 
@@ -433,7 +430,6 @@ fn poses(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Pose,
         rows,
         deviation: [pose_m, pose_m, pose_rad],
-        declared: noise.pose_m.is_some(),
     })
 }
 
@@ -458,7 +454,6 @@ fn odometry(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Odometry,
         rows,
         deviation: [v, w, 1.0],
-        declared: noise.odometry_m_s.is_some(),
     })
 }
 
@@ -487,7 +482,6 @@ fn imu(robot: &Recorded) -> Option<Series> {
     Some(Series {
         sensor: Sensor::Imu,
         deviation: [along(0), along(1), turn],
-        declared: noise.imu_rad_s.is_some(),
         rows,
     })
 }
@@ -497,7 +491,7 @@ mod tests {
     use slipstream_recording::recording::Pose;
 
     use super::*;
-    use crate::windows::fixture;
+    use crate::predict::fixture;
 
     /// Between rows 20 ms apart the plant drives arcs that the sums take for chords.
     #[test]
@@ -622,6 +616,5 @@ mod tests {
         assert!((wheels.rows[1].1[0] - 50.5 * tick).abs() < 1e-12);
         // of what is even over a count, the root mean square is a twelfth's root of it
         assert!((wheels.deviation[0] - tick / 12_f64.sqrt()).abs() < 1e-12);
-        assert!(wheels.declared);
     }
 }

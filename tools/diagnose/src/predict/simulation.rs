@@ -1,11 +1,9 @@
 //! One window simulated from its start, and compared with everything measured in it.
 
-use slipstream_sim::{Command, CommandKind, Robot, State};
+use slipstream_sim::{CommandKind, Robot, State};
 
-use crate::windows::law::{HELD_S, Law};
-use crate::windows::track::{Sensor, Track};
-use crate::windows::window::{LOCALS, PULSE_S, Window};
-use crate::windows::work::Work;
+use crate::data::track::{Sensor, Track};
+use crate::predict::window::{LOCALS, Window};
 
 /// Commands before the window that the drive train may still feel (s).
 const MEMORY_S: f64 = 2.0;
@@ -30,9 +28,6 @@ pub(crate) struct Simulation<'a> {
     pub(crate) robot: &'a Robot,
     /// Longest step (s).
     pub(crate) step_s: f64,
-    /// A force outside of the catalogue.
-    pub(crate) law: Option<&'a Law>,
-    pub(crate) work: &'a Work,
 }
 
 /// An instant of a simulation, without derivatives.
@@ -71,75 +66,43 @@ impl Knot {
     }
 }
 
-/// Where a simulation can be taken up again.
-#[derive(Clone)]
-pub(crate) struct Bookmark {
-    pub(crate) t_s: f64,
-    state: State,
-}
-
-impl Bookmark {
-    /// Where the robot is.
-    pub(crate) fn pose(&self) -> [f64; 3] {
-        self.state.pose()
-    }
-
-    /// Where it heads `after_s` later (rad).
-    pub(crate) fn heading(&self, after_s: f64) -> f64 {
-        self.state.pose()[2] + self.state.velocity()[2] * after_s
-    }
-}
-
-/// A force from outside while a simulation runs: along, across, about, at the right and at the left
-/// wheel, and until when.
-#[derive(Clone, Copy)]
-pub(crate) struct Pulse {
-    pub(crate) load: [f64; 5],
-    pub(crate) to_s: f64,
-}
-
 impl Simulation<'_> {
-    /// Residuals from `start`, in standard deviations, as a fit weighs them. NaN where nothing was
-    /// measured or the window does not reach.
+    /// Simulated minus measured from `start`, in standard deviations. NaN where nothing was measured or
+    /// the window does not reach.
     pub(crate) fn residuals(&self, start: &[f64; LOCALS]) -> Vec<f64> {
-        let mut residuals = self.watched(start, |_, _| ());
+        let mut seen = Seen::new(self, [start[5], start[6]]);
+        let mut state = self.begin(start);
+        let told = &self.track.commands;
+        let mut before = Knot::new(self.robot, &state);
+        let mut now_s = self.window.from_s;
+        let mut at = self.window.commands[0];
+        let end_s = self.window.to_s + BEYOND_S;
+        while now_s < end_s && !seen.is_done() {
+            while told
+                .get(at + 1)
+                .is_some_and(|(t_s, _)| *t_s <= now_s + 1e-9)
+            {
+                at += 1;
+            }
+            let command = told[at].1;
+            let until_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
+            let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
+            let step_s = (until_s - now_s) / steps;
+            let from_s = now_s;
+            for k in 0..steps as u32 {
+                let t_s = from_s + f64::from(k) * step_s;
+                self.robot.step(&mut state, t_s, step_s, &command);
+                let after = Knot::new(self.robot, &state);
+                if seen.due_s <= t_s + step_s {
+                    seen.between([t_s, step_s], &before, &after, &state);
+                }
+                before = after;
+            }
+            now_s = until_s;
+        }
+        let mut residuals = seen.residuals;
         self.window.share(&mut residuals);
         residuals
-    }
-
-    /// Simulated minus measured, in standard deviations; `watch` sees the state after every step.
-    pub(crate) fn watched(
-        &self,
-        start: &[f64; LOCALS],
-        watch: impl FnMut(f64, &State),
-    ) -> Vec<f64> {
-        let bookmark = Bookmark {
-            t_s: self.window.from_s,
-            state: self.begin(start),
-        };
-        self.resumed(start, &bookmark, None, watch)
-    }
-
-    /// The states at the start and then every `every_s`; simulated minus measured.
-    pub(crate) fn bookmarks(
-        &self,
-        start: &[f64; LOCALS],
-        every_s: f64,
-    ) -> (Vec<Bookmark>, Vec<f64>) {
-        let mut marks = vec![Bookmark {
-            t_s: self.window.from_s,
-            state: self.begin(start),
-        }];
-        let missed = self.watched(start, |t_s, state| {
-            let due = self.window.from_s + every_s * marks.len() as f64;
-            if t_s >= due - 1e-9 && t_s < self.window.to_s - 1e-9 {
-                marks.push(Bookmark {
-                    t_s,
-                    state: state.clone(),
-                });
-            }
-        });
-        (marks, missed)
     }
 
     fn begin(&self, start: &[f64; LOCALS]) -> State {
@@ -160,88 +123,6 @@ impl Simulation<'_> {
         }
         state
     }
-
-    /// What acts at `now_s` beside the effects, and until when (s). `law` is the force that a law makes
-    /// of the moment.
-    fn load(
-        &self,
-        now_s: f64,
-        pulse: Option<Pulse>,
-        law: Option<[f64; 2]>,
-    ) -> (Option<[f64; 5]>, f64) {
-        let (mut load, mut until_s) = (None, f64::INFINITY);
-        if let Some(pulse) = pulse.filter(|pulse| now_s < pulse.to_s - 1e-9) {
-            (load, until_s) = (Some(pulse.load), pulse.to_s);
-        }
-        let Window { forces, from_s, .. } = self.window;
-        let at = ((now_s - from_s) / PULSE_S + 1e-6) as usize;
-        if let Some([along, about]) = forces.get(at) {
-            let own = load.get_or_insert([0.0; 5]);
-            own[0] += along;
-            own[2] += about;
-            until_s = until_s.min(from_s + PULSE_S * (at + 1) as f64);
-        }
-        if let Some([along, about]) = law {
-            let own = load.get_or_insert([0.0; 5]);
-            own[0] += along;
-            own[2] += about;
-        }
-        (load, until_s)
-    }
-
-    /// Simulated minus measured from `bookmark` on, under a pulse that begins there. Those before it are NaN.
-    pub(crate) fn resumed(
-        &self,
-        start: &[f64; LOCALS],
-        bookmark: &Bookmark,
-        pulse: Option<Pulse>,
-        mut watch: impl FnMut(f64, &State),
-    ) -> Vec<f64> {
-        let offset = [start[5], start[6]];
-        let mut seen = Seen::new(self, offset, bookmark.t_s);
-        let mut state = bookmark.state.clone();
-        let told = &self.track.commands;
-        let mut before = Knot::new(self.robot, &state);
-        let mut now_s = bookmark.t_s;
-        let mut at = self.window.commands[0];
-        let end_s = self.window.to_s + BEYOND_S;
-        while now_s < end_s && !seen.is_done() {
-            while told
-                .get(at + 1)
-                .is_some_and(|(t_s, _)| *t_s <= now_s + 1e-9)
-            {
-                at += 1;
-            }
-            let mut command = told[at].1;
-            let change_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
-            let (mut law, mut held_s) = (None, f64::INFINITY);
-            if let Some(own) = self.law {
-                let seen = (self.track, self.robot);
-                let sampled = own.sampled(seen, &state, offset, now_s, &command);
-                (command, law) = own.acts(&command, &sampled);
-                held_s = now_s + HELD_S;
-            }
-            let (load, load_s) = self.load(now_s, pulse, law);
-            state.set_external_force(load);
-            let until_s = load_s.min(held_s).min(change_s);
-            let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
-            let step_s = (until_s - now_s) / steps;
-            let from_s = now_s;
-            for k in 0..steps as u32 {
-                let t_s = from_s + f64::from(k) * step_s;
-                self.robot.step(&mut state, t_s, step_s, &command);
-                let after = Knot::new(self.robot, &state);
-                if seen.due_s <= t_s + step_s {
-                    seen.between([t_s, step_s], &before, &after, &state);
-                }
-                watch(t_s + step_s, &state);
-                before = after;
-            }
-            now_s = until_s;
-        }
-        self.work.add(now_s - bookmark.t_s);
-        seen.residuals
-    }
 }
 
 /// The measurements that are still to come.
@@ -256,7 +137,7 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(simulation: &'a Simulation<'a>, offset: [f64; 2], from_s: f64) -> Self {
+    fn new(simulation: &'a Simulation<'a>, offset: [f64; 2]) -> Self {
         let window = simulation.window;
         let mut seen = Self {
             simulation,
@@ -266,13 +147,11 @@ impl<'a> Seen<'a> {
             due_s: 0.0,
             residuals: vec![f64::NAN; window.channels.len()],
         };
-        let before = if from_s > window.from_s {
-            0.0
-        } else {
-            BEFORE_S
-        };
         for series in 0..seen.next.len() {
-            while seen.true_s(series).is_some_and(|t_s| t_s < from_s - before) {
+            while seen
+                .true_s(series)
+                .is_some_and(|t_s| t_s < window.from_s - BEFORE_S)
+            {
                 seen.next[series] += 1;
             }
         }
@@ -414,20 +293,4 @@ pub(crate) fn tracked(track: &Track, robot: &Robot, pose: [f64; 3]) -> [f64; 3] 
     let (sin, cos) = yaw.sin_cos();
     let ahead = track.tracked_ahead_m;
     [x + cos * ahead, y + sin * ahead, yaw]
-}
-
-/// What a command asks of each wheel: N m, V or rad/s.
-pub(crate) fn asked(command: &Command, radius_m: f64, half_track_m: f64) -> [f64; 2] {
-    match *command {
-        Command::Torque { right_nm, left_nm } => [right_nm, left_nm],
-        Command::Voltage { right_v, left_v } => [right_v, left_v],
-        Command::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => [right_rad_s, left_rad_s],
-        Command::Twist { v_m_s, w_rad_s } => {
-            let turn = half_track_m * w_rad_s;
-            [(v_m_s + turn) / radius_m, (v_m_s - turn) / radius_m]
-        }
-    }
 }

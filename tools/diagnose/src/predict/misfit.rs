@@ -1,0 +1,114 @@
+//! How far a simulation is from what was measured: sums of squares by channel.
+
+use crate::data::track::CHANNELS;
+use crate::predict::window::Window;
+
+/// Level (deviations) below which a residual counts as noise whatever it is: the differences of two
+/// integrators, and the tails of a rounding.
+const FLOOR: f64 = 1.0;
+
+/// Sums of squares and counts of each channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Misfit {
+    squares: [f64; CHANNELS],
+    counts: [f64; CHANNELS],
+}
+
+impl Misfit {
+    /// The misfit of the residuals of a window.
+    pub(crate) fn new(window: &Window, residuals: &[f64]) -> Self {
+        let mut misfit = Self::default();
+        for (channel, residual) in window.channels.iter().zip(residuals) {
+            if residual.is_finite() {
+                misfit.squares[usize::from(*channel)] += residual * residual;
+                misfit.counts[usize::from(*channel)] += 1.0;
+            }
+        }
+        for rest in &window.rests {
+            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
+            let more = seen.count().saturating_sub(1);
+            misfit.counts[usize::from(window.channels[rest[0]])] -= more as f64;
+        }
+        misfit
+    }
+
+    /// Both together.
+    pub(crate) fn and(&self, other: &Self) -> Self {
+        let sum = |a: &[f64; CHANNELS], b: &[f64; CHANNELS]| std::array::from_fn(|c| a[c] + b[c]);
+        Self {
+            squares: sum(&self.squares, &other.squares),
+            counts: sum(&self.counts, &other.counts),
+        }
+    }
+
+    /// Whether anything was measured in a channel.
+    pub(crate) fn has(&self, channel: usize) -> bool {
+        self.counts[channel] > 0.0
+    }
+
+    /// Mean square of a channel, in square deviations.
+    pub(crate) fn mean_square(&self, channel: usize) -> f64 {
+        self.squares[channel] / self.counts[channel].max(1.0)
+    }
+
+    /// Root mean square of a channel, `None` where nothing was measured.
+    pub(crate) fn level(&self, channel: usize) -> Option<f64> {
+        self.has(channel).then(|| self.mean_square(channel).sqrt())
+    }
+
+    /// Root mean square over all samples of the pose, or of gyro and wheels where there is no pose; zero
+    /// where nothing of these was measured.
+    pub(crate) fn total(&self) -> f64 {
+        let (pose, others) = ([2, 3, 4], [0, 1, 9]);
+        let channels = if pose.iter().any(|c| self.has(*c)) {
+            pose
+        } else {
+            others
+        };
+        let sum = |all: &[f64; CHANNELS]| channels.iter().map(|c| all[*c]).sum::<f64>();
+        (sum(&self.squares) / sum(&self.counts).max(1.0)).sqrt()
+    }
+
+    /// The mean square where it is above the floor.
+    fn floored(&self, channel: usize) -> f64 {
+        self.mean_square(channel).max(FLOOR * FLOOR)
+    }
+
+    /// −2 ln L of the channels' residuals, each channel at its own level.
+    pub(crate) fn deviance(&self) -> f64 {
+        let own = (0..CHANNELS).map(|c| self.counts[c] * self.floored(c).ln());
+        own.sum()
+    }
+
+    /// Weights of the channels in a least-squares fit.
+    pub(crate) fn weights(&self) -> [f64; CHANNELS] {
+        std::array::from_fn(|channel| 1.0 / self.floored(channel))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::predict::fixture;
+
+    /// 100 rows of the pose's x, each of this residual (deviations).
+    fn of(residual: f64) -> Misfit {
+        Misfit::new(&fixture::window(vec![2; 100]), &[residual; 100])
+    }
+
+    #[test]
+    fn below_the_noise_is_nothing_to_gain() {
+        assert_eq!(of(0.5).deviance(), 0.0);
+        assert!((of(2.0).deviance() - 100.0 * 4_f64.ln()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn levels_are_root_mean_squares_of_what_was_measured() {
+        let both = of(1.0).and(&of(3.0));
+        assert!((both.total() - 5_f64.sqrt()).abs() < 1e-12);
+        assert!((both.level(2).unwrap() - 5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(both.level(3), None);
+        let missing = Misfit::new(&fixture::window(vec![0; 3]), &[2.0, f64::NAN, 2.0]);
+        assert!((missing.total() - 2.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,11 @@
+//! How well a model predicts over 5 s: the state at the start of a window is fitted to its first half
+//! second, then the plant is simulated open loop from what drove the robot.
+
+#[cfg(test)]
+pub(crate) mod fixture;
+pub(crate) mod misfit;
+pub(crate) mod prediction;
+pub(crate) mod predictor;
+pub(crate) mod simulation;
+pub(crate) mod start;
+pub(crate) mod window;

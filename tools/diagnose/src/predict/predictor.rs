@@ -1,0 +1,216 @@
+//! The runs of one machine cut into windows, and how far predictions of them go astray.
+
+use rayon::prelude::*;
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::Robot as Recorded;
+use slipstream_sim::effects::{Info, When, find};
+use slipstream_sim::{CommandKind, Robot};
+
+use crate::answer::{HeldOut, HeldOutChannel};
+use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor, Track};
+use crate::diagnosis::{Request, model_of};
+use crate::model::hypothesis::{
+    Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
+};
+use crate::predict::misfit::Misfit;
+use crate::predict::simulation::{Simulation, hardened, is_exact_at_any_step};
+use crate::predict::start::Start;
+use crate::predict::window::{WINDOW_S, Window, cut_some};
+
+/// Rows of a series above which it is thinned: more say no more.
+const ROWS: usize = 9000;
+
+/// Longest step of a simulation (s): where wheels slip or gears have play, where they do not, and
+/// where they turn exactly as told.
+const SHORT_STEP_S: f64 = 2e-3;
+const STEP_S: f64 = 4e-3;
+const LONG_STEP_S: f64 = 0.02;
+
+/// Time over which the start of a window is fitted (s), and up to how many times as long where the
+/// pose was seen less often than `SEEN` times in it.
+const FITTED_S: f64 = 0.5;
+const AT_MOST: u32 = 5;
+const SEEN: usize = 5;
+
+/// The runs of one machine, windows of them, and its nominal model.
+pub(crate) struct Predictor {
+    pub(crate) tracks: Vec<Track>,
+    pub(crate) windows: Vec<Window>,
+    pub(crate) model: RobotModel,
+}
+
+/// A robot, and how it is simulated.
+pub(crate) struct Simulated {
+    pub(crate) robot: Robot,
+    /// Longest step (s).
+    pub(crate) step_s: f64,
+    /// What acts depends on where the robot is, or which way it faces.
+    pub(crate) bound_to_place: bool,
+}
+
+impl Simulated {
+    /// A window to simulate.
+    pub(crate) fn over<'a>(&'a self, track: &'a Track, window: &'a Window) -> Simulation<'a> {
+        Simulation {
+            track,
+            window,
+            robot: &self.robot,
+            step_s: self.step_s,
+        }
+    }
+}
+
+impl Predictor {
+    /// The runs of a machine, with its nominal model.
+    ///
+    /// # Errors
+    /// A run that cannot be read, or too little to predict.
+    pub(crate) fn new(
+        request: &Request<'_>,
+        machine: &[(&Recording, &Recorded)],
+    ) -> Result<Self, InputError> {
+        let robot = machine[0].1;
+        let model = model_of(request, machine[0])?;
+        let constants = Robot::<f64>::new(&model)?;
+        let mut tracks = Vec::new();
+        for (recording, robot) in machine {
+            let mut track = Track::new(recording, robot, &model)?;
+            constants.accepts(track.kind())?;
+            track.leave_out(request.excluded_s);
+            track.thin(ROWS);
+            tracks.push(track);
+        }
+        let windows = cut_some(&tracks);
+        if windows.is_empty() {
+            let remedy = "record at least a few seconds, or exclude less";
+            return Err(InputError::new(&robot.name, "has nothing to fit", remedy));
+        }
+        Ok(Self {
+            tracks,
+            windows,
+            model,
+        })
+    }
+
+    /// The robot with these effects. `None` for one that cannot be.
+    pub(crate) fn simulated(&self, hypotheses: &[Hypothesis]) -> Option<Simulated> {
+        let model = with(&self.model, hypotheses);
+        let listed = model.effects.iter();
+        let infos: Vec<&Info> = listed.filter_map(|own| find(&own.effect)).collect();
+        let has = |such: fn(&Info) -> bool| infos.iter().any(|info| such(info));
+        let slips = has(|info| slides(info) || info.acts == When::Apart);
+        let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
+        let step_s = if is_exact_at_any_step(kind, slips, has(changes_commands_over_time)) {
+            LONG_STEP_S
+        } else if slips {
+            SHORT_STEP_S
+        } else {
+            STEP_S
+        };
+        Some(Simulated {
+            robot: Robot::new(&model).ok()?.draft(),
+            step_s,
+            bound_to_place: has(is_bound_to_place),
+        })
+    }
+
+    /// Misfit of the predictions of `windows` by the model with `hypotheses`, without what their starts
+    /// were fitted to.
+    pub(crate) fn misfit(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
+        let Some(simulated) = self.simulated(hypotheses) else {
+            return Misfit::default();
+        };
+        let parts: Vec<Misfit> = windows
+            .par_iter()
+            .filter_map(|window| self.one(&simulated, window))
+            .collect();
+        parts
+            .iter()
+            .fold(Misfit::default(), |sum, part| sum.and(part))
+    }
+
+    fn one(&self, simulated: &Simulated, window: &Window) -> Option<Misfit> {
+        let (mut residuals, fitted_s) = self.predicted(simulated, window)?;
+        let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);
+        let stamped = window.stamps_s.iter().zip(&window.channels);
+        for (residual, (stamp_s, channel)) in residuals.iter_mut().zip(stamped) {
+            if *stamp_s < window.from_s + fitted_s {
+                *residual = f64::NAN;
+            } else if acceleration.contains(&usize::from(*channel)) {
+                *residual = hardened(*residual);
+            }
+        }
+        Some(Misfit::new(window, &residuals))
+    }
+
+    /// Residuals (deviations) of the prediction of one window, what its start was fitted to included,
+    /// and how long that is (s).
+    pub(crate) fn predicted(
+        &self,
+        simulated: &Simulated,
+        window: &Window,
+    ) -> Option<(Vec<f64>, f64)> {
+        let track = &self.tracks[window.run];
+        (1..=AT_MOST).find_map(|times| {
+            let fitted_s = FITTED_S * f64::from(times);
+            let mut head = window.head(track, fitted_s);
+            head.free = window.free;
+            let start = Start::guess(simulated, track, &head, &self.model.robot);
+            if times < AT_MOST && window.free[0] && start.poses() < SEEN {
+                return None;
+            }
+            let start = start.fitted()?;
+            Some((simulated.over(track, window).residuals(&start), fitted_s))
+        })
+    }
+
+    /// Standard deviation of the sensor of a channel, in its unit.
+    pub(crate) fn deviation(&self, channel: usize) -> f64 {
+        let mut series = self.tracks[0].series.iter();
+        let own = series.find_map(|series| {
+            let part = channel.checked_sub(series.sensor.channel())?;
+            (part < series.sensor.width()).then(|| series.deviation[part])
+        });
+        own.unwrap_or(1.0)
+    }
+}
+
+impl HeldOut {
+    /// Adds how far the predictions of a machine go astray before and after.
+    pub(crate) fn add(&mut self, predictor: &Predictor, before: &Misfit, after: &Misfit) {
+        self.horizon_s = WINDOW_S;
+        let track = &predictor.tracks[0];
+        let angles = track.of(Sensor::WheelAngle).is_some();
+        for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
+            let levels = before.level(channel).zip(after.level(channel));
+            if let Some((nrmse_before, nrmse_after)) = levels {
+                let deviation = predictor.deviation(channel);
+                self.channels.push(HeldOutChannel {
+                    robot: track.robot.clone(),
+                    channel: (*name).to_owned(),
+                    nrmse_before,
+                    nrmse_after,
+                    unit: unit(channel, angles),
+                    rms_before: nrmse_before * deviation,
+                    rms_after: nrmse_after * deviation,
+                });
+            }
+        }
+        // several robots: the one that is worst off
+        self.nrmse_before = self.nrmse_before.max(before.total());
+        self.nrmse_after = self.nrmse_after.max(after.total());
+    }
+}
+
+/// Unit of a channel; wheels are measured by `angles` or by speeds.
+fn unit(channel: usize, angles: bool) -> &'static str {
+    match CHANNEL_NAMES[channel] {
+        "wheel_right" | "wheel_left" if angles => "rad",
+        "pose_x" | "pose_y" => "m",
+        "pose_yaw" => "rad",
+        "odometry_v" => "m/s",
+        "imu_ax" | "imu_ay" => "m/s²",
+        _ => "rad/s",
+    }
+}
