@@ -17,7 +17,7 @@ pub(super) fn project_on_interval(
     slip_acceleration: f64,
 ) -> f64 {
     let at_rest = force - slip_acceleration / inverse_mass;
-    at_rest.clamp(-limit, limit)
+    at_rest.max(-limit).min(limit)
 }
 
 /// The force of a contact with two directions, which now has `force` (N) and `slip_acceleration`

@@ -157,9 +157,12 @@ impl<S: Scalar> FrictionProblem<'_, S> {
         let lateral = lateral + self.lateral.dot(&total);
         let surge = acceleration[0] - self.nu[1] * self.nu[2];
         let transfer = load.transfer.map_or(0.0, |t| t.value() * surge);
-        let sum = (load.driven.value() + transfer).clamp(0.0, load.total.value());
+        // `max` and `min`, for `clamp` panics where a state is not a number
+        let sum = (load.driven.value() + transfer)
+            .max(0.0)
+            .min(load.total.value());
         let difference = load.lateral.value() * lateral + load.offset.value();
-        let difference = difference.clamp(-sum, sum);
+        let difference = difference.max(-sum).min(sum);
         [(sum + difference) / 2.0, (sum - difference) / 2.0]
     }
 

@@ -49,7 +49,9 @@ pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
         if !hypothesis.is_threshold() {
             first += hypothesis.values.len();
         }
-        out.push(finding(machine, selected, index, &intervals));
+        if selected.names(hypothesis) {
+            out.push(finding(machine, selected, index, &intervals));
+        }
     }
     out
 }
@@ -293,21 +295,33 @@ const ABOVE_FLOOR: f64 = 3.0;
 /// What the catalogue does not hold, as a finding and as unexplained.
 pub(crate) fn outside(
     machine: &Machine,
+    selected: &Selected,
     unknown: &Unknown,
-    tried: usize,
 ) -> (Finding, Unexplained) {
     let what = Unexplained {
         robot: machine.tracks[0].robot.clone(),
         channel: unknown.channel.to_owned(),
         driver: unknown.driver.to_owned(),
         intervals_s: unknown.intervals_s.clone(),
-        shape: unknown.shape.clone(),
+        shape: with_parts(selected, &unknown.shape),
     };
     let condition = format!("follows {}", unknown.driver);
     (
-        what.finding(condition, evidence(unknown.gain / 2.0, tried)),
+        what.finding(condition, evidence(unknown.gain / 2.0, selected.tried)),
         what,
     )
+}
+
+/// The shape of a force outside of the catalogue with the effects that are part of it.
+fn with_parts(selected: &Selected, shape: &str) -> String {
+    let parts = selected.fit.hypotheses.iter();
+    let parts = parts.filter(|own| !selected.names(own));
+    let words: Vec<String> = parts.map(|own| own.info.id.replace('_', " ")).collect();
+    if words.is_empty() {
+        shape.to_owned()
+    } else {
+        format!("{shape}, beside a part like {}", words.join(" and "))
+    }
 }
 
 /// How sure a gain (nats) is, over everything that was tried.

@@ -13,6 +13,10 @@ const TOLD: usize = 15;
 const RIM: f64 = 0.01;
 /// Speed over which a force against the motion changes its sign (m/s).
 const SLOW_M_S: f64 = 0.01;
+const SLOW_RAD_S: f64 = 0.05;
+/// Multiple of it that a side of the table has to reach, and knots as shares of its end.
+const FAST: f64 = 5.0;
+const SHARES: [f64; 6] = [0.12, 0.25, 0.4, 0.6, 0.8, 1.0];
 /// Waves of a turn of a wheel, in groups; and of a heading.
 const TURNS: [[u32; 2]; 3] = [[1, 3], [4, 6], [7, 9]];
 const HEADINGS: [u32; 2] = [1, 2];
@@ -102,9 +106,12 @@ impl Machine {
             if !self.has_pose() && matches!(name, "x" | "y") {
                 continue;
             }
-            let Some(knots) = knots(count, moments, of) else {
-                continue;
+            let own = match name {
+                "v" => speed_knots(moments, of, SLOW_M_S),
+                "w" => speed_knots(moments, of, SLOW_RAD_S),
+                _ => knots(count, moments, of),
             };
+            let Some(knots) = own else { continue };
             for (part, (channel, acts_on)) in PARTS.into_iter().enumerate() {
                 drivers.push(Driver {
                     name,
@@ -247,15 +254,55 @@ fn spread(count: usize, mut values: Vec<f64>) -> Option<Vec<f64>> {
     Some((0..count).map(|i| low + step * i as f64).collect())
 }
 
+/// Knots over a speed, close together where it changes its sign: friction jumps there, and falls with the
+/// first motion (Stribeck).
+fn speed_knots(moments: &[Vec<Moment>], of: Of, slow: f64) -> Option<Vec<f64>> {
+    let mut values: Vec<f64> = moments.iter().flatten().map(of).collect();
+    values.sort_by(f64::total_cmp);
+    let at = |share: f64| values.get((share * values.len() as f64) as usize).copied();
+    let (low, high) = (at(RIM)?, at(1.0 - RIM)?);
+    let side = |end: f64| {
+        let rising = SHARES.map(|share| share * end);
+        let own = [slow.copysign(end)].into_iter().chain(rising);
+        own.filter(move |knot| end.abs() > FAST * slow && knot.abs() >= slow)
+    };
+    let mut knots: Vec<f64> = side(low.min(-slow)).chain(side(high.max(slow))).collect();
+    knots.sort_by(f64::total_cmp);
+    knots.dedup();
+    (knots.len() > 2).then_some(knots)
+}
+
 /// The i-th hat on `knots`; the outer ones go on as they are.
 fn hat(knots: &[f64], i: usize, x: f64) -> f64 {
-    let step = knots[1] - knots[0];
-    let at = ((x - knots[0]) / step).clamp(0.0, (knots.len() - 1) as f64);
-    (1.0 - (at - i as f64).abs()).max(0.0)
+    let above = |i: usize| knots.get(i + 1).map(|next| (next - x) / (next - knots[i]));
+    let below = |i: usize| {
+        let before = i.checked_sub(1).map(|before| knots[before]);
+        before.map(|before| (x - before) / (knots[i] - before))
+    };
+    let rising = below(i).map_or(1.0, |share| share.clamp(0.0, 1.0));
+    let falling = above(i).map_or(1.0, |share| share.clamp(0.0, 1.0));
+    rising.min(falling)
 }
 
 /// Sine (0) or cosine (1) of a multiple of an angle.
 fn wave(number: u32, phase: usize, angle: f64) -> f64 {
     let (sin, cos) = (f64::from(number) * angle).sin_cos();
     if phase == 0 { sin } else { cos }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::hat;
+
+    #[test]
+    fn hats_over_uneven_knots_add_up_to_one() {
+        let knots = [-0.4, -0.1, -0.01, 0.01, 0.1, 0.4];
+        for x in [-1.0, -0.4, -0.2, -0.01, 0.0, 0.005, 0.05, 0.3, 2.0] {
+            let all = (0..knots.len()).map(|i| hat(&knots, i, x));
+            assert!((all.sum::<f64>() - 1.0).abs() < 1e-12, "{x}");
+        }
+        assert_eq!(hat(&knots, 5, 2.0), 1.0);
+        assert_eq!(hat(&knots, 2, -0.01), 1.0);
+        assert_eq!(hat(&knots, 3, -0.1), 0.0);
+    }
 }

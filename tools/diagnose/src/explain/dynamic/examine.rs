@@ -86,7 +86,7 @@ pub(crate) fn examine(
     answer.process_noise.extend(noise);
     let mut improved = with(&machine.model, &fit.hypotheses);
     if let Some(unknown) = &selected.unknown {
-        let (finding, what) = answer::outside(&machine, unknown, selected.tried);
+        let (finding, what) = answer::outside(&machine, &selected, unknown);
         answer.findings.push(finding);
         answer.unexplained.push(what);
         improved.effects.extend(unknown.spec.clone());

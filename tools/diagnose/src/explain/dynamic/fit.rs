@@ -19,6 +19,8 @@ use crate::model::hypothesis::{Hypothesis, come_round, slides, with};
 /// Longest step of the plant (s), and where wheels can slide or gears have play.
 const STEP_S: f64 = 5e-3;
 const SHORT_STEP_S: f64 = 2e-3;
+/// Multiple of the squares of a fit's innovations beyond which a simulation is given up.
+const HOPELESS: f64 = 10.0;
 /// Share of the smallest probe of a parameter over which differences begin.
 const SMALL: f64 = 0.05;
 /// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;
@@ -177,11 +179,28 @@ impl Machine {
         self.watched(fit, hypotheses, |_, _, _, _| ())
     }
 
+    /// The same; `None` where they are hopelessly large.
+    pub(crate) fn promising(&self, fit: &Fit, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+        let square: f64 = fit.whitened.iter().map(|e| e * e).sum();
+        let most = HOPELESS * (square + self.channels.len() as f64);
+        self.within(fit, hypotheses, most, |_, _, _, _| ())
+    }
+
     /// The same; `watch` sees run, time, state and disturbances at every row.
     pub(crate) fn watched(
         &self,
         fit: &Fit,
         hypotheses: &[Hypothesis],
+        watch: impl FnMut(usize, f64, &State, &[f64; 5]),
+    ) -> Option<Vec<f64>> {
+        self.within(fit, hypotheses, f64::INFINITY, watch)
+    }
+
+    fn within(
+        &self,
+        fit: &Fit,
+        hypotheses: &[Hypothesis],
+        most: f64,
         mut watch: impl FnMut(usize, f64, &State, &[f64; 5]),
     ) -> Option<Vec<f64>> {
         let robot = self.robot(hypotheses)?;
@@ -189,9 +208,8 @@ impl Machine {
         let mut all = Vec::with_capacity(self.channels.len());
         for (index, pass) in fit.passes.iter().enumerate() {
             let flow = self.flow(&robot, index, step_s, &fit.noise);
-            all.extend(innovations(&flow, &fit.noise, &pass.gains, |t_s, s, d| {
-                watch(index, t_s, s, d);
-            }));
+            let watch = |t_s: f64, s: &State, d: &[f64; 5]| watch(index, t_s, s, d);
+            all.extend(innovations(&flow, &fit.noise, &pass.gains, most, watch)?);
         }
         Some(all)
     }
@@ -200,20 +218,20 @@ impl Machine {
     pub(crate) fn pass(&self, hypotheses: Vec<Hypothesis>, noise: Noise) -> Option<Fit> {
         let robot = self.robot(&hypotheses)?;
         let step_s = self.step_s(&hypotheses);
-        let passes: Vec<Pass> = (0..self.runs.len())
+        let passes: Option<Vec<Pass>> = (0..self.runs.len())
             .into_par_iter()
             .map(|index| Pass::new(&self.flow(&robot, index, step_s, &noise), &noise))
             .collect();
         let mut fit = Fit {
             hypotheses,
             noise,
-            passes,
+            passes: passes?,
             whitened: Vec::new(),
             deviance: f64::INFINITY,
         };
         fit.whitened = fit.own_innovations(self);
         fit.deviance = self.deviance(&fit.whitened) + fit.log_determinant();
-        Some(fit)
+        fit.deviance.is_finite().then_some(fit)
     }
 
     /// Noise sizes anew, then a pass with them, while that gains.

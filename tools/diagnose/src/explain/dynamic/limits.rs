@@ -79,8 +79,8 @@ fn by_trial(machine: &Machine, fit: &Fit, kind: &[&Hypothesis], seen: Seen) -> L
     let here = machine.deviance(&fit.whitened);
     let name = kind[0].values[0].0;
     let refuted = kind.iter().filter(|one| {
-        let e = machine.innovations(fit, &beside(fit, one));
-        e.is_some_and(|e| machine.deviance(&e) > here + REFUTED)
+        let e = machine.promising(fit, &beside(fit, one));
+        e.is_none_or(|e| machine.deviance(&e) > here + REFUTED)
     });
     let sizes = refuted.filter_map(|one| one.value(name));
     let size = if is_limit(kind[0].info) || seen == Seen::Below {

@@ -1,10 +1,12 @@
 //! Effects at one time or place: pushes by a backward pass, patches by trying places along the way.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 use slipstream_sim::effects::find;
 
 use super::channels::weights;
-use super::fit::{Fit, may_slide};
+use super::fit::Fit;
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
 use crate::filter::dynamic::impulse::{Impulse, impulses};
@@ -17,63 +19,69 @@ const PUSH_S: f64 = 0.06;
 const GUSTS: usize = 16;
 const GUST_S: [f64; 2] = [0.08, 0.15];
 
-/// Cells of the floor in which a patch is tried (m), and how many of them at most beside their
-/// neighbours.
-const CELL_M: f64 = 0.1;
-const CELLS: usize = 12;
-/// Frictions and radii (m) with which each is tried.
-const TRIED: [[f64; 2]; 6] = [
-    [0.05, 0.1],
-    [0.05, 0.2],
-    [0.08, 0.15],
-    [0.08, 0.25],
-    [0.14, 0.15],
-    [0.14, 0.3],
-];
+/// Lengths by which a patch is looked for are in half tracks. Cells of the floor in which one is tried,
+/// and how many of them at most.
+const CELL: f64 = 0.8;
+const CELLS: usize = 8;
+/// Least distance between two of them.
+const APART: f64 = 1.5;
+/// Gain (−2 ln L) of an impulse where nothing pushes: that of its two numbers.
+const NO_PUSH: f64 = 2.0;
+/// Ways from the middle of a cell, radii and frictions that are tried in each.
+const WAYS: [f64; 3] = [-0.9, 0.0, 0.9];
+const RADII: [f64; 4] = [0.6, 1.0, 1.7, 2.8];
+const FRICTIONS: [f64; 2] = [0.05, 0.1];
 /// Patches that are looked at with gains of their own.
-const PATCHES: usize = 6;
+const PATCHES: usize = 2;
 
 /// Gain (−2 ln L) at the gains of the rolling model below which a place is not looked at again.
 const PLACE_GAIN: f64 = 6.0;
 
-/// Trials of a shrinking random search, and how fast it shrinks.
+/// Share of the gain of the best of all others below which a patch is not fitted.
+const RIVAL: f64 = 0.3;
+
+/// Trials of a random search, and how its steps grow with success and shrink without: one in five
+/// succeeds where they stay as they are (evolution strategy; Rechenberg 1973).
 const TRIALS: u32 = 60;
-const SHRINKS: f64 = 0.965;
+const WIDER: f64 = 1.5;
+const NARROWER: f64 = 0.9;
 /// Share of what small noise on the wheels costs that a place has to bring back.
 const SHARE: f64 = 0.2;
 /// Rounds of the search, and the gain (−2 ln L) of one below which the next is narrower.
-const ROUNDS: usize = 6;
+const ROUNDS: u64 = 6;
 const ROUND_GAIN: f64 = 20.0;
-/// Standard deviations of the first trials: x, y, radius (m) and one over the friction.
-const WIDE: [f64; 4] = [0.12, 0.12, 0.08, 3.0];
-const NARROW: [f64; 4] = [0.04, 0.04, 0.03, 1.2];
-/// Bounds of radius (m) and of one over the friction.
-const RADII_M: [f64; 2] = [0.03, 1.0];
+/// Standard deviations of the first trials: x, y, radius, and one over the friction.
+const WIDE: [f64; 4] = [1.2, 1.2, 0.8, 3.0];
+const NARROW: [f64; 4] = [0.4, 0.4, 0.3, 1.2];
+/// Bounds of the radius and of one over the friction.
+const RADIUS: [f64; 2] = [0.3, 10.0];
 const LEAST_INVERSE: f64 = 2.0;
 
 impl Machine {
-    /// The impulse that gains most beside `fit`, and its run.
-    fn impulse(&self, fit: &Fit) -> Option<(usize, Impulse)> {
+    /// Impulses beside `fit` in every interval that is believed, each with its run.
+    fn impulses(&self, fit: &Fit) -> Vec<(usize, Impulse)> {
         let weights = weights(&fit.whitened, &self.channels);
         let lever = self.model.robot.com_to_axle_m.unwrap_or(0.0);
         let mut first = 0;
-        let mut best: Option<(usize, Impulse)> = None;
+        let mut all = Vec::new();
         for (run, pass) in fit.passes.iter().enumerate() {
             let end = first + 3 * self.runs[run].rows.len();
             let own = impulses(pass, &fit.whitened[first..end], &weights[first..end], lever);
             let left_out = &self.runs[run].left_out_s;
-            let believed = |t_s: f64| {
+            let believed = |impulse: &Impulse| {
                 let mut near = left_out.iter();
-                !near.any(|[from, to]| (from - PUSH_S..=to + PUSH_S).contains(&t_s))
+                !near.any(|[from, to]| (from - PUSH_S..=to + PUSH_S).contains(&impulse.t_s))
             };
-            for impulse in own.into_iter().filter(|own| believed(own.t_s)) {
-                if best.is_none_or(|(_, known)| impulse.gain > known.gain) {
-                    best = Some((run, impulse));
-                }
-            }
+            all.extend(own.into_iter().filter(believed).map(|own| (run, own)));
             first = end;
         }
-        best
+        all
+    }
+
+    /// The impulse that gains most beside `fit`, and its run.
+    fn impulse(&self, fit: &Fit) -> Option<(usize, Impulse)> {
+        let all = self.impulses(fit).into_iter();
+        all.reduce(|best, own| if own.1.gain > best.1.gain { own } else { best })
     }
 
     /// Marks the times at which something pushes for a moment beside `nominal`, one after the other,
@@ -91,13 +99,12 @@ impl Machine {
             let next = self.pass(Vec::new(), fit.noise)?;
             fit = self.with_noise(next, 1, super::noise_sizes::QUICK);
         }
-        self.excluded.push("push".to_owned());
         self.nominal()
     }
 
     /// The push that gains most beside `fit`.
     pub(crate) fn push(&self, fit: &Fit) -> Option<Candidate> {
-        if may_slide(&self.model, &fit.hypotheses) || !self.has_pose() {
+        if !self.has_pose() {
             return None;
         }
         let info = find("push")?;
@@ -124,46 +131,25 @@ impl Machine {
         })
     }
 
-    /// The patch that gains most beside `fit`, fitted.
-    pub(crate) fn patch(&self, fit: &Fit) -> Option<Candidate> {
+    /// The patch that gains most beside `fit`, fitted; none where the best of all others, with a gain of
+    /// `rival` (−2 ln L), gains much more at a glance.
+    pub(crate) fn patch(&self, fit: &Fit, rival: f64) -> Option<Candidate> {
         if !self.has_pose() {
             return None;
         }
-        let info = find("friction_patch")?;
-        let base = if may_slide(&self.model, &fit.hypotheses) {
-            fit.clone()
-        } else {
-            self.rolling_with_wheel_noise(fit)?
-        };
+        let base = self.rolling_with_wheel_noise(fit)?;
         let places = self.conspicuous_places(fit, &base)?;
-        let tried: Vec<Hypothesis> = places
-            .iter()
-            .flat_map(|[x, y]| {
-                TRIED.map(|[friction, radius_m]| patch(info, [*x, *y, radius_m, 1.0 / friction]))
-            })
-            .collect();
-        let value = |at: &Fit, h: &Hypothesis| {
-            let e = self.innovations(at, &beside(fit, h))?;
-            Some(self.deviance(&e))
-        };
-        let still = base.deviance - base.log_determinant();
-        let mut ranked: Vec<(f64, &Hypothesis)> = tried
-            .par_iter()
-            .filter_map(|h| Some((still - value(&base, h)?, h)))
-            .filter(|(gain, _)| *gain > PLACE_GAIN.max(SHARE * (base.deviance - fit.deviance)))
-            .collect();
-        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-        // the best place of each friction and radius: they have optima of their own
-        let mut kinds: Vec<[Option<f64>; 2]> = Vec::new();
-        ranked.retain(|(_, h)| {
-            let kind = [h.value("friction"), h.value("radius_m")];
-            let new = !kinds.contains(&kind);
-            kinds.push(kind);
-            new
-        });
-        ranked.truncate(PATCHES);
-        let settled = ranked.par_iter().filter_map(|(_, h)| {
-            let begun = self.begun(fit, beside(fit, h))?;
+        // at small noise what slides is told from what pushes; where only noise is left, at its own
+        let least = [
+            PLACE_GAIN,
+            SHARE * (base.deviance - fit.deviance),
+            RIVAL * rival,
+        ];
+        let least = least.into_iter().fold(0.0, f64::max);
+        let mut moved = self.patches(fit, &base, &places, least);
+        moved.extend(self.patches(fit, fit, &places, PLACE_GAIN.max(RIVAL * rival)));
+        let settled = moved.into_par_iter().filter_map(|all| {
+            let begun = self.begun(fit, all)?;
             Some(self.settled(begun, &WIDE))
         });
         let best = settled.min_by(|a, b| a.deviance.total_cmp(&b.deviance))?;
@@ -174,55 +160,87 @@ impl Machine {
         })
     }
 
-    /// Places of the floor where the innovations of `base` are largest, and those beside them.
-    fn conspicuous_places(&self, fit: &Fit, base: &Fit) -> Option<Vec<[f64; 2]>> {
-        let mut places: Vec<[f64; 2]> = Vec::new();
-        self.watched(fit, &fit.hypotheses, |_, _, state, _| {
-            let [x, y, _] = state.pose();
-            places.push([x, y]);
-        })?;
-        let mut energy: Vec<([i64; 2], f64)> = Vec::new();
-        let squares = base
-            .whitened
-            .chunks(3)
-            .map(|row| row.iter().map(|e| e * e).sum::<f64>());
-        let stamps = self.stamps.chunks(3).map(|row| row[0]);
-        let mut all: Vec<(usize, f64, f64)> = stamps
-            .zip(squares)
-            .map(|((stamp_s, run), square)| (run, stamp_s, square))
-            .collect();
-        all.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        // rows and places are in nearly the same order: by time
-        for ((_, _, square), place) in all.iter().zip(&places) {
-            let cell = place.map(|at| (at / CELL_M).round() as i64);
-            match energy.iter_mut().find(|(known, _)| *known == cell) {
-                Some((_, sum)) => *sum += square,
-                None => energy.push((cell, *square)),
-            }
-        }
-        energy.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        energy.truncate(CELLS);
-        let mut cells: Vec<[i64; 2]> = Vec::new();
-        for ([i, k], _) in energy {
-            for (di, dk) in [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)] {
-                let cell = [i + di, k + dk];
-                if !cells.contains(&cell) {
-                    cells.push(cell);
-                }
-            }
-        }
-        Some(
-            cells
-                .iter()
-                .map(|cell| cell.map(|i| i as f64 * CELL_M))
-                .collect(),
-        )
+    /// The patches near `places` that gain most beside `fit` at the gains of `base`, and `least`.
+    fn patches(
+        &self,
+        fit: &Fit,
+        base: &Fit,
+        places: &[[f64; 2]],
+        least: f64,
+    ) -> Vec<Vec<Hypothesis>> {
+        let Some(info) = find("friction_patch") else {
+            return Vec::new();
+        };
+        let still = base.deviance - base.log_determinant();
+        let b = self.model.robot.half_track_m;
+        let each = places.par_iter().filter_map(|place| {
+            let tried = around(info, *place, b).into_par_iter();
+            let tried = tried.filter_map(|h| {
+                let e = self.promising(base, &beside(fit, &h))?;
+                Some((self.deviance(&e), h))
+            });
+            let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            let (deviance, all) = self.searched(base, beside(fit, &best.1), &WIDE, 1);
+            Some((still - deviance, all))
+        });
+        let mut moved: Vec<(f64, Vec<Hypothesis>)> =
+            each.filter(|(gain, _)| *gain > least).collect();
+        moved.sort_by(|a, b| b.0.total_cmp(&a.0));
+        moved.truncate(PATCHES);
+        moved.into_iter().map(|(_, all)| all).collect()
     }
 
-    /// The last effect of `fit`, a patch, moved and resized by a random search, and the noise anew. Its
-    /// edge has no usable derivative.
-    fn moved_patch(&self, fit: Fit, spread: &[f64; 4]) -> Option<Fit> {
-        let own = fit.hypotheses.last()?.clone();
+    /// Places of the floor where something pushes the robot of `base` while a wheel is there: most first.
+    fn conspicuous_places(&self, fit: &Fit, base: &Fit) -> Option<Vec<[f64; 2]>> {
+        let mut wheels: Vec<Vec<(f64, [[f64; 2]; 2])>> = vec![Vec::new(); self.runs.len()];
+        let body = &self.model.robot;
+        let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+        self.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
+            let [x, y, yaw] = state.pose();
+            let (sin, cos) = yaw.sin_cos();
+            let wheel = |side: f64| [x - d * cos - side * sin, y - d * sin + side * cos];
+            wheels[run].push((t_s, [wheel(-b), wheel(b)]));
+        })?;
+        let mut gains: BTreeMap<[i64; 2], f64> = BTreeMap::new();
+        for (run, impulse) in self.impulses(base) {
+            let own = &wheels[run];
+            let at = own.partition_point(|(t_s, _)| *t_s < impulse.t_s);
+            for wheel in own.get(at).iter().flat_map(|(_, places)| places) {
+                let cell = wheel.map(|at| (at / (CELL * b)).round() as i64);
+                *gains.entry(cell).or_default() += impulse.gain - NO_PUSH;
+            }
+        }
+        let mut cells: Vec<([i64; 2], f64)> = gains.into_iter().collect();
+        cells.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        cells.retain(|(_, gain)| *gain > PLACE_GAIN);
+        let mut places: Vec<[f64; 2]> = Vec::new();
+        for (cell, _) in cells {
+            let place = cell.map(|i| i as f64 * CELL * b);
+            let apart = |other: &[f64; 2]| (place[0] - other[0]).hypot(place[1] - other[1]);
+            if places.len() < CELLS && places.iter().all(|other| apart(other) > APART * b) {
+                places.push(place);
+            }
+        }
+        Some(places)
+    }
+
+    /// The last of `all`, a patch, moved and resized by a random search from `seed` at the gains of `fit`; and −2 ln L
+    /// there, but for what does not depend on it. Its edge has no usable derivative.
+    fn searched(
+        &self,
+        fit: &Fit,
+        all: Vec<Hypothesis>,
+        spread: &[f64; 4],
+        seed: u64,
+    ) -> (f64, Vec<Hypothesis>) {
+        let value = |all: &[Hypothesis]| {
+            let e = self.promising(fit, all);
+            e.map_or(f64::INFINITY, |e| self.deviance(&e))
+        };
+        let mut best = (value(&all), all);
+        let Some(own) = best.1.last().cloned() else {
+            return best;
+        };
         let get = |name: &str| own.value(name).unwrap_or(0.0);
         let mut at = [
             get("x_m"),
@@ -230,31 +248,36 @@ impl Machine {
             get("radius_m"),
             1.0 / get("friction"),
         ];
-        let mut best = fit.deviance - fit.log_determinant();
-        let mut random = Random(1);
-        let mut shrunk = 1.0;
+        let b = self.model.robot.half_track_m;
+        let lengths = [b, b, b, 1.0];
+        let mut random = Random(seed);
+        let mut scale = 1.0;
         for _ in 0..TRIALS {
             let mut trial = at;
-            for (own, spread) in trial.iter_mut().zip(spread) {
+            for ((own, spread), length) in trial.iter_mut().zip(spread).zip(lengths) {
                 if random.uniform() < 0.7 {
-                    *own += spread * shrunk * random.normal();
+                    *own += spread * length * scale * random.normal();
                 }
             }
-            shrunk *= SHRINKS;
-            trial[2] = trial[2].abs().clamp(RADII_M[0], RADII_M[1]);
+            trial[2] = trial[2].abs().clamp(RADIUS[0] * b, RADIUS[1] * b);
             trial[3] = trial[3].abs().max(LEAST_INVERSE);
-            let mut all = fit.hypotheses.clone();
-            *all.last_mut()? = patch(own.info, trial);
-            let Some(e) = self.innovations(&fit, &all) else {
-                continue;
-            };
-            let value = self.deviance(&e);
-            if value < best {
-                (best, at) = (value, trial);
+            let mut all = best.1.clone();
+            all.pop();
+            all.push(patch(own.info, trial));
+            let value = value(&all);
+            if value < best.0 {
+                (best, at) = ((value, all), trial);
+                scale *= WIDER;
+            } else {
+                scale *= NARROWER;
             }
         }
-        let mut all = fit.hypotheses.clone();
-        *all.last_mut()? = patch(own.info, at);
+        best
+    }
+
+    /// The last effect of `fit`, a patch, moved and resized, and the noise anew.
+    fn moved_patch(&self, fit: Fit, spread: &[f64; 4], seed: u64) -> Option<Fit> {
+        let (_, all) = self.searched(&fit, fit.hypotheses.clone(), spread, seed);
         let moved = self.pass(all, fit.noise)?;
         let moved = self.with_noise(moved, 1, super::noise_sizes::QUICK);
         Some(if moved.deviance < fit.deviance {
@@ -267,9 +290,9 @@ impl Machine {
     /// A patch moved while that gains: the noise falls as it comes near, and the search sharpens.
     fn settled(&self, mut fit: Fit, spread: &[f64; 4]) -> Fit {
         let mut spread = *spread;
-        for _ in 0..ROUNDS {
+        for round in 1..=ROUNDS {
             let before = fit.deviance;
-            let Some(next) = self.moved_patch(fit.clone(), &spread) else {
+            let Some(next) = self.moved_patch(fit.clone(), &spread, round) else {
                 break;
             };
             fit = next;
@@ -284,6 +307,28 @@ impl Machine {
     pub(crate) fn settled_patch(&self, fit: Fit) -> Fit {
         self.settled(fit, &NARROW)
     }
+}
+
+/// Patches around a place, for a robot of this half track (m).
+fn around(
+    info: &'static slipstream_sim::effects::Info,
+    [x, y]: [f64; 2],
+    b: f64,
+) -> Vec<Hypothesis> {
+    let mut all = Vec::new();
+    for dx in WAYS {
+        for dy in WAYS {
+            for radius in RADII {
+                for friction in FRICTIONS {
+                    all.push(patch(
+                        info,
+                        [x + dx * b, y + dy * b, radius * b, 1.0 / friction],
+                    ));
+                }
+            }
+        }
+    }
+    all
 }
 
 fn patch(info: &'static slipstream_sim::effects::Info, [x, y, r, inverse]: [f64; 4]) -> Hypothesis {

@@ -28,6 +28,17 @@ pub(crate) struct Candidate {
     pub(crate) fit: Option<Fit>,
 }
 
+impl Candidate {
+    /// A candidate of an earlier look.
+    pub(crate) fn earlier(hypothesis: Hypothesis) -> Self {
+        Self {
+            hypothesis,
+            gain: 0.0,
+            fit: None,
+        }
+    }
+}
+
 impl Machine {
     /// Candidates among `all` beside `fit`, best first.
     pub(crate) fn screened(&self, fit: &Fit, all: &[Hypothesis]) -> Vec<Candidate> {
@@ -46,7 +57,8 @@ impl Machine {
             candidates.extend(self.push(fit));
         }
         if self.tries("friction_patch") {
-            candidates.extend(self.patch(fit));
+            let gains = candidates.iter().map(|candidate| candidate.gain);
+            candidates.extend(self.patch(fit, gains.fold(0.0, f64::max)));
         }
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         candidates
@@ -58,7 +70,7 @@ impl Machine {
         let base = self.rolling_with_wheel_noise(fit)?;
         let ranked = |at: &Fit| {
             let gains = starts.par_iter().filter_map(|h| {
-                let e = self.innovations(at, &beside(fit, h))?;
+                let e = self.promising(at, &beside(fit, h))?;
                 let own = self.deviance(&e) + at.log_determinant();
                 Some((at.deviance - own, *h))
             });
@@ -98,7 +110,7 @@ impl Machine {
         };
         let mut best: Option<(f64, Hypothesis)> = None;
         for start in starts.iter().copied().chain(&gaps) {
-            let Some(e) = self.innovations(fit, &beside(fit, start)) else {
+            let Some(e) = self.promising(fit, &beside(fit, start)) else {
                 continue;
             };
             let own = self.deviance(&e);

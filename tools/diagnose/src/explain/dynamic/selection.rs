@@ -8,7 +8,7 @@ use super::channels::levels;
 use super::fit::{Fit, least_change, values};
 use super::machine::Machine;
 use super::precision::Known;
-use super::screen::beside;
+use super::screen::{Candidate, beside};
 use super::unknown::Unknown;
 use crate::model::hypothesis::{Hypothesis, KINETIC, is_where, kinds};
 use crate::select::criterion::{Criterion, TIE_NATS};
@@ -16,6 +16,8 @@ use crate::select::criterion::{Criterion, TIE_NATS};
 /// Candidates that are refitted with their noise, and of these the ones that are fitted to the end.
 const REFITTED: usize = 7;
 const POLISHED: usize = 4;
+/// Candidates of the effect that was found last which are refitted beside it whatever they gain at a glance.
+const AGAIN: usize = 3;
 /// Gain at fixed gains (−2 ln L) below which a candidate is not refitted.
 const GLANCE_GAIN: f64 = 6.0;
 /// Most effects.
@@ -26,6 +28,20 @@ const GRIPS: f64 = 1.2;
 /// block is enough.
 const REST: f64 = 0.3;
 const CERTAIN: f64 = 200.0;
+/// Share of a gain that an effect has to keep beside a force outside of the catalogue: less may be that
+/// force's as well.
+const TAKEN: f64 = 0.3;
+/// Multiple of what integrators differ by below which a force outside of the catalogue is none.
+const SMALL: f64 = 4.0;
+/// Effects that act by the speed alone, or by the turn rate: from a force outside of the catalogue that
+/// does so they cannot be told.
+const OF_SPEED: [&str; 4] = [
+    "rolling_resistance",
+    "axle_friction",
+    "viscous_drag",
+    "quadratic_drag",
+];
+const OF_TURN: [&str; 1] = ["yaw_scrub"];
 /// Blocks without which a force outside of the catalogue still has to gain so much.
 const RARE: usize = 2;
 /// Multiple of its floor below which a disturbance is none, and mean square of innovations that is
@@ -53,11 +69,30 @@ pub(crate) struct Selected {
     pub(crate) unknown: Option<Unknown>,
 }
 
+impl Selected {
+    /// Whether an effect is named: one that cannot be told from a force outside of the catalogue is part
+    /// of that force.
+    pub(crate) fn names(&self, own: &Hypothesis) -> bool {
+        let part = |unknown: &Unknown| match unknown.driver {
+            "v" => OF_SPEED.contains(&own.info.id),
+            "w" => OF_TURN.contains(&own.info.id),
+            _ => false,
+        };
+        !self.unknown.as_ref().is_some_and(part)
+    }
+
+    /// −2 ln L of everything that was found.
+    fn deviance(&self) -> f64 {
+        let unknown = self.unknown.as_ref().map(|unknown| unknown.fit.deviance);
+        unknown.unwrap_or(self.fit.deviance)
+    }
+}
+
 /// What a selection comes to.
 enum Course {
     Found(Box<Selected>),
-    /// More than one push was needed.
-    Gusts,
+    /// More than one push was needed, for this gain (−2 ln L) over the nominal model.
+    Gusts(f64),
 }
 
 /// A selection on one machine.
@@ -92,19 +127,25 @@ impl Selection<'_> {
     pub(crate) fn run(&mut self) -> Option<Selected> {
         (self.progress)("nominal model");
         let nominal = self.machine.nominal()?;
-        match self.from(nominal.clone())? {
+        let gain = match self.from(nominal.clone())? {
+            Course::Found(selected) => return Some(*selected),
+            Course::Gusts(gain) => gain,
+        };
+        // what pushes more than once follows something, or is nothing to name
+        self.machine.excluded.push("push".to_owned());
+        let Course::Found(selected) = self.from(nominal.clone())? else {
+            return None;
+        };
+        if nominal.deviance - selected.deviance() > gain {
+            return Some(*selected);
+        }
+        (self.progress)("gusts");
+        let push = find("push").map(|info| info.parameters.len());
+        let due = self.due_of(push.unwrap_or(1));
+        let nominal = self.machine.mark_gusts(nominal, due)?;
+        match self.from(nominal)? {
             Course::Found(selected) => Some(*selected),
-            Course::Gusts => {
-                // several pushes are no single event: nothing is said of them but when they were
-                (self.progress)("gusts");
-                let push = find("push").map(|info| info.parameters.len());
-                let due = self.due_of(push.unwrap_or(1));
-                let nominal = self.machine.mark_gusts(nominal, due)?;
-                match self.from(nominal)? {
-                    Course::Found(selected) => Some(*selected),
-                    Course::Gusts => None,
-                }
-            }
+            Course::Gusts(_) => None,
         }
     }
 
@@ -113,13 +154,14 @@ impl Selection<'_> {
         let mut fit = nominal.clone();
         let mut rivals: Vec<(String, Vec<&'static str>)> = Vec::new();
         let mut less: Vec<Option<Fit>> = Vec::new();
+        let mut earlier: Vec<Hypothesis> = Vec::new();
         while fit.hypotheses.len() < MOST && !self.is_silent(&fit) {
-            let Some((next, near)) = self.extended(&fit) else {
+            let Some((next, near)) = self.extended(&fit, &mut earlier) else {
                 break;
             };
             let pushes = next.hypotheses.iter().filter(|h| h.is_momentary());
             if pushes.count() > 1 {
-                return Some(Course::Gusts);
+                return Some(Course::Gusts(nominal.deviance - next.deviance));
             }
             let id = next.hypotheses.last()?.info.id.to_owned();
             rivals.push((id, near));
@@ -158,8 +200,10 @@ impl Selection<'_> {
         // rare gusts, each at a place of its own, look like a force that follows the place
         let gains = self.gains_by_block(fit, &unknown.fit);
         let spread: f64 = gains.iter().skip(RARE).sum();
+        let floor = self.machine.floor(fit.noise.of_wheels);
+        let small = (0..2).all(|i| unknown.largest[i] < SMALL * floor[i]);
         let rare = unknown.driver != "t" && spread < REST * unknown.gain;
-        if unknown.gain < self.due_of(unknown.numbers) || rare {
+        if unknown.gain < self.due_of(unknown.numbers) || rare || small {
             return None;
         }
         while !fit.hypotheses.is_empty() {
@@ -167,7 +211,9 @@ impl Selection<'_> {
                 let less = less.as_ref()?;
                 let own = self.machine.unknown(less)?;
                 let rise = own.fit.deviance - unknown.fit.deviance;
-                (rise < self.due(&fit.hypotheses[at])).then_some((less.clone(), own))
+                let brought = less.deviance - fit.deviance;
+                let needed = self.due(&fit.hypotheses[at]).max(TAKEN * brought);
+                (rise < needed).then_some((less.clone(), own))
             });
             let best = without.min_by(|a, b| a.1.fit.deviance.total_cmp(&b.1.fit.deviance));
             let Some((fewer, own)) = best else { break };
@@ -188,12 +234,29 @@ impl Selection<'_> {
     }
 
     /// `fit` with the effect that is lacking most, and those that fit as well in its place.
-    fn extended(&self, fit: &Fit) -> Option<(Fit, Vec<&'static str>)> {
+    fn extended(
+        &self,
+        fit: &Fit,
+        earlier: &mut Vec<Hypothesis>,
+    ) -> Option<(Fit, Vec<&'static str>)> {
         let names: Vec<&str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
         (self.progress)(&format!("effects beside [{}]", names.join(", ")));
         let mut candidates = self.machine.screened(fit, self.all);
         candidates.retain(|candidate| candidate.gain > GLANCE_GAIN);
         candidates.truncate(REFITTED);
+        // what looked like an effect that was found may act beside it, and show only when both are fitted
+        let known: Vec<&Hypothesis> = candidates.iter().map(|own| &own.hypothesis).collect();
+        let is_new = |own: &&Hypothesis| {
+            let mut known = known.iter();
+            !own.is_local() && !fit.has(own) && !known.any(|known| known.is_like(own))
+        };
+        let again = earlier.iter().filter(is_new).take(AGAIN).cloned();
+        let again: Vec<Candidate> = again.map(Candidate::earlier).collect();
+        *earlier = candidates
+            .iter()
+            .map(|own| own.hypothesis.clone())
+            .collect();
+        candidates.extend(again);
         let refits = candidates.par_iter().filter_map(|candidate| {
             let begun = match &candidate.fit {
                 Some(begun) => begun.clone(),

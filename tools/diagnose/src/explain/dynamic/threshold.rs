@@ -44,7 +44,7 @@ impl Machine {
             own
         };
         let value = |place: usize| {
-            let e = self.innovations(fit, &beside(fit, &at(place)))?;
+            let e = self.promising(fit, &beside(fit, &at(place)))?;
             Some(self.deviance(&e))
         };
         let mut ranked: Vec<(f64, usize)> = (0..places.len())
@@ -79,7 +79,7 @@ impl Machine {
                 all
             };
             let value = |place: usize| {
-                let e = self.innovations(&fit, &at(place))?;
+                let e = self.promising(&fit, &at(place))?;
                 Some(self.deviance(&e))
             };
             let place = sizes.partition_point(|size| *size < now);

@@ -15,6 +15,9 @@ use crate::filter::dynamic::columns::{Load, columns};
 /// Drivers that are refitted with their noise.
 const LEADERS: usize = 4;
 /// Gain (−2 ln L) from which on a force is linearised again, at the sharper gains.
+/// How often it is linearised again at most, and the gain (−2 ln L) below which that ends.
+const LINEARISED: usize = 5;
+const LITTLE: f64 = 3.0;
 const AGAIN: f64 = 15.0;
 /// Share of the largest force from which on it counts as at work, and the gap that does not part an
 /// interval (s).
@@ -34,6 +37,8 @@ pub(crate) struct Unknown {
     pub(crate) intervals_s: Vec<[f64; 2]>,
     /// What it looks like.
     pub(crate) shape: String,
+    /// Its largest force along the body (N) and moment (N m).
+    pub(crate) largest: [f64; 2],
     /// As a model lists it, where it can.
     pub(crate) spec: Option<EffectSpec>,
 }
@@ -109,22 +114,27 @@ impl Machine {
         })
     }
 
-    /// A force beside `fit`, with its own noise; linearised twice.
+    /// A force beside `fit`, with its own noise; linearised again while that gains.
     fn refitted(&self, fit: &Fit, own: &Fitted<'_>) -> Option<Unknown> {
         let mut factors = own.factors.clone();
-        let (machine, mut under) = self.under(fit, own.driver, &factors)?;
-        if fit.deviance - under.deviance - 2.0 * factors.len() as f64 > AGAIN
-            && let Some(more) = machine.linear(&under, own.driver)
-        {
-            let moved: Vec<f64> = factors
-                .iter()
-                .zip(&more.factors)
-                .map(|(a, b)| a + b)
-                .collect();
-            if let Some((_, better)) = self.under(fit, own.driver, &moved)
-                && better.deviance < under.deviance
-            {
-                (under, factors) = (better, moved);
+        let (mut machine, mut under) = self.under(fit, own.driver, &factors)?;
+        let promising = fit.deviance - under.deviance - 2.0 * factors.len() as f64 > AGAIN;
+        for _ in 0..if promising { LINEARISED } else { 0 } {
+            let Some(more) = machine.linear(&under, own.driver) else {
+                break;
+            };
+            let pairs = factors.iter().zip(&more.factors);
+            let moved: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
+            let Some((next, better)) = self.under(fit, own.driver, &moved) else {
+                break;
+            };
+            let gain = under.deviance - better.deviance;
+            if gain < 0.0 {
+                break;
+            }
+            (machine, under, factors) = (next, better, moved);
+            if gain < LITTLE {
+                break;
             }
         }
         let loads = load(own.driver, &factors);
@@ -133,6 +143,7 @@ impl Machine {
             channel: own.driver.channel,
             gain: fit.deviance - under.deviance,
             numbers: factors.len(),
+            largest: largest(loads.iter().flatten()),
             intervals_s: at_work(&under, &loads[0]),
             shape: shape(own.driver, &loads),
             spec: spec(own.driver, &factors),
@@ -170,9 +181,16 @@ fn load(driver: &Driver, factors: &[f64]) -> Vec<Vec<Load>> {
         .collect()
 }
 
+/// The largest force and moment of loads.
+fn largest<'a>(loads: impl Iterator<Item = &'a Load>) -> [f64; 2] {
+    loads.fold([0.0, 0.0], |most: [f64; 2], load| {
+        [0, 1].map(|i| most[i].max(load[i].abs()))
+    })
+}
+
 /// When a load of the first run is large (s).
 fn at_work(fit: &Fit, loads: &[Load]) -> Vec<[f64; 2]> {
-    let largest = [0, 1].map(|i| loads.iter().map(|l| l[i].abs()).fold(0.0, f64::max));
+    let largest = largest(loads.iter());
     let large =
         |load: &Load| (0..2).any(|i| largest[i] > 0.0 && load[i].abs() > AT_WORK * largest[i]);
     let mut intervals: Vec<[f64; 2]> = Vec::new();

@@ -2,7 +2,7 @@
 //! closed form are not differenced: those by pose, wheel angles and creep.
 
 use super::flow::{Flow, Point};
-use super::{ANGLE, DISTURBED, Matrix, N, POSE, ROLLING, Row, SLIP, Sensor};
+use super::{ANGLE, DISTURBED, Matrix, N, POSE, ROLLING, Row, SLIP, Sensor, Vector};
 
 /// Steps of the differences by which the flow is differentiated: m/s and rad/s of the motion, N, N m,
 /// m/s and rad/s of the disturbances, m/s of slip. Small against what matters, large against rounding.
@@ -10,6 +10,10 @@ const MOTION_STEP: [f64; 2] = [1e-4, 1e-3];
 const DISTURBANCE_STEP: [f64; 2] = [1e-2, 1e-4];
 const TORQUE_STEP: f64 = 1e-4;
 const SLIP_STEP: f64 = 1e-4;
+/// Largest step where wheels can slide: there steps are standard deviations of the state, for a derivative
+/// across sticking and sliding is a mean over what the state may be (divided-difference filter;
+/// Nørgaard, Poulsen and Ravn 2000).
+const WIDEST: f64 = 0.1;
 /// The same for the angles by which a measurement is differentiated (rad).
 const ANGLE_STEP_RAD: f64 = 1e-6;
 
@@ -33,6 +37,7 @@ pub(super) fn differentiated(
     from: &Point,
     true_s: f64,
     row: &Row,
+    deviation: &Vector,
 ) -> (Point, Derivatives) {
     let over_s = true_s - from.t_s;
     let mut after = from.clone();
@@ -46,7 +51,7 @@ pub(super) fn differentiated(
     step.by_configuration(flow, &after, row, &predicted);
     let of_pose_or_angle = matches!(row.sensor, Sensor::Pose | Sensor::WheelAngle);
     if !(step.still && of_pose_or_angle) {
-        step.by_differences(flow, [from, &after], row, &predicted);
+        step.by_differences(flow, [from, &after], row, &predicted, deviation);
     }
     (after, step)
 }
@@ -111,6 +116,7 @@ impl Derivatives {
         [from, after]: [&Point; 2],
         row: &Row,
         predicted: &[f64; 3],
+        deviation: &Vector,
     ) {
         let base = flow.coordinates(after);
         // what does not slide has no slip to differ in; on wheels that roll a torque acts as a force
@@ -125,7 +131,11 @@ impl Derivatives {
             if is_closed(column, flow.of_wheels) || rolls && TORQUES.contains(&column) {
                 continue;
             }
-            let size = step_of(column);
+            let size = if flow.of_wheels {
+                step_of(column).max(deviation[column].min(WIDEST))
+            } else {
+                step_of(column)
+            };
             let mut change = [0.0; N];
             change[column] = size;
             let mut moved = from.clone();

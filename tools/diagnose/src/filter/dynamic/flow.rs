@@ -13,6 +13,17 @@ pub(crate) struct Point {
     command: usize,
 }
 
+/// Speed (m/s, rad/s) beyond which a simulation has diverged.
+const LOST: f64 = 1e4;
+
+impl Point {
+    /// Whether the simulation has diverged.
+    pub(crate) fn is_lost(&self) -> bool {
+        let mut speeds = self.state.velocity().into_iter();
+        !speeds.all(|speed| speed.abs() < LOST)
+    }
+}
+
 /// The plant of one robot in one run.
 pub(crate) struct Flow<'a> {
     pub(crate) robot: &'a Robot,

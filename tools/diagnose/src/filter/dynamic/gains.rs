@@ -39,8 +39,8 @@ pub(crate) struct Pass {
 }
 
 impl Pass {
-    /// Filters a run.
-    pub(crate) fn new(flow: &Flow<'_>, noise: &Noise) -> Self {
+    /// Filters a run. `None` where the simulation diverges.
+    pub(crate) fn new(flow: &Flow<'_>, noise: &Noise) -> Option<Self> {
         if noise.of_wheels {
             Self::of::<N>(flow, noise)
         } else {
@@ -48,7 +48,7 @@ impl Pass {
         }
     }
 
-    fn of<const M: usize>(flow: &Flow<'_>, noise: &Noise) -> Self {
+    fn of<const M: usize>(flow: &Flow<'_>, noise: &Noise) -> Option<Self> {
         let run = flow.run;
         let order = in_order(flow.robot, run);
         let mut covariance = Covariance::<M> {
@@ -61,8 +61,11 @@ impl Pass {
         let mut before_s = f64::INFINITY;
         for (place, &(true_s, index)) in order.iter().enumerate() {
             let row = &run.rows[index];
-            let (after, step) = differentiated(flow, &point, true_s, row);
+            let (after, step) = differentiated(flow, &point, true_s, row, &covariance.deviation());
             point = after;
+            if point.is_lost() {
+                return None;
+            }
             let innovation = flow.innovation(&point, row);
             let mut variance = row.variance;
             let engaged = point.state.engaged();
@@ -102,7 +105,7 @@ impl Pass {
                 gusty,
             });
         }
-        Self { rows, gains }
+        Some(Self { rows, gains })
     }
 }
 

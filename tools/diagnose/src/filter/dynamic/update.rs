@@ -34,6 +34,9 @@ impl Gain {
     }
 }
 
+/// Share of a variance below which an update leaves rounding alone.
+const DIGITS: f64 = 1e-12;
+
 /// Covariance of the first M entries of the state; the others are known.
 pub(crate) struct Covariance<const M: usize> {
     pub(crate) p: [[f64; M]; M],
@@ -81,15 +84,32 @@ impl<const M: usize> Covariance<M> {
                 *own = (b..3).map(|a| w[a][i] * whitening[a][b]).sum();
             }
         }
+        let before: [f64; M] = std::array::from_fn(|i| self.p[i][i]);
         for (i, row) in self.p.iter_mut().enumerate() {
             for w in &w {
                 add(row, -w[i], w);
             }
         }
+        self.keep_positive(&before);
         Gain {
             gain,
             whitening,
             log_determinant,
+        }
+    }
+
+    /// What an update knows better than its digits is known as well as they say, and by itself: where a
+    /// wheel begins to slide, or sticks, derivatives over one row may be large.
+    fn keep_positive(&mut self, before: &[f64; M]) {
+        for (i, before) in before.iter().enumerate() {
+            let least = DIGITS * before;
+            if self.p[i][i] < least {
+                self.p[i] = [0.0; M];
+                for row in &mut self.p {
+                    row[i] = 0.0;
+                }
+                self.p[i][i] = least;
+            }
         }
     }
 
@@ -103,6 +123,15 @@ impl<const M: usize> Covariance<M> {
             }
         }
         self.p = product(f, &turned);
+    }
+
+    /// Standard deviations of the state; 0 for what is known.
+    pub(crate) fn deviation(&self) -> [f64; N] {
+        let mut out = [0.0; N];
+        for (i, own) in out.iter_mut().enumerate().take(M) {
+            *own = self.p[i][i].sqrt();
+        }
+        out
     }
 
     /// Surge and yaw rate change by as much as these deviations.
@@ -166,4 +195,39 @@ fn whitening(s: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
         [-(d * ia + e * ib) * i_f, ie, i_f],
     ];
     (inverse, 2.0 * (a.ln() + c.ln() + f.ln()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{POSE, SLIP};
+    use super::*;
+
+    /// Rows of which each tells two coordinates nearly alike, far better than they were known.
+    #[test]
+    fn variances_stay_positive_however_much_a_row_says() {
+        let mut covariance = Covariance::<SLIP> {
+            p: [[0.0; SLIP]; SLIP],
+        };
+        for i in 0..SLIP {
+            covariance.p[i][i] = 1e8;
+        }
+        let mut flow = [[0.0; N]; N];
+        for (i, line) in flow.iter_mut().enumerate() {
+            line[i] = 1.0;
+        }
+        let mut step = Derivatives {
+            flow,
+            measurement: [[0.0; N]; 3],
+            still: true,
+        };
+        for (k, line) in step.measurement.iter_mut().enumerate() {
+            line[POSE] = 1.0;
+            line[ROLLING] = 1.0 + 1e-7 * k as f64;
+        }
+        for _ in 0..5 {
+            let gain = covariance.update(&step, &[1e-9; 3]);
+            assert!(gain.log_determinant.is_finite());
+            assert!((0..SLIP).all(|i| covariance.p[i][i] > 0.0));
+        }
+    }
 }
