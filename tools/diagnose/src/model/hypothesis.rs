@@ -1,8 +1,6 @@
 //! Hypotheses: effects that the model may lack, or have with other numbers, each with values to
 //! start from.
 
-use std::f64::consts::TAU;
-
 use slipstream_bus::{EffectSpec, InputError, Parameter, RobotModel};
 use slipstream_sim::effects::{
     CATALOGUE, Channel, Domain, Info, ModelSite, ParameterInfo, Role, When, find,
@@ -11,6 +9,7 @@ use slipstream_sim::{CommandKind, Stream};
 
 use crate::data::command::asked;
 use crate::data::track::{Sensor, Series, Track};
+use crate::filter::wrapped;
 
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
@@ -126,7 +125,7 @@ impl Hypothesis {
 /// has no bounds to be held by.
 pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
     if comes_round(info, name) {
-        value - TAU * (value / TAU).round()
+        wrapped(value)
     } else {
         value
     }

@@ -166,8 +166,6 @@ fn at_work(machine: &Machine, fit: &Fit, hypothesis: &Hypothesis) -> Vec<[f64; 2
 fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
     let value = |name: &str| patch.and_then(|p| p.value(name)).unwrap_or(0.0);
     let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
-    let body = &machine.model.robot;
-    let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
     let Some(robot) = machine.robot(&fit.hypotheses) else {
         return Vec::new();
     };
@@ -179,16 +177,12 @@ fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64
         }
         let [right, left, across] = robot.slip_m_s(state);
         let slides = state.slides();
-        let [x, y, yaw] = state.pose();
-        let (sin, cos) = yaw.sin_cos();
-        let on_patch = |side: f64| {
-            let place = [x - d * cos + side * sin, y - d * sin - side * cos];
-            patch.is_none() || (place[0] - px).hypot(place[1] - py) < radius
+        let contacts = machine.contacts(state.pose());
+        let on_patch = |[x, y]: [f64; 2]| patch.is_none() || (x - px).hypot(y - py) < radius;
+        let fast = |i: usize, along: f64| {
+            slides[i] && along.hypot(across) > SLIDING_M_S && on_patch(contacts[i])
         };
-        let fast = |i: usize, along: f64, side: f64| {
-            slides[i] && along.hypot(across) > SLIDING_M_S && on_patch(side)
-        };
-        if fast(0, right, b) || fast(1, left, -b) {
+        if fast(0, right) || fast(1, left) {
             match intervals.last_mut() {
                 Some(own) if last - own[1] < GAP_S => own[1] = t_s,
                 _ => intervals.push([last, t_s]),

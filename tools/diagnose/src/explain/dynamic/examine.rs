@@ -76,11 +76,7 @@ pub(crate) fn examine(
     answer
         .budget
         .extend(prediction::budgets(&machine, &predictor, fit));
-    let noisy = selected
-        .unknown
-        .as_ref()
-        .map_or(fit, |unknown| &unknown.fit);
-    let noise = answer::process_noise(&machine, noisy);
+    let noise = answer::process_noise(&machine, selected.whole());
     answer.warnings.extend(answer::wandering(&machine, &noise));
     answer.warnings.extend(answer::gusts(&machine));
     answer.process_noise.extend(noise);

@@ -10,6 +10,7 @@ use super::fit::Fit;
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
 use crate::filter::dynamic::impulse::{Impulse, impulses};
+use crate::filter::wrapped;
 use crate::model::hypothesis::Hypothesis;
 
 /// A push lasts this long (s); its first instant lies half of it before the middle.
@@ -140,14 +141,10 @@ impl Machine {
         let base = self.rolling_with_wheel_noise(fit)?;
         let places = self.conspicuous_places(fit, &base)?;
         // at small noise what slides is told from what pushes; where only noise is left, at its own
-        let least = [
-            PLACE_GAIN,
-            SHARE * (base.deviance - fit.deviance),
-            RIVAL * rival,
-        ];
-        let least = least.into_iter().fold(0.0, f64::max);
-        let mut moved = self.patches(fit, &base, &places, least);
-        moved.extend(self.patches(fit, fit, &places, PLACE_GAIN.max(RIVAL * rival)));
+        let least = PLACE_GAIN.max(RIVAL * rival);
+        let least_at_base = least.max(SHARE * (base.deviance - fit.deviance));
+        let mut moved = self.patches(fit, &base, &places, least_at_base);
+        moved.extend(self.patches(fit, fit, &places, least));
         let settled = moved.into_par_iter().filter_map(|all| {
             let begun = self.begun(fit, all)?;
             Some(self.settled(begun, &WIDE))
@@ -193,13 +190,9 @@ impl Machine {
     /// Places of the floor where something pushes the robot of `base` while a wheel is there: most first.
     fn conspicuous_places(&self, fit: &Fit, base: &Fit) -> Option<Vec<[f64; 2]>> {
         let mut wheels: Vec<Vec<(f64, [[f64; 2]; 2])>> = vec![Vec::new(); self.runs.len()];
-        let body = &self.model.robot;
-        let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+        let b = self.model.robot.half_track_m;
         self.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
-            let [x, y, yaw] = state.pose();
-            let (sin, cos) = yaw.sin_cos();
-            let wheel = |side: f64| [x - d * cos - side * sin, y - d * sin + side * cos];
-            wheels[run].push((t_s, [wheel(-b), wheel(b)]));
+            wheels[run].push((t_s, self.contacts(state.pose())));
         })?;
         let mut gains: BTreeMap<[i64; 2], f64> = BTreeMap::new();
         for (run, impulse) in self.impulses(base) {
@@ -339,11 +332,6 @@ fn patch(info: &'static slipstream_sim::effects::Info, [x, y, r, inverse]: [f64;
         ("friction", 1.0 / inverse),
     ];
     Hypothesis::new(info, values)
-}
-
-fn wrapped(angle: f64) -> f64 {
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
 }
 
 /// Random numbers of a fixed seed: the same search finds the same.

@@ -90,6 +90,14 @@ impl Machine {
         !self.excluded.iter().any(|excluded| excluded == id)
     }
 
+    /// Where the right and the left wheel of the nominal model touch the floor at a pose of c (m).
+    pub(crate) fn contacts(&self, [x, y, yaw]: [f64; 3]) -> [[f64; 2]; 2] {
+        let body = &self.model.robot;
+        let (b, d) = (body.half_track_m, body.com_to_axle_m.unwrap_or(0.0));
+        let (sin, cos) = yaw.sin_cos();
+        [b, -b].map(|side| [x - d * cos + side * sin, y - d * sin - side * cos])
+    }
+
     /// Whether a pose was measured.
     pub(crate) fn has_pose(&self) -> bool {
         let mut rows = self.runs.iter().flat_map(|run| &run.rows);

@@ -25,7 +25,7 @@ pub(crate) fn held_out(machine: &Machine, predictor: &Predictor, fit: &Fit) -> H
     let windows = &predictor.windows;
     let before = predictor.misfit(windows, &[]);
     let after = if fit.hypotheses.is_empty() {
-        predictor.misfit(windows, &[])
+        before
     } else {
         let folds = (0..FOLDS).into_par_iter().map(|fold| {
             let own: Vec<Window> = windows.iter().skip(fold).step_by(FOLDS).cloned().collect();

@@ -81,10 +81,9 @@ impl Selected {
         !self.unknown.as_ref().is_some_and(part)
     }
 
-    /// −2 ln L of everything that was found.
-    fn deviance(&self) -> f64 {
-        let unknown = self.unknown.as_ref().map(|unknown| unknown.fit.deviance);
-        unknown.unwrap_or(self.fit.deviance)
+    /// The fit of everything that was found.
+    pub(crate) fn whole(&self) -> &Fit {
+        self.unknown.as_ref().map_or(&self.fit, |own| &own.fit)
     }
 }
 
@@ -136,7 +135,7 @@ impl Selection<'_> {
         let Course::Found(selected) = self.from(nominal.clone())? else {
             return None;
         };
-        if nominal.deviance - selected.deviance() > gain {
+        if nominal.deviance - selected.whole().deviance > gain {
             return Some(*selected);
         }
         (self.progress)("gusts");
