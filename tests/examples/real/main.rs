@@ -49,7 +49,7 @@ fn write(from: &Path, into: &Path) -> Result<(), Box<dyn Error>> {
     for recording in &recordings {
         println!("{}", recording.name);
         let study = Study::new(recording)?;
-        for picture in picture::pictures(&study)? {
+        for picture in picture::pictures(&study) {
             std::fs::write(into.join(&picture.file), &picture.svg)?;
             page.picture(&study, picture);
         }

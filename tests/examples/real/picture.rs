@@ -1,12 +1,14 @@
 //! Pictures of the prediction before and after.
 
 use slipstream_diagnose::{Point, Prediction};
-use slipstream_report::{Chart, Line, PictureError, Track};
+use slipstream_report::parts::{Frame, Ink, Scale, floor_scales, svg};
 
 use crate::study::Study;
 
 /// Length of recording that a picture shows, in windows of 5 s.
 const WINDOWS: usize = 12;
+/// Width of a picture (pixels).
+const WIDTH_PX: f64 = 640.0;
 /// Largest number of points of a line.
 const MAX_POINTS: usize = 600;
 
@@ -19,7 +21,7 @@ pub(crate) struct Picture {
 
 /// A picture of every robot: its path against the camera, or where there is none, the error of its
 /// heading.
-pub(crate) fn pictures(study: &Study<'_>) -> Result<Vec<Picture>, PictureError> {
+pub(crate) fn pictures(study: &Study<'_>) -> Vec<Picture> {
     let mut pictures = Vec::new();
     for robot in &study.recording.robots {
         if let Some([before, after]) = study.ends(&robot.name) {
@@ -29,34 +31,71 @@ pub(crate) fn pictures(study: &Study<'_>) -> Result<Vec<Picture>, PictureError> 
                 format!("{}.svg", study.recording.name)
             };
             let svg = if before.seen.is_empty() {
-                heading(before, after)?
+                heading(before, after)
             } else {
-                path(before, after)?
+                path(before, after)
             };
             let robot = robot.name.clone();
             pictures.push(Picture { robot, file, svg });
         }
     }
-    Ok(pictures)
+    pictures
 }
 
-fn path(before: &Prediction, after: &Prediction) -> Result<String, PictureError> {
-    let seen = Line::new("measured", shown(&before.seen)).dots().colour(5);
-    let nominal = Line::new("nominal model", shown(&before.predicted)).dashed();
-    let found = Line::new("improved model", shown(&after.predicted));
-    let track = Track::new().line(seen).line(nominal.colour(1));
-    track.line(found.colour(0)).svg()
+fn path(before: &Prediction, after: &Prediction) -> String {
+    let [seen, nominal, found] =
+        [&before.seen, &before.predicted, &after.predicted].map(|own| shown(own));
+    let [x, y] = floor_scales(seen.iter().chain(&nominal).chain(&found).copied());
+    let frame = Frame::floor(x, y, "path")
+        .x_axis("m")
+        .trail(Ink::Measured, &seen)
+        .trail(Ink::Before, &nominal)
+        .trail(Ink::After, &found);
+    let measured = (Ink::Measured, "measured");
+    svg(
+        &frame,
+        WIDTH_PX,
+        &[
+            measured,
+            (Ink::Before, "nominal model"),
+            (Ink::After, "improved model"),
+        ],
+    )
 }
 
-fn heading(before: &Prediction, after: &Prediction) -> Result<String, PictureError> {
-    let degrees = |points: &[Point]| {
+fn heading(before: &Prediction, after: &Prediction) -> String {
+    let degrees = |points: &[Point]| -> Vec<Point> {
         let points = shown(points).into_iter();
-        points.map(|(t_s, error)| (t_s, error.to_degrees()))
+        points
+            .map(|(t_s, error)| (t_s, error.to_degrees()))
+            .collect()
     };
-    let nominal = Line::new("nominal model", degrees(&before.heading)).dashed();
-    let found = Line::new("improved model", degrees(&after.heading));
-    let chart = Chart::new("t (s)", "heading error (degrees)");
-    chart.line(nominal.colour(1)).line(found.colour(0)).svg()
+    let lines = [&before.heading, &after.heading].map(|own| degrees(own));
+    let times = || {
+        lines
+            .iter()
+            .flatten()
+            .map(|p| p.0)
+            .filter(|t| t.is_finite())
+    };
+    let ends = [
+        times().fold(f64::INFINITY, f64::min),
+        times().fold(f64::NEG_INFINITY, f64::max),
+    ];
+    let y = Scale::around(lines.iter().flatten().map(|p| p.1), true, 4).of_degrees();
+    let frame = Frame::new(Scale::new(ends[0], ends[1], 6), y, 260, "heading error")
+        .x_axis("s")
+        .y_unit("°")
+        .line(Ink::Before, &lines[0], f64::INFINITY)
+        .line(Ink::After, &lines[1], f64::INFINITY);
+    svg(
+        &frame,
+        WIDTH_PX,
+        &[
+            (Ink::Before, "heading error, nominal model"),
+            (Ink::After, "improved model"),
+        ],
+    )
 }
 
 /// The first pieces, thinned.

@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use slipstream_bus::InputError;
-use slipstream_recording::{Channel, CompareError};
-use slipstream_report::{Chart, Line, Page, PictureError};
+use slipstream_recording::CompareError;
+use slipstream_report::compare::Comparison;
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::print::{eprint_line, print_line};
+use crate::provenance;
 
 /// Simulate the recorded commands and plot the result over the recording, channel by channel
 ///
@@ -36,8 +37,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
         .map_err(|error| located(&arguments.recording, error))?;
-    let failed = |e: String| Error::Failed(format!("{}: {e}", arguments.report.display()));
-    let page = page(&import.recording.name, &channels).map_err(|e| failed(e.to_string()))?;
+    let models_read = arguments
+        .robot
+        .iter()
+        .map(|own| own.split_once('=').map_or(own.as_str(), |(_, file)| file));
+    let files: Vec<PathBuf> = std::iter::once(arguments.recording.clone())
+        .chain(models_read.map(PathBuf::from))
+        .collect();
+    let page = slipstream_report::compare::page(&Comparison {
+        recording: &import.recording,
+        channels: &channels,
+        command_line: command_line(),
+        facts: provenance::facts(&files, &import.recording.origin),
+    });
     crate::output_file::write(&arguments.report, &page)?;
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
@@ -71,23 +83,4 @@ fn located(recording: &Path, error: CompareError) -> InputError {
             "record the commands to the drives",
         ),
     }
-}
-
-/// A page with one chart for each channel.
-fn page(title: &str, channels: &[Channel]) -> Result<String, PictureError> {
-    let mut page = Page::new(title, &command_line());
-    page.paragraph("The simulation runs open loop from the recorded commands.");
-    for channel in channels {
-        let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
-        page.section(&format!("{robot} {name}"));
-        let chart = Chart::new("t (s)", format!("{name} ({unit})"))
-            .line(Line::new("recorded", channel.recorded.iter().copied()))
-            .line(Line::new("simulated", channel.simulated.iter().copied()));
-        let caption = match channel.rms_difference() {
-            Some(rms) => format!("Root mean square of the difference: {rms:.4} {unit}."),
-            None => "Nothing to compare.".to_owned(),
-        };
-        page.figure(&chart.svg()?, &caption);
-    }
-    Ok(page.end())
 }

@@ -81,7 +81,7 @@ impl From<StudyError> for Error {
         match error {
             StudyError::Input(error) => Self::Input(error),
             StudyError::Run(run) => run.into(),
-            StudyError::Picture(_) | StudyError::Threads(_) => Self::Failed(error.to_string()),
+            StudyError::Threads(_) => Self::Failed(error.to_string()),
         }
     }
 }

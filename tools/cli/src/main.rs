@@ -15,6 +15,7 @@ mod models;
 mod output_file;
 mod print;
 mod progress;
+mod provenance;
 mod reproduce;
 mod run;
 mod study;

@@ -30,7 +30,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         write_json(path, &reproduction.comparison)?;
     }
     if let Some(path) = &arguments.report {
-        write(path, &reproduce::page(&reproduction, &command_line())?)?;
+        write(
+            path,
+            &slipstream_report::reproduce::page(&reproduction, &command_line()),
+        )?;
     }
     print_line!(
         "{:<62} {:>9} {:>9}  agrees",

@@ -1,7 +1,7 @@
 //! `slipstream run`: runs one experiment and prints its summary.
 
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::Clock;
@@ -9,10 +9,11 @@ use slipstream_launch::{
     Options, Request, Resolved, RunStatus, RunSummary, in_process, processes, resolve,
 };
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file;
 use crate::print::{self, eprint_line};
-use crate::summary;
+use crate::{provenance, summary};
 
 /// Run an experiment: one process for the plant and one for the controller of each robot
 ///
@@ -46,6 +47,9 @@ pub(crate) struct Arguments {
     /// Write no recording
     #[arg(long, conflicts_with = "out")]
     no_recording: bool,
+    /// Write a page: paths, spacing, slip, messages and deadlines, from the recording
+    #[arg(long, value_name = "FILE.html", conflicts_with = "no_recording")]
+    report: Option<PathBuf>,
     /// Print every key of the experiment with its value and origin, and run nothing
     #[arg(long)]
     dry_run: bool,
@@ -79,6 +83,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     ));
     if let Some(path) = &arguments.json {
         output_file::write_json(path, &run)?;
+    }
+    if let Some(path) = &arguments.report {
+        arguments.write_report(path, &run, &resolved)?;
     }
     Ok(match run.status {
         RunStatus::Done => Exit::Done,
@@ -121,6 +128,26 @@ impl Arguments {
         let name = &resolved.experiment.settings.name;
         let default = || PathBuf::from(format!("{name}.mcap"));
         (!self.no_recording).then(|| self.out.clone().unwrap_or_else(default))
+    }
+
+    fn write_report(
+        &self,
+        path: &Path,
+        run: &RunSummary,
+        resolved: &Resolved,
+    ) -> Result<(), Error> {
+        let Some(file) = &run.recording else {
+            return Ok(());
+        };
+        let import = slipstream_recording::read(file)?;
+        let page = slipstream_report::run::page(&slipstream_report::run::Run {
+            summary: run,
+            experiment: &resolved.experiment,
+            recording: &import.recording,
+            command_line: command_line(),
+            facts: provenance::facts(&[], ""),
+        });
+        output_file::write(path, &page)
     }
 
     fn run_processes(&self, resolved: &Resolved) -> Result<RunSummary, Error> {

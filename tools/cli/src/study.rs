@@ -147,7 +147,10 @@ impl Output {
             write_json(file, study)?;
         }
         if let Some(file) = &report {
-            write(file, &delay::page(study, &command_line())?)?;
+            write(
+                file,
+                &slipstream_report::study::page(study, &command_line()),
+            )?;
         }
         let runs: u64 = study.points.iter().map(|point| u64::from(point.runs)).sum();
         print_line!("{} points, {runs} runs", study.points.len());

@@ -1,5 +1,6 @@
-//! Opens every report in a browser: no errors on the console, all figures present, no text cut off or
-//! overlapping other text or a line. Skipped without Chromium, but a failure if `CI` is set.
+//! Opens every page in a browser, narrow, usual and wide, light and dark: no errors on the console, no text cut off or over
+//! other text, enough contrast, names for everything. The cursor, the zoom and the sorting work, and the numbers are those of the
+//! JSON. Skipped without Chromium, but a failure if `CI` is set.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
@@ -8,134 +9,125 @@ use std::path::Path;
 
 use common::browser::Browser;
 use common::slipstream;
+use serde_json::Value;
 
-/// JavaScript that returns the number of figures on the page and a list of problems.
-const INSPECT: &str = r"(() => {
-    const problems = [];
-    const figures = [...document.querySelectorAll('figure svg')];
-    const position = (a) => `(${a.x.toFixed()}, ${a.y.toFixed()})`;
-    const overlap = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
-        && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1;
-    for (const [i, svg] of figures.entries()) {
-        const frame = svg.getBoundingClientRect();
-        if (frame.width < 300 || frame.height < 100) problems.push(`figure ${i} is tiny`);
-        if (!svg.querySelector('polyline, rect[fill]:not([fill=\'#FFFFFF\']), circle'))
-            problems.push(`figure ${i} shows nothing`);
-        const texts = [...svg.querySelectorAll('text')].filter((t) => t.textContent.trim())
-            .map((t) => ({ text: t.textContent.trim(), box: t.getBoundingClientRect() }));
-        if (texts.length < 4) problems.push(`figure ${i} has no axes`);
-        for (const [j, { text, box }] of texts.entries()) {
-            if (box.left < frame.left - 1 || box.right > frame.right + 1
-                || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
-                problems.push(`figure ${i}: '${text}' is cut off`);
-            for (const other of texts.slice(j + 1))
-                if (overlap(box, other.box))
-                    problems.push(`figure ${i}: '${text}' ${position(box)} over '${other.text}' ${position(other.box)}`);
-        }
-        const scale = frame.width / svg.viewBox.baseVal.width;
-        for (const line of svg.querySelectorAll('polyline'))
-            for (const point of line.points) {
-                const x = frame.left + point.x * scale, y = frame.top + point.y * scale;
-                const hit = texts.find(({ box }) => x > box.left + 1 && x < box.right - 1
-                    && y > box.top + 1 && y < box.bottom - 1);
-                if (hit) { problems.push(`figure ${i}: a line over '${hit.text}'`); break; }
-            }
+/// JavaScript that returns the number of charts on the page and a list of problems.
+const INSPECT: &str = include_str!("external/inspect.js");
+/// Largest page (bytes).
+const LARGEST: u64 = 1_000_000;
+
+/// Opens a page at several widths in both schemes and expects no errors, no problems and at least so many charts.
+fn assert_page(browser: &mut Browser, page: &Path, least_charts: u64) {
+    let size = page.metadata().unwrap().len();
+    assert!(size < LARGEST, "{}: {size} bytes", page.display());
+    for (width_px, dark) in [(400, false), (1280, true), (2560, false)] {
+        browser.look(width_px, dark);
+        let errors = browser.open_file(page);
+        assert!(errors.is_empty(), "{}: {errors:?}", page.display());
+        let seen = browser.evaluate(INSPECT);
+        let problems = seen["problems"].as_array().unwrap();
+        assert!(
+            problems.is_empty(),
+            "{} at {width_px} px, dark: {dark}: {seen:#}",
+            page.display()
+        );
+        let charts = seen["charts"].as_u64().unwrap();
+        assert!(
+            charts >= least_charts,
+            "{}: {charts} charts",
+            page.display()
+        );
     }
-    const blocks = [...document.querySelectorAll('h1, h2, h3, p, pre, figure, .wide')]
-        .map((b) => ({ text: b.textContent.trim().slice(0, 20), box: b.getBoundingClientRect() }))
-        .filter(({ box }) => box.height > 0);
-    for (const [i, block] of blocks.entries())
-        for (const other of blocks.slice(i + 1))
-            if (overlap(block.box, other.box)) problems.push(`'${block.text}' over '${other.text}'`);
-    if (document.documentElement.scrollWidth > window.innerWidth) problems.push('the page is too wide');
-    return { figures: figures.length, problems };
-})()";
+    browser.look(1280, false);
+}
 
-/// Opens a report and expects no errors, no problems and at least so many figures.
-fn assert_page(browser: &mut Browser, page: &Path, min_figures: u64) {
-    let errors = browser.open_file(page);
-    assert!(errors.is_empty(), "{}: {errors:?}", page.display());
-    let seen = browser.evaluate(INSPECT);
-    assert_eq!(
-        seen["problems"].as_array().unwrap().len(),
-        0,
-        "{}: {seen:#}",
-        page.display()
-    );
-    let figures = seen["figures"].as_u64().unwrap();
-    assert!(
-        figures >= min_figures,
-        "{}: {figures} figures",
-        page.display()
-    );
+fn run(folder: &Path, arguments: &str) {
+    let output = slipstream(folder, &arguments.split(' ').collect::<Vec<_>>());
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments}: {stderr}");
 }
 
 #[test]
-fn reports_have_no_layout_problems() {
+fn pages_have_no_layout_problems() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let run = |arguments: &str| {
-        let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {stderr}");
-    };
-    run("run --out run.mcap --set links.delay_s=0.08 --set links.jitter_s=0.03");
-    run("run --clock wall --set duration_s=4 --out wall.mcap");
-    run("trace run.mcap --report trace.html");
-    run("trace wall.mcap --report wall.html");
-    run("compare run.mcap --report compare.html");
-    run("reproduce --report reproduce.html");
+    let folder = folder.path();
     run(
+        folder,
+        "run --out run.mcap --set links.delay_s=0.08 --set links.jitter_s=0.03 --report run.html",
+    );
+    run(
+        folder,
+        "run --clock wall --set duration_s=4 --out wall.mcap",
+    );
+    run(folder, "trace run.mcap --report trace.html");
+    run(
+        folder,
+        "trace wall.mcap --against run.mcap --report wall.html",
+    );
+    run(folder, "compare run.mcap --report compare.html");
+    run(folder, "reproduce --report reproduce.html");
+    run(
+        folder,
         "study delay --runs 2 --delay 0,0.1,0.3 --jitter 0 --loss 0,0.1 --k-x 1,2 --torque-limit none \
          --report study.html",
     );
-    for (page, figures) in [
-        ("trace.html", 6),
-        ("wall.html", 6),
-        ("compare.html", 20),
-        ("reproduce.html", 9),
-        ("study.html", 4),
+    run(folder, "trial --cases 2 --seed 3 --report trial.html");
+    for (page, charts) in [
+        ("run.html", 6),
+        ("trace.html", 2),
+        ("wall.html", 2),
+        ("compare.html", 18),
+        ("reproduce.html", 12),
+        ("study.html", 8),
+        ("trial.html", 0),
     ] {
-        assert_page(&mut browser, &folder.path().join(page), figures);
+        assert_page(&mut browser, &folder.join(page), charts);
     }
 }
 
-/// The page of a diagnosis with slip has the answer, every kind of figure and every table. No other files
-/// are written.
+/// The page of a diagnosis with slip has the answer, every kind of chart and every table; its numbers are those of the JSON.
+/// No other files are written.
 #[test]
-fn diagnosis_page_is_complete_without_layout_problems() {
+fn diagnosis_page_says_what_the_json_says() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    for arguments in [
-        "run single --out single.mcap",
+    let folder = folder.path();
+    run(folder, "run single --out single.mcap");
+    run(
+        folder,
         "diagnose single.mcap --report page.html --json page.json --improved better.toml",
-    ] {
-        let output = slipstream(folder.path(), &arguments.split(' ').collect::<Vec<_>>());
-        let stderr = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{arguments}: {stderr}");
-    }
-    let page = folder.path().join("page.html");
-    assert_page(&mut browser, &page, 14);
+    );
+    assert_page(&mut browser, &folder.join("page.html"), 9);
     let text = browser.evaluate("document.body.innerText").to_string();
     for what in [
-        "Prediction error over 5 s",
-        "Residuals before and after",
-        "When each finding acts",
-        "missing force along the body (N)",
-        "Path",
-        "friction_kinetic",
-        "Prediction error over 5 s by channel",
-        "Effects ruled out",
-        "Effects that cannot be told apart",
+        "The wheels slip: friction is 0.24",
+        "Takes away",
+        "What to do",
+        "Where the error was, and what is left",
+        "Missing force along the body",
+        "Ruled out, down to which size",
+        "The data",
+        "How this page was made",
         "slipstream diagnose single.mcap",
+        "wheel_slip = { friction_static",
     ] {
-        assert!(text.contains(what), "{what}");
+        assert!(text.contains(what), "{what}\n{text}");
     }
-    let mut names: Vec<String> = std::fs::read_dir(folder.path())
+    let json: Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.join("page.json")).unwrap()).unwrap();
+    let inside = browser.evaluate("document.getElementById('answer').textContent");
+    let inside: Value = serde_json::from_str(inside.as_str().unwrap()).unwrap();
+    assert!(
+        inside == json,
+        "the page carries another answer than the file"
+    );
+    assert_numbers(&mut browser, &json);
+    let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
@@ -144,6 +136,99 @@ fn diagnosis_page_is_complete_without_layout_problems() {
         names,
         ["better.toml", "page.html", "page.json", "single.mcap"]
     );
+}
+
+/// The table of findings and the budget show the numbers of the answer, to the digits that they show.
+fn assert_numbers(browser: &mut Browser, json: &Value) {
+    let shown = browser.evaluate(
+        "[...document.querySelectorAll('.find tbody tr:first-child td:nth-child(4) .ln')].map((e) => e.textContent)",
+    );
+    let parameters = json["findings"][0]["parameters"].as_array().unwrap();
+    assert_eq!(shown.as_array().unwrap().len(), parameters.len());
+    for (shown, parameter) in shown.as_array().unwrap().iter().zip(parameters) {
+        assert_shows(shown, parameter["estimate"].as_f64().unwrap());
+    }
+    let ends = browser.evaluate(
+        "[...document.querySelectorAll('.brow:first-child .ends span')].map((e) => e.textContent)",
+    );
+    let budget = &json["budget"][0];
+    for (shown, end) in ends.as_array().unwrap().iter().zip(["before", "after"]) {
+        assert_shows(shown, 100.0 * budget[end].as_f64().unwrap());
+    }
+}
+
+/// The number in `shown` is `value` rounded.
+fn assert_shows(shown: &Value, value: f64) {
+    let text: String = shown
+        .as_str()
+        .unwrap()
+        .chars()
+        .filter(|c| c.is_ascii_digit() || *c == '.')
+        .collect();
+    let decimals = text.split_once('.').map_or(0, |(_, rest)| rest.len());
+    assert_eq!(text, format!("{value:.decimals$}"), "{shown}");
+}
+
+/// Cursor, zoom, shading, theme and sorting by pointer and by keyboard.
+#[test]
+fn a_page_answers_pointer_and_keys() {
+    let Some(mut browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "run --out run.mcap --report run.html");
+    browser.look(1280, false);
+    assert!(
+        browser
+            .open_file(&folder.path().join("run.html"))
+            .is_empty()
+    );
+    let seen = browser.evaluate(
+        "(() => {
+            const box = document.querySelector('[data-cursor]'), frame = box.querySelector('.fr[data-t]');
+            const place = frame.getBoundingClientRect(), middle = place.left + place.width / 2;
+            const send = (name, x) => frame.dispatchEvent(new PointerEvent(name, { clientX: x, clientY: place.top + 9, pointerType: 'mouse' }));
+            const before = box.classList.contains('on');
+            send('pointermove', middle);
+            const time = box.querySelector('[data-v=t]').textContent, value = box.querySelector('[data-v^=r]').textContent;
+            const dot = box.querySelector('[data-p]').style.display;
+            const input = box.querySelector('.scrub'), at = +input.value;
+            input.value = at + 1; input.dispatchEvent(new Event('input'));
+            const next = box.querySelector('[data-v=t]').textContent;
+            send('pointerdown', place.left + place.width * 0.25); send('pointermove', middle); send('pointerup', middle);
+            const view = frame.querySelector('svg').getAttribute('viewBox');
+            const ticks = [...box.querySelectorAll('.rows .fr:last-of-type .xt')].map((e) => e.textContent).join(' ');
+            box.querySelector('[data-zoom=all]').click();
+            const whole = frame.querySelector('svg').getAttribute('viewBox');
+            document.getElementById('theme').click();
+            const theme = document.documentElement.dataset.theme;
+            const head = document.querySelector('th.num button'); head.click();
+            const sorted = head.parentElement.getAttribute('aria-sort');
+            return { before, on: box.classList.contains('on'), time, value, dot, next, view, ticks, whole, theme, sorted };
+        })()",
+    );
+    assert_eq!(seen["before"], false, "{seen:#}");
+    assert_eq!(seen["on"], true, "{seen:#}");
+    assert!(
+        seen["time"].as_str().unwrap().starts_with("t = 7.5"),
+        "{seen:#}"
+    );
+    assert!(
+        seen["value"].as_str().unwrap().starts_with("0.6"),
+        "{seen:#}"
+    );
+    assert_eq!(seen["dot"], "block", "{seen:#}");
+    assert_ne!(seen["next"], seen["time"], "{seen:#}");
+    let view = seen["view"].as_str().unwrap();
+    let view: Vec<f64> = view.split(' ').map(|n| n.parse().unwrap()).collect();
+    assert!(
+        (view[0] - 1000.0).abs() < 10.0 && (view[2] - 1000.0).abs() < 10.0,
+        "{seen:#}"
+    );
+    assert!(seen["ticks"].as_str().unwrap().contains("5 6"), "{seen:#}");
+    assert_eq!(seen["whole"], "0 0 4000 1000", "{seen:#}");
+    assert_eq!(seen["theme"], "dark", "{seen:#}");
+    assert_eq!(seen["sorted"], "ascending", "{seen:#}");
 }
 
 /// Pages of two practice recordings, if they exist: a robot with twist commands, and three robots.
@@ -158,7 +243,7 @@ fn practice_diagnoses_have_no_layout_problems() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    for (name, figures) in [("practice-08", 4), ("practice-07", 20)] {
+    for (name, charts) in [("practice-08", 4), ("practice-07", 20)] {
         let recording = practice.join(name).display().to_string();
         let model = practice
             .join(format!("robots/{name}.toml"))
@@ -169,7 +254,7 @@ fn practice_diagnoses_have_no_layout_problems() {
         let output = slipstream(folder.path(), &arguments);
         let stderr = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{name}: {stderr}");
-        assert_page(&mut browser, &folder.path().join(page), figures);
+        assert_page(&mut browser, &folder.path().join(page), charts);
     }
 }
 
@@ -180,42 +265,46 @@ fn inspection_detects_problems() {
         return;
     };
     let folder = tempfile::tempdir().unwrap();
-    let text = |x: u32, y: u32| format!("<text x='{x}' y='{y}'>text</text>");
-    let figure = |inside: &str| {
+    let frame = |inside: &str| {
         format!(
-            "<!doctype html><figure><svg width='400' height='200' viewBox='0 0 400 200' \
-             xmlns='http://www.w3.org/2000/svg'><polyline points='0,190 9,190'/>{inside}</svg></figure>"
+            "<div class='fr' role='img' aria-label='x' style='position:relative;width:300px;height:100px'>\
+             <svg viewBox='0 0 10 10' width='300' height='100'><path d='M0 0l9 9' stroke='#000'/></svg>{inside}</div>"
         )
     };
-    let good = [text(10, 50), text(100, 50), text(200, 50), text(300, 50)].concat();
-    for (inside, what) in [
-        (String::new(), "has no axes"),
-        (good.clone() + &text(110, 55), "over 'text'"),
-        (good.clone() + &text(390, 100), "cut off"),
-        (
-            good.clone() + "<polyline points='0,0 15,45'/>",
-            "a line over",
-        ),
-    ] {
+    let word = |x: i32, text: &str| {
+        format!("<span class='xt' style='position:absolute;left:{x}px;top:40px'>{text}</span>")
+    };
+    let good = [word(10, "1"), word(100, "2")].concat();
+    browser.look(600, false);
+    let mut problems_of = |inside: &str| {
         let page = folder.path().join("page.html");
-        std::fs::write(&page, figure(&inside)).unwrap();
-        assert!(browser.open_file(&page).is_empty());
-        let seen = browser.evaluate(INSPECT);
-        let problems = seen["problems"].to_string();
-        assert!(problems.contains(what), "{what}: {seen}");
+        let html = format!("<!doctype html><html lang='en'><title>t</title><h1>one</h1>{inside}");
+        std::fs::write(&page, html).unwrap();
+        let errors = browser.open_file(&page);
+        (
+            errors.len(),
+            browser.evaluate(INSPECT)["problems"].to_string(),
+        )
+    };
+    for (inside, what) in [
+        (frame(&(good.clone() + &word(12, "3"))), "'1' over '3'"),
+        (frame(&(good.clone() + &word(590, "cut"))), "is cut off"),
+        (frame(&good).replace("l9 9", ""), "shows nothing"),
+        (
+            frame(&good).replace("aria-label='x'", ""),
+            "has no description",
+        ),
+        (
+            "<p style='color:#999'>grey</p>".to_owned(),
+            "too little contrast",
+        ),
+        ("<h3>three</h3>".to_owned(), "leaves a level out"),
+        ("<button></button>".to_owned(), "without a name"),
+        ("<p style='width:900px'>wide</p>".to_owned(), "too wide"),
+    ] {
+        let (_, problems) = problems_of(&inside);
+        assert!(problems.contains(what), "{what}: {problems}");
     }
-    let page = folder.path().join("page.html");
-    std::fs::write(
-        &page,
-        figure(&good) + "<script>console.error('no')</script>",
-    )
-    .unwrap();
-    assert_eq!(browser.open_file(&page).len(), 1);
-    assert_eq!(
-        browser.evaluate(INSPECT)["problems"]
-            .as_array()
-            .unwrap()
-            .len(),
-        0
-    );
+    let (errors, problems) = problems_of(&(frame(&good) + "<script>console.error('no')</script>"));
+    assert_eq!((errors, problems.as_str()), (1, "[]"));
 }

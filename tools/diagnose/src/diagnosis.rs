@@ -11,7 +11,6 @@ use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Task};
 use crate::explain::links::{self, Course};
-use crate::explain::pictures::figures;
 
 /// What is asked.
 pub struct Request<'a> {
@@ -35,7 +34,7 @@ pub(crate) struct Collected {
     pub(crate) courses: Vec<Course>,
 }
 
-/// The answer, each robot's improved model, and the figures of each machine, block by block.
+/// The answer, each robot's improved model, and the figures of each machine.
 pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
 
 /// Diagnoses every robot of the recordings. Returns the answer and each robot's improved model.
@@ -70,8 +69,8 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         let model = model_of(request, machine[0])?;
         slipstream_sim::Robot::new(&model)?;
         if kinematic::applies(&robots) {
-            let illustrated: Figures = by_filter(request, &machine, &model, &mut collected)?;
-            all.extend(illustrate.then_some(illustrated));
+            let figures = by_filter(request, &machine, &model, &mut collected, illustrate)?;
+            all.extend(figures);
         } else if dynamic::applies(&robots, &model) {
             all.extend(dynamic::examine(
                 request,
@@ -122,7 +121,8 @@ fn by_filter(
     machine: &[(&Recording, &Recorded)],
     model: &RobotModel,
     collected: &mut Collected,
-) -> Result<Figures, InputError> {
+    illustrate: bool,
+) -> Result<Option<Figures>, InputError> {
     let name = &machine[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
     let found = kinematic::examine(&Task {
@@ -131,6 +131,7 @@ fn by_filter(
         excluded: request.excluded,
         excluded_s: request.excluded_s,
         progress: &progress,
+        illustrate: illustrate.then_some(collected.answer.findings.len()),
     })?;
     let runs: Vec<String> = found.robots.iter().map(|i| run_name(machine, *i)).collect();
     let answer = &mut collected.answer;
@@ -163,7 +164,7 @@ fn by_filter(
             .iter()
             .map(|course| Course::of(name.clone(), course.points.clone(), course.deviation)),
     );
-    Ok(figures(name, &found))
+    Ok(found.figures.map(|figures| Figures { runs, ..figures }))
 }
 
 /// Name of a run: of its recording where there are several, else of its robot.

@@ -11,9 +11,9 @@ mod predict;
 mod select;
 
 pub use answer::{
-    Against, Answer, Budget, BudgetPart, Evidence, Figures, Finding, HeldOut, HeldOutChannel,
-    Limit, MissingForce, Outliers, ParameterEstimate, Paths, Place, Point, ProcessNoise, Residuals,
-    Seen, Unexplained, Verdict, Warning, in_digits, manoeuvre,
+    Answer, Budget, BudgetPart, ErrorLine, Evidence, Figures, Finding, HeldOut, HeldOutChannel,
+    LawCurve, Limit, MissingForce, Motion, Outliers, ParameterEstimate, Paths, Place, Point,
+    ProcessNoise, Profile, Seen, Unexplained, Verdict, Warning, in_digits, manoeuvre,
 };
 pub use diagnosis::{Illustrated, Request, diagnose, diagnose_with_figures};
 pub use predict::prediction::{Prediction, predict};

@@ -76,7 +76,7 @@ mod topics;
 
 pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults};
-pub use compare::{Channel, CompareError, compare};
+pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use foreign_bag::TopicMap;

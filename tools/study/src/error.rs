@@ -12,9 +12,6 @@ pub enum StudyError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A figure could not be drawn.
-    #[error(transparent)]
-    Picture(#[from] slipstream_report::PictureError),
     /// The threads could not be started.
     #[error("the threads of the study could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

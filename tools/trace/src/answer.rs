@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use slipstream_bus::message::RobotIndex;
 use slipstream_bus::time::s_from_ns;
 
 use crate::chain::{Fate, Link, STAGES, messages};
@@ -241,16 +242,57 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
 }
 
 fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
-    let ahead = log.sender_to();
     let mut pairs = Groups::new(log.disk());
-    for ((robot, _), tick) in log.outer_ticks() {
-        let key = ahead.get(&robot).copied().zip(tick.message);
-        if let Some((key, sent)) = key.and_then(|key| Some((key, log.sent(key)?))) {
-            let age_ns = tick.began_ns.saturating_sub(sent.sampled_ns);
-            pairs.push((key.0, robot), age_ns);
-        }
+    for (link, _, age_ns) in used_at_outer_ticks(log) {
+        pairs.push(link, age_ns);
     }
     ages(&pairs, names)
+}
+
+/// Each outer tick that uses a position: the link, when it began (ns), and how old the position is (ns).
+fn used_at_outer_ticks(log: &Log) -> impl Iterator<Item = (Link, i64, i64)> {
+    let ahead = log.sender_to();
+    log.outer_ticks().filter_map(move |((robot, _), tick)| {
+        let (from, seq) = ahead.get(&robot).copied().zip(tick.message)?;
+        let sent = log.sent((from, seq))?;
+        let age_ns = tick.began_ns.saturating_sub(sent.sampled_ns);
+        Some(((from, robot), tick.began_ns, age_ns))
+    })
+}
+
+/// Age of the position that a robot uses, over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AgeLine {
+    /// The robot ahead.
+    pub from: RobotIndex,
+    /// The robot that uses its position.
+    pub to: RobotIndex,
+    /// Time of the outer tick and age (s), in order; thinned to some thousands.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Most points of an age over time.
+const AGE_POINTS: usize = 4000;
+
+/// Age of the position in use at the outer ticks of each robot.
+pub fn ages_over_time(log: &Log) -> Vec<AgeLine> {
+    let mut counts: BTreeMap<Link, usize> = BTreeMap::new();
+    for (link, ..) in used_at_outer_ticks(log) {
+        *counts.entry(link).or_default() += 1;
+    }
+    let mut lines: BTreeMap<Link, (usize, Vec<(f64, f64)>)> = BTreeMap::new();
+    for (link, began_ns, age_ns) in used_at_outer_ticks(log) {
+        let stride = counts
+            .get(&link)
+            .map_or(1, |count| count.div_ceil(AGE_POINTS).max(1));
+        let (seen, points) = lines.entry(link).or_default();
+        if *seen % stride == 0 {
+            points.push((s_from_ns(began_ns), s_from_ns(age_ns)));
+        }
+        *seen += 1;
+    }
+    let line = |((from, to), (_, points))| AgeLine { from, to, points };
+    lines.into_iter().map(line).collect()
 }
 
 fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopTiming> {

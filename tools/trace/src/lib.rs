@@ -16,7 +16,9 @@ mod read;
 mod round_trips;
 mod step;
 
-pub use answer::{Age, Answer, Hop, Incomplete, LoopTiming, StageLatency, answer};
+pub use answer::{
+    Age, AgeLine, Answer, Hop, Incomplete, LoopTiming, StageLatency, ages_over_time, answer,
+};
 pub use chain::{Chain, Fate, Message, STAGES, follow};
 pub use compare::{Change, HopChange, against};
 pub use log::{Log, Note};

@@ -14,7 +14,6 @@ mod in_order;
 mod intervals;
 pub mod label;
 pub mod maker;
-pub mod page;
 pub mod protocol;
 pub mod seal;
 pub mod sealed_trial;

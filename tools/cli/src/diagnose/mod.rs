@@ -1,8 +1,5 @@
 //! `slipstream diagnose`: finds what a robot model lacks, from a recording.
 
-mod charts;
-mod page;
-mod points;
 mod text;
 
 use std::path::PathBuf;
@@ -12,12 +9,14 @@ use slipstream_diagnose::{
     Answer, Illustrated, InputError, Request, diagnose, diagnose_with_figures,
 };
 use slipstream_recording::robot_toml;
+use slipstream_report::diagnose::Diagnosis;
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file;
 use crate::print::{eprint_line, print_line};
-use crate::progress;
+use crate::{progress, provenance};
 
 /// Find what a robot model lacks, from a recording
 ///
@@ -85,12 +84,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         output_file::write_json(file, &answer)?;
     }
     if let Some(file) = &arguments.report {
-        let names: Vec<&str> = recordings
-            .iter()
-            .map(|recording| recording.name.as_str())
-            .collect();
-        let page = page::page(&names.join(", "), &answer, &figures);
-        let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
+        let names: Vec<&str> = recordings.iter().map(|own| own.name.as_str()).collect();
+        let origins: Vec<&str> = recordings.iter().map(|own| own.origin.as_str()).collect();
+        let page = slipstream_report::diagnose::page(&Diagnosis {
+            subject: names.join(", "),
+            answer: &answer,
+            figures: &figures,
+            recordings: &recordings,
+            model_of: &|robot| models.of(robot),
+            improved: &improved,
+            command_line: command_line(),
+            facts: provenance::facts(&arguments.files(), &distinct(&origins)),
+        });
         output_file::write(file, &page)?;
     }
     if let Some(file) = &arguments.improved {
@@ -105,6 +110,32 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     print_answer(&answer);
     Ok(Exit::Done)
+}
+
+impl Arguments {
+    /// Everything that was read.
+    fn files(&self) -> Vec<PathBuf> {
+        let models = self
+            .robot
+            .iter()
+            .map(|own| own.split_once('=').map_or(own.as_str(), |(_, file)| file));
+        self.recording
+            .iter()
+            .cloned()
+            .chain(models.map(PathBuf::from))
+            .collect()
+    }
+}
+
+/// Texts without repetition.
+fn distinct(texts: &[&str]) -> String {
+    let mut own: Vec<&str> = Vec::new();
+    for text in texts.iter().filter(|text| !text.is_empty()) {
+        if !own.contains(text) {
+            own.push(text);
+        }
+    }
+    own.join("; ")
 }
 
 /// Parses a time span `A:B` (s).

@@ -64,42 +64,6 @@ pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
     )
 }
 
-/// A number with four significant digits; a dash if it is not finite.
-pub(super) fn format_number(value: f64) -> String {
-    if !value.is_finite() {
-        return "–".to_owned();
-    }
-    let size = value.abs();
-    if size != 0.0 && !(1e-4..1e6).contains(&size) {
-        return format!("{value:.2e}");
-    }
-    let integer_digits = if size >= 1.0 {
-        size.log10().floor() as usize + 1
-    } else {
-        0
-    };
-    let decimals = if integer_digits > 0 {
-        4_usize.saturating_sub(integer_digits)
-    } else {
-        leading_zeros(size) + 4
-    };
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
-/// Number of zeros between the decimal point and the first significant digit.
-fn leading_zeros(size: f64) -> usize {
-    if size == 0.0 {
-        0
-    } else {
-        (-size.log10()).floor().max(0.0) as usize
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,22 +92,5 @@ mod tests {
             "Robot r1: of 35.2 cm rms over 5 s: pose offset 18.1, wheel radius 13.7, 2.8 follow no \
              pattern, 0.50 are sensor noise; 4.1 cm are left with the findings"
         );
-    }
-
-    #[test]
-    fn numbers_have_four_significant_digits() {
-        for (value, text) in [
-            (0.0, "0"),
-            (0.236_14, "0.2361"),
-            (0.001_234_56, "0.001235"),
-            (-9.1, "-9.1"),
-            (1234.56, "1235"),
-            (1.02, "1.02"),
-            (3e-7, "3.00e-7"),
-            (120.0, "120"),
-            (f64::INFINITY, "–"),
-        ] {
-            assert_eq!(format_number(value), text);
-        }
     }
 }

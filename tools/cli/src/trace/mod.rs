@@ -1,16 +1,18 @@
 //! `slipstream trace`: latency of position messages, stage by stage.
 
-mod page;
 mod table;
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use slipstream_report::trace::Latency;
 use slipstream_trace::Reading;
 
+use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file;
 use crate::print::{self, eprint_line};
+use crate::provenance;
 
 /// Show the latency of each link, stage by stage, from the encoder sample to the applied torque
 ///
@@ -59,8 +61,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         write_round_trips(file, &reading)?;
     }
     if let Some(file) = &arguments.report {
-        let page = page::page(&arguments.recording, &answer, &reading);
-        let page = page.map_err(|e| Error::Failed(format!("{}: {e}", file.display())))?;
+        let name = arguments.recording.file_name().unwrap_or_default();
+        let page = slipstream_report::trace::page(&Latency {
+            subject: name.to_string_lossy().into_owned(),
+            answer: &answer,
+            reading: &reading,
+            command_line: command_line(),
+            facts: provenance::facts(std::slice::from_ref(&arguments.recording), ""),
+        });
         output_file::write(file, &page)?;
     }
     reading.log.check()?;

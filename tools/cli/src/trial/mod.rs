@@ -119,9 +119,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         write_json(file, &report)?;
     }
     if let Some(file) = &arguments.report {
-        let page = slipstream_trial::page::page(&report, &command_line())
-            .map_err(|error| Error::Failed(error.to_string()))?;
-        write(file, &page)?;
+        write(
+            file,
+            &slipstream_report::trial::page(&report, &command_line()),
+        )?;
     }
     text::print_report(&report);
     Ok(Exit::Done)

@@ -79,6 +79,16 @@ impl Browser {
         std::mem::take(&mut self.errors)
     }
 
+    /// Sets the width of the page (pixels), and whether the system prefers dark pages.
+    pub(crate) fn look(&mut self, width_px: u32, dark: bool) {
+        let size =
+            json!({"width": width_px, "height": 900, "deviceScaleFactor": 1, "mobile": false});
+        self.call("Emulation.setDeviceMetricsOverride", size);
+        let scheme = if dark { "dark" } else { "light" };
+        let feature = json!([{"name": "prefers-color-scheme", "value": scheme}]);
+        self.call("Emulation.setEmulatedMedia", json!({"features": feature}));
+    }
+
     /// Evaluates a JavaScript expression in the page.
     pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
         let arguments =

@@ -1,86 +1,125 @@
-//! What the figures of a report show, as plain numbers: residuals, missing forces, paths, and what was
-//! ruled out down to which size.
+//! What the figures of a report show, as plain numbers: errors over time, paths, missing forces, how the
+//! error depends on an assumed size, and what was ruled out down to which size.
 
 /// A point of a figure: what stands on the axis across, what on the axis up.
 pub type Point = (f64, f64);
 
 /// What the figures of one machine show. A point that is not finite is a gap.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Figures {
     /// The machine.
     pub robot: String,
+    /// The recording and the robot of each run.
+    pub runs: Vec<String>,
     /// Begin and end of each of its recordings (s).
     pub spans_s: Vec<[f64; 2]>,
-    /// Simulated minus measured, one for each channel of each recording.
-    pub residuals: Vec<Residuals>,
+    /// How it drove.
+    pub motion: Vec<Motion>,
+    /// Predicted minus measured, one for each quantity of each recording.
+    pub errors: Vec<ErrorLine>,
     /// The force that the models miss; none for robots that are driven by speeds.
     pub forces: Vec<MissingForce>,
-    /// The same against the variable that tells most of each finding.
-    pub against: Vec<Against>,
-    /// Where the camera saw each run, and where the models predict it.
+    /// Where each run was seen, and where the models predict it.
     pub paths: Vec<Paths>,
+    /// How the error depends on the size of each finding.
+    pub profiles: Vec<Profile>,
+    /// Laws that no effect of the catalogue is.
+    pub laws: Vec<LawCurve>,
     /// From which size on each effect that was not found would have been seen.
     pub limits: Vec<Limit>,
 }
 
-/// Residuals of one channel in the windows of the fit: time (s), standard deviations of the sensor.
+/// Speed (m/s) and turn rate (rad/s) of one run over time (s), as its wheels or commands say.
 #[derive(Debug, Clone)]
-pub struct Residuals {
+pub struct Motion {
     /// Number of the recording, from 0.
     pub run: usize,
-    /// As in `held_out`.
-    pub channel: &'static str,
+    /// Speed.
+    pub speed_m_s: Vec<Point>,
+    /// Turn rate.
+    pub turn_rad_s: Vec<Point>,
+}
+
+/// Predicted minus measured of one quantity over time (s), in windows of 5 s whose start is fitted to
+/// their first half second; a gap after each window.
+#[derive(Debug, Clone)]
+pub struct ErrorLine {
+    /// Number of the recording, from 0.
+    pub run: usize,
+    /// `forward` and `sideways`, as seen from the robot, `heading`, or a channel as in `held_out`.
+    pub quantity: &'static str,
+    /// `m`, `rad`, `m/s`, `rad/s` or `m/s²`.
+    pub unit: &'static str,
+    /// Standard deviation of the sensor, in that unit.
+    pub deviation: f64,
     /// Of the nominal model.
     pub before: Vec<Point>,
     /// Of the model with what was found; empty where nothing was found.
     pub after: Vec<Point>,
 }
 
-/// A force that a model misses over time (s), estimated every 50 ms without an idea of its cause,
-/// and its mean over a quarter of a second without the extremes.
+/// A force that a model misses over time (s), as the filter estimates it.
 #[derive(Debug, Clone)]
 pub struct MissingForce {
     /// Number of the recording, from 0.
     pub run: usize,
-    /// What it is, with its unit.
-    pub quantity: String,
+    /// What it is.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
     /// Of the nominal model.
     pub before: Vec<Point>,
     /// Of the model with what was found; empty where nothing was found.
     pub after: Vec<Point>,
 }
 
-/// Paths on the floor (m) in pieces of 5 s: the start of each is fitted to its first half second,
-/// the rest is simulated from the commands alone.
+/// Paths on the floor (m): the start is fitted to the first half second, the rest is predicted.
 #[derive(Debug, Clone)]
 pub struct Paths {
     /// Number of the recording, from 0.
     pub run: usize,
-    /// Where the camera saw the tracked point.
-    pub camera: Vec<Point>,
+    /// Begin and end (s).
+    pub span_s: [f64; 2],
+    /// Whether it is predicted in pieces of 5 s, a gap after each; else in one.
+    pub in_pieces: bool,
+    /// Whether the wheels drive it; else the commands.
+    pub by_wheels: bool,
+    /// Where the tracked point was seen.
+    pub seen: Vec<Point>,
     /// Where the nominal model has it.
     pub before: Vec<Point>,
     /// Where the model with what was found has it; empty where nothing was found.
     pub after: Vec<Point>,
 }
 
-/// A missing force against a variable.
+/// Error of predictions over 5 s against the assumed size of one parameter, everything else as found.
 #[derive(Debug, Clone)]
-pub struct Against {
-    /// The finding's effect.
-    pub effect: String,
-    /// The force, with its unit.
-    pub quantity: String,
-    /// The variable, with its unit.
-    pub variable: String,
-    /// Every moment, without the finding.
-    pub before: Vec<Point>,
-    /// Every moment with what was found; empty for `unknown` and for what is measured.
-    pub after: Vec<Point>,
-    /// Of an effect outside of the catalogue: the force that was found.
+pub struct Profile {
+    /// Number of the finding in the answer.
+    pub finding: usize,
+    /// Name of the parameter.
+    pub parameter: &'static str,
+    /// `m` or `rad`: what the error is of.
+    pub unit: &'static str,
+    /// Parameter and root mean square error.
+    pub points: Vec<Point>,
+}
+
+/// A law that no effect of the catalogue is: a function of one variable with its 95 % band.
+#[derive(Debug, Clone)]
+pub struct LawCurve {
+    /// Number of the finding in the answer.
+    pub finding: usize,
+    /// What it acts on, and the unit.
+    pub quantity: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it depends on.
+    pub driver: &'static str,
+    /// The function.
     pub curve: Vec<Point>,
-    /// The curve is a function of the variable, not of more.
-    pub is_function: bool,
+    /// Ends of its 95 % band, at the same places; empty where it is not known.
+    pub band: [Vec<Point>; 2],
 }
 
 /// How large an effect that was not found can be at most.
@@ -100,6 +139,9 @@ pub struct Limit {
     pub size: Option<f64>,
     /// The smallest size at which the catalogue expects the effect.
     pub usual: f64,
+    /// Error of a prediction over 5 s that an effect of this size causes: root mean square of place (m)
+    /// and heading (rad).
+    pub error: [Option<f64>; 2],
 }
 
 /// In which direction from a size an effect would have been seen.

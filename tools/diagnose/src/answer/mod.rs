@@ -8,7 +8,9 @@ pub(crate) mod statement;
 use serde::Serialize;
 
 pub use digits::in_digits;
-pub use figures::{Against, Figures, Limit, MissingForce, Paths, Point, Residuals, Seen};
+pub use figures::{
+    ErrorLine, Figures, LawCurve, Limit, MissingForce, Motion, Paths, Point, Profile, Seen,
+};
 pub use manoeuvre::manoeuvre;
 
 /// The answer of a diagnosis.

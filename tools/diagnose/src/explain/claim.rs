@@ -49,6 +49,8 @@ pub(crate) struct Law {
     pub(crate) driver: &'static str,
     pub(crate) knots: Vec<f64>,
     pub(crate) values: Vec<f64>,
+    /// Half widths of their 95 % intervals.
+    pub(crate) half: Vec<f64>,
 }
 
 impl Law {

@@ -10,10 +10,11 @@ use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
 use super::open_loop::HORIZON_S;
+use super::pictures::{self, Scene};
 use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
 use super::wheel_side::{Settled, settle};
-use crate::answer::{Budget, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
+use crate::answer::{Budget, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::SHORT;
 use crate::model::command_to_wheels::CommandToWheels;
@@ -36,13 +37,10 @@ pub(crate) struct Found {
     pub(crate) process_noise: Vec<ProcessNoise>,
     pub(crate) warnings: Vec<Warning>,
     pub(crate) improved: RobotModel,
-    /// Errors of each run, of the nominal and of the improved model, and deviations of its sensors.
-    pub(crate) errors: Vec<[Errors; 2]>,
-    pub(crate) deviations: Vec<[f64; 6]>,
-    /// Begin and end of each run, and what its times count from (s).
+    /// Begin and end of each run (s).
     pub(crate) spans_s: Vec<[f64; 2]>,
-    /// What the times of each run count from (s).
-    pub(crate) origins_s: Vec<f64>,
+    /// What a report shows, where it is asked for.
+    pub(crate) figures: Option<Figures>,
     /// Where each run went, as the filter has it.
     pub(crate) courses: Vec<Path>,
     /// Number of each run's robot among those given.
@@ -82,6 +80,8 @@ pub(crate) struct Task<'a> {
     pub(crate) excluded: &'a [String],
     pub(crate) excluded_s: &'a [[f64; 2]],
     pub(crate) progress: &'a dyn Fn(&str),
+    /// Number of the first finding, if figures are asked for.
+    pub(crate) illustrate: Option<usize>,
 }
 
 /// Diagnoses one machine.
@@ -195,7 +195,29 @@ impl Machine<'_> {
                 self.predictor(run).deviations(&robot.noise)
             })
             .collect();
+        let figures = task.illustrate.map(|first_finding| {
+            (task.progress)("figures");
+            pictures::figures(&Scene {
+                robot: self.name,
+                machine: &self.machine,
+                predictors: (0..self.machine.runs.len())
+                    .map(|run| self.predictor(run))
+                    .collect(),
+                excluded: task.excluded,
+                claims: &claims,
+                first_finding,
+                calibration: calibration.as_ref(),
+                drive: drive.as_ref(),
+                driven: self.drive.as_ref(),
+                nominal: &self.sensed(&fitted),
+                fitted: &fitted,
+                errors: &errors,
+                deviations: &deviations,
+                nominal_of: &|claim, name| claim.nominal(self.model, name),
+            })
+        });
         Ok(Found {
+            figures,
             held_out: self.held_out(&errors, &deviations),
             budget: self.budget(&claims, &fitted, &deviations),
             outliers: self.outliers(&all),
@@ -207,13 +229,10 @@ impl Machine<'_> {
                 .iter()
                 .map(|run| run.blocks.span_s.map(|t| t + run.origin_s))
                 .collect(),
-            origins_s: self.machine.runs.iter().map(|run| run.origin_s).collect(),
             courses: self.courses(&all, &deviations),
             robots: self.machine.runs.iter().map(|run| run.robot).collect(),
             claims,
             warnings,
-            errors,
-            deviations,
         })
     }
 

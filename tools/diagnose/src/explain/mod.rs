@@ -7,6 +7,7 @@ pub(crate) mod drive;
 pub(crate) mod dynamic;
 pub(crate) mod finding;
 pub(crate) mod kinematic;
+mod limits;
 pub(crate) mod links;
 mod open_loop;
 pub(crate) mod pictures;

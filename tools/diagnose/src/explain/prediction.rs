@@ -61,7 +61,8 @@ pub(crate) struct Errors {
     /// Where the robot was seen and where it is predicted (m), a gap after each window.
     pub(crate) seen: Vec<(f64, f64)>,
     pub(crate) predicted: Vec<(f64, f64)>,
-    /// Time (s), channel, and predicted minus measured.
+    /// Time (s), channel, and predicted minus measured, places as seen from the robot; not finite behind
+    /// each window.
     pub(crate) residuals: Vec<(f64, usize, f64)>,
 }
 
@@ -82,6 +83,20 @@ impl Errors {
         if draw {
             self.residuals.push((stamp_s, channel, residual));
         }
+    }
+
+    /// Draws a place error as seen from a robot that heads for `yaw_rad`.
+    fn draw_place(&mut self, stamp_s: f64, [dx, dy]: [f64; 2], yaw_rad: f64) {
+        let (sin, cos) = yaw_rad.sin_cos();
+        self.residuals.push((stamp_s, POSE, dx * cos + dy * sin));
+        self.residuals
+            .push((stamp_s, POSE + 1, dy * cos - dx * sin));
+    }
+
+    /// A gap behind what was drawn of a window.
+    fn draw_gap(&mut self, stamp_s: f64) {
+        let gaps = (0..CHANNELS.len()).map(|channel| (stamp_s, channel, f64::NAN));
+        self.residuals.extend(gaps);
     }
 
     /// Both together.
@@ -162,6 +177,9 @@ impl Predictor<'_> {
             for window in windows {
                 self.poses(&local, wheels, *window, &mut errors, draw);
                 self.rates(&local, wheels, *window, &mut errors, draw);
+                if draw {
+                    errors.draw_gap(window[1]);
+                }
             }
             errors
         };
@@ -172,6 +190,9 @@ impl Predictor<'_> {
         let mut errors = each(&response);
         for window in windows {
             wheels(drive, &response, *window, &mut errors, draw);
+            if draw {
+                errors.draw_gap(window[1]);
+            }
         }
         errors
     }
@@ -277,8 +298,14 @@ impl Predictor<'_> {
             }
             let [dx, dy] = [at[0] - row.measured[0], at[1] - row.measured[1]];
             errors.place_m2 += dx * dx + dy * dy;
-            errors.add(row.stamp_s, POSE, dx, draw);
-            errors.add(row.stamp_s, POSE + 1, dy, draw);
+            errors.add(row.stamp_s, POSE, dx, false);
+            errors.add(row.stamp_s, POSE + 1, dy, false);
+            if draw {
+                let heading = start[2] + row.yaw_rad;
+                let seen = row.measured[2];
+                let yaw_rad = if seen.is_finite() { seen } else { heading };
+                errors.draw_place(row.stamp_s, [dx, dy], yaw_rad);
+            }
             let turned = wrapped(start[2] + row.yaw_rad - row.measured[2]);
             if turned.is_finite() {
                 errors.heading_rad2 += turned * turned;

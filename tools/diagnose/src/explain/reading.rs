@@ -478,11 +478,28 @@ impl Reading<'_> {
             let own = first..first + VALUES[place];
             let mut claim = claim("unknown", fitted.known(name, &[]), [], own.clone());
             let knots = self.machine.knots[place];
-            let changes: Vec<f64> = own.map(|i| fitted.change(i)).collect();
+            let changes: Vec<f64> = own.clone().map(|i| fitted.change(i)).collect();
+            // values are linear in the parameters: the weights of each
+            let parts: Vec<Vec<f64>> = (0..VALUES[place])
+                .map(|k| {
+                    let one: Vec<f64> = (0..VALUES[place])
+                        .map(|i| f64::from(u8::from(i == k)))
+                        .collect();
+                    knots.values(&one).to_vec()
+                })
+                .collect();
+            let half = (0..knots.places().len()).map(|value| {
+                let weights: Vec<(usize, f64)> = own
+                    .clone()
+                    .zip(parts.iter().map(|part| part[value]))
+                    .collect();
+                fitted.half(fitted.known(name, &weights))
+            });
             claim.law = Some(Law {
                 driver: DRIVERS[place],
                 knots: knots.places(),
                 values: knots.values(&changes).to_vec(),
+                half: half.collect(),
             });
             claims.push(claim);
         }

@@ -204,7 +204,7 @@ impl HeldOut {
 }
 
 /// Unit of a channel; wheels are measured by `angles` or by speeds.
-fn unit(channel: usize, angles: bool) -> &'static str {
+pub(crate) fn unit(channel: usize, angles: bool) -> &'static str {
     match CHANNEL_NAMES[channel] {
         "wheel_right" | "wheel_left" if angles => "rad",
         "pose_x" | "pose_y" => "m",

@@ -29,7 +29,7 @@ impl Channel {
 }
 
 /// Linear interpolation at `t_s`; `None` after the last sample, and before the first one.
-pub(super) fn interpolate(samples: &[(f64, f64)], t_s: f64) -> Option<f64> {
+pub fn interpolate(samples: &[(f64, f64)], t_s: f64) -> Option<f64> {
     let after = samples.partition_point(|(time, _)| *time < t_s);
     let (t_b, b) = *samples.get(after)?;
     let (t_a, a) = *samples.get(after.saturating_sub(1))?;

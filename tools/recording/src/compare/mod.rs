@@ -13,7 +13,7 @@ mod wheel_angles;
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_sim::Robot as Plant;
 
-pub use channel::Channel;
+pub use channel::{Channel, interpolate};
 
 use crate::recording::Recording;
 

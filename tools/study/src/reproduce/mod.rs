@@ -9,7 +9,6 @@ mod paper_runs;
 mod platoon;
 mod printed;
 mod recorded_run;
-mod report;
 mod row;
 mod single;
 
@@ -18,5 +17,4 @@ pub use comparison::{Comparison, Reproduction, reproduce};
 pub use extensions::Extension;
 pub use paper_runs::PaperRuns;
 pub use recorded_run::RecordedRun;
-pub use report::page;
 pub use row::{Row, TOLERANCE};

@@ -67,6 +67,7 @@ pub(crate) fn examine(
     progress("how well it predicts");
     let fit = &selected.fit;
     let answer = &mut collected.answer;
+    let first_finding = answer.findings.len();
     answer
         .findings
         .extend(answer::findings(&machine, &selected));
@@ -89,7 +90,17 @@ pub(crate) fn examine(
     }
     collected.improved.push((name.clone(), improved));
     collected.courses.extend(course(&machine, fit));
-    Ok(illustrate.then(|| pictures::figures(&machine, &predictor, &selected, &all)))
+    if !illustrate {
+        return Ok(None);
+    }
+    progress("figures");
+    Ok(Some(pictures::figures(
+        &machine,
+        &predictor,
+        &selected,
+        &all,
+        first_finding,
+    )))
 }
 
 /// Where the robot was in its first run, by the filter; none without a pose.

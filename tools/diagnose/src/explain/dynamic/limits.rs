@@ -8,25 +8,108 @@ use super::fit::{Fit, least_change};
 use super::machine::Machine;
 use super::screen::beside;
 use crate::answer::{Limit, Seen};
+use crate::data::track::Sensor;
 use crate::model::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
+use crate::predict::predictor::Predictor;
+use crate::predict::window::Window;
 
 /// Estimate over standard deviation from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;
+/// Windows by which the error is predicted that a limit causes.
+const WINDOWS: usize = 6;
 /// Rise of −2 ln L from which on a size that was tried counts as refuted.
 const REFUTED: f64 = 24.0;
 /// Share of the smallest change that the catalogue expects, over which a derivative is taken.
 const STEP: f64 = 0.1;
 
 /// The limits of everything in `all` that `fit` does not hold.
-pub(crate) fn limits(machine: &Machine, fit: &Fit, all: &[Hypothesis]) -> Vec<Limit> {
+pub(crate) fn limits(
+    machine: &Machine,
+    predictor: &Predictor,
+    fit: &Fit,
+    all: &[Hypothesis],
+) -> Vec<Limit> {
     let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
-    let each = kinds
-        .par_iter()
-        .flat_map_iter(|kind| of_kind(machine, fit, kind));
+    let stride = predictor.windows.len().div_ceil(WINDOWS).max(1);
+    let windows: Vec<Window> = predictor.windows.iter().step_by(stride).cloned().collect();
+    let base = predicted(predictor, &windows, &fit.hypotheses);
+    let each = kinds.par_iter().flat_map_iter(|kind| {
+        let own = of_kind(machine, fit, kind).into_iter();
+        own.map(|mut limit| {
+            limit.error = caused(machine, predictor, &windows, fit, &base, kind[0], &limit);
+            limit
+        })
+    });
     let mut limits: Vec<Limit> = each.collect();
+    let error = |limit: &Limit| limit.error[0].or(limit.error[1]).unwrap_or(-1.0);
     let remote = |limit: &Limit| limit.size.map_or(-1.0, |size| size / limit.usual);
-    limits.sort_by(|a, b| remote(b).total_cmp(&remote(a)));
+    limits.sort_by(|a, b| {
+        let order = error(b).total_cmp(&error(a));
+        order.then_with(|| remote(b).total_cmp(&remote(a)))
+    });
     limits
+}
+
+/// Residuals (deviations) of each window.
+fn predicted(
+    predictor: &Predictor,
+    windows: &[Window],
+    hypotheses: &[Hypothesis],
+) -> Vec<Option<Vec<f64>>> {
+    let simulated = predictor.simulated(hypotheses);
+    let of = |window: &Window| Some(predictor.predicted(simulated.as_ref()?, window)?.0);
+    windows.iter().map(of).collect()
+}
+
+/// Root mean square by which predictions change with an effect at its limit: place (m), heading (rad).
+fn caused(
+    machine: &Machine,
+    predictor: &Predictor,
+    windows: &[Window],
+    fit: &Fit,
+    base: &[Option<Vec<f64>>],
+    one: &Hypothesis,
+    limit: &Limit,
+) -> [Option<f64>; 2] {
+    let Some(size) = limit.size.filter(|size| size.is_finite()) else {
+        return [None, None];
+    };
+    let mut moved = one.clone();
+    if sizes_of(one.info) == one.values.len() {
+        for (own, value) in &mut moved.values {
+            *value = one.nothing(&machine.model, own);
+        }
+    }
+    let nothing = one.nothing(&machine.model, limit.parameter);
+    let value = match limit.seen {
+        Seen::Below => size,
+        Seen::Above | Seen::Around(_) => nothing + size,
+    };
+    moved.set(limit.parameter, value);
+    let with = predicted(predictor, windows, &beside(fit, &moved));
+    let [mut place, mut turn] = [[0.0_f64; 2]; 2];
+    let channels = [Sensor::Pose.channel(), Sensor::Pose.channel() + 2];
+    for ((window, before), after) in windows.iter().zip(base).zip(&with) {
+        let (Some(before), Some(after)) = (before, after) else {
+            continue;
+        };
+        let rows = window.channels.iter().zip(before.iter().zip(after));
+        for (channel, (before, after)) in rows {
+            let channel = usize::from(*channel);
+            let change = (after - before) * predictor.deviation(channel);
+            let square = change * change;
+            if !square.is_finite() {
+                continue;
+            }
+            if channel == channels[0] || channel == channels[0] + 1 {
+                // two rows are one place
+                place = [place[0] + square, place[1] + 0.5];
+            } else if channel == channels[1] {
+                turn = [turn[0] + square, turn[1] + 1.0];
+            }
+        }
+    }
+    [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
 }
 
 fn of_kind(machine: &Machine, fit: &Fit, kind: &[&Hypothesis]) -> Vec<Limit> {
@@ -104,5 +187,6 @@ fn limit(one: &Hypothesis, name: &'static str, seen: Seen, size: Option<f64>) ->
         seen,
         size,
         usual,
+        error: [None, None],
     }
 }

@@ -12,6 +12,8 @@ use super::machine::Machine;
 use super::noise_sizes::THOROUGH;
 use crate::filter::dynamic::columns::{Load, columns};
 
+/// Half width of a 95 % interval of a normal distribution (deviations).
+const NORMAL: f64 = 1.96;
 /// Drivers that are refitted with their noise.
 const LEADERS: usize = 4;
 /// Gain (−2 ln L) from which on a force is linearised again, at the sharper gains.
@@ -41,12 +43,17 @@ pub(crate) struct Unknown {
     pub(crate) largest: [f64; 2],
     /// As a model lists it, where it can.
     pub(crate) spec: Option<EffectSpec>,
+    /// The same as knots and values, and half widths of 95 % intervals of the values.
+    pub(crate) table: Option<(Vec<f64>, Vec<f64>)>,
+    pub(crate) half: Vec<f64>,
 }
 
 /// A driver with the factors of its functions.
 struct Fitted<'a> {
     driver: &'a Driver,
     factors: Vec<f64>,
+    /// Deviations of the factors.
+    deviations: Vec<f64>,
     gain: f64,
 }
 
@@ -105,10 +112,13 @@ impl Machine {
             normal[(i, i)] += ridge;
         }
         let gradient = DVector::from_fn(count, |i, _| dot(&all[i], &fit.whitened));
-        let factors = -normal.cholesky()?.solve(&gradient);
+        let factor = normal.cholesky()?;
+        let factors = -factor.solve(&gradient);
         let gain = -factors.dot(&gradient);
+        let deviations = factor.inverse().diagonal().map(f64::sqrt);
         Some(Fitted {
             driver,
+            deviations: deviations.iter().copied().collect(),
             factors: factors.iter().copied().collect(),
             gain: gain - 2.0 * count as f64,
         })
@@ -147,6 +157,12 @@ impl Machine {
             intervals_s: at_work(&under, &loads[0]),
             shape: shape(own.driver, &loads),
             spec: spec(own.driver, &factors),
+            half: own.deviations.iter().map(|d| NORMAL * d).collect(),
+            table: own
+                .driver
+                .table
+                .as_ref()
+                .map(|(_, knots)| (knots.clone(), factors.clone())),
             fit: under,
         })
     }

@@ -1,0 +1,262 @@
+//! From which size on an effect that was not found would have been seen, of a machine that is told speeds
+//! or nothing: beside the findings, by its deviation.
+
+use super::pictures::{Scene, some_windows};
+use super::prediction::{Errors, Predictor};
+use super::terms;
+use crate::answer::{Limit, Seen};
+use crate::estimate::cluster::Precision;
+use crate::estimate::scoring::{Fit, Problem};
+use crate::model::drive::{CLOCK, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG};
+use crate::model::from_wheels::{
+    ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X, OFFSET_Y,
+    OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK, View,
+};
+use crate::select::elimination::{Selected, Term};
+
+/// Deviations from which on an effect would have been found.
+const SIGMAS: f64 = 4.5;
+/// Windows by which the error of a limit is predicted.
+const WINDOWS: usize = 12;
+
+/// One parameter of the catalogue.
+struct Named {
+    effect: &'static str,
+    word: Option<&'static str>,
+    parameter: &'static str,
+    unit: &'static str,
+    /// A factor: its logarithm is fitted.
+    is_factor: bool,
+}
+
+/// The limits of all terms that no finding has.
+pub(super) fn limits(scene: &Scene<'_>) -> Vec<Limit> {
+    let mut limits = calibrated(scene);
+    limits.extend(driven(scene));
+    let error = |limit: &Limit| limit.error[0].or(limit.error[1]).unwrap_or(0.0);
+    limits.sort_by(|a, b| error(b).total_cmp(&error(a)));
+    limits
+}
+
+fn calibrated(scene: &Scene<'_>) -> Vec<Limit> {
+    let Some(calibration) = scene.calibration else {
+        return Vec::new();
+    };
+    let machine = scene.machine;
+    let view = View {
+        machine,
+        robust: true,
+    };
+    let problem = machine.problem(&view, scene.nominal);
+    let all = terms::terms(machine, scene.excluded, calibration.by_run);
+    let laws = terms::laws(machine, scene.excluded);
+    let all: Vec<Term> = all.into_iter().chain(laws).collect();
+    of_terms(scene, &problem, &calibration.after, &all, 0)
+}
+
+fn driven(scene: &Scene<'_>) -> Vec<Limit> {
+    let own = scene.predictors.iter().any(|own| own.drive.is_some());
+    let (Some(drive), true) = (scene.drive, own) else {
+        return Vec::new();
+    };
+    let Some(machine) = scene.driven else {
+        return Vec::new();
+    };
+    let problem = machine.problem(machine, &drive.nominal);
+    let all = super::drive::terms(0, machine.largest_rad_s, scene.excluded);
+    of_terms(scene, &problem, &drive.after, &all, DRIVE_FIRST)
+}
+
+/// The limits of those of `all` that were not kept; parameters of the fit begin at `first` of the machine's.
+fn of_terms(
+    scene: &Scene<'_>,
+    problem: &Problem<'_>,
+    found: &Selected,
+    all: &[Term],
+    first: usize,
+) -> Vec<Limit> {
+    let judged = all
+        .iter()
+        .filter(|term| !term.by_profile && !super::drive::is_nuisance(term));
+    let claimed = |index: &usize| {
+        scene
+            .claims
+            .iter()
+            .any(|claim| claim.toggles.contains(index))
+    };
+    let mut limits = Vec::new();
+    for term in judged {
+        // radii and track are one term: what no finding has of it is ruled out as well
+        let named: Vec<(usize, Named)> = term
+            .parameters
+            .iter()
+            .filter(|index| !claimed(&(first + **index)))
+            .filter_map(|index| Some((*index, named(scene, first + index)?)))
+            .collect();
+        if named.is_empty() {
+            continue;
+        }
+        let deviations = match found.kept(term.name) {
+            Some(_) => Some(
+                term.parameters
+                    .iter()
+                    .map(|i| found.deviation(&[(*i, 1.0)]))
+                    .collect(),
+            ),
+            None => deviations(problem, &found.fit, term),
+        };
+        for (index, named) in named {
+            let deviation = deviations.as_ref().and_then(|own: &Vec<f64>| {
+                let place = term.parameters.iter().position(|p| *p == index)?;
+                let floor = term.floors[place];
+                let variance = own[place] * own[place] * term.caution * term.caution + floor;
+                variance.is_finite().then(|| variance.sqrt())
+            });
+            limits.push(limit(scene, &named, first + index, deviation));
+        }
+    }
+    limits
+}
+
+/// Deviations of the parameters of a term beside what was found.
+fn deviations(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Vec<f64>> {
+    let own = term.parameters.iter().copied();
+    let others = fit
+        .free
+        .iter()
+        .copied()
+        .filter(|i| !term.parameters.contains(i));
+    let beside = Fit {
+        free: own.chain(others).collect(),
+        ..fit.clone()
+    };
+    let mut beside = beside;
+    for index in &term.parameters {
+        // at exactly 0 a law or a threshold has no derivative
+        beside.at[*index] += f64::MIN_POSITIVE;
+    }
+    let count = beside.free.len();
+    let precision = Precision::new(problem, &beside, count)?;
+    let variances = (0..term.parameters.len()).map(|i| precision.covariance[(i, i)]);
+    Some(variances.map(f64::sqrt).collect())
+}
+
+fn limit(scene: &Scene<'_>, named: &Named, index: usize, deviation: Option<f64>) -> Limit {
+    let change = deviation.map(|own| SIGMAS * own);
+    let error = change.map_or([None, None], |change| caused(scene, index, change));
+    let nothing = if named.is_factor { 1.0 } else { 0.0 };
+    Limit {
+        effect: named.effect,
+        word: named.word,
+        parameter: named.parameter,
+        unit: named.unit,
+        seen: if named.is_factor {
+            Seen::Around(nothing)
+        } else {
+            Seen::Above
+        },
+        size: change.map(|change| {
+            if named.is_factor {
+                change.exp_m1()
+            } else {
+                change
+            }
+        }),
+        usual: 1.0,
+        error,
+    }
+}
+
+/// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
+fn caused(scene: &Scene<'_>, index: usize, change: f64) -> [Option<f64>; 2] {
+    let mut moved = scene.fitted.to_vec();
+    moved[index] += change;
+    let [mut place, mut turn] = [[0.0_f64; 2]; 2];
+    let most = WINDOWS.div_ceil(scene.predictors.len());
+    for (run, predictor) in scene.predictors.iter().enumerate() {
+        let windows = some_windows(predictor, most);
+        let [a, b] = [scene.fitted, &moved].map(|at| predictor.errors(run, at, &windows, true));
+        let pairs = a.predicted.iter().zip(&b.predicted);
+        for ((ax, ay), (bx, by)) in pairs.filter(|(p, _)| p.0.is_finite()) {
+            place = [
+                place[0] + (ax - bx).powi(2) + (ay - by).powi(2),
+                place[1] + 1.0,
+            ];
+        }
+        let (ends, others) = (turns(predictor, &a), turns(predictor, &b));
+        for (own, other) in ends.iter().zip(&others) {
+            turn = [turn[0] + (own - other).powi(2), turn[1] + 1.0];
+        }
+    }
+    [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
+}
+
+/// Errors of the heading.
+fn turns(predictor: &Predictor<'_>, errors: &Errors) -> Vec<f64> {
+    if !predictor.run.has_heading() {
+        return Vec::new();
+    }
+    let own = errors
+        .residuals
+        .iter()
+        .filter(|(_, channel, _)| *channel == 4);
+    own.map(|(_, _, residual)| *residual)
+        .filter(|residual| residual.is_finite())
+        .collect()
+}
+
+/// What a parameter of the machine is called in the catalogue.
+fn named(scene: &Scene<'_>, index: usize) -> Option<Named> {
+    let plain = |effect, parameter, unit| Named {
+        effect,
+        word: None,
+        parameter,
+        unit,
+        is_factor: false,
+    };
+    let factor = |effect, parameter| Named {
+        is_factor: true,
+        ..plain(effect, parameter, "1")
+    };
+    let rate = |word| Named {
+        word: Some(word),
+        ..plain("clock_drift", "rate", "s/s")
+    };
+    let of_run = |parameter: usize| {
+        let runs = 0..scene.machine.runs.len();
+        runs.into_iter()
+            .any(|run| scene.machine.of_run(run, parameter) == index)
+    };
+    let drive = DRIVE_FIRST..DRIVE_FIRST + DRIVE;
+    Some(match index {
+        COMMON => factor("wheel_radius", "both wheels"),
+        ASYMMETRY => factor("wheel_radius", "right over left"),
+        TRACK => factor("track_width", "scale"),
+        OFFSET_X => plain("pose_offset", "x_m", "m"),
+        OFFSET_Y => plain("pose_offset", "y_m", "m"),
+        OFFSET_YAW => plain("pose_offset", "yaw_rad", "rad"),
+        POSE_LATENCY => plain("pose_latency", "latency_s", "s"),
+        POSE_RATE => rate("pose"),
+        GYRO_LATENCY => plain("imu_latency", "latency_s", "s"),
+        GYRO_RATE => rate("imu"),
+        LAW_FIRST => plain("motion_law", "speed over w", "m/s"),
+        own if own == LAW_FIRST + crate::filter::motion_law::VALUES[0] => {
+            plain("motion_law", "speed over v", "m/s")
+        }
+        own if drive.contains(&own) => match own - DRIVE_FIRST {
+            DELAY => plain("actuator_delay", "delay_s", "s"),
+            LAG => plain("actuator_lag", "time_constant_s", "s"),
+            GAIN => factor("motor_gain", "both wheels"),
+            GAIN_ASYMMETRY => factor("motor_gain", "right over left"),
+            SAG => plain("supply_sag", "rate_per_s", "1/s"),
+            CLOCK => rate("wheels"),
+            _ => return None,
+        },
+        _ if of_run(RUN_SCALE) => Named {
+            word: None,
+            ..plain("slip_ratio", "ratio", "1")
+        },
+        _ if of_run(RUN_TRACK) => factor("track_width", "scale"),
+        _ => return None,
+    })
+}

@@ -1,0 +1,324 @@
+//! The page of a comparison: how far the simulation drifts from the recording, when, and along which path.
+
+use maud::html;
+use slipstream_recording::recording::Recording;
+use slipstream_recording::{Channel, interpolate};
+
+use crate::parts::{
+    Fact, Frame, Icon, Ink, Page, Points, Row, Rows, Scale, Tone, Way, capital, fixed,
+    floor_scales, gap_of, short, verdict, with_unit,
+};
+
+/// Robots that are drawn; bytes of all lines, and of a column of one.
+const DRAWN: usize = 12;
+const LINE_BYTES: usize = 420_000;
+const COLUMN_BYTES: usize = 16;
+/// Height of a chart.
+const HEIGHT_PX: u32 = 78;
+/// Distance from which on the simulation counts as drifting apart (cm), and that which is named first.
+const APART_CM: f64 = 2.0;
+const NAMED_CM: f64 = 10.0;
+
+/// What the page shows.
+pub struct Comparison<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Its channels beside the simulation.
+    pub channels: &'a [Channel],
+    /// The command that made it.
+    pub command_line: String,
+    /// Program and files.
+    pub facts: Vec<Fact>,
+}
+
+/// How far one robot is from its simulation.
+struct Apart<'a> {
+    robot: &'a str,
+    /// Time (s), distance (cm), heading error (degrees).
+    distance: Vec<(f64, f64)>,
+    heading: Vec<(f64, f64)>,
+}
+
+impl<'a> Apart<'a> {
+    fn new(robot: &'a str, channels: &[Channel]) -> Self {
+        let own = |name: &str| {
+            channels
+                .iter()
+                .find(|own| own.robot == robot && own.name == name)
+        };
+        let difference = |name: &str| -> Vec<(f64, f64)> {
+            own(name).map_or_else(Vec::new, |own| {
+                let each = own.recorded.iter();
+                each.filter_map(|(t, v)| Some((*t, interpolate(&own.simulated, *t)? - v)))
+                    .collect()
+            })
+        };
+        let (x, y) = (difference("pose x"), difference("pose y"));
+        let distance = x
+            .iter()
+            .zip(&y)
+            .map(|((t, dx), (_, dy))| (*t, 100.0 * dx.hypot(*dy)));
+        let heading = difference("pose yaw");
+        Self {
+            robot,
+            distance: distance.collect(),
+            heading: heading.iter().map(|(t, r)| (*t, r.to_degrees())).collect(),
+        }
+    }
+
+    fn largest(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+        let finite = points.iter().filter(|p| p.1.is_finite());
+        finite
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .copied()
+    }
+}
+
+/// The HTML file.
+pub fn page(comparison: &Comparison<'_>) -> String {
+    let recording = comparison.recording;
+    let mut robots: Vec<&str> = Vec::new();
+    for channel in comparison.channels {
+        if !robots.contains(&channel.robot.as_str()) {
+            robots.push(&channel.robot);
+        }
+    }
+    let mut apart: Vec<Apart<'_>> = robots
+        .iter()
+        .map(|robot| Apart::new(robot, comparison.channels))
+        .collect();
+    let most = |own: &Apart<'_>| Apart::largest(&own.distance).map_or(0.0, |p| p.1);
+    apart.sort_by(|a, b| most(b).total_cmp(&most(a)));
+    let left_out = apart.len().saturating_sub(DRAWN);
+    apart.truncate(DRAWN);
+    let lines: usize = comparison
+        .channels
+        .iter()
+        .filter(|own| apart.iter().any(|a| a.robot == own.robot))
+        .count();
+    let columns =
+        (LINE_BYTES / COLUMN_BYTES / (2 * lines + 2 * apart.len()).max(1)).clamp(60, 1800);
+    let (answer, lead, tone) = words(recording, &apart);
+    let chip = if tone == Tone::Good {
+        (Icon::Tick, "Close together")
+    } else {
+        (Icon::Apart, "Drifts apart")
+    };
+    let span_s = comparison
+        .channels
+        .iter()
+        .flat_map(|own| own.recorded.last())
+        .map(|p| p.0);
+    let first_s = comparison
+        .channels
+        .iter()
+        .flat_map(|own| own.recorded.first())
+        .map(|p| p.0);
+    let length = span_s.fold(f64::NEG_INFINITY, f64::max) - first_s.fold(f64::INFINITY, f64::min);
+    let facts = format!(
+        "{} · {} s · model as given, nothing fitted but the start",
+        if robots.len() == 1 {
+            robots[0].to_owned()
+        } else {
+            format!("{} robots", robots.len())
+        },
+        fixed(length, 0)
+    );
+    let body = html! {
+        (verdict(tone, chip.0, chip.1, &facts, &answer, &html! { (lead) }))
+        @for (place, own) in apart.iter().enumerate() {
+            section class=(if place == 0 { "first" } else { "" }) {
+                @if apart.len() > 1 { h2 { (own.robot) } }
+                (robot(comparison, own, place, columns))
+            }
+        }
+        @if left_out > 0 { p class="sub" { (left_out) " more robots are closer and are not drawn." } }
+    };
+    let page = Page {
+        command: "compare",
+        subject: recording.name.clone(),
+        summary: answer,
+        body,
+        command_line: comparison.command_line.clone(),
+        facts: comparison.facts.clone(),
+        ..Page::default()
+    };
+    page.html()
+}
+
+fn words(recording: &Recording, apart: &[Apart<'_>]) -> (String, String, Tone) {
+    let Some(worst) = apart.first() else {
+        return ("Nothing to compare.".to_owned(), String::new(), Tone::Bad);
+    };
+    let commanded = recording
+        .robot(worst.robot)
+        .is_some_and(|own| own.command.is_some());
+    let driven = if commanded {
+        "its recorded commands"
+    } else {
+        "its own wheels"
+    };
+    let who = if apart.len() == 1 {
+        "robot".to_owned()
+    } else {
+        worst.robot.to_owned()
+    };
+    let Some((at_s, distance)) = Apart::largest(&worst.distance) else {
+        return (
+            format!(
+                "Driven by {driven}, the simulated {who} is compared by its wheels: there are no poses."
+            ),
+            "slipstream diagnose says what the model leaves out.".to_owned(),
+            Tone::Bad,
+        );
+    };
+    let turn = Apart::largest(&worst.heading).map_or(String::new(), |p| {
+        format!(" and {}°", fixed(p.1.abs(), usize::from(p.1.abs() < 10.0)))
+    });
+    if distance < APART_CM {
+        return (
+            format!(
+                "Driven by {driven}, the simulated {who} stays within {} cm{turn} of the recorded one.",
+                short(distance)
+            ),
+            "What small effects could still be hidden, slipstream diagnose says.".to_owned(),
+            Tone::Good,
+        );
+    }
+    let first = worst.distance.iter().find(|p| p.1 > NAMED_CM);
+    let begin = worst.distance.first().map_or(0.0, |p| p.0);
+    let lead = first.map_or_else(
+        || format!("Furthest apart after {} s. slipstream diagnose says why.", fixed(at_s - begin, 0)),
+        |(t, _)| {
+            format!(
+                "{NAMED_CM} cm apart after {} s, furthest after {} s. slipstream diagnose says why.",
+                fixed(t - begin, 0),
+                fixed(at_s - begin, 0)
+            )
+        },
+    );
+    (
+        format!(
+            "Driven by {driven}, the simulated {who} drifts up to {} cm{turn} from the recorded one.",
+            short(distance)
+        ),
+        lead,
+        Tone::Bad,
+    )
+}
+
+/// The charts of one robot: distance, channels, and the path beside them.
+fn robot(
+    comparison: &Comparison<'_>,
+    apart: &Apart<'_>,
+    place: usize,
+    columns: usize,
+) -> maud::Markup {
+    let own: Vec<&Channel> = comparison
+        .channels
+        .iter()
+        .filter(|c| c.robot == apart.robot)
+        .collect();
+    let ends = own
+        .iter()
+        .flat_map(|c| c.recorded.first().into_iter().chain(c.recorded.last()));
+    let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+        [low.min(p.0), high.max(p.0)]
+    });
+    let x = Scale::new(low, high, 7);
+    let mut rows = Rows::new(format!("c{place}"));
+    if !apart.distance.is_empty() {
+        let y = Scale::around(apart.distance.iter().map(|p| p.1), true, 3);
+        let frame = Frame::new(
+            x,
+            y,
+            HEIGHT_PX,
+            "Distance between measured and simulated place, cm",
+        )
+        .columns(columns)
+        .line(Ink::Before, &apart.distance, gap_of(&apart.distance));
+        let row = Row::new("Distance apart", "cm", frame)
+            .reads(Ink::Before, "cm", &apart.distance, 1)
+            .reads(Ink::Before, "degrees", &apart.heading, 1);
+        rows = rows.row(row);
+    }
+    for (index, channel) in own.iter().enumerate() {
+        rows = rows.row(channel_row(channel, x, columns, index + 1 == own.len()));
+    }
+    let find = |name: &str| own.iter().find(|c| c.name == name);
+    if let (Some(cx), Some(cy)) = (find("pose x"), find("pose y")) {
+        let seen = way(&cx.recorded, &cy.recorded);
+        let simulated = way(&within(&cx.simulated, x), &within(&cy.simulated, x));
+        let [a, b] =
+            [&seen, &simulated].map(|own| own.iter().map(|p| (p.1, p.2)).collect::<Points>());
+        let scales = floor_scales(a.iter().chain(&b).copied());
+        let mut frame = Frame::floor(
+            scales[0],
+            scales[1],
+            "Measured and simulated path on the floor, in metres",
+        )
+        .x_axis("m")
+        .trail(Ink::Measured, &a)
+        .trail(Ink::Before, &b);
+        if let Some(start) = a.first() {
+            frame = frame.dots(Ink::Measured, &[*start], 7.0);
+        }
+        rows = rows.floor(
+            frame,
+            scales,
+            [(Ink::Measured, seen), (Ink::Before, simulated)],
+        );
+    }
+    rows.markup()
+}
+
+fn channel_row(channel: &Channel, x: Scale, columns: usize, is_last: bool) -> Row {
+    let (factor, unit) = match channel.unit {
+        "rad" => (1.0_f64.to_degrees(), "degrees"),
+        unit => (1.0, unit),
+    };
+    let scaled = |points: &[(f64, f64)]| -> Points {
+        points.iter().map(|(t, v)| (*t, factor * v)).collect()
+    };
+    let (recorded, simulated) = (
+        scaled(&channel.recorded),
+        within(&scaled(&channel.simulated), x),
+    );
+    let y = Scale::around(recorded.iter().chain(&simulated).map(|p| p.1), true, 3);
+    let y = if unit == "degrees" { y.of_degrees() } else { y };
+    let described = format!("{} measured and simulated over time, {unit}", channel.name);
+    let mut frame = Frame::new(x, y, HEIGHT_PX, described)
+        .columns(columns)
+        .line(Ink::Measured, &recorded, gap_of(&recorded))
+        .line(Ink::Before, &simulated, f64::INFINITY);
+    if is_last {
+        frame = frame.x_axis("s");
+    }
+    let digits = (y.digits() + 1).min(4);
+    let row = Row::new(capital(&channel.name), unit, frame)
+        .reads(Ink::Measured, "measured", &recorded, digits)
+        .reads(Ink::Before, "simulated", &simulated, digits);
+    match channel.rms_difference() {
+        Some(rms) => {
+            let unit = if unit == "degrees" { "°" } else { unit };
+            let words = with_unit(&short(factor * rms), unit);
+            row.legend(Ink::Before, format!("rms difference {words}"))
+        }
+        None => row,
+    }
+}
+
+fn way(x: &[(f64, f64)], y: &[(f64, f64)]) -> Way {
+    x.iter()
+        .zip(y)
+        .map(|((t, x), (_, y))| (*t, *x, *y))
+        .collect()
+}
+
+fn within(points: &[(f64, f64)], x: Scale) -> Points {
+    points
+        .iter()
+        .copied()
+        .filter(|p| p.0 >= x.low && p.0 <= x.high)
+        .collect()
+}

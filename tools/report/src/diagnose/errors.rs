@@ -1,0 +1,83 @@
+//! How far predictions miss, in centimetres and degrees.
+
+use slipstream_diagnose::{Answer, Budget};
+
+use crate::parts::{short, with_unit};
+
+/// Error of the position or else of the heading: before, after, factor to the shown unit, and unit.
+pub(super) struct Error {
+    pub(super) ends: [f64; 2],
+    pub(super) unit: &'static str,
+}
+
+/// Errors of the robot that is worst off: position, heading.
+pub(super) fn errors(answer: &Answer) -> Vec<Error> {
+    let degree = 1.0_f64.to_degrees();
+    let mut out = Vec::new();
+    for (unit, shown, factor) in [("m", "cm", 100.0), ("rad", "°", degree)] {
+        let own = answer.budget.iter().filter(|own| own.unit == unit);
+        let worst = own.max_by(|a, b| a.before.total_cmp(&b.before));
+        let ends = match worst {
+            Some(own) => Some([own.before, own.after]),
+            None => of_channels(answer, unit),
+        };
+        if let Some(ends) = ends {
+            out.push(Error {
+                ends: ends.map(|end| factor * end),
+                unit: shown,
+            });
+        }
+    }
+    out
+}
+
+/// The same from the channels, where there is no budget.
+fn of_channels(answer: &Answer, unit: &str) -> Option<[f64; 2]> {
+    let names: &[&str] = if unit == "m" {
+        &["pose_x", "pose_y"]
+    } else {
+        &["pose_yaw"]
+    };
+    let robots = answer.held_out.channels.iter().map(|own| &own.robot);
+    let worst = robots.filter_map(|robot| {
+        let own = answer.held_out.channels.iter();
+        let own = own.filter(|own| own.robot == *robot && names.contains(&own.channel.as_str()));
+        let squares = own.fold(None, |sum: Option<[f64; 2]>, own| {
+            let [a, b] = sum.unwrap_or([0.0; 2]);
+            Some([a + own.rms_before.powi(2), b + own.rms_after.powi(2)])
+        })?;
+        Some(squares.map(f64::sqrt))
+    });
+    worst.max_by(|a, b| a[0].total_cmp(&b[0]))
+}
+
+/// What the model reaches, in words: "1.1 cm and 0.3°".
+pub(super) fn reached(answer: &Answer) -> Option<String> {
+    let words: Vec<String> = errors(answer)
+        .iter()
+        .map(|own| with_unit(&short(own.ends[1]), own.unit))
+        .collect();
+    (!words.is_empty()).then(|| words.join(" and "))
+}
+
+/// What is unexplained where that counts, as root mean square in shown units: shares of a budget are of the mean
+/// square.
+pub(super) fn unexplained(answer: &Answer) -> Vec<(f64, &'static str)> {
+    let degree = 1.0_f64.to_degrees();
+    let worst = |unit: &str| {
+        let own = answer.budget.iter().filter(|own| own.unit == unit);
+        own.max_by(|a, b| a.before.total_cmp(&b.before))
+    };
+    let part = |own: &Budget| {
+        let own_part = own.parts.iter().find(|part| part.name == "unexplained");
+        let share = own_part
+            .map(|part| part.share)
+            .filter(|share| *share > 0.005 * own.before)?;
+        Some((share * own.before).sqrt())
+    };
+    let all = [("m", 100.0, "cm"), ("rad", degree, "°")];
+    let known = all
+        .into_iter()
+        .filter_map(|(unit, factor, shown)| Some((factor * part(worst(unit)?)?, shown)));
+    known.collect()
+}

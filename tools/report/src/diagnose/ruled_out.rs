@@ -1,0 +1,171 @@
+//! What was ruled out down to which size, what was not judged, and what cannot be told apart.
+
+use maud::{Markup, html};
+use slipstream_bus::RobotModel;
+use slipstream_diagnose::{Figures, Finding, Limit, Seen, manoeuvre};
+
+use super::diagnosis::Diagnosis;
+use super::words::{driver, name, scale_of};
+use crate::parts::{DotRow, badge, dot_table, short, with_unit};
+
+/// Rows that are shown at once; the others can be opened.
+const SHOWN: usize = 10;
+
+/// On which axis errors are compared: of the place, or of the heading where there are no places.
+#[derive(Clone, Copy)]
+struct Axis {
+    part: usize,
+    factor: f64,
+    unit: &'static str,
+    native: &'static str,
+    head: &'static str,
+}
+
+const PLACE: Axis = Axis {
+    part: 0,
+    factor: 100.0,
+    unit: "cm",
+    native: "m",
+    head: "Position",
+};
+const HEADING: Axis = Axis {
+    part: 1,
+    factor: 180.0 / std::f64::consts::PI,
+    unit: "°",
+    native: "rad",
+    head: "Heading",
+};
+
+/// What was ruled out, down to which size.
+pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Markup {
+    let shown = machines.iter().find(|own| !own.limits.is_empty());
+    let Some(own) = shown else { return html! {} };
+    let model = diagnosis.model(&own.robot);
+    let in_place = own.limits.iter().any(|limit| limit.error[0].is_some());
+    let axis = if in_place { PLACE } else { HEADING };
+    let is_known = |limit: &&Limit| limit.size.is_some_and(f64::is_finite);
+    let known = own.limits.iter().filter(is_known);
+    let rows: Vec<DotRow> = known
+        .map(|limit| row(limit, axis, model.as_ref()))
+        .collect();
+    let hidden = own.limits.iter().filter(|limit| !is_known(limit));
+    let mut hidden: Vec<String> = hidden
+        .map(|limit| name(limit.effect).to_lowercase())
+        .collect();
+    hidden.dedup();
+    let mark = unexplained(diagnosis, own, axis);
+    let heads = ["Effect", "No larger than", axis.head];
+    let (first, rest) = rows.split_at(rows.len().min(SHOWN));
+    html! {
+        section id="ruled-out" aria-labelledby="h-ruled-out" {
+            h2 id="h-ruled-out" { "Ruled out, down to which size" }
+            p class="sub" { "Beside the findings, an effect of this size would differ from nothing by 4.5 standard deviations. "
+                "The dot is the error 5 s ahead that it could still cause: left of the dashed line, it cannot be what is unexplained."
+                @if machines.len() > 1 { " Of " (own.robot) "." } }
+            (dot_table(heads, axis.unit, mark, first))
+            @if !rest.is_empty() {
+                details { summary { (rest.len()) " more, each with a smaller error" }
+                    (dot_table(heads, axis.unit, mark, rest)) }
+            }
+            @if !hidden.is_empty() {
+                details { summary { "Not visible in this recording: " (hidden.len()) " effects" }
+                    p class="small" { (hidden.join(", ")) "." } }
+            }
+            (not_judged(own))
+        }
+    }
+}
+
+fn row(limit: &Limit, axis: Axis, model: Option<&RobotModel>) -> DotRow {
+    let (factor, unit) = scale_of(limit.effect, limit.parameter, limit.unit, model);
+    let value = limit.error[axis.part].map(|error| axis.factor * error);
+    let size = with_unit(&short(factor * limit.size.unwrap_or(0.0)), unit);
+    DotRow {
+        name: match (limit.word, limit.parameter.strip_prefix("speed over ")) {
+            (Some(word), _) => format!("{}, {word}", name(limit.effect)),
+            (None, Some(of)) => format!("A speed that follows {}", driver(of).0),
+            (None, None) => name(limit.effect).to_owned(),
+        },
+        id: format!("{}: {}", limit.effect, limit.parameter),
+        size: match limit.seen {
+            Seen::Below => format!("no less than {size}"),
+            Seen::Above => size,
+            Seen::Around(_) => format!("±{size}"),
+        },
+        value,
+        text: value.map_or("–".to_owned(), |value| {
+            with_unit(&short(value), axis.unit)
+        }),
+    }
+}
+
+/// Root mean square of what nothing explains, for the dashed line.
+fn unexplained(
+    diagnosis: &Diagnosis<'_>,
+    own: &Figures,
+    axis: Axis,
+) -> Option<(f64, &'static str)> {
+    let mut budgets = diagnosis.answer.budget.iter();
+    let budget = budgets.find(|budget| budget.robot == own.robot && budget.unit == axis.native)?;
+    let mut parts = budget.parts.iter();
+    let part = parts.find(|part| part.name == "unexplained")?;
+    let rms = (part.share * budget.before).max(0.0).sqrt();
+    Some((axis.factor * rms, "unexplained"))
+}
+
+/// Effects that were not looked at, and why.
+fn not_judged(own: &Figures) -> Markup {
+    let judged: Vec<&str> = own.limits.iter().map(|limit| limit.effect).collect();
+    let left: Vec<&str> = slipstream_sim::effects::CATALOGUE
+        .iter()
+        .filter(|info| !info.kinematic && !info.is_table() && !judged.contains(&info.id))
+        .map(|info| info.id)
+        .collect();
+    html! {
+        @if own.forces.is_empty() && !left.is_empty() {
+            details { summary { "Not judged: " (left.len()) " effects of forces" }
+                p class="small" { "This robot is told speeds, or nothing is known of its commands. So nothing can be said about: "
+                    span class="id" { (left.join(", ")) } ". Record torques or voltages, and give masses in robot.toml." } }
+        }
+    }
+}
+
+/// What cannot be told apart, and the manoeuvre that would tell.
+pub(super) fn alike(diagnosis: &Diagnosis<'_>) -> Markup {
+    let numbered = diagnosis.numbered();
+    let twins: Vec<(usize, &Finding)> = numbered
+        .iter()
+        .filter(|(_, _, own)| !own.confused_with.is_empty())
+        .map(|(number, _, own)| (*number, *own))
+        .collect();
+    html! {
+        @if !twins.is_empty() {
+            section id="alike" aria-labelledby="h-alike" {
+                h2 id="h-alike" { "Cannot be told apart here" }
+                p class="sub" { "The recording fits these equally well. The name given above is the likelier reading; "
+                    "a manoeuvre would settle it." }
+                div class="twins" { @for (number, finding) in twins { (twin(number, finding)) } }
+            }
+        }
+    }
+}
+
+fn twin(number: usize, finding: &Finding) -> Markup {
+    let names: Vec<String> = finding
+        .confused_with
+        .iter()
+        .map(|id| name(id).to_lowercase())
+        .collect();
+    let others = finding.confused_with.iter().map(String::as_str);
+    let ids: Vec<&str> = std::iter::once(finding.effect.as_str())
+        .chain(others)
+        .collect();
+    html! {
+        div class="twin" {
+            p { (badge(number)) " " b { (name(&finding.effect)) } " "
+                span class="muted" { "or" } " " b { (names.join(", or ")) } }
+            p class="id" { (ids.join(", ")) }
+            p class="small" { b { "What would tell: " } (manoeuvre(&ids)) "." }
+        }
+    }
+}
