@@ -12,7 +12,7 @@ use crate::parts::{
 /// Robots that are drawn; bytes of all lines, and of a column of one.
 const DRAWN: usize = 12;
 const LINE_BYTES: usize = 420_000;
-const COLUMN_BYTES: usize = 16;
+const COLUMN_BYTES: usize = 24;
 /// Height of a chart.
 const HEIGHT_PX: u32 = 78;
 /// Distance from which on the simulation counts as drifting apart (cm), and that which is named first.

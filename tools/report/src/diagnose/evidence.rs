@@ -10,7 +10,7 @@ use crate::parts::{Frame, Ink, Points, Row, Rows, Scale, capital, gap_of, short}
 
 /// Bytes of all lines together, and of a column of one line.
 const LINE_BYTES: usize = 420_000;
-const COLUMN_BYTES: usize = 16;
+const COLUMN_BYTES: usize = 24;
 /// Share of a recording from which on a finding acts all the time.
 const ALWAYS: f64 = 0.98;
 /// Deviations of a sensor between which 95 % of its noise lies.

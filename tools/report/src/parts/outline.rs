@@ -51,18 +51,53 @@ pub(super) fn outline(
     pen.text
 }
 
-/// A path on the floor: points further apart than half a unit remain, whatever their order.
+/// A path on the floor: points in any direction, those too near to the one before left out, so that no more than
+/// [`MOST`] remain.
 pub(super) fn trail(points: &[(f64, f64)], x: &Scale, y: &Scale) -> String {
+    let at = |(own_x, own_y): &(f64, f64)| {
+        let is_seen = own_x.is_finite() && own_y.is_finite();
+        is_seen.then(|| [x.place(*own_x) * ACROSS, (1.0 - y.place(*own_y)) * UP])
+    };
+    let all: Vec<Option<[f64; 2]>> = points.iter().map(at).collect();
+    let mut least = LEAST;
+    let mut kept = apart(&all, least);
+    while kept.len() > MOST {
+        least *= 2.0;
+        kept = apart(&kept, least);
+    }
     let mut pen = Pen::default();
-    for (own_x, own_y) in points {
-        if own_x.is_finite() && own_y.is_finite() {
-            pen.to([x.place(*own_x) * ACROSS, (1.0 - y.place(*own_y)) * UP]);
-        } else {
-            pen.lift();
+    for own in kept {
+        match own {
+            Some(at) => pen.to(at),
+            None => pen.lift(),
         }
     }
     pen.lift();
     pen.text
+}
+
+/// Points of a path at most, and how far they have to be apart across; up it is a quarter.
+const MOST: usize = 6000;
+const LEAST: f64 = 3.0;
+
+/// Points that lie so far from the one kept before, the last one before each gap, and one of each row of gaps.
+fn apart(points: &[Option<[f64; 2]>], least: f64) -> Vec<Option<[f64; 2]>> {
+    let mut kept: Vec<Option<[f64; 2]>> = Vec::new();
+    for (place, own) in points.iter().enumerate() {
+        let is_last = points.get(place + 1).is_none_or(Option::is_none);
+        let keep = match (own, kept.last()) {
+            (Some(own), Some(Some(last))) => {
+                let far = (own[0] - last[0]).abs() > least || (own[1] - last[1]).abs() > least / 4.0;
+                far || (is_last && least == LEAST)
+            }
+            (None, Some(None)) => false,
+            _ => true,
+        };
+        if keep {
+            kept.push(*own);
+        }
+    }
+    kept
 }
 
 /// A closed area between two lines over the same points.
@@ -195,6 +230,18 @@ mod tests {
             outline(&points, &x, &y, 900, 0.5),
             "M0 1000h0M800 1000l400 0M3600 1000h0"
         );
+    }
+
+    #[test]
+    fn a_path_of_many_turns_is_thinned() {
+        let turns: Vec<(f64, f64)> = (0..1_000_000)
+            .map(|k| 0.01 * f64::from(k))
+            .map(|a| (0.5 + 0.4 * a.cos(), 0.5 + 0.4 * a.sin()))
+            .collect();
+        let (x, y) = scales();
+        let text = trail(&turns, &x, &y);
+        assert!(text.len() < 80_000, "{}", text.len());
+        assert!(text.len() > 1000);
     }
 
     #[test]
