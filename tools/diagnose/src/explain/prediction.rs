@@ -38,6 +38,8 @@ const SHORTEST_S: f64 = 1.0;
 const MOST_ROWS: usize = 5000;
 /// Most windows of a run by which two models are compared.
 const MOST_WINDOWS: usize = 40;
+/// Rows of a window that are predicted however long the recording is.
+const LEAST_ROWS: usize = 50;
 /// Longest piece of an arc (s).
 const PIECE_S: f64 = 0.1;
 
@@ -209,7 +211,7 @@ impl Predictor<'_> {
         let law: [f64; LAW] = std::array::from_fn(|i| p[8 + i]);
         let first = pose.all.partition_point(|(t_s, _)| *t_s < window[0]);
         let end = pose.all.partition_point(|(t_s, _)| *t_s < window[1]);
-        let stride = pose.all.len().div_ceil(MOST_ROWS).max(1);
+        let stride = stride(pose.all.len(), end - first);
         let mut hint = 0;
         let time = |stamp_s: f64| (stamp_s - p[6]) / (1.0 + p[7]);
         let mut now_s = time(window[0]);
@@ -335,7 +337,7 @@ impl Predictor<'_> {
         let bias = local[MACHINE + RUN_BIAS];
         let first = gyro.all.partition_point(|(t_s, _)| *t_s < window[0]);
         let end = gyro.all.partition_point(|(t_s, _)| *t_s < window[1]);
-        let stride = gyro.all.len().div_ceil(MOST_ROWS).max(1);
+        let stride = stride(gyro.all.len(), end - first);
         let rows: Vec<(f64, f64)> = gyro.all[first..end]
             .iter()
             .step_by(stride)
@@ -427,6 +429,12 @@ fn wheels(
     }
 }
 
+/// Every how manieth row of a window of so many is predicted, of `all` rows of the recording.
+fn stride(all: usize, window: usize) -> usize {
+    let wanted = all.div_ceil(MOST_ROWS);
+    wanted.min(window / LEAST_ROWS).max(1)
+}
+
 /// Pose of the axle at the start of a window, by least squares over its first rows with the noise of
 /// place (m) and yaw (rad).
 fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
@@ -487,4 +495,17 @@ fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
         start += information.cholesky()?.solve(&gradient);
     }
     start.iter().all(|v| v.is_finite()).then(|| start.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_of_a_long_recording_keeps_its_rows() {
+        assert_eq!(stride(900, 150), 1);
+        assert_eq!(stride(108_002, 150), 3);
+        assert_eq!(stride(3_600_000, 5000), 100);
+        assert_eq!(stride(3_600_000, 20), 1);
+    }
 }
