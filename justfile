@@ -14,6 +14,10 @@ structure *OPTIONS:
 bench:
     cargo bench --workspace
 
+# Long form of the tests of the Python module: all practice recordings, with the wheel that `pip install` makes.
+python:
+    SLIPSTREAM_LONG=1 PROFILE=release bash tools/python/test.sh
+
 # Long form of the kill test: a thousand processes killed at random moments.
 kill:
     SLIPSTREAM_KILLS=1000 cargo test --release -p slipstream --test kill -- --nocapture

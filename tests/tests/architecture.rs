@@ -27,7 +27,7 @@ const FLOORS: [&[&str]; 10] = [
     ],
     &["slipstream-study"],
     &["slipstream-report"],
-    &["slipstream"],
+    &["slipstream", "slipstream-python"],
     &["slipstream-fuzz", "slipstream-tests"],
 ];
 

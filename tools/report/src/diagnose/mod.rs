@@ -53,6 +53,19 @@ pub fn page(diagnosis: &Diagnosis<'_>) -> String {
     page.html()
 }
 
+/// The first screen alone, as an HTML file: what a notebook shows.
+pub fn first_screen_page(diagnosis: &Diagnosis<'_>) -> String {
+    let page = Page {
+        command: "diagnose",
+        subject: diagnosis.subject.clone(),
+        summary: diagnosis.sentence(),
+        body: first_screen(diagnosis),
+        command_line: diagnosis.command_line.clone(),
+        ..Page::default()
+    };
+    page.bare_html()
+}
+
 fn body(diagnosis: &Diagnosis<'_>) -> Markup {
     let mut machines: Vec<&Figures> = diagnosis.figures.iter().collect();
     // robots with findings come first

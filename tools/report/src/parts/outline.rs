@@ -87,7 +87,8 @@ fn apart(points: &[Option<[f64; 2]>], least: f64) -> Vec<Option<[f64; 2]>> {
         let is_last = points.get(place + 1).is_none_or(Option::is_none);
         let keep = match (own, kept.last()) {
             (Some(own), Some(Some(last))) => {
-                let far = (own[0] - last[0]).abs() > least || (own[1] - last[1]).abs() > least / 4.0;
+                let far =
+                    (own[0] - last[0]).abs() > least || (own[1] - last[1]).abs() > least / 4.0;
                 far || (is_last && least == LEAST)
             }
             (None, Some(None)) => false,

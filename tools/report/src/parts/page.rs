@@ -70,6 +70,23 @@ impl Page {
         page.into_string()
     }
 
+    /// The body alone, as an HTML file without bar and foot.
+    pub fn bare_html(&self) -> String {
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                head {
+                    meta charset="utf-8";
+                    meta name="color-scheme" content="light dark";
+                    title { (self.command) " of " (self.subject) }
+                    style { (PreEscaped(STYLE)) }
+                }
+                body { main class="wrap" { (self.body) } script { (PreEscaped(SCRIPT)) } }
+            }
+        };
+        page.into_string()
+    }
+
     fn bar(&self) -> Markup {
         html! {
             header class="top" { div class="wrap" {

@@ -1,0 +1,60 @@
+"""Find what the model of a differential-drive robot leaves out.
+
+>>> import slipstream
+>>> answer = slipstream.diagnose("recording", robot="robot.toml")
+>>> answer.verdict
+'explained'
+>>> answer.to_frame()
+
+Names, units and meanings are those of the JSON that the command `slipstream` writes.
+"""
+
+from ._slipstream import Failed, InputError, __version__
+from .answers import (
+    Budget,
+    Channel,
+    Diagnosis,
+    Evidence,
+    Finding,
+    HeldOut,
+    Outliers,
+    Parameter,
+    Part,
+    ProcessNoise,
+    Trace,
+    Run,
+    Study,
+    Unexplained,
+    Warning,
+    Where,
+)
+from .commands import diagnose, effects, run, study, trace
+from .recording import Recording
+
+__all__ = [
+    "Budget",
+    "Channel",
+    "Diagnosis",
+    "Evidence",
+    "Failed",
+    "Finding",
+    "HeldOut",
+    "InputError",
+    "Outliers",
+    "Parameter",
+    "Part",
+    "ProcessNoise",
+    "Recording",
+    "Run",
+    "Study",
+    "Trace",
+    "Unexplained",
+    "Warning",
+    "Where",
+    "__version__",
+    "diagnose",
+    "effects",
+    "run",
+    "study",
+    "trace",
+]

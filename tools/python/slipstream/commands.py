@@ -1,0 +1,144 @@
+"""The commands of slipstream as functions."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from os import PathLike, fspath
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+from . import _slipstream
+from .answers import Diagnosis, Run, Study, Trace
+from .recording import Recording, Robot, model_text
+
+if TYPE_CHECKING:
+    import pandas
+
+Source = Union[str, "PathLike[str]", Recording]
+"""A recording, or where it is."""
+
+
+def diagnose(
+    recording: Union[Source, Sequence[Source]],
+    robot: Optional[Union[Robot, Mapping[str, Robot]]] = None,
+    *,
+    without: Sequence[str] = (),
+    exclude_time: Sequence[Tuple[float, float]] = (),
+    report: bool = False,
+) -> Diagnosis:
+    """Finds what a robot model lacks, from a recording.
+
+    `recording` is a path, a `Recording`, or several of them: runs of the same robots. `robot` is the nominal model: the path
+    of a robot.toml, a mapping with its tables, or a mapping of such by the names of the robots; without it, the model of the
+    recording is taken. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
+    times (s). With `report`, the evidence of the page is computed as well.
+
+    Raises `InputError` with `place`, `problem` and `remedy` when something cannot be used.
+    """
+    sources = [recording] if isinstance(recording, (str, PathLike, Recording)) else list(recording)
+    recordings = [own if isinstance(own, Recording) else Recording.read(own) for own in sources]
+    inner = _slipstream.diagnose(
+        [own._inner for own in recordings],
+        _models(robot),
+        list(without),
+        [(float(a), float(b)) for a, b in exclude_time],
+        report,
+        _call(sources, robot),
+    )
+    return Diagnosis._of(inner)
+
+
+def _models(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[Tuple[Optional[str], str]]:
+    if robot is None:
+        return []
+    if isinstance(robot, Mapping) and "robot" not in robot:
+        return [(name, model_text(own)) for name, own in robot.items()]
+    return [(None, model_text(robot))]
+
+
+def _call(sources: Sequence[Source], robot: Any) -> str:
+    """The call as the foot of the page quotes it."""
+    names = [repr(own.name) if isinstance(own, Recording) else repr(fspath(own)) for own in sources]
+    given = "" if robot is None else ", robot=" + (repr(fspath(robot)) if isinstance(robot, (str, PathLike)) else "…")
+    return f"slipstream.diagnose({names[0] if len(names) == 1 else '[' + ', '.join(names) + ']'}{given})"
+
+
+def run(
+    experiment: Optional[str] = None,
+    *,
+    robots: Optional[int] = None,
+    robot: Optional[Union[str, "PathLike[str]", Mapping[str, "Union[str, PathLike[str]]"]]] = None,
+    set: Optional[Mapping[str, Any]] = None,
+    seed: Optional[int] = None,
+    out: Optional[Union[str, "PathLike[str]"]] = None,
+) -> Run:
+    """Runs an experiment on the virtual clock, in this process: a built-in one ("platoon" without a name) or a TOML file.
+
+    `set` gives keys of the experiment, such as `{"links.delay_s": 0.1}`. `robot` is the path of a robot.toml, or such paths by
+    the names of the robots. The recording is written to `out`; without it, it is only in memory, as `data`.
+    """
+    models: List[Tuple[Optional[str], str]] = []
+    if isinstance(robot, Mapping):
+        models = [(name, fspath(own)) for name, own in robot.items()]
+    elif robot is not None:
+        models = [(None, fspath(robot))]
+    keys = [(key, _key(value)) for key, value in (set or {}).items()]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "run.mcap" if out is None else Path(fspath(out))
+        summary = json.loads(_slipstream.run(experiment, robots, models, keys, seed, str(file)))
+        data = Recording.read(file)
+    if out is None:
+        summary["recording"] = None
+    return Run(summary, data)
+
+
+def _key(value: Any) -> str:
+    """A value as --set takes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_key(own) for own in value) + "]"
+    return str(value)
+
+
+def trace(recording: Union[str, "PathLike[str]"]) -> Trace:
+    """Latency of the positions of a run, stage by stage, from an MCAP file that a run wrote."""
+    return Trace(json.loads(_slipstream.trace(fspath(recording))))
+
+
+def study(
+    *,
+    delay: Optional[Sequence[float]] = None,
+    jitter: Optional[Sequence[float]] = None,
+    loss: Optional[Sequence[float]] = None,
+    k_x: Optional[Sequence[float]] = None,
+    torque_limit: Optional[Sequence[str]] = None,
+    protocol: Optional[Sequence[str]] = None,
+    robots: Optional[int] = None,
+    runs: Optional[int] = None,
+    threads: Optional[int] = None,
+) -> Study:
+    """What communication delay does to a platoon: every combination of the lists is a point (delay and jitter in s, loss as a
+    share, k_x in 1/s). What is not given is as in the command `slipstream study delay`."""
+    numbers = {"delay": delay, "jitter": jitter, "loss": loss, "k_x": k_x}
+    words = {"torque_limit": torque_limit, "protocol": protocol}
+    text = _slipstream.study(
+        robots,
+        runs,
+        [(name, [float(own) for own in values]) for name, values in numbers.items() if values is not None],
+        [(name, list(values)) for name, values in words.items() if values is not None],
+        threads,
+    )
+    return Study(json.loads(text))
+
+
+def effects() -> "pandas.DataFrame":
+    """The catalogue of effects: id, summary, equation, source and parameters with their units."""
+    import pandas
+
+    rows: List[Dict[str, Any]] = [
+        {"effect": id, "summary": summary, "equation": equation, "source": source, "parameters": dict(parameters)}
+        for id, summary, equation, source, parameters in _slipstream.effects()
+    ]
+    return pandas.DataFrame(rows)

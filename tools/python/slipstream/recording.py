@@ -1,0 +1,167 @@
+"""Recordings: from files, from arrays or data frames, and back."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple, Union
+
+import numpy
+
+from . import _slipstream
+
+if TYPE_CHECKING:
+    import pandas
+
+Robot = Union[str, "PathLike[str]", Mapping[str, Any]]
+"""A robot model: the path of a robot.toml, or a mapping with the same tables and keys."""
+
+_STREAMS = ("command", "wheels", "odometry", "pose", "imu", "motor")
+
+
+class Recording:
+    """A recording: robots with their streams, each with its own times.
+
+    Columns and units are those of the CSV form: `pose` has `t_s, x_m, y_m, yaw_rad`, `wheels` has `t_s` and
+    `angle_right_rad, angle_left_rad` (or `ticks_…`, or `speed_…_rad_s`), `command` has `v_m_s, w_rad_s` (or torques,
+    voltages, wheel speeds), `imu` has any of `ax_m_s2, ay_m_s2, gz_rad_s`. NaN: not seen.
+    """
+
+    def __init__(self, inner: "_slipstream.Recording") -> None:
+        self._inner = inner
+
+    @classmethod
+    def read(cls, path: "Union[str, PathLike[str]]") -> "Recording":
+        """Reads a folder of CSV files, an MCAP file or a ROS 2 bag."""
+        return cls(_slipstream.Recording.read(fspath(path)))
+
+    @classmethod
+    def from_arrays(
+        cls,
+        robots: Mapping[str, Mapping[str, Any]],
+        *,
+        name: str = "arrays",
+        robot: Optional[Robot] = None,
+        pose_point: str = "centre_of_mass",
+        same_robot: bool = False,
+    ) -> "Recording":
+        """Makes a recording of arrays: robot → stream → column → values. A stream may be a data frame.
+
+        Beside its streams a robot may have `encoder_counts_per_rev` and `noise` (standard deviations by their keys).
+        `robot` is the nominal model; `pose_point` is "centre_of_mass" or "axle"; `same_robot` says that all are runs of
+        one machine.
+        """
+        if pose_point not in ("centre_of_mass", "axle"):
+            raise _slipstream.InputError(f'pose_point {pose_point!r}: is unknown; give "centre_of_mass" or "axle"')
+        own = [_arriving(key, streams) for key, streams in robots.items()]
+        model = None if robot is None else model_text(robot)
+        return cls(_slipstream.Recording.from_columns(name, own, pose_point == "axle", same_robot, model))
+
+    from_frames = from_arrays
+
+    def to_arrays(self) -> Dict[str, Dict[str, Dict[str, "numpy.ndarray[Any, Any]"]]]:
+        """Robot → stream → column → values."""
+        return {
+            robot: {
+                stream: {name: numpy.frombuffer(values, dtype="<f8") for name, values in columns}
+                for stream, columns in streams
+            }
+            for robot, streams in self._inner.columns()
+        }
+
+    def to_frames(self) -> "Dict[str, Dict[str, pandas.DataFrame]]":
+        """Robot → stream → data frame, with the times as its index."""
+        import pandas
+
+        return {
+            robot: {
+                stream: pandas.DataFrame({key: values.copy() for key, values in columns.items()}).set_index("t_s")
+                for stream, columns in streams.items()
+            }
+            for robot, streams in self.to_arrays().items()
+        }
+
+    def write(self, folder: "Union[str, PathLike[str]]") -> None:
+        """Writes a folder of CSV files, from which it can be read again."""
+        self._inner.write(fspath(folder))
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+        return self._inner.name
+
+    @property
+    def model(self) -> Optional[str]:
+        """Its nominal model, as the text of a robot.toml."""
+        return self._inner.model
+
+    @property
+    def warnings(self) -> List[str]:
+        """What reading it warned of."""
+        return self._inner.warnings
+
+    def __repr__(self) -> str:
+        robots = ", ".join(
+            f"{robot}: {', '.join(stream for stream, _ in streams)}" for robot, streams in self._inner.columns()
+        )
+        return f"<Recording {self.name!r} of {robots or 'no robots'}>"
+
+
+def _arriving(robot: str, streams: Mapping[str, Any]) -> Tuple[str, List[Any], List[Tuple[str, float]]]:
+    """A robot as the native part takes it: bytes of columns, numbers that describe its sensors."""
+    own: List[Any] = []
+    numbers: List[Tuple[str, float]] = []
+    for key, value in streams.items():
+        if key == "noise":
+            numbers.extend((name, float(each)) for name, each in value.items())
+        elif key in _STREAMS or hasattr(value, "keys"):
+            own.append((key, _columns(value)))
+        else:
+            numbers.append((key, float(value)))
+    return robot, own, numbers
+
+
+def _columns(stream: Any) -> List[Tuple[str, bytes]]:
+    columns = [(str(key), stream[key]) for key in stream.keys()]
+    index = getattr(stream, "index", None)
+    if getattr(index, "name", None) == "t_s" and all(key != "t_s" for key, _ in columns):
+        columns.insert(0, ("t_s", index))
+    return [(key, numpy.ascontiguousarray(values, dtype="<f8").ravel().tobytes()) for key, values in columns]
+
+
+def model_text(robot: Robot) -> str:
+    """The text of a robot.toml."""
+    if isinstance(robot, Mapping):
+        return _toml({"format": 1, **robot})
+    if isinstance(robot, str) and "\n" in robot:
+        return robot
+    path = fspath(robot)
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except OSError as error:
+        raise _slipstream.InputError(f"{path}: cannot be read: {error.strerror}; give the path of a robot.toml") from error
+
+
+def _toml(table: Mapping[str, Any]) -> str:
+    """A mapping of tables as TOML."""
+    plain = [f"{key} = {_value(own)}" for key, own in table.items() if not isinstance(own, Mapping)]
+    tables = [
+        f"[{key}]\n" + "\n".join(f"{name} = {_value(value)}" for name, value in own.items())
+        for key, own in table.items()
+        if isinstance(own, Mapping)
+    ]
+    return "\n".join(plain + tables) + "\n"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {_value(own)}" for key, own in value.items()) + " }"
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple, numpy.ndarray)):
+        return "[" + ", ".join(_value(own) for own in value) + "]"
+    if isinstance(value, (int, numpy.integer)):
+        return str(int(value))
+    return repr(float(value))

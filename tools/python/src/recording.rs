@@ -1,0 +1,177 @@
+//! Recordings: read from files, made of columns, written, taken apart.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use slipstream_bus::InputError;
+use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
+use slipstream_recording::robot_toml;
+
+use crate::columns::{self, Columns};
+use crate::errors::{input, of_recording};
+
+/// A column as it arrives: its name and the bytes of its numbers (f64, little endian).
+type Bytes = (String, Vec<u8>);
+/// A robot as it arrives: its name, its streams, and numbers that describe its sensors.
+type Arriving = (String, Vec<(String, Vec<Bytes>)>, Vec<(String, f64)>);
+
+/// A recording in memory.
+#[pyclass(module = "slipstream._slipstream", frozen)]
+pub(crate) struct Recording {
+    pub(crate) inner: Arc<Inner>,
+    /// What reading it warned of.
+    #[pyo3(get)]
+    warnings: Vec<String>,
+}
+
+#[pymethods]
+impl Recording {
+    /// Reads a folder, an MCAP file or a ROS 2 bag.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let read = py.detach(|| slipstream_recording::read(&path));
+        let import = read.map_err(|error| of_recording(py, error))?;
+        Ok(Self {
+            inner: Arc::new(import.recording),
+            warnings: import.warnings.iter().map(ToString::to_string).collect(),
+        })
+    }
+
+    /// Makes a recording of columns. `model` is the text of a robot.toml.
+    #[staticmethod]
+    fn from_columns(
+        py: Python<'_>,
+        name: String,
+        robots: Vec<Arriving>,
+        axle: bool,
+        same_robot: bool,
+        model: Option<String>,
+    ) -> PyResult<Self> {
+        let made = made(name, robots, axle, same_robot, model.as_deref());
+        let inner = made.map_err(|error| input(py, &error))?;
+        Ok(Self {
+            inner: Arc::new(inner),
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Writes it as a folder of CSV files.
+    fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
+        let written = py.detach(|| slipstream_recording::write_folder(&self.inner, &folder));
+        written.map_err(|error| of_recording(py, error))
+    }
+
+    /// Its name.
+    #[getter]
+    fn name(&self) -> String {
+        self.inner.name.clone()
+    }
+
+    /// Its model as the text of a robot.toml.
+    #[getter]
+    fn model(&self) -> Option<String> {
+        self.inner.model.as_ref().map(robot_toml::to_text)
+    }
+
+    /// Every robot with its streams: names and bytes of columns.
+    fn columns<'py>(&self, py: Python<'py>) -> Vec<Leaving<'py>> {
+        let bytes = |values: &[f64]| {
+            let all: Vec<u8> = values
+                .iter()
+                .flat_map(|value| value.to_le_bytes())
+                .collect();
+            PyBytes::new(py, &all)
+        };
+        let robots = self.inner.robots.iter();
+        robots
+            .map(|robot| {
+                let streams = columns::of(robot).into_iter().map(|(stream, own)| {
+                    let own = own.into_iter().map(|(name, values)| (name, bytes(&values)));
+                    (stream, own.collect())
+                });
+                (robot.name.clone(), streams.collect())
+            })
+            .collect()
+    }
+}
+
+/// A robot as it leaves.
+type Leaving<'py> = (String, Vec<(String, Vec<(String, Bound<'py, PyBytes>)>)>);
+
+fn made(
+    name: String,
+    robots: Vec<Arriving>,
+    axle: bool,
+    same_robot: bool,
+    model: Option<&str>,
+) -> Result<Inner, InputError> {
+    let mut recording = Inner {
+        name,
+        origin: "arrays in memory".to_owned(),
+        same_robot,
+        ..Inner::default()
+    };
+    if let Some(text) = model {
+        recording.model = Some(robot_toml::parse(text, Path::new("robot"))?);
+    }
+    for (name, streams, numbers) in robots {
+        if !is_robot_name(&name) {
+            let remedy = "use letters, digits, - and _";
+            return Err(InputError::new(&name, "is not a name of a robot", remedy));
+        }
+        let mut robot = Robot::named(name);
+        robot.pose_point = axle.then_some(PosePoint::Axle);
+        for (stream, own) in streams {
+            let own = own
+                .into_iter()
+                .map(|(column, bytes)| (column, numbers_of(&bytes)));
+            let own: Columns = (stream, own.collect());
+            columns::add(&mut robot, &own)?;
+        }
+        for (key, value) in numbers {
+            describe(&mut robot, &key, value)?;
+        }
+        recording.robots.push(robot);
+    }
+    Ok(recording)
+}
+
+fn numbers_of(bytes: &[u8]) -> Vec<f64> {
+    let chunks = bytes.as_chunks::<8>().0.iter();
+    chunks.map(|chunk| f64::from_le_bytes(*chunk)).collect()
+}
+
+/// A number that describes a sensor: counts per turn, or a standard deviation of its noise.
+fn describe(robot: &mut Robot, key: &str, value: f64) -> Result<(), InputError> {
+    let noise = &mut robot.noise;
+    let field = match key {
+        "encoder_counts_per_rev" => {
+            if value.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&value) {
+                let place = format!("{}: {key}", robot.name);
+                return Err(InputError::new(
+                    place,
+                    "is not a whole number",
+                    "give counts per turn of the wheel",
+                ));
+            }
+            robot.encoder_counts_per_rev = Some(value as u32);
+            return Ok(());
+        }
+        "pose_m" => &mut noise.pose_m,
+        "pose_rad" => &mut noise.pose_rad,
+        "imu_m_s2" => &mut noise.imu_m_s2,
+        "imu_rad_s" => &mut noise.imu_rad_s,
+        "wheel_rad" => &mut noise.wheel_rad,
+        "odometry_m_s" => &mut noise.odometry_m_s,
+        "odometry_rad_s" => &mut noise.odometry_rad_s,
+        _ => {
+            let place = format!("{}: {key}", robot.name);
+            let remedy = "known are encoder_counts_per_rev and the keys of [robots.ROBOT.noise]";
+            return Err(InputError::new(place, "is not known", remedy));
+        }
+    };
+    *field = Some(value);
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! Runs, traces, studies, and the catalogue of effects.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use slipstream_bus::InputError;
+use slipstream_launch::{Request, in_process, resolve};
+use slipstream_sim::effects::CATALOGUE;
+use slipstream_study::StudyError;
+use slipstream_study::delay::{Grid, Shard, study as delay_study};
+
+use crate::errors::{failed, input, of_recording};
+use crate::interruptible::interruptible;
+
+/// Runs an experiment on the virtual clock in this process; returns its summary as JSON.
+#[pyfunction]
+pub(crate) fn run(
+    py: Python<'_>,
+    experiment: Option<String>,
+    robots: Option<u32>,
+    models: Vec<(Option<String>, PathBuf)>,
+    set: Vec<(String, String)>,
+    seed: Option<u64>,
+    out: Option<PathBuf>,
+) -> PyResult<String> {
+    let request = Request {
+        experiment,
+        robots,
+        models,
+        set,
+        clock: Some(slipstream_bus::experiment::Clock::Virtual),
+        seed,
+    };
+    let resolved = resolve(&request).map_err(|error| input(py, &error))?;
+    let done = interruptible(py, move |_| {
+        in_process::summary(&resolved, out.as_deref()).map_err(|error| error.to_string())
+    })?;
+    let summary = done.map_err(|problem| failed(&problem))?;
+    serde_json::to_string(&summary).map_err(|error| failed(&error))
+}
+
+/// Latency of the positions of a recording, stage by stage, as JSON.
+#[pyfunction]
+pub(crate) fn trace(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    let done = interruptible(py, move |_| {
+        let reading = slipstream_trace::read(&path)?;
+        let answer = slipstream_trace::answer(&reading.log, &reading.robots);
+        reading.log.check()?;
+        Ok(serde_json::to_string(&answer))
+    })?;
+    let text = done.map_err(|error| of_recording(py, error))?;
+    text.map_err(|error| failed(&error))
+}
+
+/// Lists of a study by their names, as they arrive.
+type Numbers = Vec<(String, Vec<f64>)>;
+type Words = Vec<(String, Vec<String>)>;
+
+/// A study of communication delay, as JSON. What is not given is as in the command.
+#[pyfunction]
+pub(crate) fn study(
+    py: Python<'_>,
+    robots: Option<u32>,
+    runs: Option<u32>,
+    numbers: Numbers,
+    words: Words,
+    threads: Option<usize>,
+) -> PyResult<String> {
+    let mut grid = Grid::default();
+    grid.robots = robots.unwrap_or(grid.robots);
+    grid.runs = runs.unwrap_or(grid.runs);
+    for (name, values) in numbers {
+        let list = match name.as_str() {
+            "delay" => &mut grid.delay_s,
+            "jitter" => &mut grid.jitter_s,
+            "loss" => &mut grid.loss,
+            "k_x" => &mut grid.k_x,
+            _ => return Err(input(py, &unknown(&name))),
+        };
+        *list = values;
+    }
+    for (name, values) in words {
+        let list = match name.as_str() {
+            "torque_limit" => &mut grid.torque_limit,
+            "protocol" => &mut grid.protocol,
+            _ => return Err(input(py, &unknown(&name))),
+        };
+        *list = values;
+    }
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = threads.unwrap_or_else(cores);
+    let done = interruptible(py, move |stop| {
+        delay_study(&grid, Shard::WHOLE, threads, stop.flag())
+    })?;
+    let study = done.map_err(|error| match error {
+        StudyError::Input(error) => input(py, &error),
+        other => failed(&other),
+    })?;
+    serde_json::to_string(&study).map_err(|error| failed(&error))
+}
+
+fn unknown(name: &str) -> InputError {
+    let remedy = "lists are delay, jitter, loss, k_x, torque_limit, protocol";
+    InputError::new(name, "is not a list of a study", remedy)
+}
+
+/// An effect as it leaves: id, summary, equation, source, and names and units of its parameters.
+type Effect = (String, String, String, String, Vec<(String, String)>);
+
+/// The catalogue of effects: identity, summary, equation, source, and names and units of the parameters.
+#[pyfunction]
+pub(crate) fn effects() -> Vec<Effect> {
+    CATALOGUE
+        .iter()
+        .map(|info| {
+            let parameters = info.parameters.iter();
+            let parameters = parameters.map(|own| (own.name.to_owned(), own.unit.to_owned()));
+            (
+                info.id.to_owned(),
+                info.summary.to_owned(),
+                info.equation.to_owned(),
+                info.source.to_owned(),
+                parameters.collect(),
+            )
+        })
+        .collect()
+}
