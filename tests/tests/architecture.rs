@@ -18,7 +18,7 @@ const FLOORS: [&[&str]; 10] = [
     &["slipstream-ipc", "slipstream-trial-plant"],
     &["slipstream-agents", "slipstream-sim"],
     &["slipstream-recording"],
-    &["slipstream-testkit"],
+    &["slipstream-live", "slipstream-testkit"],
     &[
         "slipstream-diagnose",
         "slipstream-launch",

@@ -22,6 +22,8 @@ mod study;
 mod summary;
 mod trace;
 mod trial;
+mod view;
+mod viewers;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -55,6 +57,7 @@ enum Command {
     Reproduce(reproduce::Arguments),
     Study(study::Arguments),
     Trial(trial::Arguments),
+    View(view::Arguments),
     Completions(completions::Arguments),
     /// Remove the files that dead runs left in shared memory
     Clean,
@@ -97,6 +100,7 @@ fn run() -> Result<Exit, Error> {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Trial(arguments) => trial::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, &mut Arguments::command()),
         Command::Clean => clean::run(),
     }

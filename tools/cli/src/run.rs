@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::Clock;
 use slipstream_launch::{
-    Options, Request, Resolved, RunStatus, RunSummary, in_process, processes, resolve,
+    Options, Request, Resolved, RunStatus, RunSummary, Serve, in_process, processes, resolve,
 };
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file;
 use crate::print::{self, eprint_line};
+use crate::viewers::{self, ADDRESS};
 use crate::{provenance, summary};
 
 /// Run an experiment: one process for the plant and one for the controller of each robot
@@ -47,6 +48,12 @@ pub(crate) struct Arguments {
     /// Write no recording
     #[arg(long, conflicts_with = "out")]
     no_recording: bool,
+    /// Show the run as it happens to Foxglove or another viewer, on the wall clock; a layout is written beside the recording
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = ADDRESS, conflicts_with_all = ["no_recording", "in_process"])]
+    live: Option<String>,
+    /// With --live: begin once a viewer has subscribed
+    #[arg(long, requires = "live")]
+    live_wait: bool,
     /// Write a page: paths, spacing, slip, messages and deadlines, from the recording
     #[arg(long, value_name = "FILE.html", conflicts_with = "no_recording")]
     report: Option<PathBuf>,
@@ -150,6 +157,43 @@ impl Arguments {
         output_file::write(path, &page)
     }
 
+    /// What viewers are told of, once it is certain that they can be served.
+    fn serve(&self, resolved: &Resolved) -> Result<Option<Serve>, Error> {
+        let Some(address) = &self.live else {
+            return Ok(None);
+        };
+        if resolved.experiment.settings.clock != Clock::Wall {
+            let remedy = "add --clock wall: on the virtual clock a run is over before it is seen";
+            return Err(InputError::new("--live", "shows runs on the wall clock", remedy).into());
+        }
+        let free = std::net::TcpListener::bind(address.as_str()).map_err(|error| {
+            let problem = format!("cannot be listened at: {error}");
+            InputError::new(
+                format!("--live {address}"),
+                problem,
+                "give another HOST:PORT",
+            )
+        })?;
+        // port 0 is any that is free
+        let address = free
+            .local_addr()
+            .map_or(address.clone(), |own| own.to_string());
+        let robots: Vec<&str> = resolved
+            .experiment
+            .robots
+            .iter()
+            .map(|own| own.name.as_str())
+            .collect();
+        if let Some(out) = self.out(resolved) {
+            viewers::write_layout(&out.with_extension("foxglove.json"), &robots)?;
+        }
+        eprint_line!("{}", viewers::invitation(&address));
+        Ok(Some(Serve {
+            address,
+            waits: self.live_wait,
+        }))
+    }
+
     fn run_processes(&self, resolved: &Resolved) -> Result<RunSummary, Error> {
         let program = std::env::current_exe()
             .map_err(|error| Error::Failed(format!("failed to find this program: {error}")))?;
@@ -157,6 +201,7 @@ impl Arguments {
             program,
             out: self.out(resolved),
             live: std::io::stderr().is_terminal(),
+            serve: self.serve(resolved)?,
             notice: |text| eprint_line!("slipstream: {text}"),
         };
         Ok(processes::run(resolved, &options)?)

@@ -63,6 +63,7 @@ mod decode;
 mod error;
 mod foreign_bag;
 mod import;
+mod listener;
 mod mcap_file;
 mod open;
 pub mod output;
@@ -81,7 +82,10 @@ pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use foreign_bag::TopicMap;
 pub use import::{Import, Spooled};
-pub use mcap_file::{TraceFile, read_mcap_from, read_trace, write_mcap, write_mcap_to};
+pub use listener::{Announced, Listener};
+pub use mcap_file::{
+    TraceFile, read_mcap_from, read_messages, read_trace, write_mcap, write_mcap_to,
+};
 pub use open::{read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
 pub use rows::Disk;

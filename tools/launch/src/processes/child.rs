@@ -74,6 +74,10 @@ impl ChildProcess {
             }
             if role == Role::Recorder {
                 command.arg("--out").arg(out);
+                if let Some(serve) = &start.options.serve {
+                    command.arg("--serve").arg(&serve.address);
+                    command.args(serve.waits.then_some("--waits"));
+                }
             }
         }
         // The recorder writes to the file that the launcher opened, and so shares its lock.

@@ -13,4 +13,4 @@ mod signals;
 mod silence;
 
 pub use launcher::run;
-pub use options::{LaunchError, Options};
+pub use options::{LaunchError, Options, Serve};

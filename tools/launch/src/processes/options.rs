@@ -13,8 +13,19 @@ pub struct Options {
     pub out: Option<PathBuf>,
     /// Draw a progress line on standard error.
     pub live: bool,
+    /// Serve what is recorded to viewers, as it happens.
+    pub serve: Option<Serve>,
     /// Says what went wrong, as soon as it has.
     pub notice: fn(&str),
+}
+
+/// How a run is served to viewers.
+#[derive(Debug, Clone)]
+pub struct Serve {
+    /// Where it is listened, such as `127.0.0.1:8765`.
+    pub address: String,
+    /// The run begins once a viewer has subscribed.
+    pub waits: bool,
 }
 
 /// Why a run could not be started.

@@ -44,6 +44,12 @@ enum RoleArguments {
         /// The file.
         #[arg(long)]
         out: PathBuf,
+        /// Serve viewers at this address.
+        #[arg(long)]
+        serve: Option<String>,
+        /// Begin once a viewer has subscribed.
+        #[arg(long)]
+        waits: bool,
     },
 }
 
@@ -134,7 +140,12 @@ impl RoleArguments {
             Self::Agent { robot, rejoins, .. } => {
                 self.report(&agent::run(run, launcher, *robot, *rejoins, recording)?)
             }
-            Self::Recorder { out, .. } => self.report(&recorder::process::run(run, launcher, out)?),
+            Self::Recorder {
+                out, serve, waits, ..
+            } => {
+                let serve = serve.as_deref().map(|address| (address, *waits));
+                self.report(&recorder::process::run(run, launcher, out, serve)?)
+            }
         }
     }
 

@@ -8,6 +8,7 @@ use std::path::Path;
 use slipstream_bus::message::{Position, RobotIndex, robot_name};
 use slipstream_bus::record::{Record, Recorder, State};
 use slipstream_bus::{Experiment, RobotModel, trace};
+use slipstream_recording::Listener;
 use slipstream_recording::recording::{Noise, PosePoint, Recording, Robot};
 use slipstream_recording::robot_toml;
 use slipstream_recording::run_writer::{
@@ -63,6 +64,11 @@ impl McapSink {
             records: 0,
             trace: Vec::new(),
         })
+    }
+
+    /// From now on, `listener` has every message as it is written.
+    pub(crate) fn listen(&mut self, listener: Box<dyn Listener + Send>) {
+        self.writer.listen(listener);
     }
 
     /// Why nothing more is written, if something failed.

@@ -3,6 +3,7 @@
 mod mcap_sink;
 mod merge;
 pub(crate) mod process;
+mod served;
 pub(crate) mod trace_files;
 
 pub use mcap_sink::McapSink;

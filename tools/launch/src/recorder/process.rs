@@ -17,6 +17,7 @@ use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 
 use super::mcap_sink::McapSink;
 use super::merge::{Merge, SILENCE};
+use super::served::Served;
 use super::trace_files::read_traces;
 use crate::run_files::read_keys;
 
@@ -43,12 +44,13 @@ pub(crate) fn run(
     folder: &Path,
     launcher: Parent,
     out: &Path,
+    serve: Option<(&str, bool)>,
 ) -> Result<RecorderOutcome, BusError> {
     let joined = JoinedRun::new(folder, Member::Recorder, launcher)?;
     let keys = read_keys(&joined.directory);
     let file = std::io::stdin().as_fd().try_clone_to_owned();
     let file = File::from(file.map_err(|e| BusError::failed("recording", e))?);
-    let sink = match McapSink::new(file, out, &joined.experiment, &keys) {
+    let mut sink = match McapSink::new(file, out, &joined.experiment, &keys) {
         Ok(sink) => sink,
         Err(error) => {
             return Ok(RecorderOutcome {
@@ -59,6 +61,8 @@ pub(crate) fn run(
     };
     let services = joined.services("recorder")?;
     let receiver = RecordReceiver::new(&services)?;
+    let served = serve.map(|(address, waits)| Served::start(&joined, &mut sink, address, waits));
+    let served = served.transpose()?;
     joined.wake_page().signal_ready();
     tracing::info!(name: "recording", file = %out.display());
     let sources = joined.experiment.robots.len() + 1;
@@ -72,7 +76,11 @@ pub(crate) fn run(
         trace::chunks(&trace, |t_ns, bytes| merge.sink.trace(t_ns, bytes));
     }
     joined.presence.show();
-    Ok(match merge.finish() {
+    let finished = merge.finish();
+    if let Some(served) = served {
+        served.stop();
+    }
+    Ok(match finished {
         Ok(records) => RecorderOutcome { records, failure },
         Err(error) => RecorderOutcome {
             records: 0,

@@ -10,4 +10,4 @@ mod writer;
 pub(crate) use file::open_file;
 pub use loss::Loss;
 pub(crate) use reader::{ChannelInfo, Item, Undecodable, VisitResult, read_bag};
-pub(crate) use writer::{BagWriter, Channel};
+pub(crate) use writer::{BagWriter, Channel, announce};

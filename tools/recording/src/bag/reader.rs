@@ -26,9 +26,14 @@ pub(crate) struct ChannelInfo {
     pub(crate) schema: String,
     /// Encoding of the messages, such as `cdr`.
     pub(crate) encoding: String,
+    /// Encoding and bytes of the definition of the type.
+    pub(crate) definition: Arc<(String, Vec<u8>)>,
     /// Names and values.
     pub(crate) metadata: BTreeMap<String, String>,
 }
+
+/// A schema: the name of a type, and its definition with its encoding.
+type Schema = (String, Arc<(String, Vec<u8>)>);
 
 /// An item of a file, in file order.
 pub(crate) enum Item<'a> {
@@ -89,7 +94,7 @@ struct BagReader<'a> {
     visit: &'a mut dyn FnMut(Item<'_>) -> VisitResult,
     loss: Loss,
     /// Names of the message types, by schema id.
-    schemas: BTreeMap<u16, String>,
+    schemas: BTreeMap<u16, Schema>,
     /// Channels, by channel id.
     channels: Vec<Option<Arc<ChannelInfo>>>,
     /// The decompressed records of the current chunk; kept to save allocations.
@@ -218,8 +223,10 @@ impl BagReader<'_> {
             return;
         };
         match record {
-            Record::Schema { header, .. } => {
-                self.schemas.entry(header.id).or_insert(header.name);
+            Record::Schema { header, data } => {
+                let definition = Arc::new((header.encoding, data.into_owned()));
+                let schema = (header.name, definition);
+                self.schemas.entry(header.id).or_insert(schema);
             }
             Record::Channel(channel) => self.channel(channel),
             Record::Message { header, data } => {
@@ -263,9 +270,11 @@ impl BagReader<'_> {
         }
         if let Some(place @ None) = self.channels.get_mut(id) {
             let schema = self.schemas.get(&channel.schema_id).cloned();
+            let (schema, definition) = schema.unwrap_or_default();
             let info = place.insert(Arc::new(ChannelInfo {
                 topic: channel.topic,
-                schema: schema.unwrap_or_default(),
+                schema,
+                definition,
                 encoding: channel.message_encoding,
                 metadata: channel.metadata,
             }));

@@ -13,6 +13,7 @@ use mcap::{Attachment, Compression, WriteOptions};
 use serde::Serialize;
 
 use crate::error::{Error, Result, write_error};
+use crate::listener::{Announced, Listener};
 use crate::ros2::{MessageType, cdr};
 
 /// Size at which a chunk is closed (bytes, before compression).
@@ -30,6 +31,9 @@ pub(crate) struct BagWriter<W: Write> {
     buffer: Vec<u8>,
     /// Number of messages written to each channel so far, by channel id.
     sequence: Vec<u32>,
+    /// Topics by channel id, and who hears their messages.
+    topics: Vec<String>,
+    listener: Option<Box<dyn Listener + Send>>,
 }
 
 impl<W: Write> BagWriter<W> {
@@ -48,7 +52,14 @@ impl<W: Write> BagWriter<W> {
             path: path.to_owned(),
             buffer: Vec::new(),
             sequence: Vec::new(),
+            topics: Vec::new(),
+            listener: None,
         })
+    }
+
+    /// From now on, `listener` has every channel and every message.
+    pub(crate) fn listen(&mut self, listener: Box<dyn Listener + Send>) {
+        self.listener = Some(listener);
     }
 
     /// Adds a channel. `metadata` says which stream slipstream reads from it, see
@@ -70,6 +81,11 @@ impl<W: Write> BagWriter<W> {
             .map_err(|e| mcap_error(&self.path, e))?;
         if self.sequence.len() <= usize::from(id) {
             self.sequence.resize(usize::from(id) + 1, 0);
+            self.topics.resize(usize::from(id) + 1, String::new());
+        }
+        topic.clone_into(&mut self.topics[usize::from(id)]);
+        if let Some(listener) = &mut self.listener {
+            announce(listener.as_mut(), topic, message_type);
         }
         Ok(Channel(id))
     }
@@ -99,7 +115,13 @@ impl<W: Write> BagWriter<W> {
         }
         self.file
             .write_to_known_channel(&header, &self.buffer)
-            .map_err(|e| mcap_error(&self.path, e))
+            .map_err(|e| mcap_error(&self.path, e))?;
+        if let (Some(listener), Some(topic)) =
+            (&mut self.listener, self.topics.get(usize::from(channel.0)))
+        {
+            listener.message(topic, log_time, &self.buffer);
+        }
+        Ok(())
     }
 
     /// Attaches a file.
@@ -145,6 +167,17 @@ impl<W: Write> BagWriter<W> {
         sink.flush().map_err(write_error(&self.path))?;
         Ok(sink)
     }
+}
+
+/// Tells a listener of a topic that slipstream writes.
+pub(crate) fn announce(listener: &mut dyn Listener, topic: &str, message_type: MessageType) {
+    listener.announced(&Announced {
+        topic,
+        encoding: "cdr",
+        schema_name: message_type.name(),
+        schema_encoding: "ros2msg",
+        schema: message_type.schema().as_bytes(),
+    });
 }
 
 /// Converts an error of the MCAP library.

@@ -1,11 +1,13 @@
 //! Recordings as MCAP files in slipstream's own layout: reader, writer, and the trace of a run.
 
+mod messages;
 mod reader;
 mod standard;
 mod stream_writer;
 mod trace;
 mod writer;
 
+pub use messages::read_messages;
 pub use reader::read_mcap_from;
 pub(crate) use reader::read_own;
 pub use trace::{TraceFile, read_trace};

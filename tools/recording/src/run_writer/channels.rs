@@ -47,6 +47,17 @@ struct RobotChannels {
 }
 
 impl RobotTopic {
+    const ALL: [Self; 8] = [
+        Self::Command,
+        Self::Encoders,
+        Self::Wheels,
+        Self::Camera,
+        Self::Odometry,
+        Self::Imu,
+        Self::Truth,
+        Self::Contact,
+    ];
+
     /// Message type, last part of the topic, and the stream that slipstream reads from the channel
     /// with its columns. Topics without a stream are for viewers.
     fn definition(
@@ -90,6 +101,8 @@ impl RobotTopic {
 }
 
 impl SharedTopic {
+    const ALL: [Self; 4] = [Self::TruePoses, Self::Positions, Self::Trace, Self::Events];
+
     /// Message type and topic.
     fn definition(self) -> (MessageType, &'static str) {
         match self {
@@ -129,6 +142,21 @@ impl Channels {
             robots: robots.collect(),
             shared: [None; 4],
         }
+    }
+
+    /// Every topic that the run may write, with its type.
+    pub(super) fn topics(&self) -> Vec<(String, MessageType)> {
+        let of_robots = self.robots.iter().flat_map(|robot| {
+            RobotTopic::ALL.map(|topic| {
+                let (message_type, name, _) = topic.definition();
+                (robot_topic(&robot.name, name), message_type)
+            })
+        });
+        let shared = SharedTopic::ALL.map(|topic| {
+            let (message_type, name) = topic.definition();
+            (name.to_owned(), message_type)
+        });
+        of_robots.chain(shared).collect()
     }
 
     /// Names of the robots, in order.

@@ -14,8 +14,9 @@ use serde::Serialize;
 use super::channels::{Channels, RobotTopic, SharedTopic};
 use super::contact::WheelContact;
 use super::header::RunHeader;
-use crate::bag::BagWriter;
+use crate::bag::{BagWriter, announce};
 use crate::error::Result;
+use crate::listener::Listener;
 use crate::output::lock_recording;
 use crate::ros2::compose::{WORLD, header, imu, joint_state, odometry};
 use crate::ros2::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
@@ -69,6 +70,15 @@ impl<W: Write> RunWriter<W> {
             bag,
             channels: Channels::new(robots.map(|robot| robot.name.clone())),
         })
+    }
+
+    /// From now on, `listener` has every topic and every message. All topics of the run are announced at once, so that whoever
+    /// wants their messages can have the first of them.
+    pub fn listen(&mut self, mut listener: Box<dyn Listener + Send>) {
+        for (topic, message_type) in self.channels.topics() {
+            announce(listener.as_mut(), &topic, message_type);
+        }
+        self.bag.listen(listener);
     }
 
     /// What was written so far, of a file that is not finished.

@@ -1,0 +1,92 @@
+//! Plays a recording to viewers at the speed at which it was recorded.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use slipstream_bus::InputError;
+use slipstream_recording::{Announced, Error, Listener, read_messages};
+
+use crate::server::Server;
+
+/// How often it is looked for viewers.
+const LOOKING: Duration = Duration::from_millis(50);
+
+/// How a recording is played.
+#[derive(Debug, Clone, Copy)]
+pub struct Playback {
+    /// Times as fast as it was recorded.
+    pub speed: f64,
+    /// Begins again at its end.
+    pub repeats: bool,
+}
+
+/// Plays a recording, once a viewer has subscribed. A recording that is no MCAP file is converted first.
+///
+/// # Errors
+/// A recording that cannot be read.
+pub fn play(path: &Path, playback: Playback, server: &mut Server) -> Result<(), Error> {
+    let converted = converted(path)?;
+    let file = converted.as_ref().map_or(path, |file| file.path());
+    read_messages(file, &mut Topics(server))?;
+    while server.subscriptions() == 0 {
+        std::thread::sleep(LOOKING);
+    }
+    loop {
+        let mut paced = Paced {
+            server,
+            speed: playback.speed,
+            began: Instant::now(),
+            first_ns: None,
+        };
+        read_messages(file, &mut paced)?;
+        if !playback.repeats {
+            return Ok(());
+        }
+    }
+}
+
+/// The recording as a temporary MCAP file; none if it is one.
+fn converted(path: &Path) -> Result<Option<tempfile::NamedTempFile>, Error> {
+    let is_mcap = path
+        .extension()
+        .is_some_and(|own| own.eq_ignore_ascii_case("mcap"));
+    if is_mcap && path.is_file() {
+        return Ok(None);
+    }
+    let import = slipstream_recording::read(path)?;
+    let file = tempfile::NamedTempFile::new();
+    let file = file.map_err(|error| InputError::unreadable(path, &error))?;
+    slipstream_recording::write_mcap(&import.recording, file.path())?;
+    Ok(Some(file))
+}
+
+/// Announces every topic before the first message.
+struct Topics<'a>(&'a mut Server);
+
+impl Listener for Topics<'_> {
+    fn announced(&mut self, channel: &Announced<'_>) {
+        self.0.announced(channel);
+    }
+
+    fn message(&mut self, _: &str, _: u64, _: &[u8]) {}
+}
+
+/// Sends each message when it is due.
+struct Paced<'a> {
+    server: &'a Server,
+    speed: f64,
+    began: Instant,
+    first_ns: Option<u64>,
+}
+
+impl Listener for Paced<'_> {
+    fn announced(&mut self, _: &Announced<'_>) {}
+
+    fn message(&mut self, topic: &str, t_ns: u64, data: &[u8]) {
+        let first_ns = *self.first_ns.get_or_insert(t_ns);
+        let passed = Duration::from_nanos(t_ns.saturating_sub(first_ns));
+        let due = passed.div_f64(self.speed);
+        std::thread::sleep(due.saturating_sub(self.began.elapsed()));
+        self.server.send(topic, t_ns, data);
+    }
+}

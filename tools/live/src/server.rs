@@ -1,0 +1,135 @@
+//! A WebSocket server to which viewers connect.
+
+use std::collections::BTreeMap;
+use std::net::{SocketAddr, ToSocketAddrs as _};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use foxglove::websocket::{ChannelView, Client, ServerListener};
+use foxglove::{
+    ChannelBuilder, Context, PartialMetadata, RawChannel, Schema, WebSocketServer,
+    WebSocketServerHandle,
+};
+use slipstream_bus::InputError;
+use slipstream_recording::{Announced, Listener};
+
+/// Messages that are kept for a viewer that is slow: more than a run of some minutes has in a second.
+const BACKLOG: usize = 1 << 16;
+/// How long a viewer has to take the last messages before the server ends.
+const LAST_WORDS: Duration = Duration::from_millis(300);
+
+/// A server and its channels.
+pub struct Server {
+    handle: Option<WebSocketServerHandle>,
+    context: Arc<Context>,
+    channels: BTreeMap<String, Arc<RawChannel>>,
+    subscriptions: Arc<Subscriptions>,
+}
+
+/// Counts what viewers subscribed to.
+#[derive(Default)]
+struct Subscriptions(AtomicUsize);
+
+impl ServerListener for Subscriptions {
+    fn on_subscribe(&self, _client: Client, _channel: ChannelView) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+impl Server {
+    /// Listens at `address`, such as `127.0.0.1:8765`.
+    ///
+    /// # Errors
+    /// An address that is none, or that another program uses.
+    pub fn start(address: &str, name: &str) -> Result<Self, InputError> {
+        let own = parsed(address)?;
+        let context = Context::new();
+        let subscriptions = Arc::new(Subscriptions::default());
+        let listener: Arc<dyn ServerListener> = Arc::<Subscriptions>::clone(&subscriptions);
+        let started = WebSocketServer::new()
+            .name(name)
+            .bind(own.ip().to_string(), own.port())
+            .context(&context)
+            .message_backlog_size(BACKLOG)
+            .listener(listener)
+            .start_blocking();
+        let handle = started.map_err(|error| {
+            let problem = format!("cannot be listened at: {error}");
+            InputError::new(address, problem, "give another port")
+        })?;
+        Ok(Self {
+            handle: Some(handle),
+            context,
+            channels: BTreeMap::new(),
+            subscriptions,
+        })
+    }
+
+    /// The port at which it listens.
+    pub fn port(&self) -> u16 {
+        self.handle.as_ref().map_or(0, WebSocketServerHandle::port)
+    }
+
+    /// How often viewers have subscribed to a topic.
+    pub fn subscriptions(&self) -> usize {
+        self.subscriptions.0.load(Ordering::Relaxed)
+    }
+
+    /// Announces a topic: encoding of its messages, name, encoding and text of their schema.
+    pub fn announce(&mut self, topic: &str, encoding: &str, schema: [&str; 2], text: &[u8]) {
+        if self.channels.contains_key(topic) {
+            return;
+        }
+        let [name, schema_encoding] = schema;
+        let built = ChannelBuilder::new(topic)
+            .context(&self.context)
+            .message_encoding(encoding)
+            .schema(Schema::new(name, schema_encoding, text.to_vec()))
+            .build_raw();
+        // a topic that the viewer cannot have is left out of what is shown
+        if let Ok(channel) = built {
+            self.channels.insert(topic.to_owned(), channel);
+        }
+    }
+
+    /// Sends a message with its time (ns) to whoever subscribed to its topic.
+    pub fn send(&self, topic: &str, t_ns: u64, data: &[u8]) {
+        if let Some(channel) = self.channels.get(topic) {
+            let meta = PartialMetadata {
+                log_time: Some(t_ns),
+            };
+            channel.log_with_meta(data, meta);
+        }
+    }
+
+    /// Ends, after viewers had time to take the last messages; nothing is sent any more.
+    pub fn end(&mut self) {
+        if let Some(handle) = self.handle.take() {
+            std::thread::sleep(LAST_WORDS);
+            handle.stop().wait_blocking();
+        }
+    }
+}
+
+impl Listener for Server {
+    fn announced(&mut self, channel: &Announced<'_>) {
+        let schema = [channel.schema_name, channel.schema_encoding];
+        self.announce(channel.topic, channel.encoding, schema, channel.schema);
+    }
+
+    fn message(&mut self, topic: &str, t_ns: u64, data: &[u8]) {
+        self.send(topic, t_ns, data);
+    }
+}
+
+fn parsed(address: &str) -> Result<SocketAddr, InputError> {
+    let resolved = address
+        .to_socket_addrs()
+        .ok()
+        .and_then(|mut all| all.next());
+    resolved.ok_or_else(|| {
+        let remedy = "give a host and a port, such as 127.0.0.1:8765";
+        InputError::new(address, "is not an address", remedy)
+    })
+}
