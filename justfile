@@ -14,6 +14,11 @@ structure *OPTIONS:
 bench:
     cargo bench --workspace
 
+# Make the pictures of the README anew (needs Chromium).
+pictures:
+    cargo build --release -p slipstream
+    python3 docs/pictures.py
+
 # Long form of the tests of the Python module: all practice recordings, with the wheel that `pip install` makes.
 python:
     SLIPSTREAM_LONG=1 PROFILE=release bash tools/python/test.sh
