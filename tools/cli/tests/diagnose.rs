@@ -172,3 +172,21 @@ fn a_gap_is_a_warning_and_no_finding() {
     assert_eq!(answer["findings"][0]["effect"], "rolling_resistance");
     assert_eq!(answer["findings"].as_array().unwrap().len(), 1);
 }
+
+/// A recording of a network alone holds nothing that could match.
+#[test]
+fn a_recording_without_robots_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let network = folder.path().join("network");
+    std::fs::create_dir(&network).unwrap();
+    let about = "format = 1\nname = \"network\"\norigin = \"test\"\n";
+    std::fs::write(network.join("recording.toml"), about).unwrap();
+    std::fs::write(network.join("rtt.csv"), "seq,rtt_ms\n0,1.5\n1,1.7\n").unwrap();
+    let output = slipstream(folder.path(), &["diagnose", "network"]);
+    assert_eq!(output.status.code(), Some(2));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        stderr.contains("network: holds no robot to diagnose"),
+        "{stderr}"
+    );
+}

@@ -85,7 +85,8 @@ fn import_export_round_trip_then_check_and_compare() {
     );
     let compare = slipstream(here, &["compare", "bag.mcap", "--report", "page.html"]);
     assert_eq!(code_and_stderr(&compare), success);
-    assert_eq!(read("page.html").matches("class=\"fr\"").count(), 5);
+    // five channels and the distance
+    assert_eq!(read("page.html").matches("class=\"fr\"").count(), 6);
 }
 
 #[test]

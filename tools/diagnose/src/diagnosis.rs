@@ -55,6 +55,14 @@ pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Input
 }
 
 fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, InputError> {
+    if let Some(empty) = request.recordings.iter().find(|own| own.robots.is_empty()) {
+        let remedy = "give one with commands, wheels or poses of a robot";
+        return Err(InputError::new(
+            &empty.name,
+            "holds no robot to diagnose",
+            remedy,
+        ));
+    }
     let mut collected = Collected {
         answer: Answer {
             format: 1,

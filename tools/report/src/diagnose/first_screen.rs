@@ -259,6 +259,7 @@ fn findings(diagnosis: &Diagnosis<'_>) -> Markup {
     }
     let several = diagnosis.robots().len() > 1;
     html! {
+        h2 class="sr" { "What the model leaves out" }
         div class="tw" tabindex="0" role="region" aria-label="What the model leaves out" {
             table class="find" {
                 thead { tr {
