@@ -122,9 +122,11 @@ fn at_work<'a>(
 ) -> Vec<(usize, &'a Finding)> {
     let [from, to] = own.spans_s[run];
     let of_run = |name: &String| own.runs.get(run).is_none_or(|own| own == name);
+    // the intervals of a finding are those of the first run for which it holds
     let is_here = |finding: &Finding| {
-        let mut runs = finding.runs.iter();
-        finding.robot == own.robot && runs.all(|runs| runs.iter().any(of_run))
+        let first = finding.runs.as_ref().map(|runs| runs.first());
+        let in_run = first.map_or(run == 0, |first| first.is_some_and(of_run));
+        finding.robot == own.robot && in_run
     };
     let in_part = |finding: &Finding| {
         let at_work: f64 = finding.place.intervals_s.iter().map(|[a, b]| b - a).sum();

@@ -43,11 +43,7 @@ pub(crate) fn figures(
     let found = !selected.fit.hypotheses.is_empty();
     let mut figures = Figures {
         robot: machine.tracks[0].robot.clone(),
-        runs: machine
-            .tracks
-            .iter()
-            .map(|track| track.recording.clone())
-            .collect(),
+        runs: names(machine),
         spans_s: machine.tracks.iter().map(Track::span_s).collect(),
         motion: motion(machine, selected.whole()),
         profiles: profiles(machine, predictor, selected, first_finding),
@@ -81,6 +77,19 @@ pub(crate) fn figures(
         }
     }
     figures
+}
+
+/// Name of each run: of its recording where there are several, else of its robot.
+fn names(machine: &Machine) -> Vec<String> {
+    let tracks = &machine.tracks;
+    let alone = tracks
+        .iter()
+        .all(|own| own.recording == tracks[0].recording);
+    let named = tracks.iter().map(|own| {
+        let name = if alone { &own.robot } else { &own.recording };
+        name.clone()
+    });
+    named.collect()
 }
 
 /// How each run drove, by the filter.
