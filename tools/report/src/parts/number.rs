@@ -57,7 +57,7 @@ pub fn short(value: f64) -> String {
 ///
 /// ```
 /// use slipstream_report::parts::digits_of;
-/// assert_eq!(digits_of([156.4, 158.4]), 0);
+/// assert_eq!(digits_of([156.4, 158.4]), 1);
 /// assert_eq!(digits_of([0.944, 0.976]), 3);
 /// assert_eq!(digits_of([60.0, 120.0]), 0);
 /// ```
