@@ -37,18 +37,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
         .map_err(|error| located(&arguments.recording, error))?;
-    let models_read = arguments
-        .robot
-        .iter()
-        .map(|own| own.split_once('=').map_or(own.as_str(), |(_, file)| file));
-    let files: Vec<PathBuf> = std::iter::once(arguments.recording.clone())
-        .chain(models_read.map(PathBuf::from))
-        .collect();
     let page = slipstream_report::compare::page(&Comparison {
         recording: &import.recording,
         channels: &channels,
         command_line: command_line(),
-        facts: provenance::facts(&files, &import.recording.origin),
+        facts: provenance::facts(
+            std::slice::from_ref(&arguments.recording),
+            &arguments.robot,
+            &import.recording.origin,
+        ),
     });
     crate::output_file::write(&arguments.report, &page)?;
     for channel in &channels {

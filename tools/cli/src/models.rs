@@ -1,6 +1,6 @@
 //! Robot models of the command line: `--robot FILE` for all robots, `--robot NAME=FILE` for one.
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::robot_toml;
@@ -16,11 +16,8 @@ impl Models {
     pub(crate) fn read(arguments: &[String]) -> Result<Self, Error> {
         let mut models = Vec::new();
         for argument in arguments {
-            let (name, file) = match argument.split_once('=') {
-                Some((name, file)) => (Some(name.to_owned()), file),
-                None => (None, argument.as_str()),
-            };
-            models.push((name, robot_toml::read(Path::new(file))?));
+            let (name, file) = named_file(argument);
+            models.push((name, robot_toml::read(&file)?));
         }
         Ok(Self(models))
     }
@@ -33,5 +30,13 @@ impl Models {
             .find(|(name, _)| name.as_deref() == Some(robot));
         let chosen = named.or_else(|| self.0.iter().find(|(name, _)| name.is_none()));
         chosen.map(|(_, model)| model.clone())
+    }
+}
+
+/// Name and file of an argument `[NAME=]FILE`.
+pub(crate) fn named_file(argument: &str) -> (Option<String>, PathBuf) {
+    match argument.split_once('=') {
+        Some((name, file)) => (Some(name.to_owned()), PathBuf::from(file)),
+        None => (None, PathBuf::from(argument)),
     }
 }

@@ -7,16 +7,21 @@ use maud::html;
 use sha2::{Digest, Sha256};
 use slipstream_report::parts::Fact;
 
+use crate::models::named_file;
+
 /// Digits of a hash that are shown.
 const DIGITS: usize = 12;
 /// Files that are listed.
 const FILES: usize = 40;
 
-/// Program, files with their SHA-256, and where the recording came from.
-pub(crate) fn facts(paths: &[PathBuf], origin: &str) -> Vec<Fact> {
+/// Program, files with their SHA-256, and where the recording came from. `models` are `[NAME=]FILE`.
+pub(crate) fn facts(recordings: &[PathBuf], models: &[String], origin: &str) -> Vec<Fact> {
     let mut files: Vec<PathBuf> = Vec::new();
-    for path in paths {
+    for path in recordings {
         collect(path, &mut files);
+    }
+    for argument in models {
+        collect(&named_file(argument).1, &mut files);
     }
     let left = files.len().saturating_sub(FILES);
     let hashed: Vec<(String, String)> = files

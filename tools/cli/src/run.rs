@@ -11,6 +11,7 @@ use slipstream_launch::{
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::models::named_file;
 use crate::output_file;
 use crate::print::{self, eprint_line};
 use crate::viewers::{self, ADDRESS};
@@ -114,14 +115,10 @@ impl Arguments {
             })?;
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         };
-        let model = |text: &String| match text.split_once('=') {
-            Some((name, file)) => (Some(name.to_owned()), PathBuf::from(file)),
-            None => (None, PathBuf::from(text)),
-        };
         Ok(Request {
             experiment: self.experiment.clone(),
             robots: self.robots,
-            models: self.models.iter().map(model).collect(),
+            models: self.models.iter().map(|own| named_file(own)).collect(),
             set: self.set.iter().map(pair).collect::<Result<_, _>>()?,
             clock: self.clock.map(|clock| match clock {
                 ClockName::Virtual => Clock::Virtual,
@@ -152,7 +149,7 @@ impl Arguments {
             experiment: &resolved.experiment,
             recording: &import.recording,
             command_line: command_line(),
-            facts: provenance::facts(&[], ""),
+            facts: provenance::facts(&[], &[], ""),
         });
         output_file::write(path, &page)
     }

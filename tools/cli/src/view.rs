@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slipstream_bus::InputError;
-use slipstream_live::{Playback, Server, play};
+use slipstream_live::{Playback, Server, converted, play};
 
 use crate::exit::{Error, Exit};
 use crate::print::print_line;
@@ -50,7 +50,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         write_layout(file, &robots)?;
     }
     let mut server = Server::start(&arguments.listen, &import.recording.name)?;
+    let converted = converted(&arguments.recording, &import.recording)?;
     drop(import);
+    let file = converted
+        .as_ref()
+        .map_or(arguments.recording.as_path(), |own| own.path());
     let host = arguments
         .listen
         .rsplit_once(':')
@@ -60,7 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         speed: arguments.speed,
         repeats: arguments.repeat,
     };
-    play(&arguments.recording, playback, &mut server)?;
+    play(file, playback, &mut server)?;
     server.end();
     Ok(Exit::Done)
 }

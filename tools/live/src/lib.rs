@@ -8,5 +8,5 @@ mod play;
 mod server;
 
 pub use layout::layout;
-pub use play::{Playback, play};
+pub use play::{Playback, converted, play};
 pub use server::Server;

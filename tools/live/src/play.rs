@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use slipstream_bus::InputError;
-use slipstream_recording::{Announced, Error, Listener, read_messages};
+use slipstream_recording::{Announced, Error, Listener, Recording, read_messages};
+use tempfile::NamedTempFile;
 
 use crate::server::Server;
 
@@ -20,13 +21,11 @@ pub struct Playback {
     pub repeats: bool,
 }
 
-/// Plays a recording, once a viewer has subscribed. A recording that is no MCAP file is converted first.
+/// Plays an MCAP file, once a viewer has subscribed.
 ///
 /// # Errors
-/// A recording that cannot be read.
-pub fn play(path: &Path, playback: Playback, server: &mut Server) -> Result<(), Error> {
-    let converted = converted(path)?;
-    let file = converted.as_ref().map_or(path, |file| file.path());
+/// A file that cannot be read.
+pub fn play(file: &Path, playback: Playback, server: &mut Server) -> Result<(), Error> {
     read_messages(file, &mut Topics(server))?;
     while server.subscriptions() == 0 {
         std::thread::sleep(LOOKING);
@@ -45,18 +44,19 @@ pub fn play(path: &Path, playback: Playback, server: &mut Server) -> Result<(), 
     }
 }
 
-/// The recording as a temporary MCAP file; none if it is one.
-fn converted(path: &Path) -> Result<Option<tempfile::NamedTempFile>, Error> {
+/// The recording that was read from `path` as a temporary MCAP file; none if it is one.
+///
+/// # Errors
+/// A temporary file that cannot be written.
+pub fn converted(path: &Path, recording: &Recording) -> Result<Option<NamedTempFile>, Error> {
     let is_mcap = path
         .extension()
         .is_some_and(|own| own.eq_ignore_ascii_case("mcap"));
     if is_mcap && path.is_file() {
         return Ok(None);
     }
-    let import = slipstream_recording::read(path)?;
-    let file = tempfile::NamedTempFile::new();
-    let file = file.map_err(|error| InputError::unreadable(path, &error))?;
-    slipstream_recording::write_mcap(&import.recording, file.path())?;
+    let file = NamedTempFile::new().map_err(|error| InputError::unreadable(path, &error))?;
+    slipstream_recording::write_mcap(recording, file.path())?;
     Ok(Some(file))
 }
 

@@ -23,7 +23,7 @@ pub(crate) struct Diagnosis {
     answer: Answer,
     improved: Vec<(String, RobotModel)>,
     figures: Vec<Figures>,
-    recordings: Vec<Arc<Inner>>,
+    recordings: Vec<Inner>,
     models: Models,
     command_line: String,
 }
@@ -57,29 +57,26 @@ pub(crate) fn diagnose(
             return Err(input(py, &error));
         }
     }
-    let own = (recordings.clone(), models.clone());
+    let own = models.clone();
     let work = move |stop: &Stop| {
-        let owned: Vec<Inner> = own
-            .0
-            .iter()
-            .map(|recording| (**recording).clone())
-            .collect();
+        let owned: Vec<Inner> = recordings.iter().map(|own| (**own).clone()).collect();
         let request = Request {
             recordings: &owned,
-            model_of: &|robot| of(&own.1, robot),
+            model_of: &|robot| of(&own, robot),
             excluded: &without,
             excluded_s: &exclude_time,
             progress: &|_| stop.check(),
         };
-        if figures {
+        let answered = if figures {
             slipstream_diagnose::diagnose_with_figures(&request)
         } else {
             let answered = slipstream_diagnose::diagnose(&request);
             answered.map(|(answer, improved)| (answer, improved, Vec::new()))
-        }
+        };
+        answered.map(|answered| (owned, answered))
     };
-    let (answer, improved, figures) =
-        interruptible(py, work)?.map_err(|error| input(py, &error))?;
+    let done = interruptible(py, work)?;
+    let (recordings, (answer, improved, figures)) = done.map_err(|error| input(py, &error))?;
     Ok(Diagnosis {
         answer,
         improved,
@@ -126,13 +123,16 @@ impl Diagnosis {
 
 impl Diagnosis {
     fn with(&self, write: fn(&report::Diagnosis<'_>) -> String) -> String {
-        let recordings: Vec<Inner> = self.recordings.iter().map(|own| (**own).clone()).collect();
-        let names: Vec<&str> = recordings.iter().map(|own| own.name.as_str()).collect();
+        let names: Vec<&str> = self
+            .recordings
+            .iter()
+            .map(|own| own.name.as_str())
+            .collect();
         write(&report::Diagnosis {
             subject: names.join(", "),
             answer: &self.answer,
             figures: &self.figures,
-            recordings: &recordings,
+            recordings: &self.recordings,
             model_of: &|robot| of(&self.models, robot),
             improved: &self.improved,
             command_line: self.command_line.clone(),

@@ -5,14 +5,12 @@ use slipstream_recording::recording::Recording;
 use slipstream_recording::{Channel, interpolate};
 
 use crate::parts::{
-    Fact, Frame, Icon, Ink, Page, Points, Row, Rows, Scale, Tone, Way, capital, fixed,
+    Fact, Frame, Icon, Ink, Page, Points, Row, Rows, Scale, Tone, Way, capital, columns_of, fixed,
     floor_scales, gap_of, short, verdict, with_unit,
 };
 
-/// Robots that are drawn; bytes of all lines, and of a column of one.
+/// Robots that are drawn.
 const DRAWN: usize = 12;
-const LINE_BYTES: usize = 420_000;
-const COLUMN_BYTES: usize = 24;
 /// Height of a chart.
 const HEIGHT_PX: u32 = 78;
 /// Distance from which on the simulation counts as drifting apart (cm), and that which is named first.
@@ -96,8 +94,7 @@ pub fn page(comparison: &Comparison<'_>) -> String {
         .iter()
         .filter(|own| apart.iter().any(|a| a.robot == own.robot))
         .count();
-    let columns =
-        (LINE_BYTES / COLUMN_BYTES / (2 * lines + 2 * apart.len()).max(1)).clamp(60, 1800);
+    let columns = columns_of(2 * lines + 2 * apart.len());
     let (answer, lead, tone) = words(recording, &apart);
     let chip = if tone == Tone::Good {
         (Icon::Tick, "Close together")

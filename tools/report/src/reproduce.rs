@@ -88,7 +88,7 @@ fn dots(rows: &[Number]) -> Markup {
 
 fn numbers(rows: &[Number]) -> Markup {
     let number = |value: Option<f64>| match value {
-        Some(value) => Cell::number(value, short4(value)),
+        Some(value) => Cell::number(value, fixed(value, 4)),
         None => Cell::number(f64::NAN, "–"),
     };
     let rows: Vec<Vec<Cell>> = rows
@@ -123,10 +123,6 @@ fn numbers(rows: &[Number]) -> Markup {
         ],
         &rows,
     )
-}
-
-fn short4(value: f64) -> String {
-    fixed(value, 4)
 }
 
 fn assumptions(reproduction: &Reproduction) -> Markup {

@@ -350,13 +350,14 @@ fn robots(summary: &RunSummary) -> Markup {
 }
 
 fn links(summary: &RunSummary) -> Markup {
-    let count = |value: u64| Cell::number(value as f64, fixed(value as f64, 0));
     let rows: Vec<Vec<Cell>> = summary
         .links
         .iter()
         .map(|own| {
             let mut row = vec![Cell::text(format!("{} → {}", own.from, own.to))];
-            row.extend([own.sent, own.delivered, own.lost, own.in_flight, own.stale].map(count));
+            row.extend(
+                [own.sent, own.delivered, own.lost, own.in_flight, own.stale].map(Cell::count),
+            );
             row
         })
         .collect();
@@ -368,15 +369,14 @@ fn links(summary: &RunSummary) -> Markup {
 }
 
 fn deadlines(summary: &RunSummary) -> Markup {
-    let count = |value: u64| Cell::number(value as f64, fixed(value as f64, 0));
     let rows: Vec<Vec<Cell>> = summary
         .deadlines
         .iter()
         .map(|own| {
             vec![
                 Cell::text(format!("{} {}", own.process, own.name)),
-                count(own.ticks),
-                count(own.missed),
+                Cell::count(own.ticks),
+                Cell::count(own.missed),
                 Cell::number(own.latest_s, short(1000.0 * own.latest_s)),
             ]
         })

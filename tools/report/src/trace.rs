@@ -91,13 +91,14 @@ fn stage_class(stage: &str) -> &'static str {
     }
 }
 
+/// Links of which a position was used.
+fn used(answer: &Answer) -> impl Iterator<Item = &Hop> {
+    answer.hops.iter().filter(|hop| hop.end_to_end.is_some())
+}
+
 /// The link with the median latency.
 fn median_hop(answer: &Answer) -> Option<&Hop> {
-    let mut hops: Vec<&Hop> = answer
-        .hops
-        .iter()
-        .filter(|hop| hop.end_to_end.is_some())
-        .collect();
+    let mut hops: Vec<&Hop> = used(answer).collect();
     let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p50_s);
     hops.sort_by(|a, b| end(a).total_cmp(&end(b)));
     hops.get(hops.len() / 2).copied()
@@ -206,22 +207,12 @@ fn lead(answer: &Answer) -> Markup {
 }
 
 fn bars(answer: &Answer) -> Markup {
-    let hops: Vec<&Hop> = answer
-        .hops
-        .iter()
-        .filter(|hop| hop.end_to_end.is_some())
-        .take(LINKS)
-        .collect();
+    let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
     let end = |hop: &Hop| hop.end_to_end.map_or(0.0, |own| own.p99_s.max(own.p50_s));
     let longest = hops.iter().map(|hop| end(hop)).fold(0.0, f64::max);
     let scale = Scale::new(0.0, 1000.0 * longest.max(1e-9), 5);
     let at = |seconds: f64| 100.0 * scale.place(1000.0 * seconds);
-    let left = answer
-        .hops
-        .iter()
-        .filter(|hop| hop.end_to_end.is_some())
-        .count()
-        - hops.len();
+    let left = used(answer).count() - hops.len();
     html! {
         @if !hops.is_empty() {
             figure class="hops" aria-label="Median latency of each link, stage by stage" {
@@ -292,12 +283,7 @@ fn rest(hop: &Hop) -> Markup {
 }
 
 fn stages(answer: &Answer) -> Markup {
-    let hops: Vec<&Hop> = answer
-        .hops
-        .iter()
-        .filter(|hop| hop.end_to_end.is_some())
-        .take(LINKS)
-        .collect();
+    let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
     let mut heads = vec!["Stage, ms".to_owned()];
     for hop in &hops {
         heads.push(format!("{} → {}: p50", hop.from, hop.to));
@@ -334,7 +320,6 @@ fn stages(answer: &Answer) -> Markup {
 
 /// What became of the messages of each link.
 fn fates(answer: &Answer) -> Markup {
-    let number = |count: u64| Cell::number(count as f64, count.to_string());
     let rows: Vec<Vec<Cell>> = answer
         .hops
         .iter()
@@ -343,12 +328,12 @@ fn fates(answer: &Answer) -> Markup {
             let late = other.superseded + other.stale + other.overwritten;
             vec![
                 Cell::text(format!("{} → {}", hop.from, hop.to)),
-                number(hop.sent),
-                number(hop.messages),
-                number(other.lost),
-                number(late),
-                number(other.under_way),
-                number(other.receiver_died + other.untold),
+                Cell::count(hop.sent),
+                Cell::count(hop.messages),
+                Cell::count(other.lost),
+                Cell::count(late),
+                Cell::count(other.under_way),
+                Cell::count(other.receiver_died + other.untold),
             ]
         })
         .collect();
@@ -436,14 +421,13 @@ fn loops(answer: &Answer) -> Markup {
         .loops
         .iter()
         .map(|own| {
-            let count = |count: u64| Cell::number(count as f64, fixed(count as f64, 0));
             let time = |value: f64| Cell::number(value, ms(value));
             let jitter = own.jitter.map_or(0.0, |jitter| jitter.p99_s);
             vec![
                 Cell::text(format!("{} {}", own.process, own.name)),
-                count(own.ticks),
-                count(own.missed),
-                count(own.left_out),
+                Cell::count(own.ticks),
+                Cell::count(own.missed),
+                Cell::count(own.left_out),
                 time(own.late.p50_s),
                 time(own.late.p99_s),
                 time(own.late.max_s),

@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             model_of: &|robot| models.of(robot),
             improved: &improved,
             command_line: command_line(),
-            facts: provenance::facts(&arguments.files(), &distinct(&origins)),
+            facts: provenance::facts(&arguments.recording, &arguments.robot, &distinct(&origins)),
         });
         output_file::write(file, &page)?;
     }
@@ -110,21 +110,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     print_answer(&answer);
     Ok(Exit::Done)
-}
-
-impl Arguments {
-    /// Everything that was read.
-    fn files(&self) -> Vec<PathBuf> {
-        let models = self
-            .robot
-            .iter()
-            .map(|own| own.split_once('=').map_or(own.as_str(), |(_, file)| file));
-        self.recording
-            .iter()
-            .cloned()
-            .chain(models.map(PathBuf::from))
-            .collect()
-    }
 }
 
 /// Texts without repetition.

@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     /// each)
     #[arg(long, value_name = "FILE.csv")]
     rtt: Option<PathBuf>,
-    /// Write a page with the stages and the distribution of the latency
+    /// Write a page: stages of each link, age of the positions in use, deadlines
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
 }
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             answer: &answer,
             reading: &reading,
             command_line: command_line(),
-            facts: provenance::facts(std::slice::from_ref(&arguments.recording), ""),
+            facts: provenance::facts(std::slice::from_ref(&arguments.recording), &[], ""),
         });
         output_file::write(file, &page)?;
     }

@@ -31,14 +31,15 @@ struct Named {
 
 /// The limits of all terms that no finding has.
 pub(super) fn limits(scene: &Scene<'_>) -> Vec<Limit> {
-    let mut limits = calibrated(scene);
-    limits.extend(driven(scene));
+    let base = Base::new(scene);
+    let mut limits = calibrated(scene, &base);
+    limits.extend(driven(scene, &base));
     let error = |limit: &Limit| limit.error[0].or(limit.error[1]).unwrap_or(0.0);
     limits.sort_by(|a, b| error(b).total_cmp(&error(a)));
     limits
 }
 
-fn calibrated(scene: &Scene<'_>) -> Vec<Limit> {
+fn calibrated(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
     let Some(calibration) = scene.calibration else {
         return Vec::new();
     };
@@ -51,10 +52,10 @@ fn calibrated(scene: &Scene<'_>) -> Vec<Limit> {
     let all = terms::terms(machine, scene.excluded, calibration.by_run);
     let laws = terms::laws(machine, scene.excluded);
     let all: Vec<Term> = all.into_iter().chain(laws).collect();
-    of_terms(scene, &problem, &calibration.after, &all, 0)
+    of_terms((scene, base), &problem, &calibration.after, &all, 0)
 }
 
-fn driven(scene: &Scene<'_>) -> Vec<Limit> {
+fn driven(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
     let own = scene.predictors.iter().any(|own| own.drive.is_some());
     let (Some(drive), true) = (scene.drive, own) else {
         return Vec::new();
@@ -64,12 +65,12 @@ fn driven(scene: &Scene<'_>) -> Vec<Limit> {
     };
     let problem = machine.problem(machine, &drive.nominal);
     let all = super::drive::terms(0, machine.largest_rad_s, scene.excluded);
-    of_terms(scene, &problem, &drive.after, &all, DRIVE_FIRST)
+    of_terms((scene, base), &problem, &drive.after, &all, DRIVE_FIRST)
 }
 
 /// The limits of those of `all` that were not kept; parameters of the fit begin at `first` of the machine's.
 fn of_terms(
-    scene: &Scene<'_>,
+    (scene, base): (&Scene<'_>, &Base),
     problem: &Problem<'_>,
     found: &Selected,
     all: &[Term],
@@ -112,7 +113,7 @@ fn of_terms(
                 let variance = own[place] * own[place] * term.caution * term.caution + floor;
                 variance.is_finite().then(|| variance.sqrt())
             });
-            limits.push(limit(scene, &named, first + index, deviation));
+            limits.push(limit((scene, base), &named, first + index, deviation));
         }
     }
     limits
@@ -126,11 +127,10 @@ fn deviations(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Vec<f64>>
         .iter()
         .copied()
         .filter(|i| !term.parameters.contains(i));
-    let beside = Fit {
+    let mut beside = Fit {
         free: own.chain(others).collect(),
         ..fit.clone()
     };
-    let mut beside = beside;
     for index in &term.parameters {
         // at exactly 0 a law or a threshold has no derivative
         beside.at[*index] += f64::MIN_POSITIVE;
@@ -141,9 +141,14 @@ fn deviations(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Vec<f64>>
     Some(variances.map(f64::sqrt).collect())
 }
 
-fn limit(scene: &Scene<'_>, named: &Named, index: usize, deviation: Option<f64>) -> Limit {
+fn limit(
+    (scene, base): (&Scene<'_>, &Base),
+    named: &Named,
+    index: usize,
+    deviation: Option<f64>,
+) -> Limit {
     let change = deviation.map(|own| SIGMAS * own);
-    let error = change.map_or([None, None], |change| caused(scene, index, change));
+    let error = change.map_or([None, None], |change| base.caused(scene, index, change));
     let nothing = if named.is_factor { 1.0 } else { 0.0 };
     Limit {
         effect: named.effect,
@@ -167,28 +172,46 @@ fn limit(scene: &Scene<'_>, named: &Named, index: usize, deviation: Option<f64>)
     }
 }
 
-/// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
-fn caused(scene: &Scene<'_>, index: usize, change: f64) -> [Option<f64>; 2] {
-    let mut moved = scene.fitted.to_vec();
-    moved[index] += change;
-    let [mut place, mut turn] = [[0.0_f64; 2]; 2];
-    let most = WINDOWS.div_ceil(scene.predictors.len());
-    for (run, predictor) in scene.predictors.iter().enumerate() {
-        let windows = some_windows(predictor, most);
-        let [a, b] = [scene.fitted, &moved].map(|at| predictor.errors(run, at, &windows, true));
-        let pairs = a.predicted.iter().zip(&b.predicted);
-        for ((ax, ay), (bx, by)) in pairs.filter(|(p, _)| p.0.is_finite()) {
-            place = [
-                place[0] + (ax - bx).powi(2) + (ay - by).powi(2),
-                place[1] + 1.0,
-            ];
-        }
-        let (ends, others) = (turns(predictor, &a), turns(predictor, &b));
-        for (own, other) in ends.iter().zip(&others) {
-            turn = [turn[0] + (own - other).powi(2), turn[1] + 1.0];
+/// Some windows of each run as the findings predict them: what a change is compared with.
+struct Base {
+    runs: Vec<(Vec<[f64; 2]>, Errors)>,
+}
+
+impl Base {
+    fn new(scene: &Scene<'_>) -> Self {
+        let most = WINDOWS.div_ceil(scene.predictors.len());
+        let runs = scene.predictors.iter().enumerate().map(|(run, predictor)| {
+            let windows = some_windows(predictor, most);
+            let errors = predictor.errors(run, scene.fitted, &windows, true);
+            (windows, errors)
+        });
+        Self {
+            runs: runs.collect(),
         }
     }
-    [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
+
+    /// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
+    fn caused(&self, scene: &Scene<'_>, index: usize, change: f64) -> [Option<f64>; 2] {
+        let mut moved = scene.fitted.to_vec();
+        moved[index] += change;
+        let [mut place, mut turn] = [[0.0_f64; 2]; 2];
+        let runs = scene.predictors.iter().zip(&self.runs).enumerate();
+        for (run, (predictor, (windows, own))) in runs {
+            let other = predictor.errors(run, &moved, windows, true);
+            let pairs = own.predicted.iter().zip(&other.predicted);
+            for ((ax, ay), (bx, by)) in pairs.filter(|(p, _)| p.0.is_finite()) {
+                place = [
+                    place[0] + (ax - bx).powi(2) + (ay - by).powi(2),
+                    place[1] + 1.0,
+                ];
+            }
+            let ends = turns(predictor, own).into_iter();
+            for (a, b) in ends.zip(turns(predictor, &other)) {
+                turn = [turn[0] + (a - b).powi(2), turn[1] + 1.0];
+            }
+        }
+        [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
+    }
 }
 
 /// Errors of the heading.

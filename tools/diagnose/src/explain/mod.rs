@@ -3,6 +3,7 @@
 pub(crate) mod budget;
 pub(crate) mod calibration;
 pub(crate) mod claim;
+pub(crate) mod drawn_span;
 pub(crate) mod drive;
 pub(crate) mod dynamic;
 pub(crate) mod finding;

@@ -2,6 +2,7 @@
 
 use super::calibration::Calibration;
 use super::claim::{Claim, Value};
+use super::drawn_span::drawn_span;
 use super::drive::DriveFit;
 use super::limits::limits;
 use super::prediction::{CHANNELS, Errors, Predictor};
@@ -17,9 +18,6 @@ const SEEN_FROM_ROBOT: [(&str, &str); 3] = [
     ("pose_y", "sideways"),
     ("pose_yaw", "heading"),
 ];
-/// Longest run whose path is drawn whole (s); of a longer one the piece is that loses most error.
-const WHOLE_S: f64 = 120.0;
-const PIECE_S: f64 = 60.0;
 /// Places of a line of motion, and the time over which a speed is averaged (s).
 const PLACES: f64 = 3000.0;
 const AVERAGED_S: f64 = 0.2;
@@ -149,13 +147,16 @@ impl Scene<'_> {
     fn path(&self, run: usize) -> Option<Paths> {
         let predictor = &self.predictors[run];
         predictor.run.pose.as_ref()?;
-        let [from_s, to_s] = predictor.run.blocks.span_s;
         let by_wheels = predictor.drive.is_none();
-        let span_s = if to_s - from_s <= WHOLE_S {
-            [from_s, to_s]
-        } else {
-            self.best_piece(run)
-        };
+        let sides = self.errors[run].iter().zip([1.0, -1.0]);
+        let squares = sides.flat_map(|(errors, sign)| {
+            let own = errors
+                .residuals
+                .iter()
+                .filter(|(_, channel, _)| *channel <= 3);
+            own.map(move |(t_s, _, residual)| (*t_s, sign * residual * residual))
+        });
+        let span_s = drawn_span(predictor.run.blocks.span_s, squares);
         let windows = if by_wheels {
             vec![span_s]
         } else {
@@ -181,25 +182,6 @@ impl Scene<'_> {
             before: before.predicted,
             after,
         })
-    }
-
-    /// The minute in which what was found takes most square error away.
-    fn best_piece(&self, run: usize) -> [f64; 2] {
-        let [from_s, to_s] = self.machine.runs[run].blocks.span_s;
-        let count = ((to_s - from_s) / PIECE_S).floor().max(1.0) as usize;
-        let mut sums = vec![0.0; count];
-        let sides = self.errors[run].iter().zip([1.0, -1.0]);
-        for (errors, sign) in sides {
-            for (stamp_s, channel, residual) in &errors.residuals {
-                let piece = ((stamp_s - from_s) / PIECE_S) as usize;
-                if *channel <= 3 && residual.is_finite() && piece < count {
-                    sums[piece] += sign * residual * residual;
-                }
-            }
-        }
-        let best = (0..count).max_by(|a, b| sums[*a].total_cmp(&sums[*b]));
-        let begin_s = from_s + PIECE_S * best.unwrap_or(0) as f64;
-        [begin_s, (begin_s + PIECE_S).min(to_s)]
     }
 
     fn profiles(&self) -> Vec<Profile> {

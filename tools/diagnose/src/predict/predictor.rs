@@ -93,6 +93,12 @@ impl Predictor {
         })
     }
 
+    /// At most so many windows, at equal distances.
+    pub(crate) fn some_windows(&self, most: usize) -> Vec<Window> {
+        let stride = self.windows.len().div_ceil(most).max(1);
+        self.windows.iter().step_by(stride).cloned().collect()
+    }
+
     /// The robot with these effects. `None` for one that cannot be.
     pub(crate) fn simulated(&self, hypotheses: &[Hypothesis]) -> Option<Simulated> {
         let model = with(&self.model, hypotheses);

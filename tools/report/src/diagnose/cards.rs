@@ -6,7 +6,7 @@ use slipstream_diagnose::{Figures, Finding, LawCurve, Profile};
 
 use super::diagnosis::Diagnosis;
 use super::words::{Shown, driver, name, scale_of, shown, unit_of};
-use crate::parts::{Frame, Ink, Points, Scale, capital, card, fixed, short, with_unit};
+use crate::parts::{Frame, Ink, Points, Scale, capital, card, short, shown_unit, with_unit};
 
 /// Height of a picture (pixels).
 const HEIGHT_PX: u32 = 200;
@@ -51,10 +51,11 @@ fn profile_card(
 ) -> Markup {
     let native = unit_of(&finding.effect, profile.parameter);
     let (factor, unit) = scale_of(&finding.effect, profile.parameter, native, model);
-    let (error_factor, error_unit, what) = match profile.unit {
-        "m" => (100.0, "cm", "Position error"),
-        "rad" => (1.0_f64.to_degrees(), "°", "Heading error"),
-        _ => (1.0, "", "Error of the wheels"),
+    let (error_factor, error_unit) = shown_unit(profile.unit);
+    let what = match profile.unit {
+        "m" => "Position error",
+        "rad" => "Heading error",
+        _ => "Error of the wheels",
     };
     let points = profile.points.iter();
     let points: Points = points
@@ -67,8 +68,7 @@ fn profile_card(
     let own = parameter.and_then(|own| shown(&finding.effect, own, model));
     let mut claim = name(&finding.effect).to_owned();
     if let Some(own) = &own {
-        let best = with_unit(&fixed(own.is, own.digits), own.unit);
-        claim = format!("{claim}, {}: best at {best}", own.label);
+        claim = format!("{claim}, {}: best at {}", own.label, own.is_words());
     }
     let in_unit = if error_unit.is_empty() {
         String::new()

@@ -5,7 +5,7 @@ use slipstream_diagnose::{Answer, Figures, Finding, Verdict};
 use slipstream_recording::Recording;
 
 use super::errors::reached;
-use super::words::headline;
+use super::headline::headline;
 use crate::parts::{Fact, capital};
 
 /// Effects that the sentence names.

@@ -2,9 +2,12 @@
 
 use slipstream_diagnose::{Answer, Budget};
 
-use crate::parts::{short, with_unit};
+use crate::parts::{short, shown_unit, with_unit};
 
-/// Error of the position or else of the heading: before, after, factor to the shown unit, and unit.
+/// Units of budgets: of the position, of the heading.
+const UNITS: [&str; 2] = ["m", "rad"];
+
+/// Error of the position or of the heading, before and after, in a shown unit.
 pub(super) struct Error {
     pub(super) ends: [f64; 2],
     pub(super) unit: &'static str,
@@ -12,12 +15,10 @@ pub(super) struct Error {
 
 /// Errors of the robot that is worst off: position, heading.
 pub(super) fn errors(answer: &Answer) -> Vec<Error> {
-    let degree = 1.0_f64.to_degrees();
     let mut out = Vec::new();
-    for (unit, shown, factor) in [("m", "cm", 100.0), ("rad", "°", degree)] {
-        let own = answer.budget.iter().filter(|own| own.unit == unit);
-        let worst = own.max_by(|a, b| a.before.total_cmp(&b.before));
-        let ends = match worst {
+    for unit in UNITS {
+        let (factor, shown) = shown_unit(unit);
+        let ends = match worst(answer, unit) {
             Some(own) => Some([own.before, own.after]),
             None => of_channels(answer, unit),
         };
@@ -63,11 +64,6 @@ pub(super) fn reached(answer: &Answer) -> Option<String> {
 /// What is unexplained where that counts, as root mean square in shown units: shares of a budget are of the mean
 /// square.
 pub(super) fn unexplained(answer: &Answer) -> Vec<(f64, &'static str)> {
-    let degree = 1.0_f64.to_degrees();
-    let worst = |unit: &str| {
-        let own = answer.budget.iter().filter(|own| own.unit == unit);
-        own.max_by(|a, b| a.before.total_cmp(&b.before))
-    };
     let part = |own: &Budget| {
         let own_part = own.parts.iter().find(|part| part.name == "unexplained");
         let share = own_part
@@ -75,9 +71,15 @@ pub(super) fn unexplained(answer: &Answer) -> Vec<(f64, &'static str)> {
             .filter(|share| *share > 0.005 * own.before)?;
         Some((share * own.before).sqrt())
     };
-    let all = [("m", 100.0, "cm"), ("rad", degree, "°")];
-    let known = all
-        .into_iter()
-        .filter_map(|(unit, factor, shown)| Some((factor * part(worst(unit)?)?, shown)));
+    let known = UNITS.into_iter().filter_map(|unit| {
+        let (factor, shown) = shown_unit(unit);
+        Some((factor * part(worst(answer, unit)?)?, shown))
+    });
     known.collect()
+}
+
+/// The budget of the robot that is worst off.
+fn worst<'a>(answer: &'a Answer, unit: &str) -> Option<&'a Budget> {
+    let own = answer.budget.iter().filter(|own| own.unit == unit);
+    own.max_by(|a, b| a.before.total_cmp(&b.before))
 }

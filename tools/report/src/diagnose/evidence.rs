@@ -6,11 +6,10 @@ use slipstream_diagnose::{ErrorLine, Figures, Finding};
 use super::cards;
 use super::diagnosis::Diagnosis;
 use super::words::name;
-use crate::parts::{Frame, Ink, Points, Row, Rows, Scale, capital, gap_of, short};
+use crate::parts::{
+    Frame, Ink, Points, Row, Rows, Scale, capital, columns_of, gap_of, short, shown_unit,
+};
 
-/// Bytes of all lines together, and of a column of one line.
-const LINE_BYTES: usize = 420_000;
-const COLUMN_BYTES: usize = 24;
 /// Share of a recording from which on a finding acts all the time.
 const ALWAYS: f64 = 0.98;
 /// Deviations of a sensor between which 95 % of its noise lies.
@@ -29,7 +28,7 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
         .iter()
         .map(|own| 2 * own.errors.len() + 2 * own.motion.len() + 2 * own.forces.len())
         .sum();
-    let columns = (LINE_BYTES / COLUMN_BYTES / lines.max(1)).clamp(60, 1800);
+    let columns = columns_of(lines);
     let several = machines.len() > 1;
     html! {
         section id="evidence" aria-labelledby="h-evidence" {
@@ -255,19 +254,12 @@ fn motion(own: &Figures, run: usize) -> Vec<Spec> {
         .collect()
 }
 
-/// How an error is shown: factor and unit.
-fn shown_unit(unit: &str) -> (f64, &'static str) {
-    match unit {
-        "m" => (100.0, "cm"),
-        "rad" => (1.0_f64.to_degrees(), "degrees"),
-        "rad/s" => (1.0_f64.to_degrees(), "degrees/s"),
-        "m/s" => (100.0, "cm/s"),
-        _ => (1.0, "m/s²"),
-    }
-}
-
 fn error_row(line: &ErrorLine) -> Spec {
-    let (factor, unit) = shown_unit(line.unit);
+    let (factor, unit) = match shown_unit(line.unit) {
+        // titles stand before no number
+        (factor, "°") => (factor, "degrees"),
+        shown => shown,
+    };
     let before = rms(&line.before) * factor;
     let title = match line.quantity {
         "wheel_right" => "Right wheel".to_owned(),

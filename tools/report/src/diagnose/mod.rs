@@ -1,12 +1,17 @@
 //! The page of a diagnosis: what is wrong with the model and what to do, then why that, what else was
 //! looked at, how good the data is, and how the page was made.
 
+mod action;
 mod cards;
 mod data;
 mod diagnosis;
 mod errors;
 mod evidence;
+mod findings;
 mod first_screen;
+mod headline;
+mod markdown;
+mod ready;
 mod ruled_out;
 mod words;
 
@@ -17,9 +22,11 @@ use slipstream_diagnose::{Figures, Verdict};
 
 use crate::parts::{Fact, Page};
 
+pub use action::action;
 pub use diagnosis::Diagnosis;
 pub use first_screen::first_screen;
-pub use words::{action, headline, name};
+pub use headline::headline;
+pub use words::name;
 
 /// Robots whose evidence is drawn; more are told in a sentence.
 const DRAWN: usize = 12;
@@ -44,7 +51,7 @@ pub fn page(diagnosis: &Diagnosis<'_>) -> String {
         subject: diagnosis.subject.clone(),
         summary: diagnosis.sentence(),
         anchors,
-        markdown: Some(first_screen::markdown(diagnosis)),
+        markdown: Some(markdown::markdown(diagnosis)),
         body: body(diagnosis),
         command_line: diagnosis.command_line.clone(),
         facts: facts(diagnosis),

@@ -6,7 +6,7 @@ use slipstream_diagnose::{Figures, Finding, Limit, Seen, manoeuvre};
 
 use super::diagnosis::Diagnosis;
 use super::words::{driver, name, scale_of};
-use crate::parts::{DotRow, badge, dot_table, short, with_unit};
+use crate::parts::{DotRow, badge, dot_table, short, shown_unit, with_unit};
 
 /// Rows that are shown at once; the others can be opened.
 const SHOWN: usize = 10;
@@ -15,26 +15,29 @@ const SHOWN: usize = 10;
 #[derive(Clone, Copy)]
 struct Axis {
     part: usize,
-    factor: f64,
-    unit: &'static str,
     native: &'static str,
     head: &'static str,
+    factor: f64,
+    unit: &'static str,
 }
 
-const PLACE: Axis = Axis {
-    part: 0,
-    factor: 100.0,
-    unit: "cm",
-    native: "m",
-    head: "Position",
-};
-const HEADING: Axis = Axis {
-    part: 1,
-    factor: 180.0 / std::f64::consts::PI,
-    unit: "°",
-    native: "rad",
-    head: "Heading",
-};
+impl Axis {
+    fn new(in_place: bool) -> Self {
+        let (part, native, head) = if in_place {
+            (0, "m", "Position")
+        } else {
+            (1, "rad", "Heading")
+        };
+        let (factor, unit) = shown_unit(native);
+        Self {
+            part,
+            native,
+            head,
+            factor,
+            unit,
+        }
+    }
+}
 
 /// What was ruled out, down to which size.
 pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Markup {
@@ -42,7 +45,7 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
     let Some(own) = shown else { return html! {} };
     let model = diagnosis.model(&own.robot);
     let in_place = own.limits.iter().any(|limit| limit.error[0].is_some());
-    let axis = if in_place { PLACE } else { HEADING };
+    let axis = Axis::new(in_place);
     let is_known = |limit: &&Limit| limit.size.is_some_and(f64::is_finite);
     let known = own.limits.iter().filter(is_known);
     let rows: Vec<DotRow> = known

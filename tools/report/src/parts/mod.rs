@@ -13,12 +13,12 @@ mod small;
 
 pub use frame::Frame;
 pub use ink::Ink;
-pub use number::{capital, digits_of, fixed, short};
-pub use outline::gap_of;
+pub use number::{capital, digits_of, fixed, interval, short, shown_unit};
+pub use outline::{columns_of, gap_of};
 pub use page::{Fact, Page};
 pub use picture::svg;
 pub use points::{Points, Way};
-pub use rows::{Row, Rows, interval};
+pub use rows::{Row, Rows};
 pub use scale::{Scale, floor_scales};
 pub use small::{
     BudgetRow, Cell, DotRow, Icon, Part, PartKind, Tone, badge, budget, card, code_box, command,

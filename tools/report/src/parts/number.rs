@@ -72,6 +72,30 @@ pub fn digits_of([low, high]: [f64; 2]) -> usize {
     (more - order).clamp(0.0, 9.0) as usize
 }
 
+/// How lengths and angles are shown: factor and unit. Lengths in centimetres, angles in degrees.
+///
+/// ```
+/// use slipstream_report::parts::shown_unit;
+/// assert_eq!(shown_unit("m"), (100.0, "cm"));
+/// assert_eq!(shown_unit("rad").1, "°");
+/// ```
+pub fn shown_unit(unit: &str) -> (f64, &'static str) {
+    let degree = 1.0_f64.to_degrees();
+    match unit {
+        "m" => (100.0, "cm"),
+        "rad" => (degree, "°"),
+        "rad/s" => (degree, "degrees/s"),
+        "m/s" => (100.0, "cm/s"),
+        "m/s²" => (1.0, "m/s²"),
+        _ => (1.0, ""),
+    }
+}
+
+/// The text of an interval.
+pub fn interval(low: f64, high: f64, digits: usize) -> String {
+    format!("{} to {}", fixed(low, digits), fixed(high, digits))
+}
+
 /// Words that begin a sentence.
 ///
 /// ```

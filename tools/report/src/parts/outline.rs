@@ -15,6 +15,17 @@ pub fn gap_of(points: &[(f64, f64)]) -> f64 {
     median.map_or(f64::INFINITY, |median| 5.0 * median)
 }
 
+/// Bytes of all lines of a page together, of a column of one, and how many columns a line may have.
+const LINE_BYTES: usize = 420_000;
+const COLUMN_BYTES: usize = 24;
+const COLUMNS: [usize; 2] = [60, 1800];
+
+/// How many columns of each line are told apart on a page of so many lines.
+pub fn columns_of(lines: usize) -> usize {
+    let [least, most] = COLUMNS;
+    (LINE_BYTES / COLUMN_BYTES / lines.max(1)).clamp(least, most)
+}
+
 /// Commands of an SVG path through points that are sorted by their horizontal value. A point that is not finite,
 /// or a step of more than `gap`, breaks the line. No more than four points remain of each of `columns`.
 pub(super) fn outline(

@@ -39,6 +39,26 @@ pub struct Page {
 impl Page {
     /// The HTML file.
     pub fn html(&self) -> String {
+        self.file(&html! {
+            a class="skip" href="#main" { "Skip to the answer" }
+            (self.bar())
+            (self.main())
+            (self.foot())
+            @if let Some(markdown) = &self.markdown { pre id="md" hidden { (markdown) } }
+            @if let Some(answer) = &self.answer {
+                // "</" would end the element
+                script type="application/json" id="answer" { (PreEscaped(answer.replace("</", "<\\/"))) }
+            }
+        })
+    }
+
+    /// The body alone, as an HTML file without bar and foot.
+    pub fn bare_html(&self) -> String {
+        self.file(&self.main())
+    }
+
+    /// An HTML file with this content.
+    fn file(&self, content: &Markup) -> String {
         let title = format!("{} of {}: {}", self.command, self.subject, self.summary);
         let page = html! {
             (DOCTYPE)
@@ -53,38 +73,14 @@ impl Page {
                     link rel="icon" href=(ICON);
                     style { (PreEscaped(STYLE)) }
                 }
-                body {
-                    a class="skip" href="#main" { "Skip to the answer" }
-                    (self.bar())
-                    main class="wrap" id="main" { (self.body) }
-                    (self.foot())
-                    @if let Some(markdown) = &self.markdown { pre id="md" hidden { (markdown) } }
-                    @if let Some(answer) = &self.answer {
-                        // "</" would end the element
-                        script type="application/json" id="answer" { (PreEscaped(answer.replace("</", "<\\/"))) }
-                    }
-                    script { (PreEscaped(SCRIPT)) }
-                }
+                body { (content) script { (PreEscaped(SCRIPT)) } }
             }
         };
         page.into_string()
     }
 
-    /// The body alone, as an HTML file without bar and foot.
-    pub fn bare_html(&self) -> String {
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="color-scheme" content="light dark";
-                    title { (self.command) " of " (self.subject) }
-                    style { (PreEscaped(STYLE)) }
-                }
-                body { main class="wrap" { (self.body) } script { (PreEscaped(SCRIPT)) } }
-            }
-        };
-        page.into_string()
+    fn main(&self) -> Markup {
+        html! { main class="wrap" id="main" { (self.body) } }
     }
 
     fn bar(&self) -> Markup {

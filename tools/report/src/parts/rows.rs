@@ -4,7 +4,6 @@ use maud::{Markup, PreEscaped, html};
 
 use super::frame::Frame;
 use super::ink::Ink;
-use super::number::fixed;
 use super::points::Way;
 use super::scale::Scale;
 
@@ -267,9 +266,4 @@ fn fixed_plain(value: f64, digits: usize) -> String {
     } else {
         "null".to_owned()
     }
-}
-
-/// The text of an interval, with the unit.
-pub fn interval(low: f64, high: f64, digits: usize) -> String {
-    format!("{} to {}", fixed(low, digits), fixed(high, digits))
 }

@@ -2,7 +2,7 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use super::number::short;
+use super::number::{fixed, short};
 use super::scale::Scale;
 
 /// How a verdict looks.
@@ -244,6 +244,11 @@ impl Cell {
             key: Some(if key.is_finite() { key } else { -1e300 }),
             ..Self::text(text)
         }
+    }
+
+    /// A cell with a count.
+    pub fn count(count: u64) -> Self {
+        Self::number(count as f64, fixed(count as f64, 0))
     }
 
     /// A cell of markup.

@@ -30,8 +30,7 @@ pub(crate) fn limits(
     all: &[Hypothesis],
 ) -> Vec<Limit> {
     let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
-    let stride = predictor.windows.len().div_ceil(WINDOWS).max(1);
-    let windows: Vec<Window> = predictor.windows.iter().step_by(stride).cloned().collect();
+    let windows = predictor.some_windows(WINDOWS);
     let base = predicted(predictor, &windows, &fit.hypotheses);
     let each = kinds.par_iter().flat_map_iter(|kind| {
         let own = of_kind(machine, fit, kind).into_iter();

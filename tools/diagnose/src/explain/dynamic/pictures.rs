@@ -8,6 +8,7 @@ use super::machine::Machine;
 use super::selection::Selected;
 use crate::answer::{ErrorLine, Figures, LawCurve, MissingForce, Motion, Paths, Point, Profile};
 use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor, Track};
+use crate::explain::drawn_span::drawn_span;
 use crate::model::hypothesis::Hypothesis;
 use crate::predict::misfit::Misfit;
 use crate::predict::predictor::{Predictor, unit};
@@ -17,9 +18,6 @@ use crate::predict::window::{WINDOW_S, Window, cut};
 const GAP: Point = (f64::NAN, f64::NAN);
 /// Places of a line that the filter draws.
 const PLACES: usize = 4000;
-/// Longest run whose whole path is drawn (s), and of a longer one the piece that is.
-const WHOLE_S: f64 = 120.0;
-const PIECE_S: f64 = 60.0;
 /// Sizes of a profile to each side, and windows by which it is predicted.
 const SIZES: i32 = 8;
 const WINDOWS: usize = 8;
@@ -46,6 +44,7 @@ pub(crate) fn figures(
         runs: names(machine),
         spans_s: machine.tracks.iter().map(Track::span_s).collect(),
         motion: motion(machine, selected.whole()),
+        forces: forces(machine, selected, found),
         profiles: profiles(machine, predictor, selected, first_finding),
         laws: law(selected, first_finding).into_iter().collect(),
         limits: limits(machine, predictor, &selected.fit, all),
@@ -60,21 +59,6 @@ pub(crate) fn figures(
         figures
             .paths
             .extend(path(predictor, run, &before, after.as_ref()));
-        let before = missing(machine, &selected.nominal, run);
-        let after = missing(machine, &selected.fit, run);
-        let parts = [
-            ("missing force along the body", "N"),
-            ("missing moment about the vertical", "N m"),
-        ];
-        for (((quantity, unit), before), after) in parts.into_iter().zip(before).zip(after) {
-            figures.forces.push(MissingForce {
-                run,
-                quantity,
-                unit,
-                before,
-                after: if found { after } else { Vec::new() },
-            });
-        }
     }
     figures
 }
@@ -119,16 +103,37 @@ fn thinned(points: &[Point]) -> Vec<Point> {
     points.iter().copied().step_by(stride).collect()
 }
 
-/// The disturbances along and about that the filter estimates over time (N, N m).
-fn missing(machine: &Machine, fit: &Fit, run: usize) -> [Vec<Point>; 2] {
-    let mut lines = [Vec::new(), Vec::new()];
-    machine.watched(fit, &fit.hypotheses, |own, t_s, _, disturbance| {
-        if own == run {
-            lines[0].push((t_s, disturbance[0]));
-            lines[1].push((t_s, disturbance[1]));
-        }
+/// The disturbances along and about that the filter estimates over time (N, N m), of each run.
+fn missing(machine: &Machine, fit: &Fit) -> Vec<[Vec<Point>; 2]> {
+    let mut all = vec![[Vec::new(), Vec::new()]; machine.runs.len()];
+    machine.watched(fit, &fit.hypotheses, |run, t_s, _, disturbance| {
+        all[run][0].push((t_s, disturbance[0]));
+        all[run][1].push((t_s, disturbance[1]));
     });
-    lines.map(|line| thinned(&line))
+    let runs = all.into_iter();
+    runs.map(|lines| lines.map(|line| thinned(&line))).collect()
+}
+
+/// The forces that the models miss in each run; without findings the improved model is the nominal one.
+fn forces(machine: &Machine, selected: &Selected, found: bool) -> Vec<MissingForce> {
+    let before = missing(machine, &selected.nominal);
+    let after = missing(machine, &selected.fit);
+    let parts = [
+        ("missing force along the body", "N"),
+        ("missing moment about the vertical", "N m"),
+    ];
+    let runs = before.into_iter().zip(after).enumerate();
+    let each = runs.flat_map(|(run, (before, after))| {
+        let lines = parts.into_iter().zip(before).zip(after);
+        lines.map(move |(((quantity, unit), before), after)| MissingForce {
+            run,
+            quantity,
+            unit,
+            before,
+            after: if found { after } else { Vec::new() },
+        })
+    });
+    each.collect()
 }
 
 fn of_run(predictor: &Predictor, run: usize, hypotheses: &[Hypothesis]) -> Predicted {
@@ -223,27 +228,15 @@ fn path(
     before: &Predicted,
     after: Option<&Predicted>,
 ) -> Option<Paths> {
-    let whole_s = predictor.tracks[run].span_s();
-    let square = |(_, seen, place): &(f64, Point, Point)| {
-        let square = (seen.0 - place.0).powi(2) + (seen.1 - place.1).powi(2);
-        if square.is_finite() { square } else { 0.0 }
-    };
-    let mut span_s = whole_s;
-    if whole_s[1] - whole_s[0] > WHOLE_S {
-        let count = ((whole_s[1] - whole_s[0]) / PIECE_S).floor().max(1.0) as usize;
-        let mut sums = vec![0.0; count];
-        for (path, sign) in [(Some(before), 1.0), (after, -1.0)] {
-            for row in path.iter().flat_map(|own| &own.path) {
-                let piece = ((row.0 - whole_s[0]) / PIECE_S) as usize;
-                if let Some(sum) = sums.get_mut(piece) {
-                    *sum += sign * square(row);
-                }
-            }
-        }
-        let best = (0..count).max_by(|a, b| sums[*a].total_cmp(&sums[*b]))?;
-        let begin_s = whole_s[0] + PIECE_S * best as f64;
-        span_s = [begin_s, begin_s + PIECE_S];
-    }
+    let sides = [(Some(before), 1.0), (after, -1.0)].into_iter();
+    let squares = sides.flat_map(|(path, sign)| {
+        let rows = path.into_iter().flat_map(|own| &own.path);
+        rows.map(move |(t_s, seen, place)| {
+            let square = (seen.0 - place.0).powi(2) + (seen.1 - place.1).powi(2);
+            (*t_s, sign * square)
+        })
+    });
+    let span_s = drawn_span(predictor.tracks[run].span_s(), squares);
     let within = |path: &Predicted, of: fn(&(f64, Point, Point)) -> Point| -> Vec<Point> {
         let own = path
             .path
@@ -298,8 +291,7 @@ fn profile(
     let (name, value) = *own.values.last()?;
     let nothing = own.nothing(&machine.model, name);
     let by_factor = own.is_abrupt() || own.is_threshold() || own.has_play();
-    let stride = predictor.windows.len().div_ceil(WINDOWS).max(1);
-    let windows: Vec<Window> = predictor.windows.iter().step_by(stride).cloned().collect();
+    let windows = predictor.some_windows(WINDOWS);
     let sizes = (-SIZES..=SIZES).into_par_iter().map(|k| {
         let share = f64::from(k) / f64::from(SIZES);
         if by_factor {

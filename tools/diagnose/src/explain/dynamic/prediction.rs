@@ -74,8 +74,7 @@ pub(crate) fn budgets(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Ve
     if fit.hypotheses.is_empty() {
         return Vec::new();
     }
-    let stride = predictor.windows.len().div_ceil(BUDGET_WINDOWS).max(1);
-    let windows: Vec<Window> = predictor.windows.iter().step_by(stride).cloned().collect();
+    let windows = predictor.some_windows(BUDGET_WINDOWS);
     let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
     names.sort_unstable();
     names.dedup();
