@@ -2,7 +2,7 @@
 //!
 //! [`remove_unfinished`] is about all files of the process: this test is alone in its program.
 
-#![allow(clippy::unwrap_used)] // a failed expectation fails the test
+#![allow(clippy::unwrap_used, reason = "a failed expectation fails the test")]
 
 use slipstream_recording::output::{OutputFile, remove_unfinished};
 

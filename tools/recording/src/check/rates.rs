@@ -110,10 +110,12 @@ fn judge(robot: &str, report: &StreamReport, findings: &mut Vec<Finding>) {
     if !report.gaps_s.is_empty() {
         let total: f64 = report.gaps_s.iter().map(|[a, b]| b - a).sum();
         let longest = report.gaps_s.iter().map(|[a, b]| b - a).fold(0.0, f64::max);
-        let statement = format!(
-            "{stream} pauses {} times, {total:.2} s in all, {longest:.2} s the longest",
-            report.gaps_s.len()
-        );
+        let statement = match report.gaps_s.len() {
+            1 => format!("{stream} pauses once, for {total:.2} s"),
+            count => format!(
+                "{stream} pauses {count} times, {total:.2} s in all, {longest:.2} s the longest"
+            ),
+        };
         findings.push(Finding::new(
             Severity::Note,
             robot,

@@ -41,8 +41,30 @@ impl Axis {
 
 /// What was ruled out, down to which size.
 pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Markup {
-    let shown = machines.iter().find(|own| !own.limits.is_empty());
-    let Some(own) = shown else { return html! {} };
+    let judged: Vec<&Figures> = machines
+        .iter()
+        .copied()
+        .filter(|own| !own.limits.is_empty())
+        .collect();
+    let Some((first, others)) = judged.split_first() else {
+        return html! {};
+    };
+    html! {
+        section id="ruled-out" aria-labelledby="h-ruled-out" {
+            h2 id="h-ruled-out" { "Ruled out, down to which size" }
+            p class="sub" { "Beside the findings, an effect of this size would differ from nothing by 4.5 standard deviations. "
+                "The dot is the error 5 s ahead that it could still cause: left of the dashed line, it cannot be what is unexplained."
+                @if !others.is_empty() { " Of " (first.robot) "." } }
+            (of_machine(diagnosis, first))
+            @for own in others {
+                details { summary { "Of " (own.robot) } (of_machine(diagnosis, own)) }
+            }
+        }
+    }
+}
+
+/// The limits of one machine.
+fn of_machine(diagnosis: &Diagnosis<'_>, own: &Figures) -> Markup {
     let model = diagnosis.model(&own.robot);
     let in_place = own.limits.iter().any(|limit| limit.error[0].is_some());
     let axis = Axis::new(in_place);
@@ -60,22 +82,16 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
     let heads = ["Effect", "No larger than", axis.head];
     let (first, rest) = rows.split_at(rows.len().min(SHOWN));
     html! {
-        section id="ruled-out" aria-labelledby="h-ruled-out" {
-            h2 id="h-ruled-out" { "Ruled out, down to which size" }
-            p class="sub" { "Beside the findings, an effect of this size would differ from nothing by 4.5 standard deviations. "
-                "The dot is the error 5 s ahead that it could still cause: left of the dashed line, it cannot be what is unexplained."
-                @if machines.len() > 1 { " Of " (own.robot) "." } }
-            (dot_table(heads, axis.unit, mark, first))
-            @if !rest.is_empty() {
-                details { summary { (rest.len()) " more, each with a smaller error" }
-                    (dot_table(heads, axis.unit, mark, rest)) }
-            }
-            @if !hidden.is_empty() {
-                details { summary { "Not visible in this recording: " (hidden.len()) " effects" }
-                    p class="small" { (hidden.join(", ")) "." } }
-            }
-            (not_judged(own))
+        (dot_table(heads, axis.unit, mark, first))
+        @if !rest.is_empty() {
+            details { summary { (rest.len()) " more, each with a smaller error" }
+                (dot_table(heads, axis.unit, mark, rest)) }
         }
+        @if !hidden.is_empty() {
+            details { summary { "Not visible in this recording: " (hidden.len()) " effects" }
+                p class="small" { (hidden.join(", ")) "." } }
+        }
+        (not_judged(own))
     }
 }
 

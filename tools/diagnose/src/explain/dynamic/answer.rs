@@ -8,6 +8,7 @@ use super::machine::Machine;
 use super::precision::Known;
 use super::selection::Selected;
 use super::unknown::Unknown;
+use crate::answer::in_digits;
 use crate::answer::statement::statement;
 use crate::answer::{
     Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
@@ -266,7 +267,8 @@ pub(crate) fn wandering(machine: &Machine, noise: &[ProcessNoise]) -> Option<War
         .map(|own| {
             let name = own.acts_on.replace('_', " ");
             let (size, unit, time_s) = (own.size, own.unit, own.correlation_time_s);
-            format!("{name} {size:.1e} {unit} for about {time_s:.2} s")
+            let [size, ..] = in_digits(size, [0.0, size]);
+            format!("{name} {size} {unit} for about {time_s:.2} s")
         })
         .collect();
     Some(Warning {
