@@ -87,6 +87,7 @@ impl Case {
     fn asked<T>(&self, excluded: &[String], ask: impl FnOnce(&Request<'_>) -> T) -> T {
         ask(&Request {
             recordings: std::slice::from_ref(&self.recording),
+            against: &[],
             model_of: &|_| Some(self.nominal.clone()),
             excluded,
             excluded_s: &[],

@@ -9,13 +9,17 @@ use crate::data::faults;
 use crate::data::track::Track;
 use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
-use crate::explain::kinematic::{self, Task};
+use crate::explain::against;
+use crate::explain::kinematic::{self, Earlier, Learnt, Task};
 use crate::explain::links::{self, Course};
 
 /// What is asked.
 pub struct Request<'a> {
     /// Recordings of the same machines, fitted together.
     pub recordings: &'a [Recording],
+    /// Recordings of the same machines from before: what changed since is found. None, and what the model
+    /// leaves out is found.
+    pub against: &'a [Recording],
     /// The nominal model of each robot; without one, that of the recording.
     pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
     /// Effects that are not to be tried.
@@ -72,13 +76,24 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         ..Collected::default()
     };
     let mut all: Vec<Figures> = Vec::new();
+    let others = machines(request.against);
     for machine in machines(request.recordings) {
+        let other = against::counterpart(request, &machine, &others)?;
         let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
         let model = model_of(request, machine[0])?;
         slipstream_sim::Robot::new(&model)?;
         if kinematic::applies(&robots) {
-            let figures = by_filter(request, &machine, &model, &mut collected, illustrate)?;
-            all.extend(figures);
+            let before = match other {
+                Some(other) => Some((other, against::learn(request, other, &model)?)),
+                None => None,
+            };
+            let asked = Asked {
+                machine: &machine,
+                model: before.as_ref().map_or(&model, |(_, learnt)| &learnt.model),
+                before: before.as_ref(),
+                illustrate,
+            };
+            all.extend(by_filter(request, &asked, &mut collected)?);
         } else if dynamic::applies(&robots, &model) {
             all.extend(dynamic::examine(
                 request,
@@ -105,6 +120,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         );
     }
     answer.conclude();
+    answer.against = request.against.iter().map(|own| own.name.clone()).collect();
     Ok((answer, improved, all))
 }
 
@@ -123,14 +139,29 @@ fn told_apart(machine: &[(&Recording, &Recorded)], model: &RobotModel) -> InputE
     InputError::new(place, problem, remedy)
 }
 
+/// Runs of one machine.
+pub(crate) type Runs<'a> = [(&'a Recording, &'a Recorded)];
+
+/// What is asked of a machine that is told speeds or nothing.
+struct Asked<'a> {
+    machine: &'a Runs<'a>,
+    model: &'a RobotModel,
+    before: Option<&'a (&'a Vec<(&'a Recording, &'a Recorded)>, Learnt)>,
+    illustrate: bool,
+}
+
 /// Diagnoses a machine that is told speeds or nothing.
 fn by_filter(
     request: &Request<'_>,
-    machine: &[(&Recording, &Recorded)],
-    model: &RobotModel,
+    asked: &Asked<'_>,
     collected: &mut Collected,
-    illustrate: bool,
 ) -> Result<Option<Figures>, InputError> {
+    let Asked {
+        machine,
+        model,
+        before,
+        illustrate,
+    } = *asked;
     let name = &machine[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
     let found = kinematic::examine(&Task {
@@ -140,13 +171,17 @@ fn by_filter(
         excluded_s: request.excluded_s,
         progress: &progress,
         illustrate: illustrate.then_some(collected.answer.findings.len()),
+        before: before.map(|(runs, learnt)| Earlier { runs, learnt }),
     })?;
     let runs: Vec<String> = found.robots.iter().map(|i| run_name(machine, *i)).collect();
     let answer = &mut collected.answer;
     for claim in &found.claims {
         let run = claim.runs.as_ref().and_then(|runs| runs.first());
         let span_s = found.spans_s[run.copied().unwrap_or(0)];
-        let finding = finding(claim, name, &runs, model, span_s);
+        let mut finding = finding(claim, name, &runs, model, span_s);
+        if let Some((earlier, learnt)) = before {
+            against::compared(&mut finding, claim, learnt, &earlier[0].0.name);
+        }
         if let (Some(shape), Some(driver)) = (&finding.shape, &finding.driver) {
             answer.unexplained.push(Unexplained {
                 robot: name.clone(),
@@ -163,6 +198,10 @@ fn by_filter(
     answer.outliers.extend(found.outliers.clone());
     answer.process_noise.extend(found.process_noise.clone());
     answer.warnings.extend(found.warnings.clone());
+    if let Some((earlier, _)) = before {
+        let warnings = against::not_compared(machine, earlier);
+        answer.warnings.extend(warnings);
+    }
     collected
         .improved
         .push((name.clone(), found.improved.clone()));

@@ -159,6 +159,7 @@ fn a_push_is_not_seen_where_the_rest_is_left_out() {
     let without = |excluded_s: &[[f64; 2]]| {
         let request = Request {
             recordings: std::slice::from_ref(&recording),
+            against: &[],
             model_of: &|_| Some(nominal.clone()),
             excluded: &others,
             excluded_s,
@@ -179,6 +180,7 @@ fn a_push_is_not_seen_where_the_rest_is_left_out() {
 fn answered(recording: &Recording, nominal: &RobotModel) -> Answer {
     let request = Request {
         recordings: std::slice::from_ref(recording),
+        against: &[],
         model_of: &|_| Some(nominal.clone()),
         excluded: &[],
         excluded_s: &[],
@@ -483,6 +485,7 @@ fn recordings_of_speeds_and_of_torques_are_not_mixed() {
     };
     let refused = diagnose(&Request {
         recordings: &[torques, speeds],
+        against: &[],
         model_of: &|_| Some(model.clone()),
         excluded: &[],
         excluded_s: &[],

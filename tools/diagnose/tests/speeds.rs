@@ -143,6 +143,7 @@ fn recording(columns: [Vec<f64>; 10]) -> Recording {
 fn diagnosed(truth: Truth, nominal: &RobotModel) -> (Answer, RobotModel) {
     let (answer, mut improved) = diagnose(&Request {
         recordings: &[recorded(truth)],
+        against: &[],
         model_of: &|_| Some(nominal.clone()),
         excluded: &[],
         excluded_s: &[],

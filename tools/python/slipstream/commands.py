@@ -23,6 +23,7 @@ def diagnose(
     recording: Union[Source, Sequence[Source]],
     robot: Optional[Union[Robot, Mapping[str, Robot]]] = None,
     *,
+    against: Union[Source, Sequence[Source]] = (),
     without: Sequence[str] = (),
     exclude_time: Sequence[Tuple[float, float]] = (),
     report: bool = False,
@@ -31,22 +32,31 @@ def diagnose(
 
     `recording` is a path, a `Recording`, or several of them: runs of the same robots. `robot` is the nominal model: the path
     of a robot.toml, a mapping with its tables, or a mapping of such by the names of the robots; without it, the model of the
-    recording is taken. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
+    recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
+    and not what the model lacks. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
     times (s). With `report`, the evidence of the page is computed as well.
 
     Raises `InputError` with `place`, `problem` and `remedy` when something cannot be used.
     """
-    sources = [recording] if isinstance(recording, (str, PathLike, Recording)) else list(recording)
-    recordings = [own if isinstance(own, Recording) else Recording.read(own) for own in sources]
+    sources, before = _sources(recording), _sources(against)
     inner = _slipstream.diagnose(
-        [own._inner for own in recordings],
+        [_read(own)._inner for own in sources],
+        [_read(own)._inner for own in before],
         _models(robot),
         list(without),
         [(float(a), float(b)) for a, b in exclude_time],
         report,
-        _call(sources, robot),
+        _call(sources, before, robot),
     )
     return Diagnosis._of(inner)
+
+
+def _sources(given: Union[Source, Sequence[Source]]) -> List[Source]:
+    return [given] if isinstance(given, (str, PathLike, Recording)) else list(given)
+
+
+def _read(source: Source) -> Recording:
+    return source if isinstance(source, Recording) else Recording.read(source)
 
 
 def _models(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[Tuple[Optional[str], str]]:
@@ -57,11 +67,16 @@ def _models(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[Tuple[Op
     return [(None, model_text(robot))]
 
 
-def _call(sources: Sequence[Source], robot: Any) -> str:
+def _call(sources: Sequence[Source], before: Sequence[Source], robot: Any) -> str:
     """The call as the foot of the page quotes it."""
-    names = [repr(own.name) if isinstance(own, Recording) else repr(fspath(own)) for own in sources]
     given = "" if robot is None else ", robot=" + (repr(fspath(robot)) if isinstance(robot, (str, PathLike)) else "…")
-    return f"slipstream.diagnose({names[0] if len(names) == 1 else '[' + ', '.join(names) + ']'}{given})"
+    compared = f", against={_quoted(before)}" if before else ""
+    return f"slipstream.diagnose({_quoted(sources)}{given}{compared})"
+
+
+def _quoted(sources: Sequence[Source]) -> str:
+    names = [repr(own.name) if isinstance(own, Recording) else repr(fspath(own)) for own in sources]
+    return names[0] if len(names) == 1 else "[" + ", ".join(names) + "]"
 
 
 def run(

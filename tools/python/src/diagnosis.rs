@@ -28,21 +28,24 @@ pub(crate) struct Diagnosis {
     command_line: String,
 }
 
-/// Diagnoses recordings. `robots` are texts of robot.toml by the name of the robot; `figures` computes what a page shows.
+/// Diagnoses recordings, or what changed since those of `against`. `robots` are texts of robot.toml by the name of the robot;
+/// `figures` computes what a page shows.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "called from Python alone, by one function with named arguments")]
 pub(crate) fn diagnose(
     py: Python<'_>,
     recordings: Vec<PyRef<'_, Recording>>,
+    against: Vec<PyRef<'_, Recording>>,
     robots: Vec<(Option<String>, String)>,
     without: Vec<String>,
     exclude_time: Vec<[f64; 2]>,
     figures: bool,
     command_line: String,
 ) -> PyResult<Diagnosis> {
-    let recordings: Vec<Arc<Inner>> = recordings
-        .iter()
-        .map(|own| Arc::clone(&own.inner))
-        .collect();
+    let shared = |all: &[PyRef<'_, Recording>]| -> Vec<Arc<Inner>> {
+        all.iter().map(|own| Arc::clone(&own.inner)).collect()
+    };
+    let [recordings, against] = [shared(&recordings), shared(&against)];
     let models: Result<Models, InputError> = robots
         .into_iter()
         .map(|(name, text)| {
@@ -59,9 +62,11 @@ pub(crate) fn diagnose(
     }
     let own = models.clone();
     let work = move |stop: &Stop| {
-        let owned: Vec<Inner> = recordings.iter().map(|own| (**own).clone()).collect();
+        let owned = |all: &[Arc<Inner>]| all.iter().map(|own| (**own).clone()).collect();
+        let [owned, before]: [Vec<Inner>; 2] = [owned(&recordings), owned(&against)];
         let request = Request {
             recordings: &owned,
+            against: &before,
             model_of: &|robot| of(&own, robot),
             excluded: &without,
             excluded_s: &exclude_time,

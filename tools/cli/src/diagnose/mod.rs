@@ -8,7 +8,7 @@ use clap::Args;
 use slipstream_diagnose::{
     Answer, Illustrated, InputError, Request, diagnose, diagnose_with_figures,
 };
-use slipstream_recording::robot_toml;
+use slipstream_recording::{Recording, robot_toml};
 use slipstream_report::diagnose::Diagnosis;
 
 use crate::command_line::command_line;
@@ -30,6 +30,10 @@ pub(crate) struct Arguments {
     /// Folder with recording.toml, or an MCAP file; several are taken as runs of the same robots
     #[arg(required = true)]
     recording: Vec<PathBuf>,
+    /// Recording of the same robot from before; may be repeated. What changed since is found, and not what
+    /// the model leaves out
+    #[arg(long, value_name = "OTHER", num_args = 1..)]
+    against: Vec<PathBuf>,
     /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
@@ -60,18 +64,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
-    let mut recordings = Vec::new();
-    for path in &arguments.recording {
-        let import = slipstream_recording::read(path)?;
-        for warning in &import.warnings {
-            eprint_line!("{warning}");
-        }
-        recordings.push(import.recording);
-    }
+    let recordings = read_all(&arguments.recording)?;
+    let against = read_all(&arguments.against)?;
     let models = Models::read(&arguments.robot)?;
     let line = progress::line();
     let request = Request {
         recordings: &recordings,
+        against: &against,
         model_of: &|robot| models.of(robot),
         excluded: &arguments.without,
         excluded_s: &arguments.exclude_time,
@@ -110,6 +109,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     print_answer(&answer);
     Ok(Exit::Done)
+}
+
+/// Reads recordings; what is odd about them is said.
+fn read_all(paths: &[PathBuf]) -> Result<Vec<Recording>, Error> {
+    let mut recordings = Vec::new();
+    for path in paths {
+        let import = slipstream_recording::read(path)?;
+        for warning in &import.warnings {
+            eprint_line!("{warning}");
+        }
+        recordings.push(import.recording);
+    }
+    Ok(recordings)
 }
 
 /// Texts without repetition.

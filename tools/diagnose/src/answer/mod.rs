@@ -20,6 +20,9 @@ pub struct Answer {
     pub format: u32,
     /// What it comes to.
     pub verdict: Verdict,
+    /// Recordings from before that these were compared with; `findings` are then what changed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub against: Vec<String>,
     /// What the model leaves out.
     pub findings: Vec<Finding>,
     /// Prediction before and after.
@@ -88,8 +91,11 @@ pub struct ParameterEstimate {
     pub name: String,
     /// Its unit.
     pub unit: String,
-    /// What the model says.
+    /// What the model says; of a change, what it was before.
     pub nominal: Option<f64>,
+    /// Of a change, where it lay before with 95 % confidence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nominal_ci95: Option<[f64; 2]>,
     /// What the recording says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<f64>,
@@ -108,6 +114,7 @@ impl ParameterEstimate {
             name: name.to_owned(),
             unit: "text".to_owned(),
             nominal: None,
+            nominal_ci95: None,
             estimate: None,
             ci95: None,
             text: Some(word.to_owned()),

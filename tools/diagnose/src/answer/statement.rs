@@ -23,6 +23,107 @@ pub(crate) fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], know
     format!("Robot {robot}, {channel}, {when}: {summary}, {how}; {numbers}. {told}.")
 }
 
+/// The sentence of a change since `before`.
+pub(crate) fn changed(finding: &Finding, before: &str) -> String {
+    let robot = &finding.robot;
+    if let Some(shape) = &finding.shape {
+        return format!(
+            "Robot {robot}: since {before}, something outside of the catalogue changed: {shape}."
+        );
+    }
+    let parts: Vec<String> = finding
+        .parameters
+        .iter()
+        .filter_map(|parameter| phrase(&finding.effect, parameter))
+        .collect();
+    let what = if parts.is_empty() {
+        let info = slipstream_sim::effects::find(&finding.effect);
+        info.map_or(finding.effect.as_str(), |own| own.summary).to_owned()
+    } else {
+        parts.join(", ")
+    };
+    let numbers: Vec<String> = finding.parameters.iter().filter_map(was_and_is).collect();
+    let of_runs = match &finding.runs {
+        Some(runs) => format!(" ({})", runs.join(", ")),
+        None => String::new(),
+    };
+    let (numbers, told) = (numbers.join(", "), told(finding));
+    format!("Robot {robot}{of_runs}, compared with {before}: {what}; {numbers}. {told}.")
+}
+
+/// A change as a person would say it; none where it lies within its interval.
+fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
+    let ([low, high], estimate) = (parameter.ci95?, parameter.estimate?);
+    let name = parameter.name.as_str();
+    let is_factor = name.ends_with("scale") || effect == "motor_gain";
+    let was = parameter.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
+    if (low..=high).contains(&was) {
+        return None;
+    }
+    let change = if is_factor {
+        estimate / was - 1.0
+    } else {
+        estimate - was
+    };
+    let either = |up: &'static str, down: &'static str| if change > 0.0 { up } else { down };
+    let percent = || format!("{:.1} %", 100.0 * change.abs());
+    let cm = || format!("{:.1} cm", 100.0 * change.abs());
+    let ms = || format!("{:.0} ms", 1000.0 * change.abs());
+    let side = || if name.starts_with("right") { "right" } else { "left" };
+    Some(match (effect, name) {
+        ("pose_offset", "x_m") => {
+            let way = either("further forward", "further back");
+            format!("the reference sits {} {way}", cm())
+        }
+        ("pose_offset", "y_m") => {
+            let way = either("further left", "further right");
+            format!("the reference sits {} {way}", cm())
+        }
+        ("pose_offset", "yaw_rad") => format!(
+            "the reference is turned by {:.2}° to the {}",
+            change.abs().to_degrees(),
+            either("left", "right")
+        ),
+        ("pose_latency", _) => format!("poses are stamped {} {}", ms(), either("later", "earlier")),
+        ("imu_latency", _) => format!("the gyro is stamped {} {}", ms(), either("later", "earlier")),
+        ("wheels_latency", _) => {
+            format!("wheels are stamped {} {}", ms(), either("later", "earlier"))
+        }
+        ("actuator_delay", _) => format!("commands act {} {}", ms(), either("later", "earlier")),
+        ("actuator_lag", _) => {
+            format!("the drive follows {} {}", ms(), either("more slowly", "faster"))
+        }
+        ("wheel_radius", _) => {
+            let size = either("larger", "smaller");
+            format!("the {} wheel is {} {size}", side(), percent())
+        }
+        ("encoder_scale", _) => {
+            let size = either("more", "less");
+            format!("the {} encoder counts {} {size}", side(), percent())
+        }
+        ("motor_gain", _) => {
+            let size = either("more", "less");
+            format!("the {} drive gives {} {size}", side(), percent())
+        }
+        ("track_width", _) => format!("the track is {} {}", percent(), either("wider", "narrower")),
+        ("slip_ratio", "ratio") => {
+            let size = either("more", "less");
+            format!("the wheels lose {} {size} of their way", percent())
+        }
+        _ => return None,
+    })
+}
+
+/// What a parameter was and is.
+fn was_and_is(parameter: &ParameterEstimate) -> Option<String> {
+    let now = number(parameter)?;
+    let (Some(nominal), Some(ci95)) = (parameter.nominal, parameter.ci95) else {
+        return Some(now);
+    };
+    let [was, ..] = in_digits(nominal, ci95);
+    Some(format!("{now}, was {was}"))
+}
+
 /// When it is at work: intervals where they are not the whole recording, and the condition.
 fn when(finding: &Finding, [begin, end]: [f64; 2]) -> String {
     let place = &finding.place;
@@ -99,6 +200,7 @@ mod tests {
                 name: "friction_kinetic".to_owned(),
                 unit: "1".to_owned(),
                 nominal: None,
+                nominal_ci95: None,
                 estimate: Some(0.236),
                 ci95: Some([0.231, 0.241]),
                 text: None,

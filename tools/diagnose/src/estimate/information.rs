@@ -88,16 +88,17 @@ impl Rows {
         }
     }
 
-    /// Adds the rows to their blocks; `to[i]` is the place of the i-th free parameter there.
-    pub(crate) fn add_to(&self, blocks: &mut [BlockScore], to: &[usize]) {
+    /// Adds the rows to their blocks. `to` pairs a parameter of the rows with its place there; one may have
+    /// several.
+    pub(crate) fn add_to(&self, blocks: &mut [BlockScore], to: &[(usize, usize)]) {
         let mut from = 0;
         for (piece, (block, end)) in self.pieces.iter().enumerate() {
             let own = &mut blocks[*block];
-            for (i, place) in to.iter().enumerate() {
-                own.gradient[*place] += self.scores[i][piece];
-                let a = &self.whitened[i][from..*end];
-                for (k, other) in to.iter().enumerate().take(i + 1) {
-                    let product = dot(a, &self.whitened[k][from..*end]);
+            for (i, (lane, place)) in to.iter().enumerate() {
+                own.gradient[*place] += self.scores[*lane][piece];
+                let a = &self.whitened[*lane][from..*end];
+                for (k, (second, other)) in to.iter().enumerate().take(i + 1) {
+                    let product = dot(a, &self.whitened[*second][from..*end]);
                     own.information[(*place, *other)] += product;
                     if i != k {
                         own.information[(*other, *place)] += product;

@@ -128,13 +128,16 @@ impl Search<'_> {
         } else {
             &[RUN_BIAS]
         };
-        let always: Vec<usize> = (0..machine.runs.len())
+        let mut always: Vec<usize> = (0..machine.runs.len())
             .filter(|i| machine.runs[*i].gyro.is_some())
             .flat_map(|i| {
                 own.iter()
                     .map(move |parameter| machine.of_run(i, *parameter))
             })
             .collect();
+        if machine.before.any() {
+            always.extend(terms::shared(machine, nominal, excluded));
+        }
         let noise = machine.noise();
         with(&Search {
             machine,
@@ -158,7 +161,8 @@ impl Search<'_> {
         band_rad_s: [f64; 2],
     ) -> Option<Calibration> {
         let mut by_run = [false; 2];
-        if self.machine.runs.len() > 1 {
+        let before = &self.machine.before;
+        if self.machine.runs.len() > before.runs + 1 || before.spread.iter().any(Option::is_some) {
             let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
             let same = |other: Vec<Term>| -> Vec<Term> {
                 let own = other.into_iter().filter(|t| names.contains(&t.name));
@@ -168,6 +172,8 @@ impl Search<'_> {
             let (free, physics) = self.elimination(&apart).free(&apart);
             let own = self.problem.fit(&fit.at, &free, FULL);
             by_run = self.differ(&own, &Precision::new(self.problem, &own, physics)?);
+            let known = before.spread.map(|spread| spread.is_some());
+            by_run = [by_run[0] || known[0], by_run[1] || known[1]];
             if by_run != [false; 2] {
                 terms = same(self.terms(by_run));
                 let mut at = own.at.clone();
@@ -427,6 +433,10 @@ impl Search<'_> {
             first: DRIVE_FIRST,
             top_rad_s: self.machine.largest_rad_s(),
             levels_rad_s: levels(commands),
+            known: self.machine.before.any().then(|| {
+                [SATURATION, DEAD_BAND]
+                    .map(|i| self.nominal[self.machine.shared(DRIVE_FIRST + i)] != 0.0)
+            }),
         };
         let best = thresholds.saturated(best, terms);
         thresholds.banded(best, terms)
@@ -461,7 +471,8 @@ impl Search<'_> {
     fn differ(&self, fit: &Fit, precision: &Precision) -> [bool; 2] {
         use statrs::distribution::{ChiSquared, ContinuousCDF};
         [(RUN_SCALE, RUN_FLOORS[0]), (RUN_TRACK, RUN_FLOORS[1])].map(|(parameter, floor)| {
-            let values: Vec<(f64, f64)> = (0..self.machine.runs.len())
+            let runs = self.machine.before.runs..self.machine.runs.len();
+            let values: Vec<(f64, f64)> = runs
                 .filter_map(|run| {
                     let index = self.machine.of_run(run, parameter);
                     let place = fit.free.iter().position(|f| *f == index)?;
@@ -519,11 +530,12 @@ impl Search<'_> {
     /// the runs.
     fn settle(&self, at: &mut [f64], terms: &[Term]) {
         for (shared, own) in [(COMMON, RUN_SCALE), (TRACK, RUN_TRACK)] {
-            let indices: Vec<usize> = (0..self.machine.runs.len())
+            let indices: Vec<usize> = (self.machine.before.runs..self.machine.runs.len())
                 .map(|run| self.machine.of_run(run, own))
                 .collect();
             if terms.iter().any(|t| t.parameters.contains(&shared)) {
-                let mean = indices.iter().map(|i| at[*i]).sum::<f64>() / indices.len() as f64;
+                let changes = indices.iter().map(|i| at[*i] - self.nominal[*i]);
+                let mean = changes.sum::<f64>() / indices.len() as f64;
                 at[shared] = self.nominal[shared] + mean;
                 indices.iter().for_each(|i| at[*i] = self.nominal[*i]);
             } else {

@@ -10,7 +10,7 @@ use super::thresholds::{Thresholds, levels};
 use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
     SLOW_TIME,
 };
 use crate::select::criterion::Criterion;
@@ -25,6 +25,8 @@ const ROUGH: SearchLimits = SearchLimits {
 const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
 /// Lag from which it starts (s).
 const LAGS_S: [f64; 2] = [0.02, 0.15];
+/// Slow share from which it starts.
+const SLOW_START: f64 = 0.05;
 /// Dead zone from which it starts, as a share of the largest command.
 pub(super) const DEAD_ZONE_SHARE: f64 = 0.02;
 /// Sizes below which nobody would call it a difference: delay and lag (s), gain, share of the largest
@@ -34,6 +36,15 @@ const GAIN_FLOOR: f64 = 1e-4;
 const COMMAND_SHARE: f64 = 2e-4;
 const SAG_FLOOR: f64 = 2e-5;
 const CLOCK_FLOOR: f64 = 1e-5;
+
+/// What a drive differs by between two recordings without anybody calling it a change (standard
+/// deviations): times (s), gains, share of the largest command, sag (1/s), rate of a clock.
+const UNNOTICED_S: f64 = 5e-3;
+const UNNOTICED_GAIN: f64 = 0.006;
+const UNNOTICED_ASYMMETRY: f64 = 0.003;
+const UNNOTICED_SHARE: f64 = 0.01;
+const UNNOTICED_SAG: f64 = 2e-4;
+const UNNOTICED_RATE: f64 = 2e-4;
 
 /// Names of the terms.
 pub(crate) const DELAY_TERM: &str = "delay";
@@ -108,10 +119,37 @@ pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Te
     terms
 }
 
+/// Deviation by which a parameter of a drive differs between two recordings of one machine.
+pub(super) fn unnoticed(parameter: usize, top_rad_s: f64) -> f64 {
+    match parameter {
+        DELAY | LAG => UNNOTICED_S,
+        GAIN => UNNOTICED_GAIN,
+        GAIN_ASYMMETRY => UNNOTICED_ASYMMETRY,
+        DEAD_BAND | DEAD_ZONE | SATURATION => UNNOTICED_SHARE * top_rad_s,
+        SAG => UNNOTICED_SAG,
+        CLOCK => UNNOTICED_RATE,
+        _ => 0.0,
+    }
+}
+
+/// What a drive shared from before on is fitted with whatever changed.
+fn shared(drive: &CommandToWheels, nominal: &[f64]) -> Vec<usize> {
+    if !drive.before.any() {
+        return Vec::new();
+    }
+    let always = [DELAY, GAIN, GAIN_ASYMMETRY, SLOW_SHARE, SLOW_TIME];
+    let all = (0..DRIVE).filter(|i| *i != DEAD_BAND);
+    let shared = all.map(|i| (i, CommandToWheels::shared(i)));
+    let had = shared.filter(|(i, at)| always.contains(i) || nominal[*at] != 0.0);
+    had.map(|(_, at)| at).collect()
+}
+
 struct Search<'a> {
     drive: &'a CommandToWheels,
     problem: Problem<'a>,
     nominal: Vec<f64>,
+    /// What is shared with runs from before.
+    shared: Vec<usize>,
     noise: Vec<usize>,
 }
 
@@ -122,11 +160,17 @@ impl DriveFit {
         model: &RobotModel,
         excluded: &[String],
     ) -> Option<Self> {
-        let nominal = drive.nominal(model);
+        let mut nominal = drive.nominal(model);
+        let shared = shared(drive, &nominal);
+        if drive.before.any() {
+            // at 0 it has no derivative by its time
+            nominal[CommandToWheels::shared(SLOW_SHARE)] = SLOW_START;
+        }
         let search = Search {
             drive,
             problem: drive.problem(drive, &nominal),
             nominal,
+            shared,
             noise: CommandToWheels::noise(),
         };
         search.run(excluded)
@@ -136,6 +180,14 @@ impl DriveFit {
 impl Search<'_> {
     fn run(self, excluded: &[String]) -> Option<DriveFit> {
         let mut terms = terms(0, self.drive.largest_rad_s, excluded);
+        if self.drive.before.any() {
+            terms.retain(|t| !is_nuisance(t));
+            for term in &mut terms {
+                for (index, floor) in term.parameters.iter().zip(&mut term.floors) {
+                    *floor += unnoticed(*index, self.drive.largest_rad_s).powi(2);
+                }
+            }
+        }
         let before = self.noise_alone();
         let (full, band_rad_s) = self.full(&before, &mut terms);
         let useful = |with: &Fit, without: &Fit| {
@@ -162,7 +214,7 @@ impl Search<'_> {
         Elimination {
             problem: &self.problem,
             neutral: &self.nominal,
-            always: &[],
+            always: &self.shared,
             noise: &self.noise,
             criterion: Criterion {
                 tried: terms.len(),
@@ -178,8 +230,9 @@ impl Search<'_> {
         for (index, shift) in self.noise.iter().zip([-1.5, 1.5, 0.0, -1.5, 1.5]) {
             quick[*index] += shift;
         }
-        let one = self.problem.fit(&self.nominal, &self.noise, FULL);
-        let other = self.problem.fit(&quick, &self.noise, FULL);
+        let free: Vec<usize> = self.shared.iter().chain(&self.noise).copied().collect();
+        let one = self.problem.fit(&self.nominal, &free, FULL);
+        let other = self.problem.fit(&quick, &free, FULL);
         if other.objective > one.objective {
             other
         } else {
@@ -192,6 +245,7 @@ impl Search<'_> {
             .iter()
             .filter(|t| names.contains(&t.name) && !t.by_profile);
         let physics = own.flat_map(|t| t.parameters.iter().copied());
+        let physics = self.shared.iter().copied().chain(physics);
         physics.chain(self.noise.iter().copied()).collect()
     }
 
@@ -208,18 +262,25 @@ impl Search<'_> {
         if at[DEAD_ZONE] == 0.0 {
             at[DEAD_ZONE] = DEAD_ZONE_SHARE * self.drive.largest_rad_s;
         }
-        at[SLOW_SHARE] = 0.05;
+        if !self.drive.before.any() {
+            at[SLOW_SHARE] = SLOW_START;
+        }
         let mut best = self.problem.fit(&at, &self.free(&names, terms), FULL);
         let thresholds = Thresholds {
             problem: &self.problem,
             first: 0,
             top_rad_s: self.drive.largest_rad_s,
             levels_rad_s: levels(self.drive.runs.iter().map(|run| &run.commands)),
+            known: self.drive.before.any().then(|| {
+                [SATURATION, DEAD_BAND].map(|i| self.nominal[CommandToWheels::shared(i)] != 0.0)
+            }),
         };
         best = thresholds.saturated(best, terms);
         let (mut best, band_rad_s) = thresholds.banded(best, terms);
-        let mut free = self.free(&[CLOCK_TERM], terms);
-        free.extend(best.free.iter().filter(|i| !self.noise.contains(i)));
+        let own = self.free(&[CLOCK_TERM], terms);
+        let mut free: Vec<usize> = best.free.clone();
+        free.retain(|i| !own.contains(i));
+        free.extend(own);
         let rated = self.problem.fit(&best.at, &free, FULL);
         if rated.objective - best.objective > RATE_NATS {
             best = rated;

@@ -30,6 +30,7 @@ pub(crate) fn finding(
                 name: value.name.to_owned(),
                 unit: unit(value.name),
                 nominal,
+                nominal_ci95: None,
                 estimate: Some(value.estimate(nominal)),
                 ci95: Some(value.interval(nominal)),
                 text: None,

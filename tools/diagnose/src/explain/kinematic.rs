@@ -13,18 +13,25 @@ use super::open_loop::HORIZON_S;
 use super::pictures::{self, Scene};
 use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
+use super::today;
 use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::SHORT;
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
-use crate::model::from_wheels::{DRIVE_FIRST, FromWheels, RUN_BIAS, RUN_LATE, RUN_RATE, View};
+use crate::filter::motion_law::DRIVERS;
+use crate::model::comparison::Before;
+use crate::model::from_wheels::{
+    DRIVE_FIRST, FromWheels, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, View,
+};
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
 const ORDINARY: f64 = 0.5;
 /// Most windows of a run that a budget predicts.
 const BUDGET_WINDOWS: usize = 40;
+/// Least deviation of scale or track among runs that differ.
+const LEAST_SPREAD: f64 = 0.006;
 /// What two simulators differ by, in metres or radians; a smaller part is none.
 const NOTHING: f64 = 1e-6;
 
@@ -62,6 +69,9 @@ struct Machine<'a> {
     machine: FromWheels,
     drive: Option<CommandToWheels>,
     nominal: Vec<f64>,
+    /// The same with runs from before, where today is compared with them.
+    joint: Option<FromWheels>,
+    joint_drive: Option<CommandToWheels>,
 }
 
 /// What was fitted to a machine.
@@ -82,6 +92,24 @@ pub(crate) struct Task<'a> {
     pub(crate) progress: &'a dyn Fn(&str),
     /// Number of the first finding, if figures are asked for.
     pub(crate) illustrate: Option<usize>,
+    /// What it is compared with; `model` is then that of before.
+    pub(crate) before: Option<Earlier<'a>>,
+}
+
+/// Runs from before, and what was learnt of them.
+#[derive(Clone, Copy)]
+pub(crate) struct Earlier<'a> {
+    pub(crate) runs: &'a [(&'a Recording, &'a Robot)],
+    pub(crate) learnt: &'a Learnt,
+}
+
+/// What runs from before say of a machine.
+pub(crate) struct Learnt {
+    /// The model with everything that it lacked.
+    pub(crate) model: RobotModel,
+    pub(crate) claims: Vec<Claim>,
+    /// Deviations of scale and track among the runs, where they differ.
+    pub(crate) spread: [Option<f64>; 2],
 }
 
 /// Diagnoses one machine.
@@ -89,33 +117,152 @@ pub(crate) struct Task<'a> {
 /// # Errors
 /// A machine that is not known to have moved, or of which nothing can be compared.
 pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
-    let robots: Vec<&Robot> = task.runs.iter().map(|(_, robot)| *robot).collect();
-    let name = &robots[0].name;
-    let machine = FromWheels::new(&robots, task.model, task.excluded_s);
-    let drive = CommandToWheels::new(&robots, task.model, task.excluded_s);
-    let machine = machine.filter(|m| m.has_pose() || m.has_gyro() || drive.is_some());
-    let machine = machine.ok_or_else(|| {
-        let remedy = "record wheels or commands of a robot that drives, and beside them a pose, a \
-            gyro, or both wheels and commands";
-        InputError::new(name, "has nothing to compare", remedy)
-    })?;
-    let nominal = machine.nominal(task.model);
-    let machine = Machine {
-        name,
-        robots,
-        model: task.model,
-        machine,
-        drive,
-        nominal,
-    };
-    machine.examine(task)
+    Machine::new(task)?.examine(task)
+}
+
+/// What the runs of one machine say of it, to compare others with.
+///
+/// # Errors
+/// As [`examine`].
+pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
+    let mut machine = Machine::new(task)?;
+    let fits = machine.fits(task, &mut Vec::new());
+    let (claims, _) = machine.claims(&fits);
+    let fitted = machine.reading(&fits).fitted();
+    let by_run = fits.calibration.map_or([false; 2], |own| own.by_run);
+    let kinds = [RUN_SCALE, RUN_TRACK].into_iter().zip(by_run);
+    let spread = kinds.map(|(parameter, differs)| {
+        let runs = 0..machine.machine.runs.len();
+        let all = runs.map(|run| fitted[machine.machine.of_run(run, parameter)]);
+        differs.then(|| deviation(&all.collect::<Vec<_>>()))
+    });
+    let spread: Vec<Option<f64>> = spread.collect();
+    Ok(Learnt {
+        model: machine.improved(&claims),
+        spread: [spread[0], spread[1]],
+        claims,
+    })
+}
+
+/// Standard deviation of numbers, and no less than what nobody would call a difference.
+fn deviation(all: &[f64]) -> f64 {
+    let count = all.len() as f64;
+    let mean = all.iter().sum::<f64>() / count;
+    let squares: f64 = all.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (squares / (count - 1.0).max(1.0)).sqrt().max(LEAST_SPREAD)
+}
+
+impl<'a> Machine<'a> {
+    fn new(task: &'a Task<'_>) -> Result<Self, InputError> {
+        let robots: Vec<&Robot> = task.runs.iter().map(|(_, robot)| *robot).collect();
+        let name = &robots[0].name;
+        let drive = CommandToWheels::new(&robots, task.model, task.excluded_s);
+        let mut machine = FromWheels::new(&robots, task.model, task.excluded_s);
+        let (mut joint, mut joint_drive) = (None, None);
+        if let Some(earlier) = task.before {
+            let before: Vec<&Robot> = earlier.runs.iter().map(|(_, robot)| *robot).collect();
+            let all = [before.as_slice(), robots.as_slice()].concat();
+            let count = before.len();
+            joint = FromWheels::new(&all, task.model, task.excluded_s);
+            joint_drive = CommandToWheels::new(&all, task.model, task.excluded_s);
+            if let Some(joint) = &mut joint {
+                let earlier_runs = joint.runs.iter().filter(|run| run.robot < count);
+                joint.before = Before {
+                    runs: earlier_runs.count(),
+                    robots: count,
+                    spread: earlier.learnt.spread,
+                    laws: laws_of(&earlier.learnt.claims),
+                };
+                machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
+            }
+            if let Some(joint) = &mut joint_drive {
+                let runs = joint.runs.iter().filter(|run| run.robot < count);
+                joint.before.runs = runs.count();
+            }
+            let both = |before: usize, all: usize| before > 0 && before < all;
+            joint = joint.filter(|own| both(own.before.runs, own.runs.len()));
+            joint_drive = joint_drive.filter(|own| both(own.before.runs, own.runs.len()));
+            if joint.is_none() && joint_drive.is_none() {
+                let problem = "cannot be compared: in one of the recordings it hardly moves, or no stream can be used";
+                let remedy = "compare recordings in which it drives some metres with turns";
+                return Err(InputError::new(name, problem, remedy));
+            }
+        }
+        let machine = machine.filter(|m| m.has_pose() || m.has_gyro() || drive.is_some());
+        let machine = machine.ok_or_else(|| {
+            let remedy = "record wheels or commands of a robot that drives, and beside them a pose, a \
+                gyro, or both wheels and commands";
+            InputError::new(name, "has nothing to compare", remedy)
+        })?;
+        let nominal = machine.nominal(task.model);
+        Ok(Machine {
+            name,
+            robots,
+            model: task.model,
+            machine,
+            drive,
+            nominal,
+            joint,
+            joint_drive,
+        })
+    }
+
+    /// The calibration from `start`, or what changed since runs from before.
+    fn calibrated(&self, start: &[f64], excluded: &[String], compares: bool) -> Option<Calibration> {
+        if !compares {
+            return Calibration::new(&self.machine, start, excluded);
+        }
+        let joint = self.joint.as_ref()?;
+        let mut nominal = joint.nominal(self.model);
+        for (index, own) in start.iter().enumerate().take(MACHINE) {
+            nominal[index] += own - self.nominal[index];
+        }
+        let found = Calibration::new(joint, &nominal, excluded)?;
+        Some(today::calibration(found, joint, &self.nominal))
+    }
+
+    /// What the drive does, or what changed of it since runs from before.
+    fn driven(&self, excluded: &[String], compares: bool) -> Option<DriveFit> {
+        let drive = self.drive.as_ref()?;
+        if !compares {
+            return DriveFit::new(drive, self.model, excluded);
+        }
+        let found = DriveFit::new(self.joint_drive.as_ref()?, self.model, excluded)?;
+        Some(today::drive(&found, drive, drive.nominal(self.model)))
+    }
+
+    fn reading<'b>(&'b self, fits: &'b Fits) -> Reading<'b> {
+        Reading {
+            machine: &self.machine,
+            nominal: &self.nominal,
+            neutral: &fits.neutral,
+            settled: &fits.settled,
+            calibration: fits.calibration.as_ref(),
+            drive: fits.drive.as_ref(),
+        }
+    }
+
+    /// What was found: what is plausible, and what is not.
+    fn claims(&self, fits: &Fits) -> (Vec<Claim>, Vec<Claim>) {
+        let all = self.reading(fits).claims().into_iter();
+        all.partition(|claim| claim.is_plausible(self.model))
+    }
+}
+
+/// Whether there is a law of speed over turn rate, and over speed.
+fn laws_of(claims: &[Claim]) -> [bool; 2] {
+    DRIVERS.map(|driver| {
+        let mut laws = claims.iter().filter_map(|claim| claim.law.as_ref());
+        laws.any(|law| law.driver == driver)
+    })
 }
 
 impl Machine<'_> {
     /// Fits the calibration and the drive.
     fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
         (task.progress)("wheels against pose and gyro");
-        let mut calibration = Calibration::new(&self.machine, &self.nominal, task.excluded);
+        let compares = task.before.is_some();
+        let mut calibration = self.calibrated(&self.nominal, task.excluded, compares);
         self.take_dense(&mut calibration);
         let compared = self.machine.has_pose() || self.machine.has_gyro();
         if compared && calibration.is_none() {
@@ -127,10 +274,7 @@ impl Machine<'_> {
             ));
         }
         (task.progress)("commands against wheels");
-        let drive = self
-            .drive
-            .as_ref()
-            .and_then(|drive| DriveFit::new(drive, self.model, task.excluded));
+        let drive = self.driven(task.excluded, compares);
         if self.drive.is_some() && drive.is_none() {
             warnings.push(self.warning(
                 task,
@@ -146,7 +290,7 @@ impl Machine<'_> {
         let neutral = self.neutral(&settled);
         if neutral != self.nominal {
             (task.progress)("wheels against pose and gyro, with encoders as the drive shows them");
-            calibration = Calibration::new(&self.machine, &neutral, task.excluded);
+            calibration = self.calibrated(&neutral, task.excluded, compares);
             self.take_dense(&mut calibration);
         }
         let calibrated = calibration.iter().map(|own| own.after.fit.converged);
@@ -171,20 +315,9 @@ impl Machine<'_> {
         let mut warnings = Vec::new();
         let fits = self.fits(task, &mut warnings);
         let (calibration, drive) = (&fits.calibration, &fits.drive);
-        let reading = Reading {
-            machine: &self.machine,
-            nominal: &self.nominal,
-            neutral: &fits.neutral,
-            settled: &fits.settled,
-            calibration: calibration.as_ref(),
-            drive: drive.as_ref(),
-        };
-        let (claims, odd): (Vec<Claim>, Vec<Claim>) = reading
-            .claims()
-            .into_iter()
-            .partition(|claim| claim.is_plausible(self.model));
+        let (claims, odd) = self.claims(&fits);
         warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
-        let all = reading.fitted();
+        let all = self.reading(&fits).fitted();
         let fitted = self.settled(&claims, &all);
         (task.progress)("predictions over 5 s");
         let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);

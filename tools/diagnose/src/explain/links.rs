@@ -227,6 +227,7 @@ impl Late<'_> {
                 name: "delay_s".to_owned(),
                 unit: "s".to_owned(),
                 nominal: self.known,
+                nominal_ci95: None,
                 estimate: Some(self.delay_s),
                 ci95: Some(ci95),
                 text: None,

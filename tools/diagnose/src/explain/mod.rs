@@ -1,5 +1,6 @@
 //! What a recording says beyond a fit: which terms it needs, and what each is worth.
 
+pub(crate) mod against;
 pub(crate) mod budget;
 pub(crate) mod calibration;
 pub(crate) mod claim;
@@ -17,4 +18,5 @@ pub(crate) mod reading;
 mod terms;
 mod thinning;
 mod thresholds;
+mod today;
 mod wheel_side;

@@ -8,11 +8,12 @@ use crate::model::drive::{DRIVE, Response};
 pub(crate) const HORIZON_S: f64 = 5.0;
 
 /// Geometric mean over both wheels of the rms error (rad, or rad/s) of a drive with these parameters,
-/// over the horizon.
+/// over the horizon; in runs of today alone.
 pub(super) fn drive_error(drive: &CommandToWheels, at: &[f64]) -> f64 {
     let (mut squares, mut count) = ([0.0; 2], 0.0);
-    for run in &drive.runs {
-        let (own, rows) = run_error(run, at);
+    let runs = drive.runs.iter().enumerate().skip(drive.before.runs);
+    for (i, run) in runs {
+        let (own, rows) = run_error(run, &drive.local(i, at));
         squares = [squares[0] + own[0], squares[1] + own[1]];
         count += rows;
     }

@@ -372,7 +372,8 @@ impl Predictor<'_> {
 /// Error of predictions by the wheels of a machine with these parameters: geometric mean of place (m) and
 /// heading (rad), of those that are seen.
 pub(super) fn reference_error(machine: &FromWheels, at: &[f64]) -> f64 {
-    let all = machine.runs.iter().enumerate().map(|(number, run)| {
+    let today = machine.runs.iter().enumerate().skip(machine.before.runs);
+    let all = today.map(|(number, run)| {
         let predictor = Predictor {
             machine,
             run,

@@ -2,6 +2,7 @@
 
 use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
 use crate::filter::motion_law::VALUES;
+use crate::model::drive::{DEAD_ZONE, LAG, SAG, SATURATION};
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
     OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
@@ -26,6 +27,16 @@ const FACTOR_FLOOR: f64 = 1e-4;
 const LENGTH_SHARE: f64 = 1e-3;
 /// Wheels that differ by less than this cannot be told from the gyro's own errors.
 const GYRO_ASYMMETRY: f64 = 0.004;
+/// What recordings of one machine differ by without anybody calling it a change (standard deviations):
+/// radii, right against left, track (shares), place of the reference (share of the track) and its yaw,
+/// latencies, rates of clocks.
+const UNNOTICED_SCALE: f64 = 0.006;
+const UNNOTICED_ASYMMETRY: f64 = 0.003;
+const UNNOTICED_TRACK: f64 = 0.008;
+const UNNOTICED_OFFSET: f64 = 0.02;
+const UNNOTICED_YAW_RAD: f64 = 5e-3;
+const UNNOTICED_S: f64 = 5e-3;
+const UNNOTICED_RATE: f64 = 2e-4;
 /// Radii and track are one calibration: they are estimated, kept and removed together.
 pub(crate) const GEOMETRY: &str = "geometry";
 pub(crate) const LAW_TERMS: [&str; 2] = ["law of w", "law of v"];
@@ -75,7 +86,77 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         }
         terms.extend(drive);
     }
+    if machine.before.any() {
+        widen(machine, &mut terms);
+    }
     terms
+}
+
+/// Adds to the floors of terms what recordings of one machine differ by without anybody calling it a
+/// change.
+fn widen(machine: &FromWheels, terms: &mut [Term]) {
+    for term in terms {
+        for (index, floor) in term.parameters.iter().zip(&mut term.floors) {
+            let own = unnoticed(machine, *index);
+            *floor += own * own;
+        }
+    }
+}
+
+/// Deviation by which a parameter differs between two recordings of one machine.
+fn unnoticed(machine: &FromWheels, index: usize) -> f64 {
+    let late_s = |interval_s: fn(&Run) -> f64| {
+        let intervals_s = machine.runs.iter().map(interval_s);
+        UNNOTICED_S.max(STAMP_SHARE * intervals_s.fold(0.0, f64::max))
+    };
+    match index {
+        COMMON => UNNOTICED_SCALE,
+        ASYMMETRY => UNNOTICED_ASYMMETRY,
+        TRACK => UNNOTICED_TRACK,
+        OFFSET_X | OFFSET_Y => UNNOTICED_OFFSET * 2.0 * machine.half_track_m,
+        OFFSET_YAW => UNNOTICED_YAW_RAD,
+        POSE_LATENCY => late_s(Run::pose_interval_s),
+        GYRO_LATENCY => late_s(|run| run.wheel_interval_s),
+        POSE_RATE | GYRO_RATE => UNNOTICED_RATE,
+        own if (DRIVE_FIRST..LAW_FIRST).contains(&own) => {
+            drive::unnoticed(own - DRIVE_FIRST, machine.largest_rad_s())
+        }
+        own => (machine.before.runs..machine.runs.len())
+            .flat_map(|run| {
+                [
+                    (machine.of_run(run, RUN_SCALE), UNNOTICED_SCALE),
+                    (machine.of_run(run, RUN_TRACK), UNNOTICED_TRACK),
+                ]
+            })
+            .find(|(index, _)| *index == own)
+            .map_or(0.0, |(_, size)| size),
+    }
+}
+
+/// What runs from before and of today share and is fitted with whatever changed: what the streams can
+/// show, and what the machine had before.
+pub(crate) fn shared(machine: &FromWheels, nominal: &[f64], excluded: &[String]) -> Vec<usize> {
+    let later = [
+        POSE_RATE,
+        GYRO_RATE,
+        DRIVE_FIRST + LAG,
+        DRIVE_FIRST + DEAD_ZONE,
+        DRIVE_FIRST + SATURATION,
+        DRIVE_FIRST + SAG,
+    ];
+    let smooth = terms(machine, excluded, [false; 2]);
+    let smooth = smooth.into_iter().filter(|term| !term.by_profile);
+    let had = |index: &usize| !later.contains(index) || nominal[machine.shared(*index)] != 0.0;
+    let mut all: Vec<usize> = smooth.flat_map(|term| term.parameters).filter(had).collect();
+    let laws = (0..VALUES.len()).filter(|place| machine.before.laws[*place]);
+    all.extend(laws.flat_map(of_law));
+    let mut all: Vec<usize> = all.into_iter().map(|i| machine.shared(i)).collect();
+    for (spread, own) in machine.before.spread.iter().zip([RUN_SCALE, RUN_TRACK]) {
+        if spread.is_some() {
+            all.extend((0..machine.before.runs).map(|run| machine.of_run(run, own)));
+        }
+    }
+    all
 }
 
 /// Laws of speed over turn rate and over speed: what the catalogue does not have. None over a driver
@@ -89,14 +170,19 @@ pub(crate) fn laws(machine: &FromWheels, excluded: &[String]) -> Vec<Term> {
     let moved = moved.filter(|(_, ((largest, least), _))| allowed && largest > least);
     moved
         .map(|(place, (_, name))| {
-            let first = LAW_FIRST + place * VALUES[0];
-            let own = first..first + VALUES[place];
+            let own = of_law(place);
             let values: Vec<(usize, f64)> = own.map(|i| (i, floor)).collect();
             let mut law = term(name, &values, 1.0);
             law.lasting = true;
             law
         })
         .collect()
+}
+
+/// Parameters of the law over the turn rate (0) or over the speed (1).
+fn of_law(place: usize) -> std::ops::Range<usize> {
+    let first = LAW_FIRST + place * VALUES[0];
+    first..first + VALUES[place]
 }
 
 /// Scales of both wheels and their difference, with floors. A gyro alone sees the difference only.
@@ -154,7 +240,7 @@ fn sensor_terms(machine: &FromWheels) -> Vec<(&'static str, Term)> {
 
 fn shared_or_of_runs(machine: &FromWheels, by_run: bool, shared: usize, own: usize) -> Vec<usize> {
     if by_run {
-        (0..machine.runs.len())
+        (machine.before.runs..machine.runs.len())
             .map(|run| machine.of_run(run, own))
             .collect()
     } else {

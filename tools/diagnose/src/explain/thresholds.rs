@@ -26,6 +26,8 @@ pub(super) struct Thresholds<'a> {
     pub(super) top_rad_s: f64,
     /// Distinct sizes of commands (rad/s), rising.
     pub(super) levels_rad_s: Vec<f64>,
+    /// Whether runs from before have a saturation and a dead band, if there are any.
+    pub(super) known: Option<[bool; 2]>,
 }
 
 /// Distinct sizes of all commands but 0 (rad/s), rising.
@@ -45,6 +47,10 @@ impl Thresholds<'_> {
         let index = self.first + SATURATION;
         let mut free = vec![index];
         free.extend(best.free.iter().filter(|i| **i != index));
+        if self.known.is_some_and(|[known, _]| known) && terms.iter().any(own) {
+            // its change has a derivative
+            return self.problem.fit(&best.at, &free, FULL);
+        }
         let of = |share: &f64| {
             let mut at = best.at.clone();
             if at[index] == 0.0 {
@@ -72,7 +78,9 @@ impl Thresholds<'_> {
     /// `best` with the dead band that fits best, and the levels between which it lies (rad/s); without
     /// one that fits better its term is taken out.
     pub(super) fn banded(&self, best: Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
-        let own = |t: &Term| t.name == BAND_TERM;
+        let known = self.known.is_some_and(|[_, known]| known);
+        // the level that a dead band lies between cannot change by part of a step
+        let own = |t: &Term| t.name == BAND_TERM && !known;
         let gaps: Vec<[f64; 2]> = self.levels_rad_s.windows(2).map(|p| [p[0], p[1]]).collect();
         let stride = gaps.len().div_ceil(BANDS).max(1);
         let of = |gap: [f64; 2]| {
@@ -100,7 +108,7 @@ impl Thresholds<'_> {
                 (self.problem.fit(&at, &best.free, FULL), gap)
             }
             _ => {
-                terms.retain(|t| !own(t));
+                terms.retain(|t| t.name != BAND_TERM);
                 (best, [0.0; 2])
             }
         }

@@ -1,5 +1,6 @@
 //! A speed that is added to what the wheels say: a table over the turn rate, and one over the speed.
 
+use nalgebra::{DMatrix, DVector};
 use slipstream_sim::Scalar;
 
 /// Knots of one table beside the one at 0, where it is 0.
@@ -77,6 +78,31 @@ impl Knots {
             std::cmp::Ordering::Equal => S::constant(0.0),
             std::cmp::Ordering::Greater => beside[k - 1],
         })
+    }
+
+    /// The `count` parameters whose values come closest to a table: pairs of knot and value, rising, linear
+    /// between them and constant beyond.
+    pub(crate) fn parameters(&self, count: usize, table: &[[f64; 2]]) -> Vec<f64> {
+        let (Some(first), Some(last)) = (table.first(), table.last()) else {
+            return vec![0.0; count];
+        };
+        let wanted = self.places().into_iter().map(|x| {
+            let after = table.partition_point(|[knot, _]| *knot <= x);
+            match (after.checked_sub(1).map(|i| table[i]), table.get(after)) {
+                (Some([a, from]), Some([b, to])) => from + (to - from) * (x - a) / (b - a),
+                (None, _) => first[1],
+                (_, None) => last[1],
+            }
+        });
+        let wanted = DVector::from_iterator(BESIDE + 1, wanted);
+        // the values are linear in the parameters
+        let columns = DMatrix::from_fn(BESIDE + 1, count, |knot, parameter| {
+            let mut one = vec![0.0; count];
+            one[parameter] = 1.0;
+            self.values(&one)[knot]
+        });
+        let solved = columns.svd(true, true).solve(&wanted, 1e-12);
+        solved.map_or_else(|_| vec![0.0; count], |own| own.iter().copied().collect())
     }
 
     /// The table at `driver`, linear between the knots and constant beyond them.

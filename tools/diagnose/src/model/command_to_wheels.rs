@@ -5,6 +5,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
+use super::comparison::{self, Before};
 use super::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
     SATURATION, SLOW_SHARE, SLOW_TIME,
@@ -13,6 +14,7 @@ use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
 use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, rows};
 use crate::estimate::blocks::{self, Blocks};
+use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
@@ -39,6 +41,8 @@ pub(crate) struct CommandToWheels {
     pub(crate) runs: Vec<DriveRun>,
     /// Largest commanded wheel speed (rad/s).
     pub(crate) largest_rad_s: f64,
+    /// What it is compared with.
+    pub(crate) before: Before,
 }
 
 impl CommandToWheels {
@@ -61,7 +65,33 @@ impl CommandToWheels {
         (largest_rad_s > 0.0).then_some(Self {
             runs,
             largest_rad_s,
+            before: Before::default(),
         })
+    }
+
+    /// Index of a parameter that runs from before share with those of today.
+    pub(crate) fn shared(parameter: usize) -> usize {
+        DRIVE + NOISE + parameter
+    }
+
+    /// The parameters of one run, out of all.
+    pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
+        if !self.before.any() {
+            return at.to_vec();
+        }
+        let mut own = comparison::of_machine(at, DRIVE, Self::shared(0), self.before.has(run));
+        own.extend(&at[DRIVE..DRIVE + NOISE]);
+        own
+    }
+
+    /// Where the parameters of a run stand among all: pairs of the run's own number and the index.
+    fn places(&self, run: usize) -> Vec<(usize, usize)> {
+        if !self.before.any() {
+            return (0..DRIVE + NOISE).map(|i| (i, i)).collect();
+        }
+        let mut places = comparison::places(DRIVE, Self::shared(0), self.before.has(run));
+        places.extend((DRIVE..DRIVE + NOISE).map(|i| (i, i)));
+        places
     }
 
     /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
@@ -74,6 +104,10 @@ impl CommandToWheels {
         };
         let noise = [0.02 * top, 1.0, 1e-4 * top, 0.01 * top, 1.0, 1e-4 * top];
         at.extend(noise.into_iter().chain(sensor).map(f64::ln));
+        if self.before.any() {
+            at.extend_from_within(..DRIVE);
+            at[..DRIVE].fill(0.0);
+        }
         at
     }
 
@@ -81,12 +115,16 @@ impl CommandToWheels {
     fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
         let mut deviations = deviations(self.largest_rad_s).to_vec();
         deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
+        if self.before.any() {
+            deviations.extend_from_within(..DRIVE);
+        }
         let pairs = nominal.iter().zip(deviations);
         let mut priors: Vec<Prior> = pairs
             .map(|(&mean, deviation)| Prior { mean, deviation })
             .collect();
         // without a saturation nothing is known of one but the order of its size
-        if nominal[SATURATION] == 0.0 {
+        let known = self.before.any() && nominal[Self::shared(SATURATION)] != 0.0;
+        if nominal[SATURATION] == 0.0 && !known {
             priors[SATURATION].mean = self.largest_rad_s;
         }
         priors
@@ -109,6 +147,9 @@ impl CommandToWheels {
     fn longest(&self) -> Vec<f64> {
         let mut longest = longest(self.largest_rad_s).to_vec();
         longest.extend([1.0; NOISE]);
+        if self.before.any() {
+            longest.extend_from_within(..DRIVE);
+        }
         longest
     }
 
@@ -237,16 +278,16 @@ impl Likelihood for CommandToWheels {
     }
 
     fn is_shared(&self, _: usize) -> bool {
-        true
+        self.before.shows_spread(self.runs.len(), LEAST_RUNS)
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
-        let runs = self.runs.par_iter().map(|run| {
+        let runs = self.runs.par_iter().enumerate().map(|(i, run)| {
             let mut own = vec![0.0; run.blocks.count];
             let mut sink = |row: Innovation<f64>| {
                 own[run.blocks.of(row.time_s)] += row.weight * row.log_likelihood;
             };
-            run.filter(at, &mut sink, &mut |_, _, _| ());
+            run.filter(&self.local(i, at), &mut sink, &mut |_, _, _| ());
             own
         });
         runs.collect::<Vec<_>>().concat()
@@ -254,17 +295,16 @@ impl Likelihood for CommandToWheels {
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
         let mut blocks = empty(Likelihood::blocks(self), free.len());
-        let places: Vec<usize> = (0..free.len()).collect();
-        let all = self.runs.par_iter().map(|run| {
+        let all = self.runs.par_iter().enumerate().map(|(i, run)| {
+            let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
                 run.filter(p, sink, &mut |_, _, _| ());
             };
-            Rows::new(at, free, filter, |t_s| {
-                run.blocks.first + run.blocks.of(t_s)
-            })
+            let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
+            (Rows::new(&self.local(i, at), &local, filter, block), to)
         });
-        for rows in all.collect::<Vec<_>>() {
-            rows.add_to(&mut blocks, &places);
+        for (rows, to) in all.collect::<Vec<_>>() {
+            rows.add_to(&mut blocks, &to);
         }
         blocks
     }

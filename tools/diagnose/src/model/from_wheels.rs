@@ -9,17 +9,19 @@ use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
 use super::command_to_wheels::{self, drive_of};
+use super::comparison::{self, Before};
 use super::drive::{DRIVE, SATURATION};
-use super::nominal::{clock_rate, number};
+use super::nominal::{self, clock_rate, number};
 use super::run::{RUN_NOISE, Run, Source};
 use crate::data::reference::POSE_STEP_S;
 use crate::estimate::blocks;
+use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
-use crate::filter::motion_law::{Knots, LAW};
+use crate::filter::motion_law::{DRIVERS, Knots, LAW, VALUES};
 use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
 
 /// Parameters of the machine.
@@ -63,6 +65,8 @@ pub(crate) struct FromWheels {
     pub(crate) knots: [Knots; 2],
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
+    /// What it is compared with.
+    pub(crate) before: Before,
 }
 
 /// Its likelihood, with or without outliers.
@@ -87,6 +91,7 @@ impl FromWheels {
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
             knots: [Knots::default(); 2],
             skids: robots.iter().any(|robot| skids(robot)),
+            before: Before::default(),
         };
         let mut first_block = 0;
         for (at, robot) in robots.iter().enumerate() {
@@ -120,7 +125,27 @@ impl FromWheels {
 
     /// Number of parameters, noise sizes included.
     pub(crate) fn parameters(&self) -> usize {
-        MACHINE + self.runs.len() * (RUN + RUN_NOISE)
+        let shared = if self.before.any() { MACHINE } else { 0 };
+        self.shared(shared)
+    }
+
+    /// Index of a parameter of the machine that runs from before share with those of today.
+    pub(crate) fn shared(&self, parameter: usize) -> usize {
+        MACHINE + self.runs.len() * (RUN + RUN_NOISE) + parameter
+    }
+
+    /// The same machine with its runs of today alone.
+    pub(crate) fn today(&self) -> Self {
+        let mut today = self.clone();
+        today.runs.drain(..self.before.runs);
+        today.before = Before::default();
+        let mut first = 0;
+        for run in &mut today.runs {
+            run.blocks.first = first;
+            first = run.blocks.end();
+            run.robot -= self.before.robots;
+        }
+        today
     }
 
     /// Index of a parameter of a run.
@@ -170,7 +195,8 @@ impl FromWheels {
 
     /// Whether every run's gyro may have a clock of its own: several runs, and nothing else to tell.
     pub(crate) fn has_clocks_of_runs(&self) -> bool {
-        self.runs.len() > 1 && self.has_gyro() && !self.has_pose()
+        let today = self.runs.len() - self.before.runs;
+        today.max(self.before.runs) > 1 && self.has_gyro() && !self.has_pose()
     }
 
     pub(crate) fn has_pose(&self) -> bool {
@@ -226,10 +252,23 @@ impl FromWheels {
         at[POSE_RATE] = rate("pose") - rate("wheels");
         at[GYRO_RATE] = rate("imu") - rate("wheels");
         at[DRIVE_FIRST..LAW_FIRST].copy_from_slice(&drive_of(model));
+        at[LAW_FIRST..MACHINE].copy_from_slice(&law_of(model, &self.knots));
+        let [ratio, difference] =
+            ["ratio", "asymmetry"].map(|name| plain("slip_ratio", name).clamp(-0.9, 0.9));
+        let [right, left] = [0.5, -0.5].map(|side| (1.0 - ratio - side * difference).max(0.05).ln());
+        let scale = f64::midpoint(right, left);
+        at[ASYMMETRY] += right - left;
         for (i, run) in self.runs.iter().enumerate() {
             let first = self.of_run(i, RUN);
             let guesses = run.noise_guesses(2.0 * self.half_track_m);
             at[first..first + RUN_NOISE].copy_from_slice(&guesses);
+            at[self.of_run(i, RUN_SCALE)] = scale;
+        }
+        if self.before.any() {
+            let shared = self.shared(0);
+            let (changes, rest) = at.split_at_mut(shared);
+            rest.copy_from_slice(&changes[..MACHINE]);
+            changes[..MACHINE].fill(0.0);
         }
         at
     }
@@ -254,16 +293,26 @@ impl FromWheels {
         let mut deviations = machine.to_vec();
         deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
         deviations.extend([self.law_prior_m_s(); LAW]);
-        for _ in &self.runs {
-            deviations.extend(run);
+        for i in 0..self.runs.len() {
+            let mut own = run;
+            for (own, spread) in own.iter_mut().zip(self.before.spread) {
+                if let Some(spread) = spread.filter(|_| self.before.has(i)) {
+                    *own = spread;
+                }
+            }
+            deviations.extend(own);
             deviations.extend([2.0; RUN_NOISE]);
+        }
+        if self.before.any() {
+            deviations.extend_from_within(..MACHINE);
         }
         let pairs = nominal.iter().zip(deviations);
         let mut priors: Vec<Prior> = pairs
             .map(|(&mean, deviation)| Prior { mean, deviation })
             .collect();
         let saturation = DRIVE_FIRST + SATURATION;
-        if nominal[saturation] == 0.0 {
+        let known = self.before.any() && nominal[self.shared(saturation)] != 0.0;
+        if nominal[saturation] == 0.0 && !known {
             priors[saturation].mean = self.largest_rad_s();
         }
         priors
@@ -292,22 +341,34 @@ impl FromWheels {
             longest.extend([0.2, 0.3, 0.02, 0.05, 2e-3]);
             longest.extend([1.0; RUN_NOISE]);
         }
+        if self.before.any() {
+            longest.extend_from_within(..MACHINE);
+        }
         longest
     }
 
     /// The parameters of one run, out of all.
-    pub(crate) fn local<S: Copy>(&self, run: usize, at: &[S]) -> Vec<S> {
+    pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
         let first = self.of_run(run, 0);
-        at[..MACHINE]
-            .iter()
-            .chain(&at[first..first + RUN + RUN_NOISE])
-            .copied()
-            .collect()
+        let mut own = if self.before.any() {
+            comparison::of_machine(at, MACHINE, self.shared(0), self.before.has(run))
+        } else {
+            at[..MACHINE].to_vec()
+        };
+        own.extend(&at[first..first + RUN + RUN_NOISE]);
+        own
     }
 
-    fn local_indices(&self, run: usize) -> Vec<usize> {
-        let all: Vec<usize> = (0..self.parameters()).collect();
-        self.local(run, &all)
+    /// Where the parameters of a run stand among all: pairs of the run's own number and the index.
+    fn places(&self, run: usize) -> Vec<(usize, usize)> {
+        let first = self.of_run(run, 0);
+        let mut places = if self.before.any() {
+            comparison::places(MACHINE, self.shared(0), self.before.has(run))
+        } else {
+            (0..MACHINE).map(|i| (i, i)).collect()
+        };
+        places.extend((0..RUN + RUN_NOISE).map(|i| (MACHINE + i, first + i)));
+        places
     }
 
     pub(crate) fn pose_filter<'a>(
@@ -532,7 +593,9 @@ impl Likelihood for View<'_> {
     }
 
     fn is_shared(&self, parameter: usize) -> bool {
-        parameter < MACHINE
+        let machine = self.machine;
+        let of_all = parameter < MACHINE || parameter >= machine.shared(0);
+        of_all && machine.before.shows_spread(machine.runs.len(), LEAST_RUNS)
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
@@ -562,14 +625,9 @@ impl Likelihood for View<'_> {
         let all = machine.runs.par_iter().enumerate();
         let all = all.flat_map(|run| Reference::ALL.par_iter().map(move |r| (run, *r)));
         let all = all.map(|((i, run), reference)| {
-            let own = machine.local_indices(i);
-            // places of the run's parameters among the free ones
-            let (local, to): (Vec<usize>, Vec<usize>) = own
-                .iter()
-                .enumerate()
-                .filter(|(l, _)| reference.reads(*l, run.wheels.is_commanded()))
-                .filter_map(|(l, g)| Some((l, free.iter().position(|f| f == g)?)))
-                .unzip();
+            let places = machine.places(i).into_iter();
+            let read = places.filter(|(l, _)| reference.reads(*l, run.wheels.is_commanded()));
+            let (local, to) = comparison::lanes(read, free);
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
                 self.filter(reference, run, p, sink);
             };
@@ -610,6 +668,19 @@ pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     ]);
     all.extend(&run[RUN + wheels_to_pose::NOISE..]);
     all
+}
+
+/// Values of the laws that a model lists, as parameters at these knots.
+fn law_of(model: &RobotModel, knots: &[Knots; 2]) -> Vec<f64> {
+    let places = DRIVERS.iter().zip(knots).zip(VALUES);
+    let each = places.flat_map(|((driver, knots), count)| {
+        let zero = vec![0.0; count];
+        nominal::laws(model, driver).fold(zero, |sum, table| {
+            let own = knots.parameters(count, &table);
+            sum.iter().zip(own).map(|(a, b)| a + b).collect()
+        })
+    });
+    each.collect()
 }
 
 /// Whether a recording says that the robot steers by skidding.

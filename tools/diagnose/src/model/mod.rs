@@ -1,6 +1,7 @@
 //! Models under test: what their parameters are, where they start, and what is known of them before.
 
 pub(crate) mod command_to_wheels;
+pub(crate) mod comparison;
 pub(crate) mod drive;
 pub(crate) mod from_wheels;
 pub(crate) mod hypothesis;

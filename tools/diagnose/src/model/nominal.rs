@@ -1,6 +1,6 @@
 //! Values that the nominal model gives to the parameters of a kinematic robot.
 
-use slipstream_bus::{Parameter, RobotModel};
+use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 
 /// The number `name` of an effect that the model lists.
 pub(crate) fn number(model: &RobotModel, effect: &str, name: &str) -> Option<f64> {
@@ -22,5 +22,31 @@ pub(crate) fn clock_rate(model: &RobotModel, stream: &str) -> Option<f64> {
     spec.parameters.iter().find_map(|(own, value)| match value {
         Parameter::Number(value) if own == "rate" => Some(*value),
         _ => None,
+    })
+}
+
+/// The laws of speed over `driver` that the model lists: pairs of knot and value.
+pub(crate) fn laws<'a>(
+    model: &'a RobotModel,
+    driver: &'a str,
+) -> impl Iterator<Item = Vec<[f64; 2]>> + 'a {
+    let has = |spec: &EffectSpec, key: &str, word: &str| {
+        let named = |(own, value): &(String, Parameter)| {
+            own == key && matches!(value, Parameter::Text(text) if text == word)
+        };
+        spec.parameters.iter().any(named)
+    };
+    let laws = model.effects.iter().filter(move |spec| {
+        spec.effect == "motion_law" && has(spec, "acts_on", "speed") && has(spec, "driver", driver)
+    });
+    laws.filter_map(|spec| {
+        let list = |name: &str| {
+            spec.parameters.iter().find_map(|(own, value)| match value {
+                Parameter::List(list) if own == name => Some(list),
+                _ => None,
+            })
+        };
+        let pairs = list("knots")?.iter().zip(list("values")?);
+        Some(pairs.map(|(knot, value)| [*knot, *value]).collect())
     })
 }

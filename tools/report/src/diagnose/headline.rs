@@ -274,6 +274,7 @@ mod tests {
                     name: own.name.to_owned(),
                     unit: own.unit.to_owned(),
                     nominal: None,
+                    nominal_ci95: None,
                     estimate: Some(0.9),
                     ci95: Some([0.88, 0.92]),
                     text: None,

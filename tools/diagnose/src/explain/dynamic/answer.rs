@@ -116,6 +116,7 @@ fn finding(
             name: (*name).to_owned(),
             unit: unit(name),
             nominal: hypothesis.nominal(&machine.model, name),
+            nominal_ci95: None,
             estimate: Some(*value),
             ci95: Some(*ci95),
             text: None,

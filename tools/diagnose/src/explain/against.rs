@@ -1,0 +1,198 @@
+//! What changed since recordings from before: which machine is compared with which, and a finding as a
+//! change.
+
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_recording::Recording;
+use slipstream_recording::recording::{Command, Robot as Recorded, Wheels};
+
+use super::claim::Claim;
+use super::kinematic::{self, Learnt, Task};
+use crate::answer::statement::changed;
+use crate::answer::{Finding, Warning};
+use crate::diagnosis::{Request, Runs, model_of};
+
+/// Lengths of two models that differ by less are the same.
+const SAME: f64 = 1e-6;
+
+/// The runs from before that these are compared with; `None` without any recording from before.
+///
+/// # Errors
+/// No such robot in the recordings from before, or one that cannot be the same machine.
+pub(crate) fn counterpart<'a, 'b>(
+    request: &Request<'_>,
+    today: &Runs<'_>,
+    others: &'b [Vec<(&'a Recording, &'a Recorded)>],
+) -> Result<Option<&'b Vec<(&'a Recording, &'a Recorded)>>, InputError> {
+    if request.against.is_empty() {
+        return Ok(None);
+    }
+    let (_, robot) = today[0];
+    let named = others.iter().find(|own| own[0].1.name == robot.name);
+    let alone = || request.recordings.iter().all(|own| own.robots.len() == 1);
+    let other = match (named, others) {
+        (Some(own), _) => own,
+        (None, [own]) if alone() => own,
+        _ => {
+            let problem = format!("is not in {}", names(request.against));
+            let remedy = "compare recordings of one machine, its robot called the same in all";
+            return Err(InputError::new(&robot.name, problem, remedy));
+        }
+    };
+    same_machine(request, today, other)?;
+    comparable(today, other)?;
+    Ok(Some(other))
+}
+
+fn names(recordings: &[Recording]) -> String {
+    let names: Vec<&str> = recordings.iter().map(|own| own.name.as_str()).collect();
+    names.join(", ")
+}
+
+/// Whether both are the same machine, by their models.
+fn same_machine(
+    request: &Request<'_>,
+    today: &Runs<'_>,
+    other: &Runs<'_>,
+) -> Result<(), InputError> {
+    let [own, before] = [model_of(request, today[0])?, model_of(request, other[0])?];
+    let lengths = [
+        (
+            "wheel_radius_m",
+            own.robot.wheel_radius_m,
+            before.robot.wheel_radius_m,
+        ),
+        (
+            "half_track_m",
+            own.robot.half_track_m,
+            before.robot.half_track_m,
+        ),
+    ];
+    for (name, now, then) in lengths {
+        if (now - then).abs() > SAME * now.abs() {
+            let problem =
+                format!("is another machine: {name} = {now}, and {then} in the recording from before");
+            let remedy = "compare recordings of one machine, or give its one model with --robot";
+            return Err(InputError::new(&today[0].1.name, problem, remedy));
+        }
+    }
+    Ok(())
+}
+
+/// What a run is told, and how its wheels were recorded.
+fn kind(robot: &Recorded) -> [&'static str; 2] {
+    let told = match robot.command.as_ref().map(|own| &own.values) {
+        None => "nothing",
+        Some(Command::Torque { .. }) => "torques",
+        Some(Command::Voltage { .. }) => "voltages",
+        Some(_) => "speeds",
+    };
+    let wheels = match robot.wheels.as_ref().map(|own| &own.values) {
+        None => "not at all",
+        Some(Wheels::Speed { .. }) => "as speeds",
+        Some(_) => "as angles or ticks",
+    };
+    [told, wheels]
+}
+
+/// What can be compared of a run: its drive, its pose, its gyro.
+fn channels(robot: &Recorded) -> [bool; 3] {
+    let wheels = robot.wheels.is_some();
+    let driven = robot.command.is_some();
+    let gyro = robot.imu.is_some();
+    [
+        wheels && driven,
+        robot.pose.is_some() && (wheels || driven),
+        gyro && (wheels || driven),
+    ]
+}
+
+fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
+    let place = &today[0].1.name;
+    let remedy = "compare recordings that were made in the same way";
+    let kinds = [today, other].map(|runs| kind(runs[0].1));
+    for (what, [now, then]) in [
+        ("is told", [kinds[0][0], kinds[1][0]]),
+        ("has its wheels recorded", [kinds[0][1], kinds[1][1]]),
+    ] {
+        if now != then {
+            let problem = format!("{what} {now}, and {then} in the recording from before");
+            return Err(InputError::new(place, problem, remedy));
+        }
+    }
+    let [now, then] = [today, other].map(|runs| {
+        let all = runs.iter().map(|(_, robot)| channels(robot));
+        all.fold([false; 3], |sum, own| {
+            std::array::from_fn(|i| sum[i] || own[i])
+        })
+    });
+    if !(0..3).any(|i| now[i] && then[i]) {
+        let problem = "shares no pose, gyro, or commands with wheels with the recording from before";
+        return Err(InputError::new(place, problem, remedy));
+    }
+    Ok(())
+}
+
+/// Streams that only one side has: what they show cannot be compared.
+pub(crate) fn not_compared(today: &Runs<'_>, other: &Runs<'_>) -> Vec<Warning> {
+    let has = |runs: &Runs<'_>, stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
+    let streams: [(&str, fn(&Recorded) -> bool); 2] = [
+        ("pose", |robot| robot.pose.is_some()),
+        ("gyro", |robot| robot.imu.is_some()),
+    ];
+    let apart = streams
+        .into_iter()
+        .filter(|(_, stream)| has(today, *stream) != has(other, *stream));
+    apart
+        .map(|(name, stream)| Warning {
+            recording: today[0].0.name.clone(),
+            robot: Some(today[0].1.name.clone()),
+            id: "not_compared".to_owned(),
+            statement: if has(today, stream) {
+                format!("the recording from before has no {name}: what it shows is not compared")
+            } else {
+                format!("this recording has no {name}: what that of before shows is not compared")
+            },
+            remedy: format!("record the {name} in both"),
+        })
+        .collect()
+}
+
+/// What the runs from before say of a machine that is told speeds or nothing.
+///
+/// # Errors
+/// As [`kinematic::examine`].
+pub(crate) fn learn(
+    request: &Request<'_>,
+    runs: &Runs<'_>,
+    model: &RobotModel,
+) -> Result<Learnt, InputError> {
+    let name = &runs[0].0.name;
+    let progress = |what: &str| (request.progress)(&format!("{name}, from before: {what}"));
+    kinematic::learn(&Task {
+        runs,
+        model,
+        excluded: request.excluded,
+        excluded_s: &[],
+        progress: &progress,
+        illustrate: None,
+        before: None,
+    })
+}
+
+/// Makes the finding of a claim one of what changed.
+pub(crate) fn compared(finding: &mut Finding, claim: &Claim, learnt: &Learnt, before: &str) {
+    let same = |own: &&Claim| {
+        own.effect == claim.effect && own.word == claim.word && own.runs.is_none()
+    };
+    let known = learnt.claims.iter().find(same);
+    for parameter in &mut finding.parameters {
+        let values = known.iter().flat_map(|own| &own.values);
+        let value = values.into_iter().find(|own| own.name == parameter.name);
+        if let (Some(value), Some(_)) = (value, parameter.nominal) {
+            let [below, above] = value.half;
+            let [a, b] = [-below, above].map(|change| value.applied(parameter.nominal, change));
+            parameter.nominal_ci95 = Some([a.min(b), a.max(b)]);
+        }
+    }
+    finding.statement = changed(finding, before);
+}

@@ -1,0 +1,124 @@
+//! What changed, found beside runs from before, as a fit of the runs of today alone: what both share is as
+//! the model has it, and changes are added to it.
+
+use nalgebra::DMatrix;
+
+use super::calibration::Calibration;
+use super::drive::DriveFit;
+use crate::estimate::cluster::Precision;
+use crate::estimate::scoring::{Fit, Problem};
+use crate::model::command_to_wheels::{CommandToWheels, NOISE};
+use crate::model::drive::DRIVE;
+use crate::model::from_wheels::{FromWheels, MACHINE, View};
+use crate::select::elimination::{Kept, Selected, Term};
+
+/// From a fit of all runs to one of today's.
+struct Projection<'a> {
+    /// Index of a parameter among those of today.
+    index: &'a dyn Fn(usize) -> Option<usize>,
+    /// Number of parameters of the machine, which are changes.
+    machine: usize,
+    problem: &'a Problem<'a>,
+    nominal: &'a [f64],
+}
+
+impl Projection<'_> {
+    fn selected(&self, found: &Selected) -> Selected {
+        let fit = &found.fit;
+        let mut at = self.nominal.to_vec();
+        for (from, value) in fit.at.iter().enumerate() {
+            if let Some(to) = (self.index)(from) {
+                let base = if from < self.machine {
+                    self.nominal[to]
+                } else {
+                    0.0
+                };
+                at[to] = base + value;
+            }
+        }
+        let places = fit.free.iter().enumerate();
+        let left: Vec<(usize, usize)> = places
+            .filter_map(|(place, from)| Some((place, (self.index)(*from)?)))
+            .collect();
+        let free: Vec<usize> = left.iter().map(|(_, to)| *to).collect();
+        let covariance = DMatrix::from_fn(left.len(), left.len(), |i, k| {
+            found.precision.covariance[(left[i].0, left[k].0)]
+        });
+        let kept = found.kept.iter().map(|kept| Kept {
+            term: Term {
+                parameters: kept
+                    .term
+                    .parameters
+                    .iter()
+                    .filter_map(|index| (self.index)(*index))
+                    .collect(),
+                ..kept.term.clone()
+            },
+            ..kept.clone()
+        });
+        Selected {
+            fit: Fit {
+                objective: self.problem.objective(&at, &free),
+                at,
+                free,
+                converged: fit.converged,
+            },
+            precision: Precision {
+                covariance,
+                overdispersion: found.precision.overdispersion,
+            },
+            kept: kept.collect(),
+            alike: found.alike.clone(),
+        }
+    }
+}
+
+/// A calibration of all runs, as one of today's.
+pub(super) fn calibration(found: Calibration, joint: &FromWheels, nominal: &[f64]) -> Calibration {
+    let dense = found.dense.as_ref();
+    let machine = dense.unwrap_or(joint).today();
+    let before = joint.before.runs;
+    let width = machine.of_run(1, 0) - machine.of_run(0, 0);
+    let shared = joint.shared(0);
+    let index = |from: usize| match from {
+        own if own < MACHINE => Some(own),
+        own if own >= shared => None,
+        own => own
+            .checked_sub(before * width)
+            .filter(|own| *own >= MACHINE),
+    };
+    let view = View {
+        machine: &machine,
+        robust: true,
+    };
+    let after = Projection {
+        index: &index,
+        machine: MACHINE,
+        problem: &machine.problem(&view, nominal),
+        nominal,
+    }
+    .selected(&found.after);
+    Calibration {
+        after,
+        dense: dense.is_some().then_some(machine),
+        ..found
+    }
+}
+
+/// A drive fitted to all runs, as one of today's.
+pub(super) fn drive(found: &DriveFit, today: &CommandToWheels, nominal: Vec<f64>) -> DriveFit {
+    let index = |from: usize| (from < DRIVE + NOISE).then_some(from);
+    let after = Projection {
+        index: &index,
+        machine: DRIVE,
+        problem: &today.problem(today, &nominal),
+        nominal: &nominal,
+    }
+    .selected(&found.after);
+    DriveFit {
+        after,
+        nominal,
+        criterion: found.criterion,
+        band_rad_s: found.band_rad_s,
+    }
+}

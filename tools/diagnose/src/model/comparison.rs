@@ -1,0 +1,78 @@
+//! Runs of one machine beside runs of it from before.
+//!
+//! Both are filtered together. Parameters of the machine are those from before; what changed since is
+//! added to them in the runs of today. So what both share cancels, and how well the runs from before know
+//! a parameter counts in every test of its change.
+//!
+//! In a vector of parameters the changes stand first, where the parameters of a machine stand that is
+//! compared with nothing; what both share stands at its end.
+
+/// Which runs are from before, and how these differ among themselves.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Before {
+    /// The first so many runs are from before; 0 where nothing is compared.
+    pub(crate) runs: usize,
+    /// Number of robots given before those of today.
+    pub(crate) robots: usize,
+    /// Deviations of the logarithms of scale and track among them, where they differ.
+    pub(crate) spread: [Option<f64>; 2],
+    /// Whether the machine had a law of speed over turn rate, and over speed.
+    pub(crate) laws: [bool; 2],
+}
+
+impl Before {
+    /// Whether there are runs from before.
+    pub(crate) fn any(&self) -> bool {
+        self.runs > 0
+    }
+
+    /// Whether a run is from before.
+    pub(crate) fn has(&self, run: usize) -> bool {
+        run < self.runs
+    }
+
+    /// Whether enough runs of both kinds, of `runs` in all, show how runs differ.
+    pub(crate) fn shows_spread(&self, runs: usize, least: usize) -> bool {
+        !self.any() || self.runs >= least && runs - self.runs >= least
+    }
+}
+
+/// The first `count` parameters of a run: of `at`, or what is shared from `shared` on, with the change of
+/// a run of today.
+pub(super) fn of_machine(at: &[f64], count: usize, shared: usize, is_before: bool) -> Vec<f64> {
+    let base = at[shared..shared + count].iter();
+    if is_before {
+        return base.copied().collect();
+    }
+    base.zip(at).map(|(own, change)| own + change).collect()
+}
+
+/// Where these parameters stand in the vector: pairs of the run's own number and the place.
+pub(super) fn places(count: usize, shared: usize, is_before: bool) -> Vec<(usize, usize)> {
+    let base = (0..count).map(|i| (i, shared + i));
+    if is_before {
+        return base.collect();
+    }
+    base.chain((0..count).map(|i| (i, i))).collect()
+}
+
+/// Of the `places` of a run those that are `free`: the run's own numbers without repetition, and pairs of
+/// the place in that list and the place among the free ones.
+pub(super) fn lanes(
+    places: impl Iterator<Item = (usize, usize)>,
+    free: &[usize],
+) -> (Vec<usize>, Vec<(usize, usize)>) {
+    let mut own: Vec<usize> = Vec::new();
+    let mut pairs = Vec::new();
+    for (local, index) in places {
+        let Some(to) = free.iter().position(|f| *f == index) else {
+            continue;
+        };
+        let lane = own.iter().position(|l| *l == local).unwrap_or_else(|| {
+            own.push(local);
+            own.len() - 1
+        });
+        pairs.push((lane, to));
+    }
+    (own, pairs)
+}
