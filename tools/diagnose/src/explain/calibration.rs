@@ -170,7 +170,7 @@ impl Search<'_> {
             };
             let apart = same(self.terms([true; 2]));
             let (free, physics) = self.elimination(&apart).free(&apart);
-            let own = self.problem.fit(&fit.at, &free, FULL);
+            let own = self.of_runs(&fit.at, &free);
             by_run = self.differ(&own, &Precision::new(self.problem, &own, physics)?);
             let known = before.spread.map(|spread| spread.is_some());
             by_run = [by_run[0] || known[0], by_run[1] || known[1]];
@@ -183,8 +183,27 @@ impl Search<'_> {
             }
         }
         fit = self.with_law(fit, &mut terms);
-        let elimination = self.elimination(&terms);
-        let after = elimination.run(fit, &terms)?;
+        let mut always = self.always.to_vec();
+        let shared = |index: usize| self.machine.shared(index);
+        let (after, elimination) = loop {
+            let elimination = Elimination {
+                always: &always,
+                ..self.elimination(&terms)
+            };
+            let after = elimination.run(fit, &terms)?;
+            let Some((term, moved)) = elimination.as_before(&after, &shared) else {
+                break (after, self.elimination(&terms));
+            };
+            terms.retain(|own| own.name != term.name);
+            if !term.by_profile {
+                always.extend(term.parameters.iter().map(|i| shared(*i)));
+            }
+            fit = moved;
+        };
+        let elimination = Elimination {
+            always: &always,
+            ..elimination
+        };
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
@@ -194,6 +213,24 @@ impl Search<'_> {
             band_rad_s,
             dense: None,
         })
+    }
+
+    /// The fit in which every run has its own scale and track. Where runs differ much, what they share
+    /// makes all rows of some of them outliers: it starts also from a fit without outliers.
+    fn of_runs(&self, at: &[f64], free: &[usize]) -> Fit {
+        let plain = View {
+            machine: self.machine,
+            robust: false,
+        };
+        let gaussian = self.machine.problem(&plain, self.nominal);
+        let apart = gaussian.fit(at, free, ROUGH);
+        let fits = [at, &apart.at].map(|start| self.problem.fit(start, free, FULL));
+        let [own, other] = fits;
+        if other.objective > own.objective {
+            other
+        } else {
+            own
+        }
     }
 
     /// The fit with all terms and with a law that the catalogue does not have, where it gains beside

@@ -194,8 +194,22 @@ impl Search<'_> {
             drive_error(self.drive, &with.at)
                 < (1.0 - USE_SHARE) * drive_error(self.drive, &without.at)
         };
-        let elimination = self.elimination(&terms, &useful);
-        let after = elimination.run(full, &terms)?;
+        let mut always = self.shared.clone();
+        let mut fit = full;
+        let (elimination, after) = loop {
+            let elimination = self.elimination(&terms, &always, &useful);
+            let after = elimination.run(fit, &terms)?;
+            let Some((term, moved)) = elimination.as_before(&after, &CommandToWheels::shared)
+            else {
+                break (self.elimination(&terms, &always, &useful), after);
+            };
+            terms.retain(|own| own.name != term.name);
+            if !term.by_profile {
+                let parameters = term.parameters.iter();
+                always.extend(parameters.map(|i| CommandToWheels::shared(*i)));
+            }
+            fit = moved;
+        };
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let criterion = elimination.criterion;
         Some(DriveFit {
@@ -209,12 +223,13 @@ impl Search<'_> {
     fn elimination<'b>(
         &'b self,
         terms: &[Term],
+        always: &'b [usize],
         useful: &'b dyn Fn(&Fit, &Fit) -> bool,
     ) -> Elimination<'b> {
         Elimination {
             problem: &self.problem,
             neutral: &self.nominal,
-            always: &self.shared,
+            always,
             noise: &self.noise,
             criterion: Criterion {
                 tried: terms.len(),

@@ -187,6 +187,40 @@ impl Elimination<'_> {
         None
     }
 
+    /// A change that may as well have been there before, where nothing is known of it: its term, and the fit
+    /// in which runs from before have it too. `shared` is the place of a parameter that all runs share.
+    pub(crate) fn as_before(
+        &self,
+        found: &Selected,
+        shared: &dyn Fn(usize) -> usize,
+    ) -> Option<(Term, Fit)> {
+        let known = |term: &Term| {
+            let mut own = term.parameters.iter().map(|i| shared(*i));
+            own.any(|i| i >= self.neutral.len() || found.fit.free.contains(&i))
+        };
+        let unknown = found.kept.iter().filter(|kept| !known(&kept.term));
+        let tried = unknown.filter_map(|kept| {
+            let term = &kept.term;
+            let mut at = found.fit.at.clone();
+            let mut free = found.fit.free.clone();
+            for index in &term.parameters {
+                at[shared(*index)] += at[*index] - self.neutral[*index];
+                at[*index] = self.neutral[*index];
+                let place = free.iter_mut().find(|f| *f == index);
+                if let Some(own) = place {
+                    *own = shared(*index);
+                }
+            }
+            let fit = self.problem.fit(&at, &free, FULL);
+            let least = self.criterion.least_gain(term.parameters.len());
+            let overdispersion = found.precision.overdispersion;
+            let loss = (found.fit.objective - fit.objective) / overdispersion;
+            (loss < least).then(|| (loss, term.clone(), fit))
+        });
+        let best = tried.min_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, term, fit)| (term, fit))
+    }
+
     /// Tries each of two look-alikes of one parameter in the other's place: the better one stays, and
     /// one that fits nearly as well is remembered.
     pub(crate) fn rivals(
