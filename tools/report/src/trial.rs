@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 use slipstream_trial::grade::TrialGrade;
+use slipstream_trial::own::OwnReport;
 use slipstream_trial::tally::{DetectionRate, ScoredCase, TrialReport};
 
 use crate::parts::{Cell, Frame, Icon, Ink, Page, Scale, Tone, fixed, short, table, verdict};
@@ -62,6 +63,85 @@ pub fn page(report: &TrialReport, command_line: &str) -> String {
         ..Page::default()
     };
     page.html()
+}
+
+/// The HTML file of a trial on somebody's own recording.
+pub fn own_page(report: &OwnReport, command_line: &str) -> String {
+    let found = own_sentence(report);
+    let trial = &report.trial;
+    let bad = trial.wrong + trial.false_alarms;
+    let (tone, icon, chip) = match bad {
+        0 => (Tone::Good, Icon::Tick, "Nothing false".to_owned()),
+        _ => (Tone::Bad, Icon::Half, format!("{bad} false")),
+    };
+    let facts = format!("{} copies of {}", trial.cases, report.on);
+    let [median, longest] = trial.seconds;
+    let lead = html! {
+        "Known changes were put into copies of the recording, none into " (trial.nulls) " of them; each copy was diagnosed against the "
+        "original. A diagnosis took " b { (short(median)) " s" } " in the median and " b { (short(longest)) " s" } " at most."
+    };
+    let body = html! {
+        (verdict(tone, icon, &chip, &facts, &found, &lead))
+        section id="detectable" { h2 { "What would be found on this robot" }
+            p class="sub" { "A change of this size since the recording, and every larger one that was tried, was named with its size." }
+            (detectable(report)) }
+        (squares(trial))
+        section id="grades" { h2 { "By kind of copy" } (grades(trial)) }
+        section id="confusion" { h2 { "What was taken for what" } (confusion(trial)) }
+        section id="cases" { h2 { "Every copy" } (every_case(trial)) }
+    };
+    let page = Page {
+        command: "trial",
+        subject: report.on.clone(),
+        summary: found.clone(),
+        anchors: vec![
+            ("detectable", "Sizes"),
+            ("grades", "Kinds"),
+            ("confusion", "Confusion"),
+            ("cases", "Copies"),
+            ("made", "Made by"),
+        ],
+        body,
+        command_line: command_line.to_owned(),
+        answer: serde_json::to_string(report).ok(),
+        ..Page::default()
+    };
+    page.html()
+}
+
+fn own_sentence(report: &OwnReport) -> String {
+    let trial = &report.trial;
+    let whole: Vec<&ScoredCase> = trial.each.iter().filter(|own| own.kind == "whole").collect();
+    let exact = whole.iter().filter(|own| own.score.grade == TrialGrade::Exact);
+    format!(
+        "{} of {} changes in whole copies were named with their size; {} of {} copies without a change raised a false alarm.",
+        exact.count(),
+        whole.len(),
+        trial.false_alarms,
+        trial.nulls
+    )
+}
+
+fn detectable(report: &OwnReport) -> Markup {
+    let rows = report.detectable.iter().map(|own| {
+        let tried: Vec<String> = own
+            .tried
+            .iter()
+            .map(|(size, found)| {
+                format!("{} {}", short(*size), if *found { "found" } else { "not found" })
+            })
+            .collect();
+        let smallest = own.smallest.map_or("–".to_owned(), short);
+        vec![
+            Cell::text(&own.effect),
+            Cell::text(&own.parameter),
+            Cell::number(own.smallest.unwrap_or(f64::INFINITY), smallest),
+            Cell::text(tried.join(", ")),
+        ]
+    });
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    let heads = ["Effect", "Parameter", "Found from", "Sizes that were tried"];
+    table("Changes by effect", &heads, &rows)
 }
 
 fn sentence(report: &TrialReport) -> String {

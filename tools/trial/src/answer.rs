@@ -43,6 +43,9 @@ pub struct ReportedFinding {
 pub struct ReportedParameter {
     /// Its name.
     pub name: String,
+    /// What the model says, or what it was before; null where it was not there.
+    #[serde(default)]
+    pub nominal: Option<f64>,
     /// Its value.
     #[serde(default)]
     pub estimate: Option<f64>,

@@ -17,6 +17,8 @@ const POLL_INTERVAL: Duration = Duration::from_millis(10);
 pub struct DiagnosisInput<'a> {
     /// Folder of the recording.
     pub recording: &'a Path,
+    /// Folder of a recording from before; without one, what the model lacks is asked.
+    pub against: Option<&'a Path>,
     /// File of the nominal model.
     pub model: &'a Path,
     /// Effects removed from the catalogue.
@@ -54,6 +56,9 @@ impl DiagnosisProgram<'_> {
         let folder = tempfile::tempdir().map_err(TrialError::system("a temporary folder"))?;
         copy_folder(case.recording, &folder.path().join("recording"))?;
         copy_file(case.model, &folder.path().join("robot.toml"))?;
+        if let Some(before) = case.against {
+            copy_folder(before, &folder.path().join("before"))?;
+        }
         let messages = folder.path().join("words.txt");
         let file = File::create(&messages).map_err(TrialError::system(messages.display()))?;
         let mut command = Command::new(self.program);
@@ -67,6 +72,7 @@ impl DiagnosisProgram<'_> {
                 "--json",
                 "answer.json",
             ])
+            .args(case.against.iter().flat_map(|_| ["--against", "before"]))
             .args(
                 case.without
                     .iter()

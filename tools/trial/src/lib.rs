@@ -4,7 +4,7 @@
 //! knows the effect;
 //! [`sealed_trial`] writes recordings and commitments before anything is diagnosed; [`protocol`]
 //! diagnoses every case in a process of its own and scores the answers against the labels; [`grade`]
-//! grades one answer, [`tally`] sums up.
+//! grades one answer, [`tally`] sums up. [`own`] puts known changes into copies of a recording that exists.
 
 pub mod answer;
 pub mod diagnosis_process;
@@ -14,6 +14,7 @@ mod in_order;
 mod intervals;
 pub mod label;
 pub mod maker;
+pub mod own;
 pub mod protocol;
 pub mod seal;
 pub mod sealed_trial;

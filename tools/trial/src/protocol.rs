@@ -33,6 +33,7 @@ pub fn diagnose_all(
     for question in questions {
         let run = program.diagnose(&DiagnosisInput {
             recording: &folder.join(&question.name),
+            against: None,
             model: &folder.join(&question.model),
             without: &question.without,
         })?;

@@ -1,5 +1,6 @@
 //! `slipstream trial`: a blind test that scores the diagnosis on recordings with known effects.
 
+mod own;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -31,6 +32,9 @@ use crate::progress;
 /// written. Each case is diagnosed in its own process, which gets only the recording and the nominal
 /// model. Then the labels are opened and checked against the commitments, and the answers are scored.
 ///
+/// With --on, known changes are put into copies of a recording of your own, and none into others; each copy
+/// is diagnosed against the original. It shows what would be found on your robot, down to which size.
+///
 /// Example: slipstream trial --cases 200 --seed 1 --json trial.json --out trial
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
@@ -57,6 +61,12 @@ pub(crate) struct Arguments {
     /// New folder for the recordings, commitments and, at the end, labels [default: a temporary one]
     #[arg(long, value_name = "FOLDER", conflicts_with = "labels")]
     out: Option<PathBuf>,
+    /// Put changes into copies of this recording instead, and diagnose them against it
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["cases", "seed", "plan", "effect", "make_only", "labels"])]
+    on: Option<PathBuf>,
+    /// Robot model of that recording [default: the one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE.toml", requires = "on")]
+    robot: Vec<String>,
     /// Score existing recordings instead: their labels, in the folder of the recordings
     #[arg(long, value_name = "FILE.toml")]
     labels: Option<PathBuf>,
@@ -108,6 +118,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     }
     // The diagnoses that run are killed at once; a case that is being made is not waited for.
     let stop = interrupt::stop_flag(Some(Duration::from_millis(500)))?;
+    if let Some(recording) = &arguments.on {
+        return own::run(arguments, recording, &stop);
+    }
     let report = match &arguments.labels {
         Some(file) => score_existing(arguments, file, &stop)?,
         None => match score_new(arguments, &stop)? {
@@ -196,16 +209,7 @@ fn diagnose_cases(
     questions: &[Question],
     stop: &AtomicBool,
 ) -> Result<Vec<slipstream_trial::diagnosis_process::DiagnosisRun>, Error> {
-    let program = match &arguments.with {
-        // The diagnosis runs in another folder.
-        Some(program) => std::path::absolute(program),
-        None => std::env::current_exe(),
-    };
-    let program = program.map_err(|error| {
-        Error::Failed(format!(
-            "failed to find the program that diagnoses: {error}"
-        ))
-    })?;
+    let program = program(arguments)?;
     let program = DiagnosisProgram {
         program: &program,
         limit: Duration::from_secs(arguments.limit_s),
@@ -218,6 +222,20 @@ fn diagnose_cases(
     });
     bar.finish_and_clear();
     Ok(answers?)
+}
+
+/// The program that diagnoses.
+fn program(arguments: &Arguments) -> Result<PathBuf, Error> {
+    let program = match &arguments.with {
+        // The diagnosis runs in another folder.
+        Some(program) => std::path::absolute(program),
+        None => std::env::current_exe(),
+    };
+    program.map_err(|error| {
+        Error::Failed(format!(
+            "failed to find the program that diagnoses: {error}"
+        ))
+    })
 }
 
 /// The labels of the cases in `only`; all if it is empty.

@@ -1,0 +1,110 @@
+//! Scores of a trial on somebody's own recording.
+
+use serde::{Deserialize, Serialize};
+
+use super::made::OwnCase;
+use crate::answer::DiagnosisAnswer;
+use crate::diagnosis_process::DiagnosisRun;
+use crate::grade::{TrialGrade, grade, no_answer};
+use crate::tally::{ScoredCase, TrialReport, tally};
+
+/// What would be found on this robot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Detectable {
+    /// The effect.
+    pub effect: String,
+    /// Its parameter.
+    pub parameter: String,
+    /// The smallest change that was found, as every larger one; null where none was.
+    pub smallest: Option<f64>,
+    /// The sizes that were tried, rising, and whether each was found.
+    pub tried: Vec<(f64, bool)>,
+}
+
+/// The result of a trial on somebody's own recording (`--json`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OwnReport {
+    /// The scores.
+    #[serde(flatten)]
+    pub trial: TrialReport,
+    /// The recording.
+    pub on: String,
+    /// What would be found, and down to which size.
+    pub detectable: Vec<Detectable>,
+}
+
+/// Scores the answers to `cases`.
+pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnReport {
+    let both = cases.iter().zip(answers);
+    let each: Vec<ScoredCase> = both
+        .map(|(case, run)| ScoredCase {
+            case: case.name.clone(),
+            kind: case.kind.clone(),
+            score: match run.answer {
+                Ok(answer) => grade(&case.label, &as_changes(answer)),
+                Err(why) => no_answer(&case.label, why),
+            },
+            label: case.label.clone(),
+            seconds: run.seconds,
+        })
+        .collect();
+    let detectable = detectable(cases, &each);
+    OwnReport {
+        trial: tally(each, Vec::new()),
+        on: on.to_owned(),
+        detectable,
+    }
+}
+
+/// The answer with changes in the place of values: differences, or factors where the parameter is one.
+fn as_changes(mut answer: DiagnosisAnswer) -> DiagnosisAnswer {
+    for finding in &mut answer.findings {
+        let factors = ["wheel_radius", "encoder_scale", "motor_gain", "track_width"];
+        let is_factor = factors.contains(&finding.effect.as_str());
+        for parameter in &mut finding.parameters {
+            let nominal = parameter.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
+            let change = |value: f64| {
+                if is_factor {
+                    value / nominal
+                } else {
+                    value - nominal
+                }
+            };
+            parameter.estimate = parameter.estimate.map(change);
+            parameter.ci95 = parameter.ci95.map(|ends| ends.map(|end| end.map(change)));
+        }
+    }
+    answer
+}
+
+fn detectable(cases: &[OwnCase], each: &[ScoredCase]) -> Vec<Detectable> {
+    let mut all: Vec<Detectable> = Vec::new();
+    for (case, scored) in cases.iter().zip(each) {
+        let Some(change) = case.change.filter(|_| case.kind == "whole") else {
+            continue;
+        };
+        let (parameter, size) = change.size();
+        let found = matches!(
+            scored.score.grade,
+            TrialGrade::Exact | TrialGrade::LookAlike
+        );
+        let same = |own: &&mut Detectable| {
+            own.effect == change.effect() && own.parameter == parameter
+        };
+        match all.iter_mut().find(same) {
+            Some(own) => own.tried.push((size, found)),
+            None => all.push(Detectable {
+                effect: change.effect().to_owned(),
+                parameter: parameter.to_owned(),
+                smallest: None,
+                tried: vec![(size, found)],
+            }),
+        }
+    }
+    for own in &mut all {
+        own.tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let found = own.tried.iter().rev().take_while(|(_, found)| *found);
+        own.smallest = found.last().map(|(size, _)| *size);
+    }
+    all
+}
