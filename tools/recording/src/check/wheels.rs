@@ -7,8 +7,8 @@ use crate::rows::RobotRows;
 
 /// Smallest cosine similarity at which two sources count as the same motion.
 const SAME_MOTION: f64 = 0.7;
-/// By how much each wheel's similarity with the command of the other wheel must exceed that with its
-/// own.
+/// By how much the similarity of a wheel that is taken for the other one, or for its reverse, must exceed
+/// that of the wheel as it is.
 const CROSSED_MARGIN: f64 = 0.2;
 
 /// A source of the robot's speed and yaw rate.
@@ -128,7 +128,10 @@ fn sides(windows: &Windows, reference: &Reference<'_>) -> Option<Verdict> {
     let difference_v = cosine(&difference, reference.v)?;
     let name = reference.name;
     let numbers = format!("(cosines with the {name}: speed {sum_v:.2}, turning {difference_w:.2})");
-    if sum_w.abs() > SAME_MOTION && difference_v.abs() > SAME_MOTION && sum_v.abs() < sum_w.abs() {
+    // on one circle speed and yaw rate are alike, and so are both readings
+    let straight = sum_v.abs().min(difference_w.abs());
+    let crossed = sum_w.abs().min(difference_v.abs());
+    if crossed > SAME_MOTION && crossed > straight + CROSSED_MARGIN {
         let side = if difference_v > 0.0 { "left" } else { "right" };
         let statement = format!("the {side} wheel counts backwards {numbers}");
         return Some((
