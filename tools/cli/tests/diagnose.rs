@@ -163,7 +163,7 @@ fn a_gap_is_a_warning_and_no_finding() {
     let stdout = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{stdout}");
     assert!(
-        stdout.contains("Warning: practice-04, r1: wheels pauses 1 times"),
+        stdout.contains("Warning: practice-04, r1: wheels pauses once"),
         "{stdout}"
     );
     let answer = read_json(&folder.path().join("answer.json"));

@@ -218,7 +218,7 @@ fn lags_gaps_and_messages_from_the_future_are_found() {
         "{found:?}"
     );
     assert_found("lag", "the pose is about 0.15 s behind the wheels");
-    assert_found("gaps", "command pauses once, 2.02 s in all");
+    assert_found("gaps", "command pauses once, for 2.02 s");
     assert_found(
         "negative_latency",
         "1 of 2 messages from r9 arrive before they were sent",

@@ -17,6 +17,8 @@ const NOISE_CLIP: f64 = 2.0;
 pub(crate) const LEAST_RUNS: usize = 3;
 /// Least variance relative to the model's: fewer blocks than parameters would say less than nothing.
 const LEAST_SHARE: f64 = 0.25;
+/// The same where blocks of two runs on one course are left out together.
+const LEAST_PAIRED_SHARE: f64 = 0.01;
 
 /// The factor of a matrix that is positive definite but for rounding: its diagonal is raised until it
 /// is.
@@ -82,9 +84,21 @@ impl Precision {
             }
             Some(&point + step)
         };
-        let left_out: Vec<DVector<f64>> = filled
+        let clusters = problem.likelihood.clusters();
+        let is_filled = |block: &&BlockScore| block.information.trace() > 0.0;
+        let groups: Vec<Vec<&BlockScore>> = match &clusters {
+            None => filled.iter().map(|(_, block)| vec![*block]).collect(),
+            Some(of) => (0..=of.iter().copied().max()?)
+                .map(|cluster| {
+                    let own = of.iter().zip(&scores).filter(|(c, _)| **c == cluster);
+                    own.map(|(_, block)| block).filter(is_filled).collect()
+                })
+                .filter(|group: &Vec<&BlockScore>| !group.is_empty())
+                .collect(),
+        };
+        let left_out: Vec<DVector<f64>> = groups
             .iter()
-            .map(|(_, block)| leave_out(&[*block]))
+            .map(|group| leave_out(group))
             .collect::<Option<_>>()?;
         let mut spread = jackknife(&left_out);
         let last = runs.last().map_or(0, |run| run + 1);
@@ -101,13 +115,18 @@ impl Precision {
                 }
             }
         }
+        // what errs together cancels in a difference, and the model of independent errors does not know
+        let least_share = match clusters {
+            Some(_) => LEAST_PAIRED_SHARE,
+            None => LEAST_SHARE,
+        };
         let n = fit.free.len();
         let mut scale = DVector::zeros(n);
         let mut log_sum = 0.0;
         for i in 0..n {
             let prior = problem.priors[fit.free[i]].precision();
             let from_prior = model[(i, i)] * model[(i, i)] * prior;
-            let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
+            let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(least_share);
             scale[i] = ratio.sqrt();
             if i < physics {
                 log_sum += ratio.ln();

@@ -28,6 +28,10 @@ impl Likelihood for Masked<'_> {
         self.inner.run_of()
     }
 
+    fn clusters(&self) -> Option<Vec<usize>> {
+        self.inner.clusters()
+    }
+
     fn is_shared(&self, parameter: usize) -> bool {
         self.inner.is_shared(parameter)
     }

@@ -19,6 +19,12 @@ pub(crate) trait Likelihood: Sync {
     /// Run to which each block belongs.
     fn run_of(&self) -> Vec<usize>;
 
+    /// The cluster of each block, where some blocks are known to err together; `None` where each is a
+    /// cluster of its own.
+    fn clusters(&self) -> Option<Vec<usize>> {
+        None
+    }
+
     /// Whether a parameter is shared by all runs.
     fn is_shared(&self, parameter: usize) -> bool;
 

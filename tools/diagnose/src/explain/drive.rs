@@ -226,14 +226,18 @@ impl Search<'_> {
         always: &'b [usize],
         useful: &'b dyn Fn(&Fit, &Fit) -> bool,
     ) -> Elimination<'b> {
+        let clusters = self.problem.likelihood.clusters();
+        let blocks = clusters.as_ref().and_then(|own| own.iter().max());
+        let blocks = blocks.map_or(self.problem.likelihood.blocks(), |last| last + 1);
         Elimination {
+            paired: clusters.is_some(),
             problem: &self.problem,
             neutral: &self.nominal,
             always,
             noise: &self.noise,
             criterion: Criterion {
                 tried: terms.len(),
-                blocks: self.problem.likelihood.blocks().min(16),
+                blocks: blocks.min(16),
             },
             useful,
         }

@@ -222,6 +222,16 @@ impl DriveRun {
         })
     }
 
+    /// How the wheels would turn as commanded, piece by piece (rad).
+    fn course(&self) -> Vec<f64> {
+        let times_s = &self.commands.times_s;
+        let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
+            return Vec::new();
+        };
+        let response = Response::new(&self.commands, &[0.0; DRIVE]);
+        comparison::course(&response, [*first, *last])
+    }
+
     /// Filters both channels. `after` hears channel, time and disturbance behind every row.
     pub(crate) fn filter<S: Scalar>(
         &self,
@@ -275,6 +285,14 @@ impl Likelihood for CommandToWheels {
 
     fn run_of(&self) -> Vec<usize> {
         blocks::run_of(self.runs.iter().map(|run| run.blocks))
+    }
+
+    fn clusters(&self) -> Option<Vec<usize>> {
+        if !self.before.any() {
+            return None;
+        }
+        let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
+        comparison::clusters(&self.before, &runs.collect::<Vec<_>>())
     }
 
     fn is_shared(&self, _: usize) -> bool {

@@ -7,6 +7,9 @@
 //! In a vector of parameters the changes stand first, where the parameters of a machine stand that is
 //! compared with nothing; what both share stands at its end.
 
+use crate::estimate::blocks::Blocks;
+use crate::filter::wheel_path::Turned;
+
 /// Which runs are from before, and how these differ among themselves.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Before {
@@ -75,4 +78,48 @@ pub(super) fn lanes(
         pairs.push((lane, to));
     }
     (own, pairs)
+}
+
+/// Pieces into which a course is cut to be compared.
+const PIECES: u32 = 200;
+/// Correlation of the pieces from which on two courses are one.
+const SAME_COURSE: f64 = 0.98;
+
+/// How both wheels turned, piece by piece (rad), between two times (s).
+pub(super) fn course(wheels: &dyn Turned<f64>, [from_s, to_s]: [f64; 2]) -> Vec<f64> {
+    let mut hint = 0;
+    let at = |k: u32| from_s + (to_s - from_s) * f64::from(k) / f64::from(PIECES);
+    let angles: Vec<[f64; 2]> = (0..=PIECES)
+        .map(|k| wheels.angles_at(at(k), &mut hint))
+        .collect();
+    let pieces = angles.windows(2);
+    pieces
+        .flat_map(|pair| [0, 1].map(|i| pair[1][i] - pair[0][i]))
+        .collect()
+}
+
+/// Whether two courses are one.
+pub(super) fn is_same(a: &[f64], b: &[f64]) -> bool {
+    let mean = |own: &[f64]| own.iter().sum::<f64>() / own.len().max(1) as f64;
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(x, y)| f(x - mean_a, y - mean_b)).sum()
+    };
+    let both = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
+    both > 0.0 && sum(&|x, y| x * y) > SAME_COURSE * both
+}
+
+/// Clusters of blocks where every run of today drives the course of one from before: what goes wrong on
+/// it goes wrong in both. `runs` are blocks and course of each.
+pub(super) fn clusters(before: &Before, runs: &[(Blocks, Vec<f64>)]) -> Option<Vec<usize>> {
+    let (then, now) = runs.split_at_checked(before.runs)?;
+    let pairs = || then.iter().zip(now);
+    let alike = pairs().all(|((a, one), (b, other))| a.count == b.count && is_same(one, other));
+    if !before.any() || then.len() != now.len() || !alike {
+        return None;
+    }
+    let first = now.first()?.0.first;
+    let total = now.last()?.0.end();
+    Some((0..total).map(|block| block % first).collect())
 }

@@ -592,6 +592,14 @@ impl Likelihood for View<'_> {
         blocks::run_of(self.machine.runs.iter().map(|run| run.blocks))
     }
 
+    fn clusters(&self) -> Option<Vec<usize>> {
+        if !self.machine.before.any() {
+            return None;
+        }
+        let runs = self.machine.runs.iter().map(|run| (run.blocks, run.course()));
+        comparison::clusters(&self.machine.before, &runs.collect::<Vec<_>>())
+    }
+
     fn is_shared(&self, parameter: usize) -> bool {
         let machine = self.machine;
         let of_all = parameter < MACHINE || parameter >= machine.shared(0);

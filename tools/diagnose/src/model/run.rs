@@ -4,7 +4,8 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{PosePoint, Robot};
 use slipstream_sim::Scalar;
 
-use super::drive::Response;
+use super::comparison::course;
+use super::drive::{DRIVE, Response};
 use crate::data::command::{self, CommandPath};
 use crate::data::reference::{Span, Thinned, gyro, poses};
 use crate::data::wheels;
@@ -148,6 +149,19 @@ impl Source {
 }
 
 impl Run {
+    /// How the wheels turned, piece by piece (rad).
+    pub(super) fn course(&self) -> Vec<f64> {
+        let times_s = match &self.wheels {
+            Source::Measured(path) => &path.times_s,
+            Source::Commanded(path) => &path.times_s,
+        };
+        let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
+            return Vec::new();
+        };
+        let span_s = [*first, *last];
+        self.wheels.turned(&[0.0; DRIVE], |wheels| course(wheels, span_s))
+    }
+
     pub(super) fn new(
         robot: &Robot,
         model: &RobotModel,

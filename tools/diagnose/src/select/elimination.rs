@@ -113,6 +113,8 @@ pub(crate) struct Elimination<'a> {
     /// Noise sizes.
     pub(crate) noise: &'a [usize],
     pub(crate) criterion: Criterion,
+    /// Whether runs on one course are compared.
+    pub(crate) paired: bool,
     /// Whether the fit with a term predicts better than the one without.
     pub(crate) useful: &'a dyn Fn(&Fit, &Fit) -> bool,
 }
@@ -306,7 +308,7 @@ impl Elimination<'_> {
                     return Some(Round::Better(better));
                 }
             }
-            if gain / precision.overdispersion <= least {
+            if !self.brings(gain / precision.overdispersion, walds[i], term.parameters.len()) {
                 return Some(Round::Removed(less, rest));
             }
             if !self.needed(&term, gain, walds[i], fit, &less) {
@@ -327,6 +329,14 @@ impl Elimination<'_> {
             Some((_, less, rest)) => Round::Removed(less, rest),
             None => Round::Done(precision, kept),
         })
+    }
+
+    /// Whether a term brings what the criterion asks for. Where runs on one course err together, the
+    /// likelihood counts an error twice that cancels in the change: then the spread over blocks decides.
+    fn brings(&self, gain: f64, wald: f64, parameters: usize) -> bool {
+        let least = self.criterion.least_gain(parameters);
+        let by_blocks = self.paired && wald > self.criterion.least_wald(parameters);
+        gain > least || by_blocks && gain > 0.0
     }
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
