@@ -10,12 +10,12 @@ use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
-    COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
+    COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, MACHINE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
     RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, TRACK, View,
 };
 use crate::model::run::Source;
 use crate::select::criterion::Criterion;
-use crate::select::elimination::{Elimination, Kept, Selected, Term};
+use crate::select::elimination::{Elimination, Kept, Selected, Shared, Term};
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -191,7 +191,7 @@ impl Search<'_> {
                 ..self.elimination(&terms)
             };
             let after = elimination.run(fit, &terms)?;
-            let Some((term, moved)) = elimination.as_before(&after, &shared) else {
+            let Some((term, moved)) = elimination.as_before(&after) else {
                 break (after, self.elimination(&terms));
             };
             terms.retain(|own| own.name != term.name);
@@ -287,6 +287,10 @@ impl Search<'_> {
         let blocks = clusters.as_ref().and_then(|own| own.iter().max());
         let blocks = blocks.map_or(self.problem.likelihood.blocks(), |last| last + 1);
         Elimination {
+            shared: self.machine.before.any().then(|| Shared {
+                first: self.machine.shared(0),
+                count: MACHINE,
+            }),
             paired: clusters.is_some(),
             problem: self.problem,
             neutral: self.nominal,
@@ -319,9 +323,13 @@ impl Search<'_> {
             DRIVE_FIRST + SATURATION,
             DRIVE_FIRST + DEAD_ZONE,
         ];
+        // what is shared stays as it was before until the changes are found: where a likelihood has several
+        // maxima, both together would settle between them
+        let shared = |i: usize| self.machine.before.any() && i >= self.machine.shared(0);
         let free_of = |keep: &dyn Fn(usize) -> bool, terms: &[Term]| {
             let (free, _) = self.elimination(terms).free(terms);
-            free.into_iter().filter(|i| keep(*i)).collect::<Vec<_>>()
+            let own = free.into_iter().filter(|i| keep(*i) && !shared(*i));
+            own.collect::<Vec<_>>()
         };
         let plain = View {
             machine: self.machine,
@@ -360,6 +368,12 @@ impl Search<'_> {
             if lean.contains(&clock) {
                 best = self.beside(best, &lean, clock);
             }
+        }
+        if self.machine.before.any() {
+            let kept = |i: &usize| !rates.contains(i) && *i != saturation;
+            let (all, _) = self.elimination(terms).free(terms);
+            let all: Vec<usize> = all.into_iter().filter(kept).collect();
+            best = self.problem.fit(&best.at, &all, FULL);
         }
         self.with_rates(best, terms)
     }

@@ -14,7 +14,7 @@ use crate::model::drive::{
     SLOW_TIME,
 };
 use crate::select::criterion::Criterion;
-use crate::select::elimination::{Elimination, Selected, Term};
+use crate::select::elimination::{Elimination, Selected, Shared, Term};
 
 /// The first fits need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -25,6 +25,8 @@ const ROUGH: SearchLimits = SearchLimits {
 const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
 /// Lag from which it starts (s).
 const LAGS_S: [f64; 2] = [0.02, 0.15];
+/// Slow share of runs from before that have none.
+const LEAST_SLOW: f64 = 1e-3;
 /// Slow share from which it starts.
 const SLOW_START: f64 = 0.05;
 /// Dead zone from which it starts, as a share of the largest command.
@@ -159,12 +161,20 @@ impl DriveFit {
         drive: &CommandToWheels,
         model: &RobotModel,
         excluded: &[String],
+        before: Option<&DriveFit>,
     ) -> Option<Self> {
         let mut nominal = drive.nominal(model);
         let shared = shared(drive, &nominal);
-        if drive.before.any() {
-            // at 0 it has no derivative by its time
-            nominal[CommandToWheels::shared(SLOW_SHARE)] = SLOW_START;
+        if let Some(before) = before {
+            let known = &before.after.fit.at;
+            let base = CommandToWheels::shared(0);
+            nominal[base..base + DRIVE].copy_from_slice(&known[..DRIVE]);
+            nominal[DRIVE..base].copy_from_slice(&known[DRIVE..base]);
+            let slow = &mut nominal[CommandToWheels::shared(SLOW_SHARE)];
+            if *slow == 0.0 {
+                // at 0 it has no derivative by its time
+                *slow = LEAST_SLOW;
+            }
         }
         let search = Search {
             drive,
@@ -199,8 +209,7 @@ impl Search<'_> {
         let (elimination, after) = loop {
             let elimination = self.elimination(&terms, &always, &useful);
             let after = elimination.run(fit, &terms)?;
-            let Some((term, moved)) = elimination.as_before(&after, &CommandToWheels::shared)
-            else {
+            let Some((term, moved)) = elimination.as_before(&after) else {
                 break (self.elimination(&terms, &always, &useful), after);
             };
             terms.retain(|own| own.name != term.name);
@@ -230,6 +239,10 @@ impl Search<'_> {
         let blocks = clusters.as_ref().and_then(|own| own.iter().max());
         let blocks = blocks.map_or(self.problem.likelihood.blocks(), |last| last + 1);
         Elimination {
+            shared: self.drive.before.any().then(|| Shared {
+                first: CommandToWheels::shared(0),
+                count: DRIVE,
+            }),
             paired: clusters.is_some(),
             problem: &self.problem,
             neutral: &self.nominal,
@@ -249,9 +262,8 @@ impl Search<'_> {
         for (index, shift) in self.noise.iter().zip([-1.5, 1.5, 0.0, -1.5, 1.5]) {
             quick[*index] += shift;
         }
-        let free: Vec<usize> = self.shared.iter().chain(&self.noise).copied().collect();
-        let one = self.problem.fit(&self.nominal, &free, FULL);
-        let other = self.problem.fit(&quick, &free, FULL);
+        let one = self.problem.fit(&self.nominal, &self.noise, FULL);
+        let other = self.problem.fit(&quick, &self.noise, FULL);
         if other.objective > one.objective {
             other
         } else {
@@ -264,7 +276,6 @@ impl Search<'_> {
             .iter()
             .filter(|t| names.contains(&t.name) && !t.by_profile);
         let physics = own.flat_map(|t| t.parameters.iter().copied());
-        let physics = self.shared.iter().copied().chain(physics);
         physics.chain(self.noise.iter().copied()).collect()
     }
 
@@ -285,6 +296,10 @@ impl Search<'_> {
             at[SLOW_SHARE] = SLOW_START;
         }
         let mut best = self.problem.fit(&at, &self.free(&names, terms), FULL);
+        if !self.shared.is_empty() {
+            let free = [&self.shared, best.free.as_slice()].concat();
+            best = self.problem.fit(&best.at, &free, FULL);
+        }
         let thresholds = Thresholds {
             problem: &self.problem,
             first: 0,

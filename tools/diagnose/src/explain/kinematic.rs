@@ -23,7 +23,7 @@ use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::filter::motion_law::DRIVERS;
 use crate::model::comparison::Before;
 use crate::model::from_wheels::{
-    DRIVE_FIRST, FromWheels, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, View,
+    DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, View,
 };
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
@@ -110,6 +110,9 @@ pub(crate) struct Learnt {
     pub(crate) claims: Vec<Claim>,
     /// Deviations of scale and track among the runs, where they differ.
     pub(crate) spread: [Option<f64>; 2],
+    /// Parameters of the machine as they were fitted, but for laws.
+    pub(crate) at: Vec<f64>,
+    pub(crate) drive: Option<DriveFit>,
 }
 
 /// Diagnoses one machine.
@@ -129,7 +132,7 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     let fits = machine.fits(task, &mut Vec::new());
     let (claims, _) = machine.claims(&fits);
     let fitted = machine.reading(&fits).fitted();
-    let by_run = fits.calibration.map_or([false; 2], |own| own.by_run);
+    let by_run = fits.calibration.as_ref().map_or([false; 2], |own| own.by_run);
     let kinds = [RUN_SCALE, RUN_TRACK].into_iter().zip(by_run);
     let spread = kinds.map(|(parameter, differs)| {
         let runs = 0..machine.machine.runs.len();
@@ -140,6 +143,8 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     Ok(Learnt {
         model: machine.improved(&claims),
         spread: [spread[0], spread[1]],
+        at: fitted[..LAW_FIRST].to_vec(),
+        drive: fits.drive,
         claims,
     })
 }
@@ -208,12 +213,15 @@ impl<'a> Machine<'a> {
     }
 
     /// The calibration from `start`, or what changed since runs from before.
-    fn calibrated(&self, start: &[f64], excluded: &[String], compares: bool) -> Option<Calibration> {
-        if !compares {
+    fn calibrated(&self, start: &[f64], task: &Task<'_>) -> Option<Calibration> {
+        let excluded = task.excluded;
+        let Some(earlier) = task.before else {
             return Calibration::new(&self.machine, start, excluded);
-        }
+        };
         let joint = self.joint.as_ref()?;
         let mut nominal = joint.nominal(self.model);
+        let shared = joint.shared(0);
+        nominal[shared..shared + LAW_FIRST].copy_from_slice(&earlier.learnt.at);
         for (index, own) in start.iter().enumerate().take(MACHINE) {
             nominal[index] += own - self.nominal[index];
         }
@@ -222,12 +230,14 @@ impl<'a> Machine<'a> {
     }
 
     /// What the drive does, or what changed of it since runs from before.
-    fn driven(&self, excluded: &[String], compares: bool) -> Option<DriveFit> {
+    fn driven(&self, task: &Task<'_>) -> Option<DriveFit> {
         let drive = self.drive.as_ref()?;
-        if !compares {
-            return DriveFit::new(drive, self.model, excluded);
-        }
-        let found = DriveFit::new(self.joint_drive.as_ref()?, self.model, excluded)?;
+        let Some(earlier) = task.before else {
+            return DriveFit::new(drive, self.model, task.excluded, None);
+        };
+        let before = earlier.learnt.drive.as_ref();
+        let joint = self.joint_drive.as_ref()?;
+        let found = DriveFit::new(joint, self.model, task.excluded, before)?;
         Some(today::drive(&found, drive, drive.nominal(self.model)))
     }
 
@@ -261,8 +271,7 @@ impl Machine<'_> {
     /// Fits the calibration and the drive.
     fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
         (task.progress)("wheels against pose and gyro");
-        let compares = task.before.is_some();
-        let mut calibration = self.calibrated(&self.nominal, task.excluded, compares);
+        let mut calibration = self.calibrated(&self.nominal, task);
         self.take_dense(&mut calibration);
         let compared = self.machine.has_pose() || self.machine.has_gyro();
         if compared && calibration.is_none() {
@@ -274,7 +283,7 @@ impl Machine<'_> {
             ));
         }
         (task.progress)("commands against wheels");
-        let drive = self.driven(task.excluded, compares);
+        let drive = self.driven(task);
         if self.drive.is_some() && drive.is_none() {
             warnings.push(self.warning(
                 task,
@@ -290,7 +299,7 @@ impl Machine<'_> {
         let neutral = self.neutral(&settled);
         if neutral != self.nominal {
             (task.progress)("wheels against pose and gyro, with encoders as the drive shows them");
-            calibration = self.calibrated(&neutral, task.excluded, compares);
+            calibration = self.calibrated(&neutral, task);
             self.take_dense(&mut calibration);
         }
         let calibrated = calibration.iter().map(|own| own.after.fit.converged);

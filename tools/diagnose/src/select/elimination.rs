@@ -103,6 +103,20 @@ const IDLE: f64 = 1.0;
 /// (nats).
 const UNFINISHED_NATS: f64 = 0.2;
 
+/// Where the parameters stand that runs from before share with those of today: the i-th of `count` stands
+/// at `first` + i, its change at i.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shared {
+    pub(crate) first: usize,
+    pub(crate) count: usize,
+}
+
+impl Shared {
+    fn of(self, change: usize) -> Option<usize> {
+        (change < self.count).then_some(self.first + change)
+    }
+}
+
 /// A search for the terms that are needed.
 pub(crate) struct Elimination<'a> {
     pub(crate) problem: &'a Problem<'a>,
@@ -113,6 +127,8 @@ pub(crate) struct Elimination<'a> {
     /// Noise sizes.
     pub(crate) noise: &'a [usize],
     pub(crate) criterion: Criterion,
+    /// What runs from before share with those of today, where changes are looked for.
+    pub(crate) shared: Option<Shared>,
     /// Whether runs on one course are compared.
     pub(crate) paired: bool,
     /// Whether the fit with a term predicts better than the one without.
@@ -168,6 +184,23 @@ impl Elimination<'_> {
         })
     }
 
+    /// The fit without the change `gone` from where today's runs are: where a likelihood has several
+    /// maxima, what both share may be at the one that only today's runs are at.
+    fn from_today(&self, fit: &Fit, gone: &Term, rest: &[Term], all: &[Term]) -> Option<Fit> {
+        let shared = self.shared?;
+        let mut at = self.without(&fit.at, rest, all);
+        let mut moved = false;
+        for index in &gone.parameters {
+            if let Some(base) = shared.of(*index)
+                && fit.free.contains(&base)
+            {
+                at[base] += fit.at[*index] - self.neutral[*index];
+                moved = true;
+            }
+        }
+        moved.then(|| self.problem.fit(&at, &self.free(rest).0, FULL))
+    }
+
     /// Removes terms from `fit`, which has all of `terms`, until each that is left is needed.
     pub(crate) fn run(&self, fit: Fit, terms: &[Term]) -> Option<Selected> {
         let mut left = terms.to_vec();
@@ -190,27 +223,24 @@ impl Elimination<'_> {
     }
 
     /// A change that may as well have been there before, where nothing is known of it: its term, and the fit
-    /// in which runs from before have it too. `shared` is the place of a parameter that all runs share.
-    pub(crate) fn as_before(
-        &self,
-        found: &Selected,
-        shared: &dyn Fn(usize) -> usize,
-    ) -> Option<(Term, Fit)> {
-        let known = |term: &Term| {
-            let mut own = term.parameters.iter().map(|i| shared(*i));
-            own.any(|i| i >= self.neutral.len() || found.fit.free.contains(&i))
+    /// in which runs from before have it too.
+    pub(crate) fn as_before(&self, found: &Selected) -> Option<(Term, Fit)> {
+        let shared = self.shared?;
+        let unknown = |term: &Term| {
+            let mut own = term.parameters.iter().map(|i| shared.of(*i));
+            own.all(|base| base.is_some_and(|base| !found.fit.free.contains(&base)))
         };
-        let unknown = found.kept.iter().filter(|kept| !known(&kept.term));
-        let tried = unknown.filter_map(|kept| {
+        let tried = found.kept.iter().filter(|kept| unknown(&kept.term));
+        let tried = tried.filter_map(|kept| {
             let term = &kept.term;
             let mut at = found.fit.at.clone();
             let mut free = found.fit.free.clone();
             for index in &term.parameters {
-                at[shared(*index)] += at[*index] - self.neutral[*index];
+                let base = shared.of(*index)?;
+                at[base] += at[*index] - self.neutral[*index];
                 at[*index] = self.neutral[*index];
-                let place = free.iter_mut().find(|f| *f == index);
-                if let Some(own) = place {
-                    *own = shared(*index);
+                if let Some(own) = free.iter_mut().find(|f| *f == index) {
+                    *own = base;
                 }
             }
             let fit = self.problem.fit(&at, &free, FULL);
@@ -296,6 +326,11 @@ impl Elimination<'_> {
                 .cloned()
                 .collect();
             let mut less = self.fit(&fit.at, &rest, terms);
+            if let Some(other) = self.from_today(fit, &term, &rest, terms)
+                && other.objective > less.objective
+            {
+                less = other;
+            }
             let least = self.criterion.least_gain(term.parameters.len());
             let gain = fit.objective - less.objective;
             if (least..least * CERTAIN).contains(&gain) {
@@ -307,6 +342,10 @@ impl Elimination<'_> {
                 if better.objective > fit.objective + UNFINISHED_NATS {
                     return Some(Round::Better(better));
                 }
+            }
+            if std::env::var("SLIP_DBG").is_ok() {
+                let dev: Vec<f64> = term.parameters.iter().filter_map(|p| fit.free.iter().position(|f| f == p)).map(|k| precision.covariance[(k,k)].sqrt()).collect();
+                eprintln!("  {} gain {gain:.1} least {least:.1} over {:.2} wald {:.1} least_wald {:.1} at {:?} dev {dev:?} floors {:?} paired {}", term.name, precision.overdispersion, walds[i], self.criterion.least_wald(term.parameters.len()), term.parameters.iter().map(|p| fit.at[*p]-self.neutral[*p]).collect::<Vec<_>>(), term.floors, self.paired);
             }
             if !self.brings(gain / precision.overdispersion, walds[i], term.parameters.len()) {
                 return Some(Round::Removed(less, rest));
