@@ -403,7 +403,9 @@ impl Search<'_> {
         }
         let (all, _) = self.elimination(terms).free(terms);
         let rated = self.problem.fit(&best.at, &all, FULL);
-        if rated.objective - best.objective > RATE_NATS {
+        let paired = self.problem.likelihood.clusters().is_some();
+        let least = if paired { 0.0 } else { RATE_NATS };
+        if rated.objective - best.objective > least {
             return (rated, band_rad_s);
         }
         terms.retain(|term| {
@@ -570,9 +572,13 @@ impl Search<'_> {
             wald: 0.0,
         });
         let all: Vec<Term> = kept.iter().map(|kept| kept.term.clone()).collect();
-        let (free, physics) = self.elimination(&all).free(&all);
+        let elimination = self.elimination(&all);
+        let (free, physics) = elimination.free(&all);
         let fit = self.problem.fit(&found.fit.at, &free, FULL);
         let precision = Precision::new(self.problem, &fit, physics)?;
+        if let Some(last) = kept.last_mut() {
+            last.term.floors = elimination.floors(term, &fit, &precision);
+        }
         Some(Selected {
             fit,
             precision,

@@ -359,7 +359,10 @@ impl Elimination<'_> {
                 continue;
             }
             kept.push(Kept {
-                term,
+                term: Term {
+                    floors: self.floors(&term, fit, &precision),
+                    ..term
+                },
                 gain,
                 wald: walds[i],
             });
@@ -436,6 +439,18 @@ impl Elimination<'_> {
         if count >= LEAST_RUNS { sums } else { 0.0 }
     }
 
+    /// Variances of a term's parameters that nobody would call a difference. Where runs on one course err
+    /// alike, they are that much nearer to being one recording, and less lies between them.
+    pub(crate) fn floors(&self, term: &Term, fit: &Fit, precision: &Precision) -> Vec<f64> {
+        let alike = |index: &usize| {
+            let place = fit.free.iter().position(|f| f == index);
+            let ratio = place.filter(|_| self.paired).map(|place| precision.ratios[place]);
+            ratio.map_or(1.0, |ratio| ratio.min(1.0))
+        };
+        let pairs = term.parameters.iter().zip(&term.floors);
+        pairs.map(|(index, floor)| floor * alike(index)).collect()
+    }
+
     /// d' V⁻¹ d of a term's parameters, with its floors.
     pub(crate) fn wald(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
         let places: Vec<usize> = term
@@ -453,8 +468,9 @@ impl Elimination<'_> {
                 .iter()
                 .map(|i| fit.at[*i] - self.neutral[*i]),
         );
+        let floors = self.floors(term, fit, precision);
         let v = DMatrix::from_fn(k, k, |i, j| {
-            precision.covariance[(places[i], places[j])] + if i == j { term.floors[i] } else { 0.0 }
+            precision.covariance[(places[i], places[j])] + if i == j { floors[i] } else { 0.0 }
         });
         v.cholesky().map_or(0.0, |c| d.dot(&c.solve(&d)))
     }
