@@ -77,8 +77,10 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     };
     let mut all: Vec<Figures> = Vec::new();
     let others = machines(request.against);
-    for machine in machines(request.recordings) {
-        let other = against::counterpart(request, &machine, &others)?;
+    let machines = machines(request.recordings);
+    let is_alone = machines.len() == 1;
+    for machine in machines {
+        let other = against::counterpart(request, &machine, is_alone, &others)?;
         let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
         let model = model_of(request, machine[0])?;
         slipstream_sim::Robot::new(&model)?;
@@ -98,6 +100,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
             all.extend(dynamic::examine(
                 request,
                 &machine,
+                other,
                 &mut collected,
                 illustrate,
             )?);

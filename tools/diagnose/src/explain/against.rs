@@ -14,13 +14,15 @@ use crate::diagnosis::{Request, Runs, model_of};
 /// Lengths of two models that differ by less are the same.
 const SAME: f64 = 1e-6;
 
-/// The runs from before that these are compared with; `None` without any recording from before.
+/// The runs from before that these are compared with, of a robot of the same name, or the only machine where
+/// there is one on both sides (`is_alone`); `None` without any recording from before.
 ///
 /// # Errors
 /// No such robot in the recordings from before, or one that cannot be the same machine.
 pub(crate) fn counterpart<'a, 'b>(
     request: &Request<'_>,
     today: &Runs<'_>,
+    is_alone: bool,
     others: &'b [Vec<(&'a Recording, &'a Recorded)>],
 ) -> Result<Option<&'b Vec<(&'a Recording, &'a Recorded)>>, InputError> {
     if request.against.is_empty() {
@@ -28,10 +30,9 @@ pub(crate) fn counterpart<'a, 'b>(
     }
     let (_, robot) = today[0];
     let named = others.iter().find(|own| own[0].1.name == robot.name);
-    let alone = || request.recordings.iter().all(|own| own.robots.len() == 1);
     let other = match (named, others) {
         (Some(own), _) => own,
-        (None, [own]) if alone() => own,
+        (None, [own]) if is_alone => own,
         _ => {
             let problem = format!("is not in {}", names(request.against));
             let remedy = "compare recordings of one machine, its robot called the same in all";

@@ -21,6 +21,8 @@ pub(crate) struct Hypothesis {
     pub(crate) text: Option<(&'static str, &'static str)>,
     /// The model's own effect that this one stands for with other numbers.
     pub(crate) replaces: Option<usize>,
+    /// It holds in runs of today alone, where these are compared with runs from before.
+    pub(crate) since: bool,
 }
 
 impl Hypothesis {
@@ -30,6 +32,7 @@ impl Hypothesis {
             values,
             text: None,
             replaces: None,
+            since: false,
         }
     }
 
@@ -45,7 +48,24 @@ impl Hypothesis {
 
     /// Whether both say the same of the robot, in whatever numbers.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.is_of(other) && self.since == other.since
+    }
+
+    /// Whether both are of the same effect.
+    pub(crate) fn is_of(&self, other: &Self) -> bool {
         self.info.id == other.info.id && self.text == other.text
+    }
+
+    /// Of a change, what runs from before have of the same effect.
+    pub(crate) fn counterpart(&self, among: &[Self]) -> Option<usize> {
+        let same = |own: &Self| !own.since && own.is_of(self);
+        among.iter().position(same).filter(|_| self.since)
+    }
+
+    /// The value at which a parameter changes nothing beside `others`.
+    pub(crate) fn nothing_beside(&self, model: &RobotModel, name: &str, others: &[Self]) -> f64 {
+        let before = self.counterpart(others).and_then(|i| others[i].value(name));
+        before.unwrap_or_else(|| self.nothing(model, name))
     }
 
     /// The value at which a parameter does nothing: 1 for a factor, the model's for what it has.
@@ -141,6 +161,19 @@ pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel 
         }
     }
     better
+}
+
+/// The hypotheses that hold in runs of today, or in those from before.
+pub(crate) fn in_force(hypotheses: &[Hypothesis], today: bool) -> Vec<Hypothesis> {
+    let replaced = |own: &Hypothesis| hypotheses.iter().any(|h| h.since && h.is_of(own));
+    let holds = |own: &&Hypothesis| {
+        if today {
+            own.since || !replaced(own)
+        } else {
+            !own.since
+        }
+    };
+    hypotheses.iter().filter(holds).cloned().collect()
 }
 
 /// Whether an effect does less the larger it is, and nothing at all from some size on.
@@ -313,6 +346,7 @@ fn listed(model: &RobotModel, excluded: &[String]) -> Vec<Hypothesis> {
                 values: numbers.collect(),
                 text,
                 replaces: Some(i),
+                since: false,
             }
         })
         .filter(|h| !h.values.is_empty())

@@ -343,10 +343,6 @@ impl Elimination<'_> {
                     return Some(Round::Better(better));
                 }
             }
-            if std::env::var("SLIP_DBG").is_ok() {
-                let dev: Vec<f64> = term.parameters.iter().filter_map(|p| fit.free.iter().position(|f| f == p)).map(|k| precision.covariance[(k,k)].sqrt()).collect();
-                eprintln!("  {} gain {gain:.1} least {least:.1} over {:.2} wald {:.1} least_wald {:.1} at {:?} dev {dev:?} floors {:?} paired {}", term.name, precision.overdispersion, walds[i], self.criterion.least_wald(term.parameters.len()), term.parameters.iter().map(|p| fit.at[*p]-self.neutral[*p]).collect::<Vec<_>>(), term.floors, self.paired);
-            }
             if !self.brings(gain / precision.overdispersion, walds[i], term.parameters.len()) {
                 return Some(Round::Removed(less, rest));
             }

@@ -27,9 +27,12 @@ const GAP_S: f64 = 0.1;
 const PUSH_S: f64 = 0.06;
 
 /// The findings of one machine.
-pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
+pub(crate) fn findings(
+    machine: &Machine,
+    selected: &Selected,
+    known: Option<&Known>,
+) -> Vec<Finding> {
     let fit = &selected.fit;
-    let known = machine.known(fit);
     let mut first = 0;
     let mut out = Vec::new();
     for (index, hypothesis) in fit.hypotheses.iter().enumerate() {
@@ -41,7 +44,7 @@ pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
                 interval(
                     machine,
                     fit,
-                    known.as_ref(),
+                    known,
                     (index, first + i),
                     (name, *value),
                 )

@@ -5,14 +5,15 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::machine::Machine;
-use super::selection::Selection;
-use super::{answer, pictures, prediction};
-use crate::answer::Figures;
-use crate::data::track::Sensor;
-use crate::diagnosis::Collected;
-use crate::diagnosis::Request;
+use super::precision::Known;
+use super::selection::{Selected, Selection};
+use super::{answer, compare, pictures, prediction};
+use crate::answer::statement::changed;
+use crate::answer::{Figures, Finding};
+use crate::data::track::{Sensor, Track};
+use crate::diagnosis::{Collected, Request, Runs};
 use crate::explain::links::Course;
-use crate::model::hypothesis::{self, with};
+use crate::model::hypothesis::{self, Hypothesis, with};
 use crate::predict::predictor::Predictor;
 
 /// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says
@@ -41,36 +42,41 @@ pub(crate) fn applies(robots: &[&Recorded], model: &RobotModel) -> bool {
 /// A machine that cannot be diagnosed.
 pub(crate) fn examine(
     request: &Request<'_>,
-    runs: &[(&Recording, &Recorded)],
+    runs: &Runs<'_>,
+    before: Option<&Vec<(&Recording, &Recorded)>>,
     collected: &mut Collected,
     illustrate: bool,
 ) -> Result<Option<Figures>, InputError> {
     let name = &runs[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-    let predictor = Predictor::new(request, runs)?;
-    let all = hypothesis::all(&predictor.model, &predictor.tracks, request.excluded);
-    let mut tracks = predictor.tracks.clone();
-    let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
-    tracks.iter_mut().for_each(|track| track.thin(most));
-    let machine = Machine::new(tracks, predictor.model.clone(), request.excluded);
-    let mut selection = Selection {
-        machine,
-        all: &all,
-        progress: &progress,
-    };
+    let mut predictor = Predictor::new(request, runs)?;
     let unusable = || {
         let remedy = "check masses, lengths and units, and the kind of the commands";
         InputError::new(name, "cannot be simulated by its model", remedy)
     };
-    let selected = selection.run().ok_or_else(unusable)?;
-    let machine = selection.machine;
+    let judged = match before {
+        None => alone(request, &predictor, &progress).ok_or_else(unusable)?,
+        Some(runs) => {
+            let other = Predictor::new(request, runs)?;
+            let judged = compare::judged(request, [&other, &predictor], &progress);
+            judged.ok_or_else(unusable)?
+        }
+    };
+    let Judged {
+        machine,
+        selected,
+        all,
+        known,
+        nominal,
+    } = judged;
+    predictor.model = machine.model.clone();
     progress("how well it predicts");
     let fit = &selected.fit;
     let answer = &mut collected.answer;
     let first_finding = answer.findings.len();
     answer
         .findings
-        .extend(answer::findings(&machine, &selected));
+        .extend(findings(&machine, &selected, known.as_ref(), before, &nominal));
     answer
         .held_out
         .merge(&prediction::held_out(&machine, &predictor, fit));
@@ -101,6 +107,77 @@ pub(crate) fn examine(
         &all,
         first_finding,
     )))
+}
+
+/// What was found on a machine.
+pub(super) struct Judged {
+    pub(super) machine: Machine,
+    pub(super) selected: Selected,
+    /// What was looked for.
+    pub(super) all: Vec<Hypothesis>,
+    /// How well the numbers of what was found are known.
+    pub(super) known: Option<Known>,
+    /// Of a comparison, 95 % intervals of what was there before: effect, parameter, interval.
+    pub(super) nominal: Vec<(&'static str, &'static str, [f64; 2])>,
+}
+
+/// The runs of a machine as the filter reads them.
+pub(super) fn machine_of(
+    tracks: &[Track],
+    model: &RobotModel,
+    excluded: &[String],
+) -> Machine {
+    let mut tracks = tracks.to_vec();
+    let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
+    tracks.iter_mut().for_each(|track| track.thin(most));
+    Machine::new(tracks, model.clone(), excluded)
+}
+
+/// What a machine lacks.
+pub(super) fn alone(
+    request: &Request<'_>,
+    predictor: &Predictor,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Option<Judged> {
+    let all = hypothesis::all(&predictor.model, &predictor.tracks, request.excluded);
+    let mut selection = Selection {
+        machine: machine_of(&predictor.tracks, &predictor.model, request.excluded),
+        all: &all,
+        known: &[],
+        progress,
+    };
+    let selected = selection.run()?;
+    let machine = selection.machine;
+    let known = machine.known(&selected.fit);
+    Some(Judged {
+        machine,
+        selected,
+        all,
+        known,
+        nominal: Vec::new(),
+    })
+}
+
+/// What was found; of a comparison, as changes.
+fn findings(
+    machine: &Machine,
+    selected: &Selected,
+    known: Option<&Known>,
+    before: Option<&Vec<(&Recording, &Recorded)>>,
+    nominal: &[(&'static str, &'static str, [f64; 2])],
+) -> Vec<Finding> {
+    let mut all = answer::findings(machine, selected, known);
+    let Some(before) = before else { return all };
+    for finding in &mut all {
+        for parameter in &mut finding.parameters {
+            let own = nominal
+                .iter()
+                .find(|(effect, name, _)| finding.effect == *effect && parameter.name == *name);
+            parameter.nominal_ci95 = own.map(|(.., interval)| *interval);
+        }
+        finding.statement = changed(finding, &before[0].0.name);
+    }
+    all
 }
 
 /// Where the robot was in its first run, by the filter; none without a pose.

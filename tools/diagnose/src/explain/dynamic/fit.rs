@@ -14,7 +14,7 @@ use crate::filter::dynamic::flow::Flow;
 use crate::filter::dynamic::gains::Pass;
 use crate::filter::dynamic::linear::likelihood;
 use crate::filter::dynamic::predictor::innovations;
-use crate::model::hypothesis::{Hypothesis, come_round, slides, with};
+use crate::model::hypothesis::{Hypothesis, come_round, in_force, slides, with};
 
 /// Longest step of the plant (s), and where wheels can slide or gears have play.
 const STEP_S: f64 = 5e-3;
@@ -151,6 +151,16 @@ impl Machine {
         Some(robot.draft())
     }
 
+    /// The robot in runs of today, and in those from before.
+    fn robots(&self, hypotheses: &[Hypothesis]) -> Option<[Robot; 2]> {
+        if self.before == 0 {
+            let robot = self.robot(hypotheses)?;
+            return Some([robot.clone(), robot]);
+        }
+        let [today, then] = [true, false].map(|today| self.robot(&in_force(hypotheses, today)));
+        Some([today?, then?])
+    }
+
     fn step_s(&self, hypotheses: &[Hypothesis]) -> f64 {
         if may_slide(&self.model, hypotheses) || has_play(&self.model, hypotheses) {
             SHORT_STEP_S
@@ -203,11 +213,12 @@ impl Machine {
         most: f64,
         mut watch: impl FnMut(usize, f64, &State, &[f64; 5]),
     ) -> Option<Vec<f64>> {
-        let robot = self.robot(hypotheses)?;
+        let robots = self.robots(hypotheses)?;
         let step_s = self.step_s(hypotheses);
         let mut all = Vec::with_capacity(self.channels.len());
         for (index, pass) in fit.passes.iter().enumerate() {
-            let flow = self.flow(&robot, index, step_s, &fit.noise);
+            let robot = &robots[usize::from(index < self.before)];
+            let flow = self.flow(robot, index, step_s, &fit.noise);
             let watch = |t_s: f64, s: &State, d: &[f64; 5]| watch(index, t_s, s, d);
             all.extend(innovations(&flow, &fit.noise, &pass.gains, most, watch)?);
         }
@@ -216,11 +227,14 @@ impl Machine {
 
     /// Filters all runs.
     pub(crate) fn pass(&self, hypotheses: Vec<Hypothesis>, noise: Noise) -> Option<Fit> {
-        let robot = self.robot(&hypotheses)?;
+        let robots = self.robots(&hypotheses)?;
         let step_s = self.step_s(&hypotheses);
         let passes: Option<Vec<Pass>> = (0..self.runs.len())
             .into_par_iter()
-            .map(|index| Pass::new(&self.flow(&robot, index, step_s, &noise), &noise))
+            .map(|index| {
+                let robot = &robots[usize::from(index < self.before)];
+                Pass::new(&self.flow(robot, index, step_s, &noise), &noise)
+            })
             .collect();
         let mut fit = Fit {
             hypotheses,
@@ -311,12 +325,17 @@ impl Machine {
         }
     }
 
-    /// The nominal model, its noise fitted.
-    pub(crate) fn nominal(&self) -> Option<Fit> {
-        let of_wheels = may_slide(&self.model, &[]);
-        let fit = self.pass(Vec::new(), self.first_noise(of_wheels))?;
+    /// The nominal model with what is known to act, its noise fitted.
+    pub(crate) fn nominal(&self, known: &[Hypothesis]) -> Option<Fit> {
+        let of_wheels = may_slide(&self.model, known);
+        let fit = self.pass(known.to_vec(), self.first_noise(of_wheels))?;
         let fit = self.with_noise(fit, 4, THOROUGH);
-        Some(self.with_best_noise(fit))
+        let fit = self.with_best_noise(fit);
+        Some(if known.is_empty() {
+            fit
+        } else {
+            self.fitted(fit, 2, 6)
+        })
     }
 
     /// The model of `fit` under small noise that acts on the wheels.

@@ -100,7 +100,7 @@ impl Machine {
             let next = self.pass(Vec::new(), fit.noise)?;
             fit = self.with_noise(next, 1, super::noise_sizes::QUICK);
         }
-        self.nominal()
+        self.nominal(&[])
     }
 
     /// The push that gains most beside `fit`.

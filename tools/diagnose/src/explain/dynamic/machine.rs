@@ -30,6 +30,8 @@ pub(crate) struct Machine {
     pub(crate) tracks: Vec<Track>,
     pub(crate) runs: Vec<Run>,
     pub(crate) model: RobotModel,
+    /// The first so many runs are from before; 0 where nothing is compared.
+    pub(crate) before: usize,
     /// Effects that are not looked for.
     pub(crate) excluded: Vec<String>,
     /// Channel of each innovation: three for each row of each run.
@@ -61,6 +63,7 @@ impl Machine {
             tracks,
             runs,
             model,
+            before: 0,
             excluded: excluded.to_vec(),
             channels,
             stamps,

@@ -2,6 +2,7 @@
 
 pub(crate) mod answer;
 pub(crate) mod channels;
+mod compare;
 mod condition;
 pub(crate) mod drivers;
 pub(crate) mod examine;

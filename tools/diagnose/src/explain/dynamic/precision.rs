@@ -54,6 +54,20 @@ pub(crate) struct Known {
     pub(crate) blocks: usize,
 }
 
+impl Known {
+    /// What is known of these parameters alone.
+    pub(crate) fn of(&self, places: &[usize]) -> Self {
+        let own = |all: &DMatrix<f64>| {
+            DMatrix::from_fn(places.len(), places.len(), |i, k| all[(places[i], places[k])])
+        };
+        Self {
+            covariance: own(&self.covariance),
+            model: own(&self.model),
+            blocks: self.blocks,
+        }
+    }
+}
+
 impl Machine {
     pub(crate) fn blocks(&self) -> Vec<Blocks> {
         let mut all: Vec<Blocks> = Vec::new();

@@ -140,7 +140,7 @@ impl Machine {
     /// A start at the multiple that fits best, were the innovations linear in it; what they gain then.
     fn scaled(&self, fit: &Fit, start: &Hypothesis, e: &[f64]) -> (f64, Hypothesis) {
         let (name, value) = start.values[0];
-        let nothing = start.nothing(&self.model, name);
+        let nothing = start.nothing_beside(&self.model, name, &fit.hypotheses);
         let (mut square, mut product) = (0.0, 0.0);
         for (after, before) in e.iter().zip(&fit.whitened) {
             let d = after - before;

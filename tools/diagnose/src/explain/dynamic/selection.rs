@@ -98,6 +98,8 @@ enum Course {
 pub(crate) struct Selection<'a> {
     pub(crate) machine: Machine,
     pub(crate) all: &'a [Hypothesis],
+    /// What acts in runs from before.
+    pub(crate) known: &'a [Hypothesis],
     pub(crate) progress: &'a (dyn Fn(&str) + Sync),
 }
 
@@ -125,7 +127,7 @@ impl Selection<'_> {
 
     pub(crate) fn run(&mut self) -> Option<Selected> {
         (self.progress)("nominal model");
-        let nominal = self.machine.nominal()?;
+        let nominal = self.machine.nominal(self.known)?;
         let gain = match self.from(nominal.clone())? {
             Course::Found(selected) => return Some(*selected),
             Course::Gusts(gain) => gain,
@@ -154,7 +156,8 @@ impl Selection<'_> {
         let mut rivals: Vec<(String, Vec<&'static str>)> = Vec::new();
         let mut less: Vec<Option<Fit>> = Vec::new();
         let mut earlier: Vec<Hypothesis> = Vec::new();
-        while fit.hypotheses.len() < MOST && !self.is_silent(&fit) {
+        let changes = |fit: &Fit| fit.hypotheses.iter().filter(|h| self.is_judged(h)).count();
+        while changes(&fit) < MOST && fit.hypotheses.len() < 2 * MOST && !self.is_silent(&fit) {
             let Some((next, near)) = self.extended(&fit, &mut earlier) else {
                 break;
             };
@@ -175,7 +178,7 @@ impl Selection<'_> {
                 (fit, less) = self.swapped(fit, less, &mut rivals);
             }
         }
-        let unknown = if self.is_silent(&fit) {
+        let unknown = if self.is_silent(&fit) || self.machine.before > 0 {
             None
         } else {
             self.outside(&mut fit, &mut less)
@@ -276,7 +279,32 @@ impl Selection<'_> {
         let near = polished
             .filter(|own| self.excess(fit, own) > excess - 2.0 * TIE_NATS)
             .filter_map(|own| Some(own.hypotheses.last()?.info.id));
-        Some((best, near.collect()))
+        let near = near.collect();
+        Some(match self.as_before(&best) {
+            Some(other) => (other, Vec::new()),
+            None => (best, near),
+        })
+    }
+
+    /// Whether an effect is looked for: of runs that are compared, one of today's alone.
+    fn is_judged(&self, hypothesis: &Hypothesis) -> bool {
+        self.machine.before == 0 || hypothesis.since
+    }
+
+    /// `fit` with its last effect in runs from before as well, where it fits as well there.
+    fn as_before(&self, fit: &Fit) -> Option<Fit> {
+        let (last, others) = fit.hypotheses.split_last()?;
+        if !last.since || last.counterpart(others).is_some() {
+            return None;
+        }
+        let mut all = others.to_vec();
+        all.push(Hypothesis {
+            since: false,
+            ..last.clone()
+        });
+        let begun = self.machine.begun(fit, all)?;
+        let other = self.machine.fitted(begun, 3, 6);
+        (other.deviance < fit.deviance + self.due(last)).then_some(other)
     }
 
     /// Of fits with one more effect than `fit`, those that bring at least `least` beyond what is due
@@ -297,7 +325,7 @@ impl Selection<'_> {
         };
         let mut ranked: Vec<(f64, Fit)> = fits
             .into_iter()
-            .filter(|own| self.excess(fit, own) > least && !self.is_tiny(own.hypotheses.last()))
+            .filter(|own| self.excess(fit, own) > least && !self.is_tiny(&own.hypotheses))
             .map(|own| (rank(&own), own))
             .collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -322,12 +350,12 @@ impl Selection<'_> {
         fit.deviance - own.deviance - due
     }
 
-    /// Whether an effect is smaller than what integrators differ by.
-    fn is_tiny(&self, hypothesis: Option<&Hypothesis>) -> bool {
-        hypothesis.is_some_and(|h| {
+    /// Whether the last effect is smaller than what integrators differ by.
+    fn is_tiny(&self, hypotheses: &[Hypothesis]) -> bool {
+        hypotheses.split_last().is_some_and(|(h, others)| {
             !h.is_abrupt()
                 && h.values.iter().all(|(name, value)| {
-                    let nothing = h.nothing(&self.machine.model, name);
+                    let nothing = h.nothing_beside(&self.machine.model, name, others);
                     (value - nothing).abs() < TINY * least_change(h.info, name)
                 })
         })
@@ -348,6 +376,7 @@ impl Selection<'_> {
             return false;
         };
         let first = values(before).len();
+        let then = hypothesis.counterpart(before).map(|at| values(&before[..at]).len());
         let criterion = self.criterion(Some(&known));
         let strength = |covariance: &nalgebra::DMatrix<f64>| {
             hypothesis
@@ -356,8 +385,13 @@ impl Selection<'_> {
                 .enumerate()
                 .filter(|(_, (name, _))| !is_where(hypothesis.info, name))
                 .map(|(i, (name, value))| {
-                    let off = value - hypothesis.nothing(&self.machine.model, name);
-                    off * off / covariance[(first + i, first + i)]
+                    let off = value - hypothesis.nothing_beside(&self.machine.model, name, before);
+                    let own = covariance[(first + i, first + i)];
+                    let variance = then.map_or(own, |then| {
+                        let [a, b] = [first + i, then + i];
+                        own + covariance[(b, b)] - 2.0 * covariance[(a, b)]
+                    });
+                    off * off / variance.max(f64::MIN_POSITIVE)
                 })
                 .fold(0.0, f64::max)
         };
@@ -395,7 +429,10 @@ impl Selection<'_> {
     fn all_without(&self, fit: &Fit) -> Vec<Option<Fit>> {
         let all = 0..fit.hypotheses.len();
         all.into_par_iter()
-            .map(|at| self.without(fit, at))
+            .map(|at| {
+                let judged = self.is_judged(&fit.hypotheses[at]);
+                judged.then(|| self.without(fit, at)).flatten()
+            })
             .collect()
     }
 

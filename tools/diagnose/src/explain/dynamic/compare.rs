@@ -1,0 +1,156 @@
+//! What changed since runs from before, for a machine whose masses are known.
+//!
+//! What runs from before need is found first. It acts in all runs, its numbers fitted with whatever
+//! changed; a change acts in runs of today alone, and has to explain more than the same effect in all runs.
+
+use super::examine::{Judged, alone, machine_of};
+use super::fit::{Fit, values};
+use super::machine::Machine;
+use super::precision::Known;
+use super::selection::{Selected, Selection};
+use crate::diagnosis::Request;
+use crate::model::hypothesis::{self, Hypothesis, in_force, with};
+use crate::predict::predictor::Predictor;
+use crate::select::criterion::Criterion;
+
+/// Effects of one place or time, which runs do not share.
+const LOCAL: [&str; 2] = ["push", "friction_patch"];
+
+/// What changed from the first to the second.
+pub(super) fn judged(
+    request: &Request<'_>,
+    [before, today]: [&Predictor; 2],
+    progress: &(dyn Fn(&str) + Sync),
+) -> Option<Judged> {
+    let said = |what: &str| progress(&format!("from before: {what}"));
+    let then = alone(request, before, &said)?.selected;
+    let mut model = before.model.clone();
+    if let Some(unknown) = &then.unknown {
+        model.effects.extend(unknown.spec.clone());
+    }
+    let known: Vec<Hypothesis> = then
+        .fit
+        .hypotheses
+        .into_iter()
+        .filter(|own| !own.is_momentary())
+        .collect();
+    let excluded: Vec<String> = request
+        .excluded
+        .iter()
+        .cloned()
+        .chain(LOCAL.map(str::to_owned))
+        .collect();
+    let tracks = [before.tracks.as_slice(), today.tracks.as_slice()].concat();
+    let mut machine = machine_of(&tracks, &model, &excluded);
+    machine.before = before.tracks.len();
+    let all = changes(&hypothesis::all(&model, &today.tracks, &excluded), &known);
+    let mut selection = Selection {
+        machine,
+        all: &all,
+        known: &known,
+        progress,
+    };
+    let selected = selection.run()?;
+    alone_today(&selection.machine, selected, today, &excluded)
+}
+
+/// Hypotheses of changes: of what acts already with other numbers, and of everything else.
+fn changes(all: &[Hypothesis], known: &[Hypothesis]) -> Vec<Hypothesis> {
+    let is_known = |own: &&Hypothesis| known.iter().any(|known| known.is_of(own));
+    let fresh = all.iter().filter(|own| !is_known(own));
+    let since = |own: &Hypothesis| Hypothesis {
+        since: true,
+        ..own.clone()
+    };
+    fresh.chain(known).map(since).collect()
+}
+
+/// The same of today's runs alone, whose model has what acted before.
+fn alone_today(
+    joint: &Machine,
+    selected: Selected,
+    today: &Predictor,
+    excluded: &[String],
+) -> Option<Judged> {
+    let fit = &selected.fit;
+    let precision = joint.known(fit);
+    let shared = in_force(&fit.hypotheses, false);
+    let model = with(&joint.model, &shared);
+    let machine = machine_of(&today.tracks, &model, excluded);
+    let is_change = |at: &usize| fit.hypotheses[*at].since;
+    let changes: Vec<usize> = (0..fit.hypotheses.len()).filter(is_change).collect();
+    let listed = |own: &Hypothesis| Hypothesis {
+        since: false,
+        replaces: match own.counterpart(&fit.hypotheses) {
+            None => own.replaces,
+            Some(at) => place(&joint.model, &shared, &fit.hypotheses[at]),
+        },
+        ..own.clone()
+    };
+    let hypotheses: Vec<Hypothesis> = changes
+        .iter()
+        .map(|at| listed(&fit.hypotheses[*at]))
+        .collect();
+    let places: Vec<usize> = changes.iter().flat_map(|at| numbers(fit, *at)).collect();
+    let nominal_fit = machine.nominal(&[])?;
+    let own = machine.pass(hypotheses, fit.noise)?;
+    let nominal = precision.as_ref().map(|known| intervals(fit, known));
+    let pick = |at: &usize| (selected.gains[*at], selected.alike[*at].clone());
+    let (gains, alike) = changes.iter().map(pick).unzip();
+    Some(Judged {
+        all: hypothesis::all(&model, &today.tracks, excluded),
+        known: precision.map(|known| known.of(&places)),
+        nominal: nominal.unwrap_or_default(),
+        selected: Selected {
+            nominal: nominal_fit,
+            fit: own,
+            gains,
+            alike,
+            tried: selected.tried,
+            unknown: None,
+        },
+        machine,
+    })
+}
+
+/// Where the model with `shared` lists `own`, one of them.
+fn place(
+    model: &slipstream_bus::RobotModel,
+    shared: &[Hypothesis],
+    own: &Hypothesis,
+) -> Option<usize> {
+    if own.replaces.is_some() {
+        return own.replaces;
+    }
+    let added = shared.iter().filter(|h| h.replaces.is_none());
+    let order = added.into_iter().position(|h| h.is_of(own))?;
+    Some(model.effects.len() + order)
+}
+
+/// Places of the fitted numbers of a hypothesis.
+fn numbers(fit: &Fit, at: usize) -> std::ops::Range<usize> {
+    let own = &fit.hypotheses[at];
+    let first = values(&fit.hypotheses[..at]).len();
+    let count = if own.is_threshold() {
+        0
+    } else {
+        own.values.len()
+    };
+    first..first + count
+}
+
+/// 95 % intervals of what acted before.
+fn intervals(fit: &Fit, known: &Known) -> Vec<(&'static str, &'static str, [f64; 2])> {
+    let blocks = known.blocks;
+    let width = Criterion { tried: 1, blocks }.half_width();
+    let shared = fit.hypotheses.iter().enumerate().filter(|(_, h)| !h.since);
+    let each = shared.flat_map(|(at, own)| {
+        let values = numbers(fit, at).zip(&own.values);
+        values.map(|(place, (name, value))| {
+            let half = width * known.covariance[(place, place)].sqrt();
+            (own.info.id, *name, [value - half, value + half])
+        })
+    });
+    each.filter(|(.., [low, high])| low.is_finite() && high.is_finite())
+        .collect()
+}
