@@ -18,6 +18,7 @@ impl Found {
         excluded_s: &[[f64; 2]],
     ) -> Result<Self, InputError> {
         let (answer, models) = diagnose(&Request {
+            against: &[],
             recordings,
             model_of: &|_| None,
             excluded: &[],
@@ -42,6 +43,7 @@ pub(crate) fn predicted(
     excluded_s: &[[f64; 2]],
 ) -> Result<Vec<Prediction>, InputError> {
     predict(&Request {
+        against: &[],
         recordings: std::slice::from_ref(recording),
         model_of,
         excluded: &[],

@@ -7,9 +7,9 @@ use slipstream_recording::recording::Robot as Recorded;
 use crate::answer::{Answer, Figures, Unexplained};
 use crate::data::faults;
 use crate::data::track::Track;
+use crate::explain::against;
 use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
-use crate::explain::against;
 use crate::explain::kinematic::{self, Earlier, Learnt, Task};
 use crate::explain::links::{self, Course};
 

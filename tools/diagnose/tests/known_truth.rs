@@ -19,6 +19,7 @@ fn answer(truth: &RobotModel, nominal: &RobotModel, seed: u64) -> (Answer, Robot
             12.0,
             seed,
         )],
+        against: &[],
         model_of: &|_| Some(nominal.clone()),
         excluded: &[],
         excluded_s: &[],
@@ -493,4 +494,35 @@ fn recordings_of_speeds_and_of_torques_are_not_mixed() {
     });
     let words = refused.unwrap_err().to_string();
     assert!(words.contains("told speeds in one recording"), "{words}");
+}
+
+#[test]
+fn a_change_of_a_robot_with_masses_is_told_from_what_it_lacked_before() {
+    let nominal = RobotModel::default();
+    let before = nominal
+        .clone()
+        .with("rolling_resistance", &[("coefficient", 0.008)]);
+    let today = before.clone().with("pose_latency", &[("latency_s", 0.05)]);
+    let recorded = |truth: &RobotModel, seed: u64| {
+        slipstream_testkit::record(truth, slipstream_testkit::gentle, 12.0, seed)
+    };
+    for (then, now, wanted) in [(&before, &today, 1), (&before, &before, 0)] {
+        let (answer, _) = diagnose(&Request {
+            recordings: &[recorded(now, 12)],
+            against: &[recorded(then, 11)],
+            model_of: &|_| Some(nominal.clone()),
+            excluded: &[],
+            excluded_s: &[],
+            progress: &|_| (),
+        })
+        .unwrap();
+        let text = serde_json::to_string(&answer).unwrap();
+        assert_eq!(answer.findings.len(), wanted, "{text}");
+        for finding in &answer.findings {
+            assert_eq!(finding.effect, "pose_latency", "{text}");
+            let parameter = &finding.parameters[0];
+            assert_eq!(parameter.nominal, None, "{text}");
+            assert!((parameter.estimate.unwrap() - 0.05).abs() < 2e-3, "{text}");
+        }
+    }
 }

@@ -47,7 +47,12 @@ fn told(t_s: f64) -> [f64; 2] {
 
 /// Thirty seconds of `truth`: commands at 10 Hz, wheels at 50 Hz, poses at 20 Hz with 2 mm and 4 mrad.
 fn recorded(truth: Truth) -> Recording {
-    let noise = |seed: f64| 2.0 * ((seed * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
+    recorded_with(truth, 0.0)
+}
+
+/// The same, with other errors of the poses for each `seed`.
+fn recorded_with(truth: Truth, seed: f64) -> Recording {
+    let noise = |k: f64| 2.0 * (((k + seed) * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
     let mut columns: [Vec<f64>; 10] = Default::default();
     let mut add = |from: usize, row: &[f64]| {
         row.iter()
@@ -221,4 +226,122 @@ fn encoders_that_count_too_much_are_neither_gain_nor_radius() {
         all[0].1.iter().all(|scale| (scale - 1.03).abs() < 1e-3),
         "{all:?}"
     );
+}
+
+/// What changed from `before` to `today`, whose poses have other errors.
+fn changed(before: Truth, today: Truth) -> Result<Answer, slipstream_bus::InputError> {
+    let request = Request {
+        recordings: &[recorded_with(today, 0.4)],
+        against: &[recorded(before)],
+        model_of: &|_| Some(model()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    diagnose(&request).map(|(answer, _)| answer)
+}
+
+#[test]
+fn what_both_recordings_share_is_no_change() {
+    let truth = Truth {
+        delay_s: 0.06,
+        gain: 0.93,
+        camera_m: [-0.08, 0.03],
+        ..NOMINAL
+    };
+    let answer = changed(truth, truth).unwrap();
+    assert_eq!(answer.verdict, Verdict::Match, "{:?}", found(&answer));
+    assert_eq!(answer.against, ["speeds"]);
+}
+
+#[test]
+fn a_change_is_found_beside_what_is_shared_with_the_opposite_sign_the_other_way_round() {
+    let before = Truth {
+        gain: 0.93,
+        camera_m: [-0.08, 0.03],
+        ..NOMINAL
+    };
+    let today = Truth {
+        camera_m: [0.02, 0.03],
+        ..before
+    };
+    for (then, now, was, is) in [(before, today, -0.08, 0.02), (today, before, 0.02, -0.08)] {
+        let answer = changed(then, now).unwrap();
+        let names: Vec<&str> = answer.findings.iter().map(|f| f.effect.as_str()).collect();
+        assert_eq!(names, ["pose_offset"], "{:?}", found(&answer));
+        let finding = &answer.findings[0];
+        let x = finding.parameters.iter().find(|p| p.name == "x_m").unwrap();
+        // the mean of 600 poses of each recording, and what recordings of one machine may differ by
+        assert!((x.nominal.unwrap() - was).abs() < 3e-3, "{x:?}");
+        assert!((x.estimate.unwrap() - is).abs() < 6e-3, "{x:?}");
+        let [low, high] = x.ci95.unwrap();
+        assert!((low..=high).contains(&is), "{x:?}");
+        let [low, high] = x.nominal_ci95.unwrap();
+        assert!((low..=high).contains(&was), "{x:?}");
+        let way = if is > was { "forward" } else { "back" };
+        let words = format!("cm further {way}");
+        assert!(finding.statement.contains(&words), "{}", finding.statement);
+    }
+}
+
+#[test]
+fn a_drive_that_became_slower_to_answer_is_named_alone() {
+    let before = Truth {
+        delay_s: 0.03,
+        counts: 1.02,
+        ..NOMINAL
+    };
+    let today = Truth {
+        delay_s: 0.09,
+        ..before
+    };
+    let answer = changed(before, today).unwrap();
+    let all = found(&answer);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert_eq!(all[0].0, "actuator_delay", "{all:?}");
+    assert!((all[0].1[0] - 0.09).abs() < 2e-3, "{all:?}");
+}
+
+#[test]
+fn recordings_that_cannot_be_compared_are_refused_in_words() {
+    let refused = |today: Recording, before: Recording, words: &str| {
+        let request = Request {
+            recordings: &[today],
+            against: &[before],
+            model_of: &|_| None,
+            excluded: &[],
+            excluded_s: &[],
+            progress: &|_| (),
+        };
+        let error = diagnose(&request).map(|_| ()).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    let own = || Recording {
+        model: Some(model()),
+        ..recorded(NOMINAL)
+    };
+    let mut other = own();
+    other.model = Some(slipstream_testkit::kinematic(0.07, HALF_TRACK_M));
+    refused(
+        own(),
+        other,
+        "is another machine: wheel_radius_m = 0.05, and 0.07",
+    );
+    let mut other = own();
+    other.robots[0].command = None;
+    refused(
+        own(),
+        other,
+        "is told speeds, and nothing in the recording from before",
+    );
+    let mut other = own();
+    other.robots.push(Robot::named("r3"));
+    other.robots[0].name = "r2".to_owned();
+    refused(own(), other, "is not in speeds");
+    let mut other = own();
+    other.robots[0].pose = None;
+    let mut today = own();
+    today.robots[0].wheels = None;
+    other.robots[0].wheels = None;
+    refused(today, other, "shares no pose");
 }

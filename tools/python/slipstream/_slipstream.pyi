@@ -36,6 +36,7 @@ class Diagnosis:
 
 def diagnose(
     recordings: Sequence[Recording],
+    against: Sequence[Recording],
     robots: Sequence[Tuple[Optional[str], str]],
     without: Sequence[str],
     exclude_time: Sequence[Tuple[float, float]],

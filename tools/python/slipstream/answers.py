@@ -20,11 +20,13 @@ _HEIGHT_PX = 700
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a finding: `nominal` as in the model (None without it), `estimate` with its 95 % interval."""
+    """A parameter of a finding: `nominal` as in the model (None without it), `estimate` with its 95 % interval. Of a change,
+    `nominal` is what it was before, with its interval."""
 
     name: str
     unit: str
     nominal: Optional[float] = None
+    nominal_ci95: Optional[Tuple[float, float]] = None
     estimate: Optional[float] = None
     ci95: Optional[Tuple[float, float]] = None
     text: Optional[str] = None
@@ -160,7 +162,8 @@ def _pair(values: Any) -> Optional[Tuple[float, float]]:
 
 
 def _parameter(own: Dict[str, Any]) -> Parameter:
-    return Parameter(**{**own, "ci95": _pair(own.get("ci95"))})
+    pairs = {name: _pair(own.get(name)) for name in ("ci95", "nominal_ci95")}
+    return Parameter(**{**own, **pairs})
 
 
 def _finding(own: Dict[str, Any]) -> Finding:
@@ -194,6 +197,8 @@ class Diagnosis:
     warnings: List[Warning]
     improved: Dict[str, str]
     """The improved model of each robot, as the text of a robot.toml."""
+    against: List[str]
+    """Recordings from before; with any, the findings are what changed since."""
     _inner: "_slipstream.Diagnosis" = field(repr=False, compare=False)
 
     @classmethod
@@ -212,6 +217,7 @@ class Diagnosis:
             process_noise=[ProcessNoise(**each) for each in own.get("process_noise", [])],
             warnings=[Warning(**each) for each in own["warnings"]],
             improved=dict(inner.improved()),
+            against=own.get("against", []),
             _inner=inner,
         )
 

@@ -31,7 +31,10 @@ pub(crate) struct Diagnosis {
 /// Diagnoses recordings, or what changed since those of `against`. `robots` are texts of robot.toml by the name of the robot;
 /// `figures` computes what a page shows.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "called from Python alone, by one function with named arguments")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "called from Python alone, by one function with named arguments"
+)]
 pub(crate) fn diagnose(
     py: Python<'_>,
     recordings: Vec<PyRef<'_, Recording>>,

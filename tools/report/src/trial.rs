@@ -111,8 +111,14 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
 
 fn own_sentence(report: &OwnReport) -> String {
     let trial = &report.trial;
-    let whole: Vec<&ScoredCase> = trial.each.iter().filter(|own| own.kind == "whole").collect();
-    let exact = whole.iter().filter(|own| own.score.grade == TrialGrade::Exact);
+    let whole: Vec<&ScoredCase> = trial
+        .each
+        .iter()
+        .filter(|own| own.kind == "whole")
+        .collect();
+    let exact = whole
+        .iter()
+        .filter(|own| own.score.grade == TrialGrade::Exact);
     format!(
         "{} of {} changes in whole copies were named with their size; {} of {} copies without a change raised a false alarm.",
         exact.count(),
@@ -128,7 +134,11 @@ fn detectable(report: &OwnReport) -> Markup {
             .tried
             .iter()
             .map(|(size, found)| {
-                format!("{} {}", short(*size), if *found { "found" } else { "not found" })
+                format!(
+                    "{} {}",
+                    short(*size),
+                    if *found { "found" } else { "not found" }
+                )
             })
             .collect();
         let smallest = own.smallest.map_or("–".to_owned(), short);

@@ -18,11 +18,7 @@ use crate::print::{eprint_line, print_line};
 use crate::progress;
 
 /// Runs the command.
-pub(super) fn run(
-    arguments: &Arguments,
-    path: &Path,
-    stop: &AtomicBool,
-) -> Result<Exit, Error> {
+pub(super) fn run(arguments: &Arguments, path: &Path, stop: &AtomicBool) -> Result<Exit, Error> {
     let import = slipstream_recording::read(path)?;
     for warning in &import.warnings {
         eprint_line!("{warning}");
@@ -39,9 +35,8 @@ pub(super) fn run(
     let temporary = OutputFolder::create(&std::env::temp_dir().join(name))?;
     let folder = match &arguments.out {
         Some(folder) => {
-            std::fs::create_dir_all(folder).map_err(|error| {
-                Error::Failed(format!("{}: {error}", folder.display()))
-            })?;
+            std::fs::create_dir_all(folder)
+                .map_err(|error| Error::Failed(format!("{}: {error}", folder.display())))?;
             folder.clone()
         }
         None => temporary.path().to_owned(),
@@ -81,11 +76,16 @@ pub(super) fn run(
 
 fn print(report: &OwnReport) {
     text::print_report(&report.trial);
-    print_line!("\nWhat would be found on this robot, as a change since {}:", report.on);
+    print_line!(
+        "\nWhat would be found on this robot, as a change since {}:",
+        report.on
+    );
     for own in &report.detectable {
-        let smallest = own.smallest.map_or("not at the sizes tried".to_owned(), |size| {
-            format!("from {}", short(size))
-        });
+        let smallest = own
+            .smallest
+            .map_or("not at the sizes tried".to_owned(), |size| {
+                format!("from {}", short(size))
+            });
         let tried: Vec<String> = own
             .tried
             .iter()

@@ -38,7 +38,8 @@ pub(crate) fn changed(finding: &Finding, before: &str) -> String {
         .collect();
     let what = if parts.is_empty() {
         let info = slipstream_sim::effects::find(&finding.effect);
-        info.map_or(finding.effect.as_str(), |own| own.summary).to_owned()
+        info.map_or(finding.effect.as_str(), |own| own.summary)
+            .to_owned()
     } else {
         parts.join(", ")
     };
@@ -56,7 +57,9 @@ fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
     let ([low, high], estimate) = (parameter.ci95?, parameter.estimate?);
     let name = parameter.name.as_str();
     let is_factor = name.ends_with("scale") || effect == "motor_gain";
-    let was = parameter.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
+    let was = parameter
+        .nominal
+        .unwrap_or(if is_factor { 1.0 } else { 0.0 });
     if (low..=high).contains(&was) {
         return None;
     }
@@ -69,7 +72,13 @@ fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
     let percent = || format!("{:.1} %", 100.0 * change.abs());
     let cm = || format!("{:.1} cm", 100.0 * change.abs());
     let ms = || format!("{:.0} ms", 1000.0 * change.abs());
-    let side = || if name.starts_with("right") { "right" } else { "left" };
+    let side = || {
+        if name.starts_with("right") {
+            "right"
+        } else {
+            "left"
+        }
+    };
     Some(match (effect, name) {
         ("pose_offset", "x_m") => {
             let way = either("further forward", "further back");
@@ -85,13 +94,21 @@ fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
             either("left", "right")
         ),
         ("pose_latency", _) => format!("poses are stamped {} {}", ms(), either("later", "earlier")),
-        ("imu_latency", _) => format!("the gyro is stamped {} {}", ms(), either("later", "earlier")),
+        ("imu_latency", _) => format!(
+            "the gyro is stamped {} {}",
+            ms(),
+            either("later", "earlier")
+        ),
         ("wheels_latency", _) => {
             format!("wheels are stamped {} {}", ms(), either("later", "earlier"))
         }
         ("actuator_delay", _) => format!("commands act {} {}", ms(), either("later", "earlier")),
         ("actuator_lag", _) => {
-            format!("the drive follows {} {}", ms(), either("more slowly", "faster"))
+            format!(
+                "the drive follows {} {}",
+                ms(),
+                either("more slowly", "faster")
+            )
         }
         ("wheel_radius", _) => {
             let size = either("larger", "smaller");

@@ -32,6 +32,22 @@ fn positive(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
     })
 }
 
+/// The blocks with data that are left out together.
+fn groups<'a>(scores: &'a [BlockScore], clusters: Option<&[usize]>) -> Vec<Vec<&'a BlockScore>> {
+    let is_filled = |block: &&BlockScore| block.information.trace() > 0.0;
+    let Some(clusters) = clusters else {
+        let filled = scores.iter().filter(is_filled);
+        return filled.map(|block| vec![block]).collect();
+    };
+    let last = clusters.iter().copied().max().unwrap_or(0);
+    let each = (0..=last).map(|cluster| {
+        let own = clusters.iter().zip(scores).filter(|(c, _)| **c == cluster);
+        own.map(|(_, block)| block).filter(is_filled).collect()
+    });
+    each.filter(|group: &Vec<&BlockScore>| !group.is_empty())
+        .collect()
+}
+
 /// Jackknife variance of each parameter.
 fn jackknife(left_out: &[DVector<f64>]) -> DVector<f64> {
     let count = left_out.len() as f64;
@@ -87,17 +103,7 @@ impl Precision {
             Some(&point + step)
         };
         let clusters = problem.likelihood.clusters();
-        let is_filled = |block: &&BlockScore| block.information.trace() > 0.0;
-        let groups: Vec<Vec<&BlockScore>> = match &clusters {
-            None => filled.iter().map(|(_, block)| vec![*block]).collect(),
-            Some(of) => (0..=of.iter().copied().max()?)
-                .map(|cluster| {
-                    let own = of.iter().zip(&scores).filter(|(c, _)| **c == cluster);
-                    own.map(|(_, block)| block).filter(is_filled).collect()
-                })
-                .filter(|group: &Vec<&BlockScore>| !group.is_empty())
-                .collect(),
-        };
+        let groups = groups(&scores, clusters.as_deref());
         let left_out: Vec<DVector<f64>> = groups
             .iter()
             .map(|group| leave_out(group))

@@ -70,8 +70,9 @@ fn same_machine(
     ];
     for (name, now, then) in lengths {
         if (now - then).abs() > SAME * now.abs() {
-            let problem =
-                format!("is another machine: {name} = {now}, and {then} in the recording from before");
+            let problem = format!(
+                "is another machine: {name} = {now}, and {then} in the recording from before"
+            );
             let remedy = "compare recordings of one machine, or give its one model with --robot";
             return Err(InputError::new(&today[0].1.name, problem, remedy));
         }
@@ -127,7 +128,8 @@ fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
         })
     });
     if !(0..3).any(|i| now[i] && then[i]) {
-        let problem = "shares no pose, gyro, or commands with wheels with the recording from before";
+        let problem =
+            "shares no pose, gyro, or commands with wheels with the recording from before";
         return Err(InputError::new(place, problem, remedy));
     }
     Ok(())
@@ -136,7 +138,8 @@ fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
 /// Streams that only one side has: what they show cannot be compared.
 pub(crate) fn not_compared(today: &Runs<'_>, other: &Runs<'_>) -> Vec<Warning> {
     let has = |runs: &Runs<'_>, stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
-    let streams: [(&str, fn(&Recorded) -> bool); 2] = [
+    type Stream = (&'static str, fn(&Recorded) -> bool);
+    let streams: [Stream; 2] = [
         ("pose", |robot| robot.pose.is_some()),
         ("gyro", |robot| robot.imu.is_some()),
     ];
@@ -182,9 +185,8 @@ pub(crate) fn learn(
 
 /// Makes the finding of a claim one of what changed.
 pub(crate) fn compared(finding: &mut Finding, claim: &Claim, learnt: &Learnt, before: &str) {
-    let same = |own: &&Claim| {
-        own.effect == claim.effect && own.word == claim.word && own.runs.is_none()
-    };
+    let same =
+        |own: &&Claim| own.effect == claim.effect && own.word == claim.word && own.runs.is_none();
     let known = learnt.claims.iter().find(same);
     for parameter in &mut finding.parameters {
         let values = known.iter().flat_map(|own| &own.values);

@@ -10,8 +10,8 @@ use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
 use crate::model::from_wheels::{
-    COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, MACHINE, POSE_LATENCY, POSE_RATE, RUN_BIAS,
-    RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, TRACK, View,
+    COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, MACHINE, POSE_LATENCY, POSE_RATE,
+    RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, Reference, TRACK, View,
 };
 use crate::model::run::Source;
 use crate::select::criterion::Criterion;

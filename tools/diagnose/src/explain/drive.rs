@@ -10,8 +10,8 @@ use super::thresholds::{Thresholds, levels};
 use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
-    SLOW_TIME,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
+    SLOW_SHARE, SLOW_TIME,
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected, Shared, Term};

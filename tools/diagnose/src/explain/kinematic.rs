@@ -18,12 +18,13 @@ use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
 use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::SHORT;
-use crate::model::command_to_wheels::CommandToWheels;
-use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::filter::motion_law::DRIVERS;
+use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::comparison::Before;
+use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{
-    DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK, View,
+    DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE,
+    RUN_TRACK, View,
 };
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
@@ -132,7 +133,10 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     let fits = machine.fits(task, &mut Vec::new());
     let (claims, _) = machine.claims(&fits);
     let fitted = machine.reading(&fits).fitted();
-    let by_run = fits.calibration.as_ref().map_or([false; 2], |own| own.by_run);
+    let by_run = fits
+        .calibration
+        .as_ref()
+        .map_or([false; 2], |own| own.by_run);
     let kinds = [RUN_SCALE, RUN_TRACK].into_iter().zip(by_run);
     let spread = kinds.map(|(parameter, differs)| {
         let runs = 0..machine.machine.runs.len();

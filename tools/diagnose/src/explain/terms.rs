@@ -147,7 +147,10 @@ pub(crate) fn shared(machine: &FromWheels, nominal: &[f64], excluded: &[String])
     let smooth = terms(machine, excluded, [false; 2]);
     let smooth = smooth.into_iter().filter(|term| !term.by_profile);
     let had = |index: &usize| !later.contains(index) || nominal[machine.shared(*index)] != 0.0;
-    let mut all: Vec<usize> = smooth.flat_map(|term| term.parameters).filter(had).collect();
+    let mut all: Vec<usize> = smooth
+        .flat_map(|term| term.parameters)
+        .filter(had)
+        .collect();
     let laws = (0..VALUES.len()).filter(|place| machine.before.laws[*place]);
     all.extend(laws.flat_map(of_law));
     let mut all: Vec<usize> = all.into_iter().map(|i| machine.shared(i)).collect();

@@ -66,7 +66,10 @@ impl Projection<'_> {
             precision: Precision {
                 covariance,
                 overdispersion: found.precision.overdispersion,
-                ratios: left.iter().map(|(place, _)| found.precision.ratios[*place]).collect(),
+                ratios: left
+                    .iter()
+                    .map(|(place, _)| found.precision.ratios[*place])
+                    .collect(),
             },
             kept: kept.collect(),
             alike: found.alike.clone(),

@@ -255,7 +255,8 @@ impl FromWheels {
         at[LAW_FIRST..MACHINE].copy_from_slice(&law_of(model, &self.knots));
         let [ratio, difference] =
             ["ratio", "asymmetry"].map(|name| plain("slip_ratio", name).clamp(-0.9, 0.9));
-        let [right, left] = [0.5, -0.5].map(|side| (1.0 - ratio - side * difference).max(0.05).ln());
+        let [right, left] =
+            [0.5, -0.5].map(|side| (1.0 - ratio - side * difference).max(0.05).ln());
         let scale = f64::midpoint(right, left);
         at[ASYMMETRY] += right - left;
         for (i, run) in self.runs.iter().enumerate() {
@@ -596,7 +597,11 @@ impl Likelihood for View<'_> {
         if !self.machine.before.any() {
             return None;
         }
-        let runs = self.machine.runs.iter().map(|run| (run.blocks, run.course()));
+        let runs = self
+            .machine
+            .runs
+            .iter()
+            .map(|run| (run.blocks, run.course()));
         comparison::clusters(&self.machine.before, &runs.collect::<Vec<_>>())
     }
 

@@ -159,7 +159,8 @@ impl Run {
             return Vec::new();
         };
         let span_s = [*first, *last];
-        self.wheels.turned(&[0.0; DRIVE], |wheels| course(wheels, span_s))
+        self.wheels
+            .turned(&[0.0; DRIVE], |wheels| course(wheels, span_s))
     }
 
     pub(super) fn new(

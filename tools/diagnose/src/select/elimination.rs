@@ -184,9 +184,34 @@ impl Elimination<'_> {
         })
     }
 
+    /// The fit without a term, what is left, and whether something stood in for it with an impossible sign,
+    /// which is no explanation and went as well.
+    fn removed(
+        &self,
+        fit: &Fit,
+        gone: &Term,
+        left: &[Term],
+        terms: &[Term],
+    ) -> (Fit, Vec<Term>, bool) {
+        let others = left.iter().filter(|t| t.name != gone.name);
+        let mut rest: Vec<Term> = others.cloned().collect();
+        let mut less = self.fit(&fit.at, &rest, terms);
+        let stands_in = rest.iter().any(|t| !self.is_possible(t, &less));
+        if stands_in {
+            rest.retain(|t| self.is_possible(t, &less));
+            less = self.fit(&fit.at, &rest, terms);
+        }
+        if let Some(other) = self.without_change(fit, gone, &rest, terms)
+            && other.objective > less.objective
+        {
+            less = other;
+        }
+        (less, rest, stands_in)
+    }
+
     /// The fit without the change `gone` from where today's runs are: where a likelihood has several
     /// maxima, what both share may be at the one that only today's runs are at.
-    fn from_today(&self, fit: &Fit, gone: &Term, rest: &[Term], all: &[Term]) -> Option<Fit> {
+    fn without_change(&self, fit: &Fit, gone: &Term, rest: &[Term], all: &[Term]) -> Option<Fit> {
         let shared = self.shared?;
         let mut at = self.without(&fit.at, rest, all);
         let mut moved = false;
@@ -320,17 +345,8 @@ impl Elimination<'_> {
         let mut weakest: Option<(f64, Fit, Vec<Term>)> = None;
         for i in order {
             let term = left[i].clone();
-            let rest: Vec<Term> = left
-                .iter()
-                .filter(|t| t.name != term.name)
-                .cloned()
-                .collect();
-            let mut less = self.fit(&fit.at, &rest, terms);
-            if let Some(other) = self.from_today(fit, &term, &rest, terms)
-                && other.objective > less.objective
-            {
-                less = other;
-            }
+            let (less, rest, stands_in) = self.removed(fit, &term, left, terms);
+            let mut less = less;
             let least = self.criterion.least_gain(term.parameters.len());
             let gain = fit.objective - less.objective;
             if (least..least * CERTAIN).contains(&gain) {
@@ -343,13 +359,17 @@ impl Elimination<'_> {
                     return Some(Round::Better(better));
                 }
             }
-            if !self.brings(gain / precision.overdispersion, walds[i], term.parameters.len()) {
+            if !self.brings(
+                gain / precision.overdispersion,
+                walds[i],
+                term.parameters.len(),
+            ) {
                 return Some(Round::Removed(less, rest));
             }
             if !self.needed(&term, gain, walds[i], fit, &less) {
                 // terms that stand in for each other are not known either: what costs least goes first
                 let share = gain / least;
-                if weakest.as_ref().is_none_or(|(own, ..)| share < *own) {
+                if !stands_in && weakest.as_ref().is_none_or(|(own, ..)| share < *own) {
                     weakest = Some((share, less, rest));
                 }
                 continue;
@@ -412,11 +432,17 @@ impl Elimination<'_> {
         };
         let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * wald;
         let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
-        let possible = !term.positive || term.parameters.iter().all(|i| fit.at[*i] >= 0.0);
-        possible
+        self.is_possible(term, fit)
             && (clear || term.by_profile)
             && gain - best > 0.0
             && (!term.lasting || (self.useful)(fit, less))
+    }
+
+    /// Whether a term that cannot be negative is not; of a change, what comes of it.
+    fn is_possible(&self, term: &Term, fit: &Fit) -> bool {
+        let base = |index: usize| self.shared.and_then(|shared| shared.of(index));
+        let value = |index: usize| fit.at[index] + base(index).map_or(0.0, |base| fit.at[base]);
+        !term.positive || term.parameters.iter().all(|i| value(*i) >= 0.0)
     }
 
     /// Gain of the run that gains most, where there are enough runs to do without it.
@@ -440,7 +466,9 @@ impl Elimination<'_> {
     pub(crate) fn floors(&self, term: &Term, fit: &Fit, precision: &Precision) -> Vec<f64> {
         let alike = |index: &usize| {
             let place = fit.free.iter().position(|f| f == index);
-            let ratio = place.filter(|_| self.paired).map(|place| precision.ratios[place]);
+            let ratio = place
+                .filter(|_| self.paired)
+                .map(|place| precision.ratios[place]);
             ratio.map_or(1.0, |ratio| ratio.min(1.0))
         };
         let pairs = term.parameters.iter().zip(&term.floors);

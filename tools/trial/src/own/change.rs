@@ -85,7 +85,9 @@ impl Change {
             Self::Gain(_) if !has_wheels => &["wheel_radius", "slip_ratio"],
             Self::PoseLate(_) if !has_wheels => &["actuator_delay"],
             Self::CommandLate(_) if !has_wheels => &["pose_latency"],
-            Self::Counts(_) if robot.pose.is_none() => &["motor_gain", "wheel_radius", "track_width"],
+            Self::Counts(_) if robot.pose.is_none() => {
+                &["motor_gain", "wheel_radius", "track_width"]
+            }
             Self::WheelsLate(_) if robot.pose.is_none() && robot.imu.is_none() => {
                 &["actuator_delay"]
             }
@@ -115,7 +117,9 @@ impl Change {
             Self::Offset(offset) => moved(robot, offset),
             Self::Turned(yaw) => {
                 let poses = robot.pose.iter_mut();
-                let yaws = poses.filter_map(|own| own.values.yaw_rad.as_mut()).flatten();
+                let yaws = poses
+                    .filter_map(|own| own.values.yaw_rad.as_mut())
+                    .flatten();
                 yaws.for_each(|own| *own = wrapped(*own + yaw));
             }
             // a larger wheel turns less on the same way

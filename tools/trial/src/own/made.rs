@@ -69,7 +69,12 @@ pub fn make(
     }
     let list = changes(first, model);
     for change in &list {
-        maker.add("whole", &changed(&own, model, change), &whole, Some(*change))?;
+        maker.add(
+            "whole",
+            &changed(&own, model, change),
+            &whole,
+            Some(*change),
+        )?;
     }
     let halves = [half(&own, false), half(&own, true)];
     let folders = [

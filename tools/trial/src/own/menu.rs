@@ -51,7 +51,11 @@ fn kinds(robot: &Robot, model: &RobotModel) -> Vec<Kind> {
             kinds.push(Box::new(|x| Change::Turned(TURNED_RAD * x)));
         }
     }
-    if robot.imu.as_ref().is_some_and(|imu| imu.values.gz_rad_s.is_some()) {
+    if robot
+        .imu
+        .as_ref()
+        .is_some_and(|imu| imu.values.gz_rad_s.is_some())
+    {
         kinds.push(Box::new(|x| Change::GyroLate(LATE_S * x)));
     }
     let share = |x: f64| (SHARE * x).exp();

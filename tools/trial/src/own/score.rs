@@ -62,7 +62,9 @@ fn as_changes(mut answer: DiagnosisAnswer) -> DiagnosisAnswer {
         let factors = ["wheel_radius", "encoder_scale", "motor_gain", "track_width"];
         let is_factor = factors.contains(&finding.effect.as_str());
         for parameter in &mut finding.parameters {
-            let nominal = parameter.nominal.unwrap_or(if is_factor { 1.0 } else { 0.0 });
+            let nominal = parameter
+                .nominal
+                .unwrap_or(if is_factor { 1.0 } else { 0.0 });
             let change = |value: f64| {
                 if is_factor {
                     value / nominal
@@ -88,9 +90,8 @@ fn detectable(cases: &[OwnCase], each: &[ScoredCase]) -> Vec<Detectable> {
             scored.score.grade,
             TrialGrade::Exact | TrialGrade::LookAlike
         );
-        let same = |own: &&mut Detectable| {
-            own.effect == change.effect() && own.parameter == parameter
-        };
+        let same =
+            |own: &&mut Detectable| own.effect == change.effect() && own.parameter == parameter;
         match all.iter_mut().find(same) {
             Some(own) => own.tried.push((size, found)),
             None => all.push(Detectable {

@@ -41,13 +41,7 @@ pub(crate) fn findings(
             .iter()
             .enumerate()
             .map(|(i, (name, value))| {
-                interval(
-                    machine,
-                    fit,
-                    known,
-                    (index, first + i),
-                    (name, *value),
-                )
+                interval(machine, fit, known, (index, first + i), (name, *value))
             })
             .collect();
         if !hypothesis.is_threshold() {

@@ -74,9 +74,13 @@ pub(crate) fn examine(
     let fit = &selected.fit;
     let answer = &mut collected.answer;
     let first_finding = answer.findings.len();
-    answer
-        .findings
-        .extend(findings(&machine, &selected, known.as_ref(), before, &nominal));
+    answer.findings.extend(findings(
+        &machine,
+        &selected,
+        known.as_ref(),
+        before,
+        &nominal,
+    ));
     answer
         .held_out
         .merge(&prediction::held_out(&machine, &predictor, fit));
@@ -122,11 +126,7 @@ pub(super) struct Judged {
 }
 
 /// The runs of a machine as the filter reads them.
-pub(super) fn machine_of(
-    tracks: &[Track],
-    model: &RobotModel,
-    excluded: &[String],
-) -> Machine {
+pub(super) fn machine_of(tracks: &[Track], model: &RobotModel, excluded: &[String]) -> Machine {
     let mut tracks = tracks.to_vec();
     let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
     tracks.iter_mut().for_each(|track| track.thin(most));

@@ -58,7 +58,9 @@ impl Known {
     /// What is known of these parameters alone.
     pub(crate) fn of(&self, places: &[usize]) -> Self {
         let own = |all: &DMatrix<f64>| {
-            DMatrix::from_fn(places.len(), places.len(), |i, k| all[(places[i], places[k])])
+            DMatrix::from_fn(places.len(), places.len(), |i, k| {
+                all[(places[i], places[k])]
+            })
         };
         Self {
             covariance: own(&self.covariance),

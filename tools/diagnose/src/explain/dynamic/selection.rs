@@ -376,7 +376,9 @@ impl Selection<'_> {
             return false;
         };
         let first = values(before).len();
-        let then = hypothesis.counterpart(before).map(|at| values(&before[..at]).len());
+        let then = hypothesis
+            .counterpart(before)
+            .map(|at| values(&before[..at]).len());
         let criterion = self.criterion(Some(&known));
         let strength = |covariance: &nalgebra::DMatrix<f64>| {
             hypothesis

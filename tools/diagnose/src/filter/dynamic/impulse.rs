@@ -195,7 +195,7 @@ mod tests {
         let truth = RobotModel::default().with("push", &push);
         let track = fixture::driven(&truth, 8.0, fixture::gentle);
         let machine = Machine::new(vec![track], RobotModel::default(), &[]);
-        let fit = machine.nominal().unwrap();
+        let fit = machine.nominal(&[]).unwrap();
         let weights = vec![1.0; fit.whitened.len()];
         let lever = machine.model.robot.com_to_axle_m.unwrap();
         let all = impulses(&fit.passes[0], &fit.whitened, &weights, lever);
