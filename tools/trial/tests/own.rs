@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed expectation fails the test")]
 
+use slipstream_bus::RobotModel;
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
 use slipstream_trial::answer::parse;
@@ -11,6 +12,13 @@ use slipstream_trial::own::{Change, make, score};
 
 const RADIUS_M: f64 = 0.1;
 const HALF_TRACK_M: f64 = 0.3;
+
+fn model() -> RobotModel {
+    let mut model = RobotModel::default();
+    model.robot.wheel_radius_m = RADIUS_M;
+    model.robot.half_track_m = HALF_TRACK_M;
+    model
+}
 
 fn stream<V>(t_s: &[f64], values: V) -> Stream<V> {
     Stream {
@@ -51,7 +59,7 @@ fn robot() -> Robot {
 
 #[test]
 fn changes_are_exact() {
-    let model = slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M);
+    let model = model();
     let changed = |change: Change| {
         let mut own = robot();
         change.apply(&mut own, &model);
@@ -89,7 +97,7 @@ fn changes_are_exact() {
 #[test]
 fn copies_are_written_and_answers_scored_as_changes() {
     let folder = tempfile::tempdir().unwrap();
-    let model = slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M);
+    let model = model();
     let recording = Recording {
         name: "own".to_owned(),
         robots: vec![robot()],

@@ -155,7 +155,7 @@ fn run_diagnosis(request: &Request<'_>, with_figures: bool) -> Result<Illustrate
 
 fn print_answer(answer: &Answer) {
     let held_out = &answer.held_out;
-    print_line!("{}.", text::verdict(answer.verdict));
+    print_line!("{}.", text::verdict(answer));
     for budget in &answer.budget {
         print_line!("{}.", text::budget(budget, held_out.horizon_s));
     }

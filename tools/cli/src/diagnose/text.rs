@@ -3,8 +3,18 @@
 use slipstream_diagnose::{Answer, Budget, Unexplained, Verdict, Warning};
 
 /// The verdict as a sentence.
-pub(super) fn verdict(verdict: Verdict) -> &'static str {
-    match verdict {
+pub(super) fn verdict(answer: &Answer) -> String {
+    if !answer.against.is_empty() {
+        let before = answer.against.join(", ");
+        return match answer.verdict {
+            Verdict::Match => format!("Match: nothing changed since {before}"),
+            Verdict::Explained => format!("Explained: the findings below changed since {before}"),
+            Verdict::Unexplained => {
+                format!("Unexplained: something outside of the catalogue changed since {before}")
+            }
+        };
+    }
+    let words = match answer.verdict {
         Verdict::Match => "Match: the model predicts the recording to within sensor noise",
         Verdict::Explained => {
             "Explained: with the findings below, the model predicts the recording to within sensor noise"
@@ -12,7 +22,8 @@ pub(super) fn verdict(verdict: Verdict) -> &'static str {
         Verdict::Unexplained => {
             "Unexplained: a difference remains that no effect of the catalogue explains"
         }
-    }
+    };
+    words.to_owned()
 }
 
 /// A warning about a recording, in one line.

@@ -119,7 +119,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     // The diagnoses that run are killed at once; a case that is being made is not waited for.
     let stop = interrupt::stop_flag(Some(Duration::from_millis(500)))?;
     if let Some(recording) = &arguments.on {
-        return own::run(arguments, recording, &stop);
+        let program = program(arguments)?;
+        return own::run(&own::Asked {
+            on: recording,
+            robot: &arguments.robot,
+            out: arguments.out.as_deref(),
+            without: &arguments.without,
+            program: DiagnosisProgram {
+                program: &program,
+                limit: Duration::from_secs(arguments.limit_s),
+                stop: &stop,
+            },
+            json: arguments.json.as_deref(),
+            report: arguments.report.as_deref(),
+        });
     }
     let report = match &arguments.labels {
         Some(file) => score_existing(arguments, file, &stop)?,

@@ -1,15 +1,13 @@
 //! `slipstream trial --on`: changes put into copies of a recording that exists.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 use slipstream_bus::InputError;
 use slipstream_recording::output::OutputFolder;
 use slipstream_trial::diagnosis_process::{DiagnosisInput, DiagnosisProgram};
 use slipstream_trial::own::{OwnReport, make, score};
 
-use super::{Arguments, program, text};
+use super::text;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
@@ -17,14 +15,32 @@ use crate::output_file::{write, write_json};
 use crate::print::{eprint_line, print_line};
 use crate::progress;
 
+/// What is asked.
+pub(super) struct Asked<'a> {
+    /// The recording.
+    pub(super) on: &'a Path,
+    /// Robot models.
+    pub(super) robot: &'a [String],
+    /// Folder for the copies.
+    pub(super) out: Option<&'a Path>,
+    /// Effects that no diagnosis tries.
+    pub(super) without: &'a [String],
+    /// The program that diagnoses.
+    pub(super) program: DiagnosisProgram<'a>,
+    /// Where the scores go, and a page with them.
+    pub(super) json: Option<&'a Path>,
+    pub(super) report: Option<&'a Path>,
+}
+
 /// Runs the command.
-pub(super) fn run(arguments: &Arguments, path: &Path, stop: &AtomicBool) -> Result<Exit, Error> {
+pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
+    let path = asked.on;
     let import = slipstream_recording::read(path)?;
     for warning in &import.warnings {
         eprint_line!("{warning}");
     }
     let recording = import.recording;
-    let models = Models::read(&arguments.robot)?;
+    let models = Models::read(asked.robot)?;
     let first = recording.robots.first().map(|robot| robot.name.as_str());
     let model = first.and_then(|name| models.of(name));
     let model = model.or_else(|| recording.model.clone()).ok_or_else(|| {
@@ -33,38 +49,32 @@ pub(super) fn run(arguments: &Arguments, path: &Path, stop: &AtomicBool) -> Resu
     })?;
     let name = format!("slipstream-trial-{}", std::process::id());
     let temporary = OutputFolder::create(&std::env::temp_dir().join(name))?;
-    let folder = match &arguments.out {
+    let folder = match asked.out {
         Some(folder) => {
-            std::fs::create_dir_all(folder)
-                .map_err(|error| Error::Failed(format!("{}: {error}", folder.display())))?;
-            folder.clone()
+            let made = std::fs::create_dir_all(folder);
+            made.map_err(|error| Error::Failed(format!("{}: {error}", folder.display())))?;
+            folder
         }
-        None => temporary.path().to_owned(),
+        None => temporary.path(),
     };
-    let trial = make(&recording, &model, &folder)?;
-    let program = program(arguments)?;
-    let program = DiagnosisProgram {
-        program: &program,
-        limit: Duration::from_secs(arguments.limit_s),
-        stop,
-    };
+    let trial = make(&recording, &model, folder)?;
     let bar = progress::bar(trial.cases.len(), "diagnosed");
     let mut answers = Vec::new();
     for case in &trial.cases {
-        answers.push(program.diagnose(&DiagnosisInput {
+        answers.push(asked.program.diagnose(&DiagnosisInput {
             recording: &case.folders[0],
             against: Some(&case.folders[1]),
             model: &trial.model,
-            without: &arguments.without,
+            without: asked.without,
         })?);
         bar.inc(1);
     }
     bar.finish_and_clear();
     let report = score(&recording.name, &trial.cases, answers);
-    if let Some(file) = &arguments.json {
+    if let Some(file) = asked.json {
         write_json(file, &report)?;
     }
-    if let Some(file) = &arguments.report {
+    if let Some(file) = asked.report {
         write(
             file,
             &slipstream_report::trial::own_page(&report, &command_line()),

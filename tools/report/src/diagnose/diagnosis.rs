@@ -137,7 +137,14 @@ impl Diagnosis<'_> {
         if groups.len() > NAMED {
             words.push(format!("{} more", groups.len() - NAMED));
         }
+        let before = listed(&self.answer.against);
         match (words.as_slice(), self.answer.verdict) {
+            ([], Verdict::Match) if !before.is_empty() => {
+                format!("Nothing changed since {before} beyond what its data show of themselves.")
+            }
+            (_, _) if !before.is_empty() && !words.is_empty() => {
+                format!("Since {before}: {}.", listed(&words))
+            }
             ([], Verdict::Match) => match reached(self.answer) {
                 Some(text) => format!("The model matches: 5 s ahead it misses by {text}."),
                 None => "The model matches to within the sensors' noise.".to_owned(),

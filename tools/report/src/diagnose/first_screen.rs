@@ -44,7 +44,10 @@ pub fn first_screen(diagnosis: &Diagnosis<'_>) -> Markup {
 /// How the verdict looks.
 pub(super) fn chip(answer: &Answer) -> (Tone, Icon, &'static str) {
     let known = answer.findings.iter().any(|own| own.effect != "unknown");
+    let compares = !answer.against.is_empty();
     match (answer.verdict, known) {
+        (Verdict::Match, _) if compares => (Tone::Good, Icon::Tick, "Nothing changed"),
+        (Verdict::Explained, _) if compares => (Tone::Good, Icon::Full, "Changed"),
         (Verdict::Match, _) => (Tone::Good, Icon::Tick, "The model matches"),
         (Verdict::Explained, _) => (Tone::Good, Icon::Full, "Explained"),
         (Verdict::Unexplained, true) => (Tone::Part, Icon::Half, "Partly explained"),
