@@ -1,5 +1,7 @@
 //! A finding as one sentence: who, where, when, what, how much, and what it could be instead.
 
+use slipstream_sim::effects::Role;
+
 use crate::answer::{Finding, ParameterEstimate};
 use crate::answer::{in_digits, manoeuvre};
 
@@ -56,7 +58,8 @@ pub(crate) fn changed(finding: &Finding, before: &str) -> String {
 fn phrase(effect: &str, parameter: &ParameterEstimate) -> Option<String> {
     let ([low, high], estimate) = (parameter.ci95?, parameter.estimate?);
     let name = parameter.name.as_str();
-    let is_factor = name.ends_with("scale") || effect == "motor_gain";
+    let info = slipstream_sim::effects::find(effect).and_then(|own| own.parameter(name));
+    let is_factor = info.is_some_and(|own| own.role == Role::Factor);
     let was = parameter
         .nominal
         .unwrap_or(if is_factor { 1.0 } else { 0.0 });

@@ -103,7 +103,7 @@ impl Precision {
             Some(&point + step)
         };
         let clusters = problem.likelihood.clusters();
-        let groups = groups(&scores, clusters.as_deref());
+        let groups = groups(&scores, clusters);
         let left_out: Vec<DVector<f64>> = groups
             .iter()
             .map(|group| leave_out(group))

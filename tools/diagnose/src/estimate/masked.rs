@@ -28,7 +28,7 @@ impl Likelihood for Masked<'_> {
         self.inner.run_of()
     }
 
-    fn clusters(&self) -> Option<Vec<usize>> {
+    fn clusters(&self) -> Option<&[usize]> {
         self.inner.clusters()
     }
 

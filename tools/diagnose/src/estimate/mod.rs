@@ -21,7 +21,7 @@ pub(crate) trait Likelihood: Sync {
 
     /// The cluster of each block, where some blocks are known to err together; `None` where each is a
     /// cluster of its own.
-    fn clusters(&self) -> Option<Vec<usize>> {
+    fn clusters(&self) -> Option<&[usize]> {
         None
     }
 

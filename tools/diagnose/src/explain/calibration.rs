@@ -183,27 +183,8 @@ impl Search<'_> {
             }
         }
         fit = self.with_law(fit, &mut terms);
-        let mut always = self.always.to_vec();
-        let shared = |index: usize| self.machine.shared(index);
-        let (after, elimination) = loop {
-            let elimination = Elimination {
-                always: &always,
-                ..self.elimination(&terms)
-            };
-            let after = elimination.run(fit, &terms)?;
-            let Some((term, moved)) = elimination.as_before(&after) else {
-                break (after, self.elimination(&terms));
-            };
-            terms.retain(|own| own.name != term.name);
-            if !term.by_profile {
-                always.extend(term.parameters.iter().map(|i| shared(*i)));
-            }
-            fit = moved;
-        };
-        let elimination = Elimination {
-            always: &always,
-            ..elimination
-        };
+        let mut elimination = self.elimination(&terms);
+        let after = elimination.settled(fit, &mut terms)?;
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
@@ -283,23 +264,16 @@ impl Search<'_> {
     }
 
     fn elimination(&self, terms: &[Term]) -> Elimination<'_> {
-        let clusters = self.problem.likelihood.clusters();
-        let blocks = clusters.as_ref().and_then(|own| own.iter().max());
-        let blocks = blocks.map_or(self.problem.likelihood.blocks(), |last| last + 1);
         Elimination {
             shared: self.machine.before.any().then(|| Shared {
                 first: self.machine.shared(0),
                 count: MACHINE,
             }),
-            paired: clusters.is_some(),
             problem: self.problem,
             neutral: self.nominal,
-            always: self.always,
+            always: self.always.to_vec(),
             noise: self.noise,
-            criterion: Criterion {
-                tried: terms.len(),
-                blocks: blocks.min(16),
-            },
+            criterion: Criterion::of(self.problem.likelihood, terms.len()),
             useful: self.useful,
         }
     }

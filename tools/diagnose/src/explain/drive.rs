@@ -193,9 +193,7 @@ impl Search<'_> {
         if self.drive.before.any() {
             terms.retain(|t| !is_nuisance(t));
             for term in &mut terms {
-                for (index, floor) in term.parameters.iter().zip(&mut term.floors) {
-                    *floor += unnoticed(*index, self.drive.largest_rad_s).powi(2);
-                }
+                term.widen(|index| unnoticed(index, self.drive.largest_rad_s));
             }
         }
         let before = self.noise_alone();
@@ -204,21 +202,8 @@ impl Search<'_> {
             drive_error(self.drive, &with.at)
                 < (1.0 - USE_SHARE) * drive_error(self.drive, &without.at)
         };
-        let mut always = self.shared.clone();
-        let mut fit = full;
-        let (elimination, after) = loop {
-            let elimination = self.elimination(&terms, &always, &useful);
-            let after = elimination.run(fit, &terms)?;
-            let Some((term, moved)) = elimination.as_before(&after) else {
-                break (self.elimination(&terms, &always, &useful), after);
-            };
-            terms.retain(|own| own.name != term.name);
-            if !term.by_profile {
-                let parameters = term.parameters.iter();
-                always.extend(parameters.map(|i| CommandToWheels::shared(*i)));
-            }
-            fit = moved;
-        };
+        let mut elimination = self.elimination(&terms, &useful);
+        let after = elimination.settled(full, &mut terms)?;
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let criterion = elimination.criterion;
         Some(DriveFit {
@@ -232,26 +217,18 @@ impl Search<'_> {
     fn elimination<'b>(
         &'b self,
         terms: &[Term],
-        always: &'b [usize],
         useful: &'b dyn Fn(&Fit, &Fit) -> bool,
     ) -> Elimination<'b> {
-        let clusters = self.problem.likelihood.clusters();
-        let blocks = clusters.as_ref().and_then(|own| own.iter().max());
-        let blocks = blocks.map_or(self.problem.likelihood.blocks(), |last| last + 1);
         Elimination {
             shared: self.drive.before.any().then(|| Shared {
                 first: CommandToWheels::shared(0),
                 count: DRIVE,
             }),
-            paired: clusters.is_some(),
             problem: &self.problem,
             neutral: &self.nominal,
-            always,
+            always: self.shared.clone(),
             noise: &self.noise,
-            criterion: Criterion {
-                tried: terms.len(),
-                blocks: blocks.min(16),
-            },
+            criterion: Criterion::of(self.problem.likelihood, terms.len()),
             useful,
         }
     }

@@ -176,17 +176,17 @@ impl<'a> Machine<'a> {
             joint_drive = CommandToWheels::new(&all, task.model, task.excluded_s);
             if let Some(joint) = &mut joint {
                 let earlier_runs = joint.runs.iter().filter(|run| run.robot < count);
-                joint.before = Before {
+                joint.compare(Before {
                     runs: earlier_runs.count(),
                     robots: count,
                     spread: earlier.learnt.spread,
                     laws: laws_of(&earlier.learnt.claims),
-                };
+                    clusters: None,
+                });
                 machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
             }
             if let Some(joint) = &mut joint_drive {
-                let runs = joint.runs.iter().filter(|run| run.robot < count);
-                joint.before.runs = runs.count();
+                joint.compare(count);
             }
             let both = |before: usize, all: usize| before > 0 && before < all;
             joint = joint.filter(|own| both(own.before.runs, own.runs.len()));

@@ -87,20 +87,11 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         terms.extend(drive);
     }
     if machine.before.any() {
-        widen(machine, &mut terms);
-    }
-    terms
-}
-
-/// Adds to the floors of terms what recordings of one machine differ by without anybody calling it a
-/// change.
-fn widen(machine: &FromWheels, terms: &mut [Term]) {
-    for term in terms {
-        for (index, floor) in term.parameters.iter().zip(&mut term.floors) {
-            let own = unnoticed(machine, *index);
-            *floor += own * own;
+        for term in &mut terms {
+            term.widen(|index| unnoticed(machine, index));
         }
     }
+    terms
 }
 
 /// Deviation by which a parameter differs between two recordings of one machine.

@@ -69,6 +69,18 @@ impl CommandToWheels {
         })
     }
 
+    /// Compares runs of today with those of the first `robots`, which are from before.
+    pub(crate) fn compare(&mut self, robots: usize) {
+        let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
+        let before = self.runs.iter().filter(|run| run.robot < robots).count();
+        self.before = Before {
+            runs: before,
+            robots,
+            clusters: comparison::clusters(before, &runs.collect::<Vec<_>>()),
+            ..Before::default()
+        };
+    }
+
     /// Index of a parameter that runs from before share with those of today.
     pub(crate) fn shared(parameter: usize) -> usize {
         DRIVE + NOISE + parameter
@@ -287,12 +299,8 @@ impl Likelihood for CommandToWheels {
         blocks::run_of(self.runs.iter().map(|run| run.blocks))
     }
 
-    fn clusters(&self) -> Option<Vec<usize>> {
-        if !self.before.any() {
-            return None;
-        }
-        let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
-        comparison::clusters(&self.before, &runs.collect::<Vec<_>>())
+    fn clusters(&self) -> Option<&[usize]> {
+        self.before.clusters.as_deref()
     }
 
     fn is_shared(&self, _: usize) -> bool {

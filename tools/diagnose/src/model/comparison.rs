@@ -21,6 +21,8 @@ pub(crate) struct Before {
     pub(crate) spread: [Option<f64>; 2],
     /// Whether the machine had a law of speed over turn rate, and over speed.
     pub(crate) laws: [bool; 2],
+    /// The cluster of each block, where every run of today drives the course of one from before.
+    pub(crate) clusters: Option<Vec<usize>>,
 }
 
 impl Before {
@@ -112,11 +114,11 @@ pub(super) fn is_same(a: &[f64], b: &[f64]) -> bool {
 
 /// Clusters of blocks where every run of today drives the course of one from before: what goes wrong on
 /// it goes wrong in both. `runs` are blocks and course of each.
-pub(super) fn clusters(before: &Before, runs: &[(Blocks, Vec<f64>)]) -> Option<Vec<usize>> {
-    let (then, now) = runs.split_at_checked(before.runs)?;
+pub(super) fn clusters(before: usize, runs: &[(Blocks, Vec<f64>)]) -> Option<Vec<usize>> {
+    let (then, now) = runs.split_at_checked(before)?;
     let pairs = || then.iter().zip(now);
     let alike = pairs().all(|((a, one), (b, other))| a.count == b.count && is_same(one, other));
-    if !before.any() || then.len() != now.len() || !alike {
+    if before == 0 || then.len() != now.len() || !alike {
         return None;
     }
     let first = now.first()?.0.first;

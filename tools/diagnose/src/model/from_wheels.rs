@@ -134,6 +134,13 @@ impl FromWheels {
         MACHINE + self.runs.len() * (RUN + RUN_NOISE) + parameter
     }
 
+    /// Compares runs of today with those from before.
+    pub(crate) fn compare(&mut self, before: Before) {
+        let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
+        let clusters = comparison::clusters(before.runs, &runs.collect::<Vec<_>>());
+        self.before = Before { clusters, ..before };
+    }
+
     /// The same machine with its runs of today alone.
     pub(crate) fn today(&self) -> Self {
         let mut today = self.clone();
@@ -593,16 +600,8 @@ impl Likelihood for View<'_> {
         blocks::run_of(self.machine.runs.iter().map(|run| run.blocks))
     }
 
-    fn clusters(&self) -> Option<Vec<usize>> {
-        if !self.machine.before.any() {
-            return None;
-        }
-        let runs = self
-            .machine
-            .runs
-            .iter()
-            .map(|run| (run.blocks, run.course()));
-        comparison::clusters(&self.machine.before, &runs.collect::<Vec<_>>())
+    fn clusters(&self) -> Option<&[usize]> {
+        self.machine.before.clusters.as_deref()
     }
 
     fn is_shared(&self, parameter: usize) -> bool {

@@ -2,6 +2,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
+use crate::estimate::Likelihood;
+
 /// Probability that a recording in which nothing is to be found yields a finding.
 pub(crate) const FALSE_ALARM: f64 = 0.01;
 
@@ -15,7 +17,20 @@ pub(crate) struct Criterion {
     pub(crate) blocks: usize,
 }
 
+/// Most blocks that count.
+const MOST_BLOCKS: usize = 16;
+
 impl Criterion {
+    /// A test among `tried` terms on the data of a likelihood.
+    pub(crate) fn of(likelihood: &dyn Likelihood, tried: usize) -> Self {
+        let clusters = likelihood.clusters().and_then(|own| own.iter().max());
+        let blocks = clusters.map_or(likelihood.blocks(), |last| last + 1);
+        Self {
+            tried,
+            blocks: blocks.min(MOST_BLOCKS),
+        }
+    }
+
     /// Gain (nats) that a term of `parameters` parameters has to bring.
     pub(crate) fn least_gain(&self, parameters: usize) -> f64 {
         let rate = FALSE_ALARM / self.tried.max(1) as f64;

@@ -26,6 +26,16 @@ pub(crate) struct Term {
     pub(crate) lasting: bool,
 }
 
+impl Term {
+    /// Adds to the floors: a deviation for each parameter that nobody would call a difference.
+    pub(crate) fn widen(&mut self, deviation: impl Fn(usize) -> f64) {
+        for (index, floor) in self.parameters.iter().zip(&mut self.floors) {
+            let own = deviation(*index);
+            *floor += own * own;
+        }
+    }
+}
+
 /// A term that is needed, and why.
 #[derive(Debug, Clone)]
 pub(crate) struct Kept {
@@ -123,14 +133,12 @@ pub(crate) struct Elimination<'a> {
     /// Value of each parameter without its term.
     pub(crate) neutral: &'a [f64],
     /// Parameters that are always free and no noise sizes.
-    pub(crate) always: &'a [usize],
+    pub(crate) always: Vec<usize>,
     /// Noise sizes.
     pub(crate) noise: &'a [usize],
     pub(crate) criterion: Criterion,
     /// What runs from before share with those of today, where changes are looked for.
     pub(crate) shared: Option<Shared>,
-    /// Whether runs on one course are compared.
-    pub(crate) paired: bool,
     /// Whether the fit with a term predicts better than the one without.
     pub(crate) useful: &'a dyn Fn(&Fit, &Fit) -> bool,
 }
@@ -138,7 +146,7 @@ pub(crate) struct Elimination<'a> {
 impl Elimination<'_> {
     /// Parameters that are free with these terms: physics first, noise sizes last.
     pub(crate) fn free(&self, terms: &[Term]) -> (Vec<usize>, usize) {
-        let mut free: Vec<usize> = self.always.to_vec();
+        let mut free: Vec<usize> = self.always.clone();
         let smooth = terms.iter().filter(|term| !term.by_profile);
         free.extend(smooth.flat_map(|term| &term.parameters));
         let physics = free.len();
@@ -247,9 +255,29 @@ impl Elimination<'_> {
         None
     }
 
+    /// The same for changes: those that may as well have been there before leave `terms` and become part of
+    /// what all runs share.
+    pub(crate) fn settled(&mut self, mut fit: Fit, terms: &mut Vec<Term>) -> Option<Selected> {
+        loop {
+            let found = self.run(fit, terms)?;
+            let Some((term, moved)) = self.as_before(&found) else {
+                return Some(found);
+            };
+            terms.retain(|own| own.name != term.name);
+            self.criterion.tried = terms.len();
+            if !term.by_profile
+                && let Some(shared) = self.shared
+            {
+                let own = term.parameters.iter();
+                self.always.extend(own.filter_map(|i| shared.of(*i)));
+            }
+            fit = moved;
+        }
+    }
+
     /// A change that may as well have been there before, where nothing is known of it: its term, and the fit
     /// in which runs from before have it too.
-    pub(crate) fn as_before(&self, found: &Selected) -> Option<(Term, Fit)> {
+    fn as_before(&self, found: &Selected) -> Option<(Term, Fit)> {
         let shared = self.shared?;
         let unknown = |term: &Term| {
             let mut own = term.parameters.iter().map(|i| shared.of(*i));
@@ -345,8 +373,7 @@ impl Elimination<'_> {
         let mut weakest: Option<(f64, Fit, Vec<Term>)> = None;
         for i in order {
             let term = left[i].clone();
-            let (less, rest, stands_in) = self.removed(fit, &term, left, terms);
-            let mut less = less;
+            let (mut less, rest, stands_in) = self.removed(fit, &term, left, terms);
             let least = self.criterion.least_gain(term.parameters.len());
             let gain = fit.objective - less.objective;
             if (least..least * CERTAIN).contains(&gain) {
@@ -389,11 +416,16 @@ impl Elimination<'_> {
         })
     }
 
+    /// Whether runs on one course are compared.
+    fn is_paired(&self) -> bool {
+        self.problem.likelihood.clusters().is_some()
+    }
+
     /// Whether a term brings what the criterion asks for. Where runs on one course err together, the
     /// likelihood counts an error twice that cancels in the change: then the spread over blocks decides.
     fn brings(&self, gain: f64, wald: f64, parameters: usize) -> bool {
         let least = self.criterion.least_gain(parameters);
-        let by_blocks = self.paired && wald > self.criterion.least_wald(parameters);
+        let by_blocks = self.is_paired() && wald > self.criterion.least_wald(parameters);
         gain > least || by_blocks && gain > 0.0
     }
 
@@ -467,7 +499,7 @@ impl Elimination<'_> {
         let alike = |index: &usize| {
             let place = fit.free.iter().position(|f| f == index);
             let ratio = place
-                .filter(|_| self.paired)
+                .filter(|_| self.is_paired())
                 .map(|place| precision.ratios[place]);
             ratio.map_or(1.0, |ratio| ratio.min(1.0))
         };

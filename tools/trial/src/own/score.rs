@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use slipstream_sim::effects::{Role, find};
+
 use super::made::OwnCase;
 use crate::answer::DiagnosisAnswer;
 use crate::diagnosis_process::DiagnosisRun;
@@ -59,9 +61,10 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
 /// The answer with changes in the place of values: differences, or factors where the parameter is one.
 fn as_changes(mut answer: DiagnosisAnswer) -> DiagnosisAnswer {
     for finding in &mut answer.findings {
-        let factors = ["wheel_radius", "encoder_scale", "motor_gain", "track_width"];
-        let is_factor = factors.contains(&finding.effect.as_str());
+        let info = find(&finding.effect);
         for parameter in &mut finding.parameters {
+            let own = info.and_then(|info| info.parameter(&parameter.name));
+            let is_factor = own.is_some_and(|own| own.role == Role::Factor);
             let nominal = parameter
                 .nominal
                 .unwrap_or(if is_factor { 1.0 } else { 0.0 });
