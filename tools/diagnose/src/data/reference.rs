@@ -2,6 +2,7 @@
 
 use slipstream_recording::recording::Robot;
 
+use super::matched::Stamps;
 use crate::filter::wheel_path::median_interval;
 use crate::filter::wheels_to_pose::PoseRow;
 
@@ -64,8 +65,7 @@ pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
             all.push((t_s, row));
         }
     }
-    let times: Vec<f64> = all.iter().map(|row| row.0).collect();
-    let series = thinned(&all, &times, POSE_STEP_S);
+    let series = thinned(&all, &times(&all), POSE_STEP_S);
     (all.len() >= LEAST_POSES).then_some(Thinned { all, series })
 }
 
@@ -85,18 +85,58 @@ pub(crate) fn gyro(
             all.push((t_s, *rate));
         }
     }
-    let mut angle = 0.0;
-    let mut integrated = Vec::with_capacity(all.len());
-    for (i, (t_s, rate)) in all.iter().enumerate() {
-        if i > 0 {
-            angle += (t_s - all[i - 1].0) * (rate + all[i - 1].1) / 2.0;
-        }
-        integrated.push((*t_s, angle));
-    }
-    let times: Vec<f64> = all.iter().map(|row| row.0).collect();
     let step_s = GYRO_STEP_S.max(2.0 * wheel_interval_s);
-    let series = thinned(&integrated, &times, step_s);
+    let series = thinned(&integrated(&all), &times(&all), step_s);
     (all.len() >= LEAST_RATES).then_some(Thinned { all, series })
+}
+
+/// Angle (rad) behind every rate (rad/s).
+fn integrated(rates: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut angle = 0.0;
+    let mut all = Vec::with_capacity(rates.len());
+    for (i, (t_s, rate)) in rates.iter().enumerate() {
+        if i > 0 {
+            angle += (t_s - rates[i - 1].0) * (rate + rates[i - 1].1) / 2.0;
+        }
+        all.push((*t_s, angle));
+    }
+    all
+}
+
+fn times<V>(rows: &[(f64, V)]) -> Vec<f64> {
+    rows.iter().map(|row| row.0).collect()
+}
+
+/// Keeps of the poses of two recordings the rows that both have, in the same series; `false` where these
+/// are too few.
+pub(crate) fn match_poses(stamps: &Stamps, both: [&mut Thinned<PoseRow>; 2]) -> bool {
+    let [first, second] = both;
+    let kept = stamps.keep([&mut first.all, &mut second.all], |row| row.0);
+    if kept.is_some() {
+        let series = numbers(&times(&first.all), POSE_STEP_S);
+        for own in [first, second] {
+            own.series = picked(&own.all, &series);
+        }
+    }
+    kept.is_some()
+}
+
+/// The same for the gyro.
+pub(crate) fn match_rates(
+    stamps: &Stamps,
+    both: [&mut Thinned<(f64, f64)>; 2],
+    wheel_interval_s: f64,
+) -> bool {
+    let [first, second] = both;
+    let kept = stamps.keep([&mut first.all, &mut second.all], |row| row.0);
+    if kept.is_some() {
+        let step_s = GYRO_STEP_S.max(2.0 * wheel_interval_s);
+        let series = numbers(&times(&first.all), step_s);
+        for own in [first, second] {
+            own.series = picked(&integrated(&own.all), &series);
+        }
+    }
+    kept.is_some()
 }
 
 impl<R: Copy> Thinned<R> {
@@ -112,22 +152,28 @@ impl<R: Copy> Thinned<R> {
 
 /// Interleaved series of rows at least `step_s` apart.
 fn thinned<R: Copy>(rows: &[R], times_s: &[f64], step_s: f64) -> Vec<Vec<R>> {
+    picked(rows, &numbers(times_s, step_s))
+}
+
+fn picked<R: Copy>(rows: &[R], series: &[Vec<usize>]) -> Vec<Vec<R>> {
+    let each = series.iter();
+    each.map(|own| own.iter().map(|row| rows[*row]).collect())
+        .collect()
+}
+
+/// Numbers of the rows of interleaved series at least `step_s` apart.
+fn numbers(times_s: &[f64], step_s: f64) -> Vec<Vec<usize>> {
     let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
         return Vec::new();
     };
+    let rows = times_s.len();
     let step_s = step_s.max((last - first) / SERIES_ROWS);
     let interval_s = median_interval(times_s).max(1e-9);
     let stride = (step_s / interval_s).round().max(1.0);
-    let most = (ALL_ROWS * stride / rows.len() as f64).floor();
+    let most = (ALL_ROWS * stride / rows as f64).floor();
     let count = most.clamp(1.0, stride.min(MOST_SERIES)) as usize;
     let stride = stride as usize;
     (0..count)
-        .map(|k| {
-            rows.iter()
-                .skip(k * stride / count)
-                .step_by(stride)
-                .copied()
-                .collect()
-        })
+        .map(|k| (0..rows).skip(k * stride / count).step_by(stride).collect())
         .collect()
 }

@@ -6,6 +6,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{Robot, Wheels};
 
 use super::command::CommandPath;
+use super::matched::Stamps;
 
 /// What a row of the wheels holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -78,6 +79,18 @@ pub(crate) fn rows(
         rounding_rad,
         rows,
     })
+}
+
+/// Keeps of two recordings the rows that both have; `false` where these are too few.
+pub(crate) fn match_wheels(stamps: &Stamps, [first, second]: [&mut WheelRows; 2]) -> bool {
+    let kept = stamps.keep([&mut first.rows, &mut second.rows], |row| row.time_s);
+    if kept.is_some() {
+        for (a, b) in first.rows.iter_mut().zip(&mut second.rows) {
+            let counts = a.counts && b.counts;
+            (a.counts, b.counts) = (counts, counts);
+        }
+    }
+    kept.is_some()
 }
 
 /// What both wheels' rows hold, the deviation of their rounding (rad), and the rows; NaN where a count is

@@ -17,8 +17,6 @@ const NOISE_CLIP: f64 = 2.0;
 pub(crate) const LEAST_RUNS: usize = 3;
 /// Least variance relative to the model's: fewer blocks than parameters would say less than nothing.
 const LEAST_SHARE: f64 = 0.25;
-/// The same where blocks of two runs on one course are left out together.
-const LEAST_PAIRED_SHARE: f64 = 0.01;
 
 /// The factor of a matrix that is positive definite but for rounding: its diagonal is raised until it
 /// is.
@@ -123,11 +121,6 @@ impl Precision {
                 }
             }
         }
-        // what errs together cancels in a difference, and the model of independent errors does not know
-        let least_share = match clusters {
-            Some(_) => LEAST_PAIRED_SHARE,
-            None => LEAST_SHARE,
-        };
         let n = fit.free.len();
         let mut scale = DVector::zeros(n);
         let mut log_sum = 0.0;
@@ -135,7 +128,7 @@ impl Precision {
         for i in 0..n {
             let prior = problem.priors[fit.free[i]].precision();
             let from_prior = model[(i, i)] * model[(i, i)] * prior;
-            let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(least_share);
+            let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
             scale[i] = ratio.sqrt();
             ratios.push(ratio);
             if i < physics {

@@ -8,6 +8,7 @@ use num_dual::{Derivative, DualSVec64};
 use rayon::prelude::*;
 
 use super::BlockScore;
+use super::pairs::Whitened;
 use crate::filter::Innovation;
 
 /// Derivatives that one pass of a filter carries.
@@ -15,7 +16,7 @@ pub(crate) const LANES: usize = 8;
 /// A number with derivatives by [`LANES`] parameters.
 pub(crate) type Dual = DualSVec64<LANES>;
 /// Most numbers of a row whose squares make the information: 3 of ν, 6 of S.
-const WIDTH: usize = 9;
+pub(super) const WIDTH: usize = 9;
 
 /// Rows of one filter: derivatives of every row by every local parameter.
 #[derive(Debug, Default)]
@@ -25,15 +26,19 @@ pub(crate) struct Rows {
     /// For each parameter, piece after piece: weighted derivative of the log-likelihood.
     scores: Vec<Vec<f64>>,
     /// For each parameter, row after row: whitened derivatives.
-    whitened: Vec<Vec<f64>>,
+    pub(super) whitened: Vec<Vec<f64>>,
+    /// The rows themselves, where another recording is compared with them.
+    pub(super) kept: Vec<Whitened>,
 }
 
 impl Rows {
     /// Runs a filter once for every [`LANES`] of `free` (indices into `at`). `run` runs it with
-    /// parameters that carry derivatives; `block_of` gives the block of a stamp (s).
+    /// parameters that carry derivatives; `block_of` gives the block of a stamp (s). `keep`: another
+    /// recording is compared with the rows.
     pub(crate) fn new(
         at: &[f64],
         free: &[usize],
+        keep: bool,
         run: impl Fn(&[Dual], &mut dyn FnMut(Innovation<Dual>)) + Sync,
         block_of: impl Fn(f64) -> usize + Sync,
     ) -> Self {
@@ -55,12 +60,20 @@ impl Rows {
                 pieces: Vec::new(),
                 scores: vec![Vec::new(); lanes.len()],
                 whitened: vec![Vec::new(); lanes.len()],
+                kept: Vec::new(),
             };
-            run(&parameters, &mut |row| own.push(&row, block_of(row.time_s)));
+            run(&parameters, &mut |row| {
+                let block = block_of(row.time_s);
+                own.push(&row, block);
+                if keep {
+                    own.kept.push(Whitened::new(&row.values(), block));
+                }
+            });
             own
         });
         let mut all = Self::default();
         for own in chunks.collect::<Vec<_>>() {
+            all.kept = own.kept;
             all.pieces = own.pieces;
             all.scores.extend(own.scores);
             all.whitened.extend(own.whitened);
@@ -201,7 +214,7 @@ impl Derivatives {
 }
 
 /// Inverse of the lower Cholesky factor of a 3 by 3 matrix.
-fn inverse_factor(s: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+pub(super) fn inverse_factor(s: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let a = s[0][0].sqrt();
     let b = s[1][0] / a;
     let c = (s[1][1] - b * b).max(f64::MIN_POSITIVE).sqrt();

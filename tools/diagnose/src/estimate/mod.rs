@@ -7,6 +7,7 @@ pub(crate) mod blocks;
 pub(crate) mod cluster;
 pub(crate) mod information;
 pub(crate) mod masked;
+pub(crate) mod pairs;
 pub(crate) mod scoring;
 
 use nalgebra::{DMatrix, DVector};
@@ -23,6 +24,12 @@ pub(crate) trait Likelihood: Sync {
     /// cluster of its own.
     fn clusters(&self) -> Option<&[usize]> {
         None
+    }
+
+    /// Share of the variance of innovations that two recordings of one course do not have in common; 1
+    /// where no such recordings are compared.
+    fn apart(&self, _at: &[f64]) -> f64 {
+        1.0
     }
 
     /// Whether a parameter is shared by all runs.

@@ -377,9 +377,7 @@ impl Search<'_> {
         }
         let (all, _) = self.elimination(terms).free(terms);
         let rated = self.problem.fit(&best.at, &all, FULL);
-        let paired = self.problem.likelihood.clusters().is_some();
-        let least = if paired { 0.0 } else { RATE_NATS };
-        if rated.objective - best.objective > least {
+        if rated.objective - best.objective > RATE_NATS {
             return (rated, band_rad_s);
         }
         terms.retain(|term| {
@@ -551,7 +549,7 @@ impl Search<'_> {
         let fit = self.problem.fit(&found.fit.at, &free, FULL);
         let precision = Precision::new(self.problem, &fit, physics)?;
         if let Some(last) = kept.last_mut() {
-            last.term.floors = elimination.floors(term, &fit, &precision);
+            last.term.floors = elimination.floors(term, &fit);
         }
         Some(Selected {
             fit,

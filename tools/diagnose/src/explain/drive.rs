@@ -181,7 +181,7 @@ impl DriveFit {
             problem: drive.problem(drive, &nominal),
             nominal,
             shared,
-            noise: CommandToWheels::noise(),
+            noise: drive.noise(),
         };
         search.run(excluded)
     }

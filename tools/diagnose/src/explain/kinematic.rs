@@ -182,11 +182,11 @@ impl<'a> Machine<'a> {
                     spread: earlier.learnt.spread,
                     laws: laws_of(&earlier.learnt.claims),
                     clusters: None,
-                });
+                }, &all);
                 machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
             }
             if let Some(joint) = &mut joint_drive {
-                joint.compare(count);
+                joint.compare(count, &all);
             }
             let both = |before: usize, all: usize| before > 0 && before < all;
             joint = joint.filter(|own| both(own.before.runs, own.runs.len()));

@@ -247,6 +247,7 @@ pub(super) fn term(name: &'static str, parameters: &[(usize, f64)], caution: f64
         name,
         parameters: parameters.iter().map(|(index, _)| *index).collect(),
         floors: parameters.iter().map(|(_, floor)| floor * floor).collect(),
+        unnoticed: vec![0.0; parameters.len()],
         caution,
         by_profile: false,
         positive: false,

@@ -37,6 +37,21 @@ pub(crate) struct Innovation<S> {
     pub(crate) covariance: Matrix3<S>,
 }
 
+impl<S: Scalar> Innovation<S> {
+    /// The same without derivatives.
+    pub(crate) fn values(&self) -> Innovation<f64> {
+        Innovation {
+            time_s: self.time_s,
+            weight: self.weight,
+            ordinary: self.ordinary,
+            log_likelihood: self.log_likelihood.value(),
+            scalar: self.scalar,
+            difference: self.difference.map(|own| own.value()),
+            covariance: self.covariance.map(|line| line.map(|own| own.value())),
+        }
+    }
+}
+
 /// A whole turn is taken off an angle until it lies within half a turn of zero.
 pub(crate) fn wrapped<S: Scalar>(angle: S) -> S {
     let turns = (angle.value() / std::f64::consts::TAU).round();

@@ -12,10 +12,12 @@ use super::drive::{
 };
 use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
-use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, rows};
+use crate::data::matched::Stamps;
+use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::pairs::{self, Share, Side, Whitened};
 use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
@@ -69,20 +71,33 @@ impl CommandToWheels {
         })
     }
 
-    /// Compares runs of today with those of the first `robots`, which are from before.
-    pub(crate) fn compare(&mut self, robots: usize) {
+    /// Compares runs of today with those of the first `count` of `robots`, which are from before.
+    pub(crate) fn compare(&mut self, count: usize, robots: &[&Robot]) {
         let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
-        let before = self.runs.iter().filter(|run| run.robot < robots).count();
+        let before = self.runs.iter().filter(|run| run.robot < count).count();
+        let clusters = comparison::clusters(before, &runs.collect::<Vec<_>>());
+        let clusters = clusters.filter(|_| {
+            let (then, now) = self.runs.split_at_mut(before);
+            let mut pairs = then.iter_mut().zip(now);
+            pairs.all(|(a, b)| {
+                let both = [robots[a.robot], robots[b.robot]];
+                let stamps = Stamps::new(both, |own| own.wheels.as_ref());
+                stamps.is_some_and(|own| match_wheels(&own, [&mut a.wheels, &mut b.wheels]))
+            })
+        });
         self.before = Before {
             runs: before,
-            robots,
-            clusters: comparison::clusters(before, &runs.collect::<Vec<_>>()),
+            robots: count,
+            clusters,
             ..Before::default()
         };
     }
 
+    /// Index of the share that runs from before and of today do not have in common.
+    const SHARE: usize = Self::shared(DRIVE);
+
     /// Index of a parameter that runs from before share with those of today.
-    pub(crate) fn shared(parameter: usize) -> usize {
+    pub(crate) const fn shared(parameter: usize) -> usize {
         DRIVE + NOISE + parameter
     }
 
@@ -119,6 +134,7 @@ impl CommandToWheels {
         if self.before.any() {
             at.extend_from_within(..DRIVE);
             at[..DRIVE].fill(0.0);
+            at.push(0.0);
         }
         at
     }
@@ -129,6 +145,7 @@ impl CommandToWheels {
         deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
         if self.before.any() {
             deviations.extend_from_within(..DRIVE);
+            deviations.push(pairs::DEVIATION);
         }
         let pairs = nominal.iter().zip(deviations);
         let mut priors: Vec<Prior> = pairs
@@ -161,13 +178,15 @@ impl CommandToWheels {
         longest.extend([1.0; NOISE]);
         if self.before.any() {
             longest.extend_from_within(..DRIVE);
+            longest.push(pairs::LONGEST);
         }
         longest
     }
 
     /// Indices of the noise sizes.
-    pub(crate) fn noise() -> Vec<usize> {
-        (DRIVE..DRIVE + NOISE).collect()
+    pub(crate) fn noise(&self) -> Vec<usize> {
+        let share = self.before.is_paired().then_some(Self::SHARE);
+        (DRIVE..DRIVE + NOISE).chain(share).collect()
     }
 }
 
@@ -307,19 +326,45 @@ impl Likelihood for CommandToWheels {
         self.before.shows_spread(self.runs.len(), LEAST_RUNS)
     }
 
+    fn apart(&self, at: &[f64]) -> f64 {
+        if self.before.is_paired() {
+            Share::new(at[Self::SHARE]).value
+        } else {
+            1.0
+        }
+    }
+
     fn value(&self, at: &[f64]) -> Vec<f64> {
+        let keep = self.before.is_paired();
         let runs = self.runs.par_iter().enumerate().map(|(i, run)| {
             let mut own = vec![0.0; run.blocks.count];
+            let mut rows = Vec::new();
             let mut sink = |row: Innovation<f64>| {
-                own[run.blocks.of(row.time_s)] += row.weight * row.log_likelihood;
+                let block = run.blocks.of(row.time_s);
+                own[block] += row.weight * row.log_likelihood;
+                if keep {
+                    rows.push(Whitened::new(&row, run.blocks.first + block));
+                }
             };
             run.filter(&self.local(i, at), &mut sink, &mut |_, _, _| ());
-            own
+            (own, rows)
         });
-        runs.collect::<Vec<_>>().concat()
+        let runs: Vec<(Vec<f64>, Vec<Whitened>)> = runs.collect();
+        let mut all: Vec<f64> = runs.iter().flat_map(|(values, _)| values).copied().collect();
+        if keep {
+            let share = Share::new(at[Self::SHARE]);
+            let (then, now) = runs.split_at(self.before.runs);
+            for ((_, first), (_, second)) in then.iter().zip(now) {
+                for (block, gain) in pairs::gains(first, second, share) {
+                    all[block] += gain;
+                }
+            }
+        }
+        all
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        let keep = self.before.is_paired();
         let mut blocks = empty(Likelihood::blocks(self), free.len());
         let all = self.runs.par_iter().enumerate().map(|(i, run)| {
             let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
@@ -327,10 +372,21 @@ impl Likelihood for CommandToWheels {
                 run.filter(p, sink, &mut |_, _, _| ());
             };
             let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
-            (Rows::new(&self.local(i, at), &local, filter, block), to)
+            let rows = Rows::new(&self.local(i, at), &local, keep, filter, block);
+            (rows, to)
         });
-        for (rows, to) in all.collect::<Vec<_>>() {
-            rows.add_to(&mut blocks, &to);
+        let all: Vec<(Rows, Vec<(usize, usize)>)> = all.collect();
+        for (rows, to) in &all {
+            rows.add_to(&mut blocks, to);
+        }
+        if keep {
+            let share = Share::new(at[Self::SHARE]);
+            let place = free.iter().position(|own| *own == Self::SHARE);
+            let (then, now) = all.split_at(self.before.runs);
+            for both in then.iter().zip(now) {
+                let sides = [both.0, both.1].map(|(rows, to)| Side { rows, to });
+                pairs::add_to(&mut blocks, sides, share, place);
+            }
         }
         blocks
     }

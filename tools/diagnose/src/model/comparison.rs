@@ -21,9 +21,14 @@ pub(crate) struct Before {
     pub(crate) spread: [Option<f64>; 2],
     /// Whether the machine had a law of speed over turn rate, and over speed.
     pub(crate) laws: [bool; 2],
-    /// The cluster of each block, where every run of today drives the course of one from before.
+    /// The cluster of each block, where every run of today drives the course of one from before and was
+    /// measured at the same moments.
     pub(crate) clusters: Option<Vec<usize>>,
 }
+
+/// Index of the parameters that say how much two recordings of one course have in common: of poses (or
+/// of wheels under commands), and of the gyro.
+pub(crate) const SHARES: usize = 2;
 
 impl Before {
     /// Whether there are runs from before.
@@ -34,6 +39,11 @@ impl Before {
     /// Whether a run is from before.
     pub(crate) fn has(&self, run: usize) -> bool {
         run < self.runs
+    }
+
+    /// Whether every run of today is compared row by row with the one from before of the same number.
+    pub(crate) fn is_paired(&self) -> bool {
+        self.clusters.is_some()
     }
 
     /// Whether enough runs of both kinds, of `runs` in all, show how runs differ.

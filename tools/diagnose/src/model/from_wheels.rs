@@ -9,14 +9,16 @@ use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
 use super::command_to_wheels::{self, drive_of};
-use super::comparison::{self, Before};
+use super::comparison::{self, Before, SHARES};
 use super::drive::{DRIVE, SATURATION};
 use super::nominal::{self, clock_rate, number};
 use super::run::{RUN_NOISE, Run, Source};
-use crate::data::reference::POSE_STEP_S;
+use crate::data::matched::Stamps;
+use crate::data::reference::{POSE_STEP_S, match_poses, match_rates};
 use crate::estimate::blocks;
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
+use crate::estimate::pairs::{self, Share, Side, Whitened};
 use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
@@ -125,8 +127,17 @@ impl FromWheels {
 
     /// Number of parameters, noise sizes included.
     pub(crate) fn parameters(&self) -> usize {
-        let shared = if self.before.any() { MACHINE } else { 0 };
+        let shared = if self.before.any() {
+            MACHINE + SHARES
+        } else {
+            0
+        };
         self.shared(shared)
+    }
+
+    /// Index of the share that runs from before and of today do not have in common, of one reference.
+    fn share(&self, reference: Reference) -> usize {
+        self.shared(MACHINE) + reference as usize
     }
 
     /// Index of a parameter of the machine that runs from before share with those of today.
@@ -134,10 +145,15 @@ impl FromWheels {
         MACHINE + self.runs.len() * (RUN + RUN_NOISE) + parameter
     }
 
-    /// Compares runs of today with those from before.
-    pub(crate) fn compare(&mut self, before: Before) {
+    /// Compares runs of today with those from before; `robots` are those of all.
+    pub(crate) fn compare(&mut self, before: Before, robots: &[&Robot]) {
         let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
         let clusters = comparison::clusters(before.runs, &runs.collect::<Vec<_>>());
+        let clusters = clusters.filter(|_| {
+            let (then, now) = self.runs.split_at_mut(before.runs);
+            let mut pairs = then.iter_mut().zip(now);
+            pairs.all(|(a, b)| match_runs([a, b], robots))
+        });
         self.before = Before { clusters, ..before };
     }
 
@@ -179,11 +195,25 @@ impl FromWheels {
                 .chain(second..second + gyro)
                 .collect::<Vec<_>>()
         };
-        self.runs
+        let own = self
+            .runs
             .iter()
             .enumerate()
-            .flat_map(|(i, run)| of(i, run))
+            .flat_map(|(i, run)| of(i, run));
+        own.chain(self.shares().map(|reference| self.share(reference)))
             .collect()
+    }
+
+    /// References that are compared row by row.
+    fn shares(&self) -> impl Iterator<Item = Reference> + '_ {
+        let paired = self.before.is_paired();
+        Reference::ALL.into_iter().filter(move |own| {
+            paired
+                && match own {
+                    Reference::Pose => self.has_pose(),
+                    Reference::Gyro => self.has_gyro(),
+                }
+        })
     }
 
     /// Whether wheels turn as commanded, for none were recorded.
@@ -275,7 +305,7 @@ impl FromWheels {
         if self.before.any() {
             let shared = self.shared(0);
             let (changes, rest) = at.split_at_mut(shared);
-            rest.copy_from_slice(&changes[..MACHINE]);
+            rest[..MACHINE].copy_from_slice(&changes[..MACHINE]);
             changes[..MACHINE].fill(0.0);
         }
         at
@@ -313,6 +343,7 @@ impl FromWheels {
         }
         if self.before.any() {
             deviations.extend_from_within(..MACHINE);
+            deviations.extend([pairs::DEVIATION; SHARES]);
         }
         let pairs = nominal.iter().zip(deviations);
         let mut priors: Vec<Prior> = pairs
@@ -351,6 +382,7 @@ impl FromWheels {
         }
         if self.before.any() {
             longest.extend_from_within(..MACHINE);
+            longest.extend([pairs::LONGEST; SHARES]);
         }
         longest
     }
@@ -559,8 +591,8 @@ impl View<'_> {
 /// What the wheels are compared with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Reference {
-    Pose,
-    Gyro,
+    Pose = 0,
+    Gyro = 1,
 }
 
 impl Reference {
@@ -610,29 +642,53 @@ impl Likelihood for View<'_> {
         of_all && machine.before.shows_spread(machine.runs.len(), LEAST_RUNS)
     }
 
+    fn apart(&self, at: &[f64]) -> f64 {
+        let machine = self.machine;
+        let shares = machine.shares().map(|own| at[machine.share(own)]);
+        let shares = shares.map(|logit| Share::new(logit).value);
+        shares.reduce(f64::max).unwrap_or(1.0)
+    }
+
     fn value(&self, at: &[f64]) -> Vec<f64> {
         let machine = self.machine;
+        let keep = machine.before.is_paired();
         let runs = machine.runs.par_iter().enumerate().map(|(i, run)| {
             let local = machine.local(i, at);
-            let each = Reference::ALL.par_iter().map(|reference| {
+            let mut rows = [Vec::new(), Vec::new()];
+            let each = Reference::ALL.par_iter().zip(&mut rows);
+            let each = each.map(|(reference, rows)| {
                 let mut own = vec![0.0; run.blocks.count];
                 self.filter(*reference, run, &local, &mut |row: Innovation<f64>| {
-                    own[run.blocks.of(row.time_s)] += row.weight * row.log_likelihood;
+                    let block = run.blocks.of(row.time_s);
+                    own[block] += row.weight * row.log_likelihood;
+                    if keep {
+                        rows.push(Whitened::new(&row, run.blocks.first + block));
+                    }
                 });
                 own
             });
             let each: Vec<Vec<f64>> = each.collect();
-            each[0]
-                .iter()
-                .zip(&each[1])
-                .map(|(a, b)| a + b)
-                .collect::<Vec<f64>>()
+            let values: Vec<f64> = each[0].iter().zip(&each[1]).map(|(a, b)| a + b).collect();
+            (values, rows)
         });
-        runs.collect::<Vec<_>>().concat()
+        let runs: Vec<(Vec<f64>, [Vec<Whitened>; 2])> = runs.collect();
+        let mut all: Vec<f64> = runs.iter().flat_map(|(values, _)| values).copied().collect();
+        for reference in machine.shares() {
+            let share = Share::new(at[machine.share(reference)]);
+            let rows = |run: usize| &runs[run].1[reference as usize];
+            for run in 0..machine.before.runs {
+                for (block, gain) in pairs::gains(rows(run), rows(machine.before.runs + run), share)
+                {
+                    all[block] += gain;
+                }
+            }
+        }
+        all
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
         let machine = self.machine;
+        let keep = machine.before.is_paired();
         let mut blocks = empty(Likelihood::blocks(self), free.len());
         let all = machine.runs.par_iter().enumerate();
         let all = all.flat_map(|run| Reference::ALL.par_iter().map(move |r| (run, *r)));
@@ -644,13 +700,44 @@ impl Likelihood for View<'_> {
                 self.filter(reference, run, p, sink);
             };
             let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
-            (Rows::new(&machine.local(i, at), &local, filter, block), to)
+            let local = Rows::new(&machine.local(i, at), &local, keep, filter, block);
+            (local, to)
         });
-        for (rows, to) in all.collect::<Vec<_>>() {
-            rows.add_to(&mut blocks, &to);
+        let all: Vec<(Rows, Vec<(usize, usize)>)> = all.collect();
+        for (rows, to) in &all {
+            rows.add_to(&mut blocks, to);
+        }
+        for reference in machine.shares() {
+            let index = machine.share(reference);
+            let place = free.iter().position(|own| *own == index);
+            let side = |run: usize| {
+                let (rows, to) = &all[Reference::ALL.len() * run + reference as usize];
+                Side { rows, to }
+            };
+            for run in 0..machine.before.runs {
+                let both = [side(run), side(machine.before.runs + run)];
+                pairs::add_to(&mut blocks, both, Share::new(at[index]), place);
+            }
         }
         blocks
     }
+}
+
+/// Keeps of two runs the rows of their references that both have; `false` where these are too few.
+fn match_runs([first, second]: [&mut Run; 2], robots: &[&Robot]) -> bool {
+    let both = [robots[first.robot], robots[second.robot]];
+    let poses = match (&mut first.pose, &mut second.pose) {
+        (Some(a), Some(b)) => Stamps::new(both, |own| own.pose.as_ref())
+            .is_some_and(|stamps| match_poses(&stamps, [a, b])),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    let interval_s = first.wheel_interval_s;
+    let rates = match (&mut first.gyro, &mut second.gyro) {
+        (Some(a), Some(b)) => Stamps::new(both, |own| own.imu.as_ref())
+            .is_some_and(|stamps| match_rates(&stamps, [a, b], interval_s)),
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    poses && rates
 }
 
 pub(crate) fn drive_parameters<S>(local: &[S]) -> &[S] {

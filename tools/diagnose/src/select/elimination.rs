@@ -16,6 +16,8 @@ pub(crate) struct Term {
     pub(crate) parameters: Vec<usize>,
     /// Variance of each that nobody would call a difference.
     pub(crate) floors: Vec<f64>,
+    /// Variance of each by which two recordings of one machine differ without a change.
+    pub(crate) unnoticed: Vec<f64>,
     /// How much wider than the blocks say its error is.
     pub(crate) caution: f64,
     /// The likelihood has no derivative by it: it was set by a profile, and its gain alone decides.
@@ -27,12 +29,10 @@ pub(crate) struct Term {
 }
 
 impl Term {
-    /// Adds to the floors: a deviation for each parameter that nobody would call a difference.
+    /// Sets the deviation by which each parameter differs between recordings without a change.
     pub(crate) fn widen(&mut self, deviation: impl Fn(usize) -> f64) {
-        for (index, floor) in self.parameters.iter().zip(&mut self.floors) {
-            let own = deviation(*index);
-            *floor += own * own;
-        }
+        let own = self.parameters.iter().map(|index| deviation(*index));
+        self.unnoticed = own.map(|own| own * own).collect();
     }
 }
 
@@ -109,6 +109,8 @@ const KNOWN_SHARE: f64 = 1.0 / 16.0;
 const CERTAIN: f64 = 10.0;
 /// Wald statistic per parameter below which a term is idle: its expectation without any effect.
 const IDLE: f64 = 1.0;
+/// Share of the floors that is left between two recordings that have everything in common.
+const LEAST_APART: f64 = 0.01;
 /// A fit without a term that is better by this much shows that the fit with it was not finished
 /// (nats).
 const UNFINISHED_NATS: f64 = 0.2;
@@ -380,17 +382,14 @@ impl Elimination<'_> {
                 less = self.again(&fit.at, &rest, terms, less);
             }
             let gain = fit.objective - less.objective;
+            if std::env::var("DBG").is_ok() { eprintln!("{} gain {gain:.2} least {least:.2} od {:.2} wald {:.2} of {:.2} d {:?} sd {:?} floors {:?} apart {:.4}", term.name, precision.overdispersion, walds[i], self.criterion.least_wald(term.parameters.len()), term.parameters.iter().map(|p| fit.at[*p]-self.neutral[*p]).collect::<Vec<_>>(), term.parameters.iter().map(|p| fit.free.iter().position(|f| f==p).map_or(-1.0, |q| precision.covariance[(q,q)].sqrt())).collect::<Vec<_>>(), self.floors(&term,fit).iter().map(|x| x.sqrt()).collect::<Vec<_>>(), self.problem.likelihood.apart(&fit.at)); }
             if gain < -UNFINISHED_NATS {
                 let better = self.problem.fit(&less.at, &fit.free, FULL);
                 if better.objective > fit.objective + UNFINISHED_NATS {
                     return Some(Round::Better(better));
                 }
             }
-            if !self.brings(
-                gain / precision.overdispersion,
-                walds[i],
-                term.parameters.len(),
-            ) {
+            if gain / precision.overdispersion <= least {
                 return Some(Round::Removed(less, rest));
             }
             if !self.needed(&term, gain, walds[i], fit, &less) {
@@ -403,7 +402,7 @@ impl Elimination<'_> {
             }
             kept.push(Kept {
                 term: Term {
-                    floors: self.floors(&term, fit, &precision),
+                    floors: self.floors(&term, fit),
                     ..term
                 },
                 gain,
@@ -414,19 +413,6 @@ impl Elimination<'_> {
             Some((_, less, rest)) => Round::Removed(less, rest),
             None => Round::Done(precision, kept),
         })
-    }
-
-    /// Whether runs on one course are compared.
-    fn is_paired(&self) -> bool {
-        self.problem.likelihood.clusters().is_some()
-    }
-
-    /// Whether a term brings what the criterion asks for. Where runs on one course err together, the
-    /// likelihood counts an error twice that cancels in the change: then the spread over blocks decides.
-    fn brings(&self, gain: f64, wald: f64, parameters: usize) -> bool {
-        let least = self.criterion.least_gain(parameters);
-        let by_blocks = self.is_paired() && wald > self.criterion.least_wald(parameters);
-        gain > least || by_blocks && gain > 0.0
     }
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
@@ -493,18 +479,12 @@ impl Elimination<'_> {
         if count >= LEAST_RUNS { sums } else { 0.0 }
     }
 
-    /// Variances of a term's parameters that nobody would call a difference. Where runs on one course err
-    /// alike, they are that much nearer to being one recording, and less lies between them.
-    pub(crate) fn floors(&self, term: &Term, fit: &Fit, precision: &Precision) -> Vec<f64> {
-        let alike = |index: &usize| {
-            let place = fit.free.iter().position(|f| f == index);
-            let ratio = place
-                .filter(|_| self.is_paired())
-                .map(|place| precision.ratios[place]);
-            ratio.map_or(1.0, |ratio| ratio.min(1.0))
-        };
-        let pairs = term.parameters.iter().zip(&term.floors);
-        pairs.map(|(index, floor)| floor * alike(index)).collect()
+    /// Variances of a term's parameters that nobody would call a difference. Recordings that have nearly
+    /// everything in common are that much nearer to being one, and less lies between them.
+    pub(crate) fn floors(&self, term: &Term, fit: &Fit) -> Vec<f64> {
+        let apart = self.problem.likelihood.apart(&fit.at).max(LEAST_APART);
+        let pairs = term.floors.iter().zip(&term.unnoticed);
+        pairs.map(|(floor, own)| apart * (floor + own)).collect()
     }
 
     /// d' V⁻¹ d of a term's parameters, with its floors.
@@ -524,7 +504,7 @@ impl Elimination<'_> {
                 .iter()
                 .map(|i| fit.at[*i] - self.neutral[*i]),
         );
-        let floors = self.floors(term, fit, precision);
+        let floors = self.floors(term, fit);
         let v = DMatrix::from_fn(k, k, |i, j| {
             precision.covariance[(places[i], places[j])] + if i == j { floors[i] } else { 0.0 }
         });
