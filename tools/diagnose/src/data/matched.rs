@@ -37,6 +37,17 @@ impl Stamps {
         Some(Self { pairs })
     }
 
+    /// How much later (s) and faster the second recording was stamped (least squares).
+    pub(crate) fn shift(&self) -> [f64; 2] {
+        let count = self.pairs.len().max(1) as f64;
+        let mean = |of: &dyn Fn(&[f64; 2]) -> f64| self.pairs.iter().map(of).sum::<f64>() / count;
+        let (t, later) = (mean(&|p| p[0]), mean(&|p| p[1] - p[0]));
+        let square = mean(&|p| (p[0] - t).powi(2));
+        let both = mean(&|p| (p[0] - t) * (p[1] - p[0] - later));
+        let rate = if square > 0.0 { both / square } else { 0.0 };
+        [later - rate * t, rate]
+    }
+
     /// Numbers of the rows that both lists of stamps have, out of those of the two recordings.
     fn rows(&self, first: &[f64], second: &[f64]) -> Option<Vec<[usize; 2]>> {
         let find = |all: &[f64], t_s: f64| {

@@ -68,8 +68,6 @@ pub(crate) struct Precision {
     pub(crate) covariance: DMatrix<f64>,
     /// Geometric mean of variance over the model's, at least 1: overdispersion.
     pub(crate) overdispersion: f64,
-    /// Of each free parameter, the variance over that of independent errors.
-    pub(crate) ratios: Vec<f64>,
 }
 
 impl Precision {
@@ -124,13 +122,11 @@ impl Precision {
         let n = fit.free.len();
         let mut scale = DVector::zeros(n);
         let mut log_sum = 0.0;
-        let mut ratios = Vec::with_capacity(n);
         for i in 0..n {
             let prior = problem.priors[fit.free[i]].precision();
             let from_prior = model[(i, i)] * model[(i, i)] * prior;
             let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
             scale[i] = ratio.sqrt();
-            ratios.push(ratio);
             if i < physics {
                 log_sum += ratio.ln();
             }
@@ -140,7 +136,6 @@ impl Precision {
         Some(Self {
             covariance,
             overdispersion,
-            ratios,
         })
     }
 }

@@ -59,6 +59,15 @@ pub(crate) struct Calibration {
     pub(crate) band_rad_s: [f64; 2],
     /// The machine with poses at full rate, where their errors are independent and all are evidence.
     pub(crate) dense: Option<FromWheels>,
+    /// The fit beside runs from before, of which this is today's part.
+    pub(crate) joint: Option<Joint>,
+}
+
+/// A fit of runs from before and of today.
+pub(crate) struct Joint {
+    pub(crate) machine: FromWheels,
+    pub(crate) nominal: Vec<f64>,
+    pub(crate) after: Selected,
 }
 
 impl Calibration {
@@ -193,6 +202,7 @@ impl Search<'_> {
             criterion: elimination.criterion,
             band_rad_s,
             dense: None,
+            joint: None,
         })
     }
 
@@ -349,7 +359,43 @@ impl Search<'_> {
             let all: Vec<usize> = all.into_iter().filter(kept).collect();
             best = self.problem.fit(&best.at, &all, FULL);
         }
-        self.with_rates(best, terms)
+        let stamped = self.as_stamped(&best.at);
+        self.best_with_rates(best, stamped.as_deref(), terms)
+    }
+
+    /// Clocks that changed as the stamps of rows did that two recordings of one course have in common.
+    fn as_stamped(&self, at: &[f64]) -> Option<Vec<f64>> {
+        let before = &self.machine.before;
+        let mut at = before.is_paired().then(|| at.to_vec())?;
+        let clocks = [[POSE_LATENCY, POSE_RATE], [GYRO_LATENCY, GYRO_RATE]];
+        for (own, stamped) in clocks.iter().zip(before.stamped) {
+            for (index, change) in own.iter().zip(stamped) {
+                let base = self.machine.shared(*index);
+                at[*index] = self.nominal[*index] + change;
+                at[base] = self.nominal[base];
+            }
+        }
+        Some(at)
+    }
+
+    /// `best` with thresholds and rates, or the fit with all of `terms` from `other` where that is better.
+    fn best_with_rates(
+        &self,
+        best: Fit,
+        other: Option<&[f64]>,
+        terms: &mut Vec<Term>,
+    ) -> (Fit, [f64; 2]) {
+        let (all, _) = self.elimination(terms).free(terms);
+        let every = terms.clone();
+        let (best, band_rad_s) = self.with_rates(best, terms);
+        let other = other.map(|start| self.problem.fit(start, &all, FULL));
+        match other {
+            Some(other) if other.objective > best.objective => {
+                *terms = every;
+                (other, band_rad_s)
+            }
+            _ => (best, band_rad_s),
+        }
     }
 
     /// The fit with all of `terms` from where a fit to fewer rows ended.
@@ -365,7 +411,8 @@ impl Search<'_> {
             at[DRIVE_FIRST + LAG] = LAG_S / 10.0;
         }
         let best = self.problem.fit(&at, &lean, FULL);
-        self.with_rates(best, terms)
+        let paired = self.machine.before.is_paired();
+        self.best_with_rates(best, paired.then_some(start), terms)
     }
 
     /// `best` with thresholds of the drive and rates of clocks; what gains little is taken out of

@@ -182,6 +182,7 @@ impl<'a> Machine<'a> {
                     spread: earlier.learnt.spread,
                     laws: laws_of(&earlier.learnt.claims),
                     clusters: None,
+                    stamped: Default::default(),
                 }, &all);
                 machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
             }
@@ -230,7 +231,7 @@ impl<'a> Machine<'a> {
             nominal[index] += own - self.nominal[index];
         }
         let found = Calibration::new(joint, &nominal, excluded)?;
-        Some(today::calibration(found, joint, &self.nominal))
+        Some(today::calibration(found, joint, nominal, &self.nominal))
     }
 
     /// What the drive does, or what changed of it since runs from before.

@@ -3,7 +3,7 @@
 
 use nalgebra::DMatrix;
 
-use super::calibration::Calibration;
+use super::calibration::{Calibration, Joint};
 use super::drive::DriveFit;
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{Fit, Problem};
@@ -66,10 +66,6 @@ impl Projection<'_> {
             precision: Precision {
                 covariance,
                 overdispersion: found.precision.overdispersion,
-                ratios: left
-                    .iter()
-                    .map(|(place, _)| found.precision.ratios[*place])
-                    .collect(),
             },
             kept: kept.collect(),
             alike: found.alike.clone(),
@@ -77,10 +73,16 @@ impl Projection<'_> {
     }
 }
 
-/// A calibration of all runs, as one of today's.
-pub(super) fn calibration(found: Calibration, joint: &FromWheels, nominal: &[f64]) -> Calibration {
-    let dense = found.dense.as_ref();
-    let machine = dense.unwrap_or(joint).today();
+/// A calibration of all runs about `joint_nominal`, as one of today's.
+pub(super) fn calibration(
+    found: Calibration,
+    joint: &FromWheels,
+    joint_nominal: Vec<f64>,
+    nominal: &[f64],
+) -> Calibration {
+    let is_dense = found.dense.is_some();
+    let all = found.dense.unwrap_or_else(|| joint.clone());
+    let machine = all.today();
     let before = joint.before.runs;
     let width = machine.of_run(1, 0) - machine.of_run(0, 0);
     let shared = joint.shared(0);
@@ -104,7 +106,12 @@ pub(super) fn calibration(found: Calibration, joint: &FromWheels, nominal: &[f64
     .selected(&found.after);
     Calibration {
         after,
-        dense: dense.is_some().then_some(machine),
+        dense: is_dense.then_some(machine),
+        joint: Some(Joint {
+            machine: all,
+            nominal: joint_nominal,
+            after: found.after,
+        }),
         ..found
     }
 }

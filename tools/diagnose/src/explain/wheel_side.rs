@@ -10,7 +10,8 @@ use crate::model::drive::{CLOCK, DELAY, GAIN, GAIN_ASYMMETRY};
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, FromWheels, GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, TRACK, View,
 };
-use crate::select::criterion::TIE_NATS;
+use crate::select::criterion::{Criterion, TIE_NATS};
+use crate::select::elimination::Selected;
 
 /// What may be the encoders'.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,10 +78,16 @@ pub(crate) fn settle(
         .map(|(doubt, _, rivals, shifts)| {
             // scales of single runs take up whatever encoders do
             let by_run = doubt == Doubt::Gain && calibration.by_run[0];
-            let advantage = if by_run {
-                0.0
-            } else {
-                advantage(machine, nominal, calibration, rivals, &shifts)
+            let advantage = match &calibration.joint {
+                _ if by_run => 0.0,
+                Some(own) => {
+                    let fitted = (&own.after, calibration.criterion);
+                    advantage(&own.machine, &own.nominal, fitted, rivals, &shifts)
+                }
+                None => {
+                    let fitted = (&calibration.after, calibration.criterion);
+                    advantage(machine, nominal, fitted, rivals, &shifts)
+                }
             };
             Settled {
                 doubt,
@@ -97,7 +104,7 @@ pub(crate) fn settle(
 fn advantage(
     machine: &FromWheels,
     nominal: &[f64],
-    calibration: &Calibration,
+    (own, criterion): (&Selected, Criterion),
     rivals: &[&str],
     shifts: &[(usize, f64)],
 ) -> f64 {
@@ -106,25 +113,31 @@ fn advantage(
         robust: true,
     };
     let problem = machine.problem(&view, nominal);
-    let own = &calibration.after;
     let fixed = |index: &usize| shifts.iter().any(|(shifted, _)| shifted == index);
     let mut at = own.fit.at.clone();
     for (index, shift) in shifts {
         at[*index] = nominal[*index] + shift;
     }
     let free: Vec<usize> = own.fit.free.iter().filter(|i| !fixed(i)).copied().collect();
-    let shifted = problem.fit(&at, &free, FULL);
-    let kept = rivals.iter().filter_map(|name| own.kept(name));
-    let spared: usize = kept
+    // what stood in for it may not be needed any more
+    let kept = || rivals.iter().filter_map(|name| own.kept(name));
+    let mut spare = at.clone();
+    for index in kept().flat_map(|kept| &kept.term.parameters) {
+        if !fixed(index) {
+            spare[*index] = nominal[*index];
+        }
+    }
+    let fits = [at, spare].map(|start| problem.fit(&start, &free, FULL).objective);
+    let spared: usize = kept()
         .map(|kept| {
             let parameters = kept.term.parameters.iter();
             parameters.filter(|i| **i != TRACK && fixed(i)).count()
         })
         .sum();
     let worth = if spared > 0 {
-        calibration.criterion.least_gain(spared)
+        criterion.least_gain(spared)
     } else {
         0.0
     };
-    shifted.objective - own.fit.objective + worth
+    fits[0].max(fits[1]) - own.fit.objective + worth
 }

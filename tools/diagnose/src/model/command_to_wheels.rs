@@ -255,12 +255,12 @@ impl DriveRun {
 
     /// How the wheels would turn as commanded, piece by piece (rad).
     fn course(&self) -> Vec<f64> {
-        let times_s = &self.commands.times_s;
-        let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
+        let rows = &self.wheels.rows;
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
             return Vec::new();
         };
         let response = Response::new(&self.commands, &[0.0; DRIVE]);
-        comparison::course(&response, [*first, *last])
+        comparison::course(&response, [first.time_s, last.time_s])
     }
 
     /// Filters both channels. `after` hears channel, time and disturbance behind every row.

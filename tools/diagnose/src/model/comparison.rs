@@ -24,6 +24,8 @@ pub(crate) struct Before {
     /// The cluster of each block, where every run of today drives the course of one from before and was
     /// measured at the same moments.
     pub(crate) clusters: Option<Vec<usize>>,
+    /// How much later (s) and faster than the wheels each reference was stamped than before, by its rows.
+    pub(crate) stamped: [[f64; 2]; SHARES],
 }
 
 /// Index of the parameters that say how much two recordings of one course have in common: of poses (or
@@ -94,7 +96,7 @@ pub(super) fn lanes(
 
 /// Pieces into which a course is cut to be compared.
 const PIECES: u32 = 200;
-/// Correlation of the pieces from which on two courses are one.
+/// Cosine between the pieces from which on two courses are one.
 const SAME_COURSE: f64 = 0.98;
 
 /// How both wheels turned, piece by piece (rad), between two times (s).
@@ -110,16 +112,11 @@ pub(super) fn course(wheels: &dyn Turned<f64>, [from_s, to_s]: [f64; 2]) -> Vec<
         .collect()
 }
 
-/// Whether two courses are one.
+/// Whether two courses are one, but for a factor.
 pub(super) fn is_same(a: &[f64], b: &[f64]) -> bool {
-    let mean = |own: &[f64]| own.iter().sum::<f64>() / own.len().max(1) as f64;
-    let (mean_a, mean_b) = (mean(a), mean(b));
-    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let pairs = a.iter().zip(b);
-        pairs.map(|(x, y)| f(x - mean_a, y - mean_b)).sum()
-    };
-    let both = (sum(&|x, _| x * x) * sum(&|_, y| y * y)).sqrt();
-    both > 0.0 && sum(&|x, y| x * y) > SAME_COURSE * both
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+    let both = (dot(a, a) * dot(b, b)).sqrt();
+    both > 0.0 && dot(a, b) > SAME_COURSE * both
 }
 
 /// Clusters of blocks where every run of today drives the course of one from before: what goes wrong on

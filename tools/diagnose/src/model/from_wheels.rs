@@ -149,12 +149,17 @@ impl FromWheels {
     pub(crate) fn compare(&mut self, before: Before, robots: &[&Robot]) {
         let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
         let clusters = comparison::clusters(before.runs, &runs.collect::<Vec<_>>());
+        let (then, now) = self.runs.split_at_mut(before.runs);
+        let mut stamped = [[0.0; 2]; SHARES];
         let clusters = clusters.filter(|_| {
-            let (then, now) = self.runs.split_at_mut(before.runs);
             let mut pairs = then.iter_mut().zip(now);
-            pairs.all(|(a, b)| match_runs([a, b], robots))
+            pairs.all(|(a, b)| match_runs([a, b], robots, &mut stamped))
         });
-        self.before = Before { clusters, ..before };
+        self.before = Before {
+            clusters,
+            stamped,
+            ..before
+        };
     }
 
     /// The same machine with its runs of today alone.
@@ -724,17 +729,31 @@ impl Likelihood for View<'_> {
 }
 
 /// Keeps of two runs the rows of their references that both have; `false` where these are too few.
-fn match_runs([first, second]: [&mut Run; 2], robots: &[&Robot]) -> bool {
+/// `stamped` is how much later and faster than the wheels these were stamped.
+fn match_runs(
+    [first, second]: [&mut Run; 2],
+    robots: &[&Robot],
+    stamped: &mut [[f64; 2]; SHARES],
+) -> bool {
     let both = [robots[first.robot], robots[second.robot]];
+    let shift = |own: Option<&Stamps>| own.map_or([0.0; 2], Stamps::shift);
+    let wheels = if first.wheels.is_commanded() {
+        Stamps::new(both, |own| own.command.as_ref())
+    } else {
+        Stamps::new(both, |own| own.wheels.as_ref())
+    };
+    let poses = Stamps::new(both, |own| own.pose.as_ref());
+    let rates = Stamps::new(both, |own| own.imu.as_ref());
+    let [told, own] = [shift(wheels.as_ref()), shift(poses.as_ref())];
+    let [pose, gyro] = [own, shift(rates.as_ref())].map(|own| [own[0] - told[0], own[1] - told[1]]);
+    *stamped = [pose, gyro];
+    let interval_s = first.wheel_interval_s;
     let poses = match (&mut first.pose, &mut second.pose) {
-        (Some(a), Some(b)) => Stamps::new(both, |own| own.pose.as_ref())
-            .is_some_and(|stamps| match_poses(&stamps, [a, b])),
+        (Some(a), Some(b)) => poses.is_some_and(|stamps| match_poses(&stamps, [a, b])),
         (a, b) => a.is_none() && b.is_none(),
     };
-    let interval_s = first.wheel_interval_s;
     let rates = match (&mut first.gyro, &mut second.gyro) {
-        (Some(a), Some(b)) => Stamps::new(both, |own| own.imu.as_ref())
-            .is_some_and(|stamps| match_rates(&stamps, [a, b], interval_s)),
+        (Some(a), Some(b)) => rates.is_some_and(|stamps| match_rates(&stamps, [a, b], interval_s)),
         (a, b) => a.is_none() && b.is_none(),
     };
     poses && rates
