@@ -134,7 +134,8 @@ impl Pair {
         let top = own.max(alone);
         let gain = top + ((own - top).exp() + (alone - top).exp()).ln();
         let common = (own - gain).exp();
-        let slope = 0.5 * (dd / (share * share) - count / share) - da / (2.0 * rho.max(1e-6) * share);
+        let slope =
+            0.5 * (dd / (share * share) - count / share) - da / (2.0 * rho.max(1e-6) * share);
         Self {
             weight: a.weight.min(b.weight),
             gain,

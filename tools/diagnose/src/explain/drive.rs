@@ -204,7 +204,10 @@ impl Search<'_> {
         };
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
-        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], 1.0, &terms)?;
+        // at one speed a loss of a constant size is a gain
+        let top_rad_s = self.drive.largest_rad_s;
+        let after = elimination.rivals(after, [GAIN_TERM, ZONE_TERM], -top_rad_s, &terms)?;
         let criterion = elimination.criterion;
         Some(DriveFit {
             after,
@@ -260,6 +263,11 @@ impl Search<'_> {
     /// dead band.
     fn full(&self, before: &Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
         let first = self.response(before, terms);
+        let stamped = self.as_stamped(&first, terms);
+        let first = match stamped {
+            Some(other) if other.objective > first.objective => other,
+            _ => first,
+        };
         let names: Vec<&str> = terms
             .iter()
             .map(|t| t.name)
@@ -299,6 +307,17 @@ impl Search<'_> {
             terms.retain(|t| t.name != CLOCK_TERM);
         }
         (best, band_rad_s)
+    }
+
+    /// Delay and gain from a delay that changed as the stamps of rows did that two recordings of one course
+    /// have in common.
+    fn as_stamped(&self, first: &Fit, terms: &[Term]) -> Option<Fit> {
+        let before = &self.drive.before;
+        let mut at = before.is_paired().then(|| self.nominal.clone())?;
+        at[DELAY] += before.stamped[0][0];
+        let free = self.free(&[DELAY_TERM, GAIN_TERM], terms);
+        let fit = self.problem.fit(&at, &free, FULL);
+        Some(self.problem.fit(&fit.at, &first.free, FULL))
     }
 
     /// Delay, lag and gain from several starts.

@@ -176,14 +176,17 @@ impl<'a> Machine<'a> {
             joint_drive = CommandToWheels::new(&all, task.model, task.excluded_s);
             if let Some(joint) = &mut joint {
                 let earlier_runs = joint.runs.iter().filter(|run| run.robot < count);
-                joint.compare(Before {
-                    runs: earlier_runs.count(),
-                    robots: count,
-                    spread: earlier.learnt.spread,
-                    laws: laws_of(&earlier.learnt.claims),
-                    clusters: None,
-                    stamped: Default::default(),
-                }, &all);
+                joint.compare(
+                    Before {
+                        runs: earlier_runs.count(),
+                        robots: count,
+                        spread: earlier.learnt.spread,
+                        laws: laws_of(&earlier.learnt.claims),
+                        clusters: None,
+                        stamped: Default::default(),
+                    },
+                    &all,
+                );
                 machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
             }
             if let Some(joint) = &mut joint_drive {

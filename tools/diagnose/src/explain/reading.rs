@@ -362,6 +362,8 @@ impl Reading<'_> {
             claim.toggles.extend([COMMON, ASYMMETRY]);
         }
         claim.confused = self.doubtful(Doubt::Gain, other);
+        let alike = self.alike(GAIN_TERM, "command_dead_zone");
+        claim.confused.extend(alike.filter(|_| !is_wheels));
         Some(claim)
     }
 
@@ -537,6 +539,9 @@ impl Reading<'_> {
                 claim
                     .confused
                     .extend(self.alike(LAG_TERM, "actuator_delay"));
+            }
+            if term == ZONE_TERM {
+                claim.confused.extend(self.alike(ZONE_TERM, "motor_gain"));
             }
             claims.push(claim);
         }

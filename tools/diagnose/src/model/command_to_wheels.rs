@@ -5,7 +5,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
-use super::comparison::{self, Before};
+use super::comparison::{self, Before, SHARES};
 use super::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
     SATURATION, SLOW_SHARE, SLOW_TIME,
@@ -76,19 +76,27 @@ impl CommandToWheels {
         let runs = self.runs.iter().map(|run| (run.blocks, run.course()));
         let before = self.runs.iter().filter(|run| run.robot < count).count();
         let clusters = comparison::clusters(before, &runs.collect::<Vec<_>>());
+        let mut stamped = [[0.0; 2]; SHARES];
         let clusters = clusters.filter(|_| {
             let (then, now) = self.runs.split_at_mut(before);
             let mut pairs = then.iter_mut().zip(now);
             pairs.all(|(a, b)| {
                 let both = [robots[a.robot], robots[b.robot]];
                 let stamps = Stamps::new(both, |own| own.wheels.as_ref());
-                stamps.is_some_and(|own| match_wheels(&own, [&mut a.wheels, &mut b.wheels]))
+                let told = Stamps::new(both, |own| own.command.as_ref());
+                let told = told.map_or([0.0; 2], |own| own.shift());
+                stamps.is_some_and(|own| {
+                    let shift = own.shift();
+                    stamped[0] = [shift[0] - told[0], shift[1] - told[1]];
+                    match_wheels(&own, [&mut a.wheels, &mut b.wheels])
+                })
             })
         });
         self.before = Before {
             runs: before,
             robots: count,
             clusters,
+            stamped,
             ..Before::default()
         };
     }
@@ -350,7 +358,11 @@ impl Likelihood for CommandToWheels {
             (own, rows)
         });
         let runs: Vec<(Vec<f64>, Vec<Whitened>)> = runs.collect();
-        let mut all: Vec<f64> = runs.iter().flat_map(|(values, _)| values).copied().collect();
+        let mut all: Vec<f64> = runs
+            .iter()
+            .flat_map(|(values, _)| values)
+            .copied()
+            .collect();
         if keep {
             let share = Share::new(at[Self::SHARE]);
             let (then, now) = runs.split_at(self.before.runs);

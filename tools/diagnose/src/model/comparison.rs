@@ -24,7 +24,8 @@ pub(crate) struct Before {
     /// The cluster of each block, where every run of today drives the course of one from before and was
     /// measured at the same moments.
     pub(crate) clusters: Option<Vec<usize>>,
-    /// How much later (s) and faster than the wheels each reference was stamped than before, by its rows.
+    /// How much later (s) and faster than before each reference was stamped against the wheels, or the wheels
+    /// against the commands, by their rows.
     pub(crate) stamped: [[f64; 2]; SHARES],
 }
 

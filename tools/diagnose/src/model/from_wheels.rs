@@ -200,11 +200,7 @@ impl FromWheels {
                 .chain(second..second + gyro)
                 .collect::<Vec<_>>()
         };
-        let own = self
-            .runs
-            .iter()
-            .enumerate()
-            .flat_map(|(i, run)| of(i, run));
+        let own = self.runs.iter().enumerate().flat_map(|(i, run)| of(i, run));
         own.chain(self.shares().map(|reference| self.share(reference)))
             .collect()
     }
@@ -677,7 +673,11 @@ impl Likelihood for View<'_> {
             (values, rows)
         });
         let runs: Vec<(Vec<f64>, [Vec<Whitened>; 2])> = runs.collect();
-        let mut all: Vec<f64> = runs.iter().flat_map(|(values, _)| values).copied().collect();
+        let mut all: Vec<f64> = runs
+            .iter()
+            .flat_map(|(values, _)| values)
+            .copied()
+            .collect();
         for reference in machine.shares() {
             let share = Share::new(at[machine.share(reference)]);
             let rows = |run: usize| &runs[run].1[reference as usize];

@@ -308,17 +308,18 @@ impl Elimination<'_> {
         best.map(|(_, term, fit)| (term, fit))
     }
 
-    /// Tries each of two look-alikes of one parameter in the other's place: the better one stays, and
-    /// one that fits nearly as well is remembered.
+    /// Tries each of two look-alikes in the other's place: the better one stays, and one that fits nearly as
+    /// well is remembered. `factor` turns the first parameter of the first into that of the second.
     pub(crate) fn rivals(
         &self,
         mut found: Selected,
         pair: [&'static str; 2],
+        factor: f64,
         terms: &[Term],
     ) -> Option<Selected> {
-        let [own, other] = match pair.map(|name| found.kept(name).is_some()) {
-            [true, false] => pair,
-            [false, true] => [pair[1], pair[0]],
+        let ([own, other], factor) = match pair.map(|name| found.kept(name).is_some()) {
+            [true, false] => (pair, factor),
+            [false, true] => ([pair[1], pair[0]], factor.recip()),
             _ => return Some(found),
         };
         let place = found.kept.iter().position(|kept| kept.term.name == own)?;
@@ -328,12 +329,17 @@ impl Elimination<'_> {
         let from = found.kept[place].term.parameters[0];
         let to = rival.parameters[0];
         let mut at = found.fit.at.clone();
-        at[to] = self.neutral[to] + at[from] - self.neutral[from];
-        at[from] = self.neutral[from];
+        at[to] = self.neutral[to] + factor * (at[from] - self.neutral[from]);
+        for index in &found.kept[place].term.parameters {
+            at[*index] = self.neutral[*index];
+        }
         let mut swapped: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
         swapped[place] = rival.clone();
         let (free, physics) = self.free(&swapped);
         let fit = self.problem.fit(&at, &free, FULL);
+        if !self.is_possible(rival, &fit) {
+            return Some(found);
+        }
         let better = fit.objective - found.fit.objective;
         if better.abs() < TIE_NATS {
             let names = if better > 0.0 {
@@ -382,7 +388,32 @@ impl Elimination<'_> {
                 less = self.again(&fit.at, &rest, terms, less);
             }
             let gain = fit.objective - less.objective;
-            if std::env::var("DBG").is_ok() { eprintln!("{} gain {gain:.2} least {least:.2} od {:.2} wald {:.2} of {:.2} d {:?} sd {:?} floors {:?} apart {:.4}", term.name, precision.overdispersion, walds[i], self.criterion.least_wald(term.parameters.len()), term.parameters.iter().map(|p| fit.at[*p]-self.neutral[*p]).collect::<Vec<_>>(), term.parameters.iter().map(|p| fit.free.iter().position(|f| f==p).map_or(-1.0, |q| precision.covariance[(q,q)].sqrt())).collect::<Vec<_>>(), self.floors(&term,fit).iter().map(|x| x.sqrt()).collect::<Vec<_>>(), self.problem.likelihood.apart(&fit.at)); }
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "{} gain {gain:.2} least {least:.2} od {:.2} wald {:.2} of {:.2} d {:?} sd {:?} floors {:?} apart {:.4}",
+                    term.name,
+                    precision.overdispersion,
+                    walds[i],
+                    self.criterion.least_wald(term.parameters.len()),
+                    term.parameters
+                        .iter()
+                        .map(|p| fit.at[*p] - self.neutral[*p])
+                        .collect::<Vec<_>>(),
+                    term.parameters
+                        .iter()
+                        .map(|p| fit
+                            .free
+                            .iter()
+                            .position(|f| f == p)
+                            .map_or(-1.0, |q| precision.covariance[(q, q)].sqrt()))
+                        .collect::<Vec<_>>(),
+                    self.floors(&term, fit)
+                        .iter()
+                        .map(|x| x.sqrt())
+                        .collect::<Vec<_>>(),
+                    self.problem.likelihood.apart(&fit.at)
+                );
+            }
             if gain < -UNFINISHED_NATS {
                 let better = self.problem.fit(&less.at, &fit.free, FULL);
                 if better.objective > fit.objective + UNFINISHED_NATS {
