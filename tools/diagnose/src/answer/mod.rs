@@ -1,12 +1,19 @@
 //! What is answered; its JSON has a schema in `tools/cli/schemas`.
 
+mod action;
+mod calibration;
 mod digits;
 mod figures;
+#[cfg(test)]
+mod fixture;
 mod manoeuvre;
+mod setup;
 pub(crate) mod statement;
 
 use serde::Serialize;
 
+pub(crate) use action::advise;
+pub use calibration::calibration;
 pub use digits::in_digits;
 pub use figures::{
     ErrorLine, Figures, LawCurve, Limit, MissingForce, Motion, Paths, Point, Profile, Seen,
@@ -82,6 +89,8 @@ pub struct Finding {
     /// Of an effect outside of the catalogue: the variable that it follows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
+    /// What to do about it: what to type or turn, the most useful first.
+    pub actions: Vec<String>,
 }
 
 /// A parameter with its interval.
@@ -141,6 +150,7 @@ impl Unexplained {
             evidence,
             shape: Some(shape.clone()),
             driver: Some(self.driver.clone()),
+            actions: Vec::new(),
         }
     }
 }
