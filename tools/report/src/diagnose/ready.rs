@@ -9,7 +9,12 @@ use super::diagnosis::Diagnosis;
 use crate::parts::code_box;
 
 /// Effects that a calibration corrects.
-const CALIBRATED: [&str; 4] = ["wheel_radius", "track_width", "encoder_scale", "pose_offset"];
+const CALIBRATED: [&str; 4] = [
+    "wheel_radius",
+    "track_width",
+    "encoder_scale",
+    "pose_offset",
+];
 
 /// Lines to copy: what robot.toml gains, and the parameters of ros2_control's diff_drive_controller.
 pub(super) fn ready(diagnosis: &Diagnosis<'_>) -> Markup {
