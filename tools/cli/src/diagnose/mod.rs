@@ -187,7 +187,7 @@ fn print_answer(answer: &Answer) {
     }
     for finding in &answer.findings {
         print_line!("\n{}", finding.statement);
-        for action in &finding.actions {
+        for action in finding.actions_beside_statement() {
             print_line!("- {action}");
         }
     }

@@ -109,14 +109,15 @@ impl Calibration<'_> {
     fn differs_between_runs(&self) -> Option<String> {
         let differs = |own: &&&Finding| own.runs.is_some() && own.effect == "track_width";
         self.findings.iter().find(differs)?;
-        let note = "# wheel_separation_multiplier differs between the recordings: this is the mean over them.\n";
+        let note =
+            "# wheel_separation_multiplier differs between the recordings: this is the mean.\n";
         Some(note.to_owned())
     }
 
     fn slip(&self) -> Option<String> {
         let ratio = number(self.model, "slip_ratio", "ratio")?;
         Some(format!(
-            "# On this floor the wheels slip by a ratio of {}. The radii above do not contain it.\n",
+            "# On this floor the wheels slip by a ratio of {}, which the radii do not contain.\n",
             self.write("slip_ratio", "ratio", ratio)
         ))
     }
@@ -144,8 +145,8 @@ impl Calibration<'_> {
             None => "divide the measured wheel angles by",
         };
         Some(format!(
-            "# diff_drive_controller has no parameter for encoders that count wrong. In the hardware interface,\n\
-             # {what} {left} (left) and {right} (right).\n"
+            "# The encoders count wrong, for which the controller has no parameter.\n\
+             # In the hardware interface, {what} {left} (left) and {right} (right).\n"
         ))
     }
 
@@ -160,8 +161,8 @@ impl Calibration<'_> {
             .map(|(name, value)| self.write(effect, name, value));
         let [x, y, yaw] = words;
         Some(format!(
-            "# The camera, laser or marker that gave the poses, seen from base_link in the middle of the axle. If the\n\
-             # poses had been transformed to base_link already, this stands in front of that transform.\n\
+            "# The camera, laser or marker of the poses, from base_link in the middle of the axle.\n\
+             # Where the poses were transformed to base_link already: put this in front of it.\n\
              #   ros2 run tf2_ros static_transform_publisher --x {x} --y {y} --z 0 --yaw {yaw} \
              --frame-id base_link --child-frame-id camera\n"
         ))

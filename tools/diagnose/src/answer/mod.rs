@@ -93,6 +93,18 @@ pub struct Finding {
     pub actions: Vec<String>,
 }
 
+impl Finding {
+    /// What to do about it, without the experiment that its statement names already.
+    pub fn actions_beside_statement(&self) -> impl Iterator<Item = &str> {
+        let is_stated = |action: &&str| {
+            let experiment = action.split_once(": ").map(|(_, experiment)| experiment);
+            experiment.is_some_and(|words| self.statement.contains(words))
+        };
+        let all = self.actions.iter().map(String::as_str);
+        all.filter(move |action| !is_stated(action))
+    }
+}
+
 /// A parameter with its interval.
 #[derive(Debug, Clone, Serialize)]
 pub struct ParameterEstimate {

@@ -80,15 +80,15 @@ fn finding_row(
                 td class="gl wide" { @for row in &rows { (glyph(row.was, row.is, row.interval, &sentence(row))) } }
             }
             td class="num" { (taken(diagnosis.answer, finding)) }
-            td class="do" { (to_do(&finding.actions)) }
+            td class="do" { (to_do(finding)) }
         }
     }
 }
 
 /// What to do, one line each; long names may break behind their underscores.
-fn to_do(actions: &[String]) -> Markup {
+fn to_do(finding: &Finding) -> Markup {
     html! {
-        @for action in actions {
+        @for action in finding.actions_beside_statement() {
             span class="act" {
                 @for (place, part) in capital(action).split_inclusive('_').enumerate() {
                     @if place > 0 { wbr; }

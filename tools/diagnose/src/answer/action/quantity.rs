@@ -56,6 +56,24 @@ impl Quantity {
         self.write(self.value)
     }
 
+    /// The number now, with three digits that count even where its interval is wider: in a model, numbers have to
+    /// fit each other.
+    fn precise(self) -> String {
+        let order = self.value.abs().log10().floor();
+        let least = if order.is_finite() {
+            (2.0 - order).clamp(0.0, 9.0) as usize
+        } else {
+            0
+        };
+        let now = self.now();
+        let digits = now.split_once('.').map_or(0, |(_, behind)| behind.len());
+        if digits < least {
+            format!("{:.least$}", self.value)
+        } else {
+            now
+        }
+    }
+
     /// The number now, and what it was where that reads otherwise.
     pub(super) fn text(self) -> String {
         self.text_with(&|own| own)
@@ -83,7 +101,7 @@ pub(super) fn toml_line(finding: &Finding) -> Option<String> {
             None => Some(format!(
                 "{} = {}",
                 own.name,
-                Quantity::estimated(own)?.now()
+                Quantity::estimated(own)?.precise()
             )),
         })
         .collect();

@@ -88,7 +88,7 @@ pub(super) fn payload(finding: &Finding) -> Option<Vec<String>> {
     let [mass, x, y] = ["mass_kg", "x_m", "y_m"].map(|name| Quantity::of(finding, name));
     Some(vec![
         format!(
-            "add a point mass of {} kg to the model, {} m ahead and {} m to the left of the centre of mass",
+            "add a point mass of {} kg to the model at x = {} m, y = {} m from the centre of mass",
             mass?.text(),
             x?.text(),
             y?.text()

@@ -310,3 +310,38 @@ fn runs_and_look_alikes_are_named() {
         "{record}"
     );
 }
+
+#[test]
+fn a_model_gets_three_digits_at_least() {
+    let own = finding(
+        "wheel_slip",
+        &[
+            ("friction_static", 0.224, 0.05),
+            ("friction_kinetic", 0.2236, 0.004),
+        ],
+    );
+    assert_eq!(
+        told(Told::Torque, &own)[2],
+        "set wheel_slip = { friction_static = 0.224, friction_kinetic = 0.2236 } in [effects] of robot.toml"
+    );
+    let load = [
+        ("mass_kg", 0.3, 0.02),
+        ("x_m", 0.02, 0.02),
+        ("y_m", -0.03, 0.02),
+    ];
+    assert_eq!(
+        told(Told::Torque, &finding("payload", &load))[0],
+        "add a point mass of 0.300 kg to the model at x = 0.020 m, y = -0.030 m from the centre of mass"
+    );
+}
+
+#[test]
+fn an_experiment_that_the_statement_names_is_not_said_twice() {
+    let mut own = finding("track_width", &[("scale", 1.45, 0.02)]);
+    own.confused_with = vec!["yaw_scrub".to_owned()];
+    own.actions = told(Told::Twist, &own);
+    assert_eq!(own.actions_beside_statement().count(), 2);
+    let which = manoeuvre(&["track_width", "yaw_scrub"]);
+    own.statement = format!("This recording cannot tell it from yaw_scrub; what would: {which}.");
+    assert_eq!(own.actions_beside_statement().count(), 1);
+}

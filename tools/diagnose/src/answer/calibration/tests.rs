@@ -71,13 +71,13 @@ fn what_was_found_is_a_multiplier_or_a_comment() {
     left_wheel_radius_multiplier: 1.0000
     right_wheel_radius_multiplier: 0.9571
 
-# On this floor the wheels slip by a ratio of 0.0700. The radii above do not contain it.
+# On this floor the wheels slip by a ratio of 0.0700, which the radii do not contain.
 
-# diff_drive_controller has no parameter for encoders that count wrong. In the hardware interface,
-# set counts per turn to 1818.9 (left) and 1856.2 (right).
+# The encoders count wrong, for which the controller has no parameter.
+# In the hardware interface, set counts per turn to 1818.9 (left) and 1856.2 (right).
 
-# The camera, laser or marker that gave the poses, seen from base_link in the middle of the axle. If the
-# poses had been transformed to base_link already, this stands in front of that transform.
+# The camera, laser or marker of the poses, from base_link in the middle of the axle.
+# Where the poses were transformed to base_link already: put this in front of it.
 #   ros2 run tf2_ros static_transform_publisher --x 0.175 --y 0.030 --z 0 --yaw 0.0500 --frame-id base_link \
 --child-frame-id camera
 ";
