@@ -190,3 +190,113 @@ fn a_recording_without_robots_is_refused() {
         "{stderr}"
     );
 }
+
+/// Radii (right, left), half track and place of the camera of a robot whose model has 0.05, 0.05, 0.12 and none (m).
+const RADII_M: [f64; 2] = [0.048, 0.049];
+const HALF_TRACK_M: f64 = 0.126;
+const CAMERA_M: [f64; 2] = [0.1, 0.02];
+
+/// Forty seconds of a robot without commands: wheels at 50 Hz, poses of its camera at 20 Hz with 2 mm and 4 mrad.
+fn driven(folder: &Path) {
+    let noise = |k: f64| 2.0 * ((k * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
+    let mut wheels = "t_s,angle_right_rad,angle_left_rad\n".to_owned();
+    let mut poses = "t_s,x_m,y_m,yaw_rad\n".to_owned();
+    let (mut angles, [mut x, mut y, mut yaw]) = ([0.0_f64; 2], [0.0, 0.0, 0.2_f64]);
+    for k in 0..40_000_u32 {
+        let t_s = f64::from(k) * 1e-3;
+        let (sin, cos) = yaw.sin_cos();
+        if k % 20 == 0 {
+            wheels += &format!("{t_s:.3},{:.9},{:.9}\n", angles[0], angles[1]);
+        }
+        if k % 50 == 0 {
+            let [along, across, turn] = [0.0, 0.3, 0.7].map(|part| noise(f64::from(k) + part));
+            let at = [
+                x + CAMERA_M[0] * cos - CAMERA_M[1] * sin,
+                y + CAMERA_M[0] * sin + CAMERA_M[1] * cos,
+            ];
+            poses += &format!(
+                "{t_s:.3},{:.6},{:.6},{:.6}\n",
+                at[0] + 2e-3 * along,
+                at[1] + 2e-3 * across,
+                yaw + 4e-3 * turn
+            );
+        }
+        let v = 0.3 + 0.15 * (0.9 * t_s).sin();
+        let w = 0.8 * (0.5 * t_s).sin() + 0.3 * (2.7 * t_s).cos();
+        let rims = [v + HALF_TRACK_M * w, v - HALF_TRACK_M * w];
+        angles = [0, 1].map(|i| angles[i] + 1e-3 * rims[i] / RADII_M[i]);
+        let middle = yaw + 0.5e-3 * w;
+        (x, y, yaw) = (
+            x + 1e-3 * v * middle.cos(),
+            y + 1e-3 * v * middle.sin(),
+            yaw + 1e-3 * w,
+        );
+    }
+    std::fs::create_dir_all(folder.join("recording/r1")).unwrap();
+    std::fs::write(folder.join("recording/r1/wheels.csv"), wheels).unwrap();
+    std::fs::write(folder.join("recording/r1/pose.csv"), poses).unwrap();
+    let recording = "format = 1\nname = \"driven\"\n[robots.r1]\npose_point = \"axle\"\n";
+    std::fs::write(folder.join("recording/recording.toml"), recording).unwrap();
+    let model = "format = 1\n[robot]\nwheel_radius_m = 0.05\nhalf_track_m = 0.12\n";
+    std::fs::write(folder.join("robot.toml"), model).unwrap();
+}
+
+/// What stands behind `key` in a text, as a number.
+fn number_behind(text: &str, key: &str) -> f64 {
+    let rest = text
+        .split_once(key)
+        .unwrap_or_else(|| panic!("{key}: {text}"))
+        .1;
+    let word = rest.split_whitespace().next().unwrap();
+    word.parse().unwrap()
+}
+
+#[test]
+fn a_calibration_has_the_truth_as_parameters_of_the_controller() {
+    let folder = tempfile::tempdir().unwrap();
+    driven(folder.path());
+    let command =
+        "diagnose recording --robot robot.toml --calibration controller.yaml --json answer.json";
+    let arguments: Vec<&str> = command.split(' ').collect();
+    let output = slipstream(folder.path(), &arguments);
+    assert!(output.status.success(), "{output:?}");
+    let text = std::fs::read_to_string(folder.path().join("controller.yaml")).unwrap();
+    assert!(
+        text.contains("\ndiff_drive_controller:\n  ros__parameters:\n    wheel_separation: 0.24\n")
+    );
+    for (key, truth, tolerance) in [
+        ("wheel_radius: ", 0.05, 0.0),
+        ("wheel_separation_multiplier: ", 1.05, 3e-3),
+        ("right_wheel_radius_multiplier: ", 0.96, 1e-3),
+        ("left_wheel_radius_multiplier: ", 0.98, 1e-3),
+        ("--x ", 0.1, 2e-3),
+        ("--y ", 0.02, 2e-3),
+    ] {
+        let number = number_behind(&text, key);
+        assert!((number - truth).abs() <= tolerance, "{key}{number}");
+    }
+    let answer = read_json(&folder.path().join("answer.json"));
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    for finding in answer["findings"].as_array().unwrap() {
+        let action = finding["actions"][0].as_str().unwrap();
+        assert!(stdout.contains(action), "{action}");
+    }
+    // an experiment that the statement names is not named again
+    assert!(stdout.contains("; what would: ") && !stdout.contains("record this"));
+    let multiplier = number_behind(&stdout, "- set left_wheel_radius_multiplier to ");
+    assert_eq!(
+        multiplier,
+        number_behind(&text, "left_wheel_radius_multiplier: ")
+    );
+}
+
+#[test]
+fn a_calibration_that_cannot_be_written_is_refused() {
+    let folder = example();
+    let command = "diagnose recording --robot robot.toml --calibration nowhere/controller.yaml";
+    let arguments: Vec<&str> = command.split(' ').collect();
+    let output = slipstream(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(2));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("nowhere/controller.yaml"), "{stderr}");
+}

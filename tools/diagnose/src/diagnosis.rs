@@ -4,7 +4,7 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 
-use crate::answer::{Answer, Figures, Unexplained};
+use crate::answer::{Answer, Figures, Unexplained, advise};
 use crate::data::faults;
 use crate::data::track::Track;
 use crate::explain::against;
@@ -122,6 +122,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
             &mut improved,
         );
     }
+    advise(&mut answer, &improved, request.recordings);
     answer.conclude();
     answer.against = request.against.iter().map(|own| own.name.clone()).collect();
     Ok((answer, improved, all))

@@ -63,6 +63,8 @@ class Finding:
     runs: Optional[List[str]] = None
     shape: Optional[str] = None
     driver: Optional[str] = None
+    actions: List[str] = field(default_factory=list)
+    """What to do about it: what to type or turn, the most useful first."""
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of this name."""
@@ -180,6 +182,7 @@ def _finding(own: Dict[str, Any]) -> Finding:
         runs=own.get("runs"),
         shape=own.get("shape"),
         driver=own.get("driver"),
+        actions=own["actions"],
     )
 
 

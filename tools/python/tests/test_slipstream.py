@@ -69,6 +69,7 @@ def test_the_answer_is_that_of_the_command(example, tmp_path):
     assert finding.effect == "rolling_resistance"
     own = finding.parameter("coefficient")
     assert own.ci95[0] < own.estimate < own.ci95[1]
+    assert finding.actions[0].startswith("set rolling_resistance = { coefficient = 0.009")
     assert sum(part.share for part in example.budget[0].parts) == pytest.approx(example.budget[0].before)
     assert "rolling_resistance" in example.improved["r1"]
 

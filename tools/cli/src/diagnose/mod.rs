@@ -2,11 +2,12 @@
 
 mod text;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use slipstream_bus::RobotModel;
 use slipstream_diagnose::{
-    Answer, Illustrated, InputError, Request, diagnose, diagnose_with_figures,
+    Answer, Illustrated, InputError, Request, calibration, diagnose, diagnose_with_figures,
 };
 use slipstream_recording::{Recording, robot_toml};
 use slipstream_report::diagnose::Diagnosis;
@@ -46,6 +47,10 @@ pub(crate) struct Arguments {
     /// Write the model with the effects that were found (several robots: one FILE.NAME.toml each)
     #[arg(long, value_name = "FILE.toml")]
     improved: Option<PathBuf>,
+    /// Write the calibration as parameters of ros2_control's diff_drive_controller, with the transform of the
+    /// pose sensor (several robots: one FILE.NAME.yaml each)
+    #[arg(long, value_name = "FILE.yaml")]
+    calibration: Option<PathBuf>,
     /// Ignore measurements between A and B seconds; may be repeated
     #[arg(long, value_name = "A:B", value_parser = time_span)]
     exclude_time: Vec<[f64; 2]>,
@@ -98,17 +103,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         output_file::write(file, &page)?;
     }
     if let Some(file) = &arguments.improved {
-        for (name, model) in &improved {
-            let file = if improved.len() == 1 {
-                file.clone()
-            } else {
-                file.with_extension(format!("{name}.toml"))
-            };
-            output_file::write(&file, &robot_toml::to_text(model))?;
-        }
+        write_each(file, "toml", &improved, &|_, model| {
+            robot_toml::to_text(model)
+        })?;
+    }
+    if let Some(file) = &arguments.calibration {
+        write_each(file, "yaml", &improved, &|name, model| {
+            calibration(&answer, name, model, &recordings)
+        })?;
     }
     print_answer(&answer);
     Ok(Exit::Done)
+}
+
+/// Writes the text of each robot: one robot to `file`, several to files that end with NAME.`extension`.
+fn write_each(
+    file: &Path,
+    extension: &str,
+    improved: &[(String, RobotModel)],
+    text: &dyn Fn(&str, &RobotModel) -> String,
+) -> Result<(), Error> {
+    for (name, model) in improved {
+        let file = if improved.len() == 1 {
+            file.to_owned()
+        } else {
+            file.with_extension(format!("{name}.{extension}"))
+        };
+        output_file::write(&file, &text(name, model))?;
+    }
+    Ok(())
 }
 
 /// Reads recordings; what is odd about them is said.
@@ -164,6 +187,9 @@ fn print_answer(answer: &Answer) {
     }
     for finding in &answer.findings {
         print_line!("\n{}", finding.statement);
+        for action in finding.actions_beside_statement() {
+            print_line!("- {action}");
+        }
     }
     for difference in text::unstated(answer) {
         print_line!(

@@ -1,12 +1,19 @@
 //! What is answered; its JSON has a schema in `tools/cli/schemas`.
 
+mod action;
+mod calibration;
 mod digits;
 mod figures;
+#[cfg(test)]
+mod fixture;
 mod manoeuvre;
+mod setup;
 pub(crate) mod statement;
 
 use serde::Serialize;
 
+pub(crate) use action::advise;
+pub use calibration::calibration;
 pub use digits::in_digits;
 pub use figures::{
     ErrorLine, Figures, LawCurve, Limit, MissingForce, Motion, Paths, Point, Profile, Seen,
@@ -82,6 +89,20 @@ pub struct Finding {
     /// Of an effect outside of the catalogue: the variable that it follows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub driver: Option<String>,
+    /// What to do about it: what to type or turn, the most useful first.
+    pub actions: Vec<String>,
+}
+
+impl Finding {
+    /// What to do about it, without the experiment that its statement names already.
+    pub fn actions_beside_statement(&self) -> impl Iterator<Item = &str> {
+        let is_stated = |action: &&str| {
+            let experiment = action.split_once(": ").map(|(_, experiment)| experiment);
+            experiment.is_some_and(|words| self.statement.contains(words))
+        };
+        let all = self.actions.iter().map(String::as_str);
+        all.filter(move |action| !is_stated(action))
+    }
 }
 
 /// A parameter with its interval.
@@ -141,6 +162,7 @@ impl Unexplained {
             evidence,
             shape: Some(shape.clone()),
             driver: Some(self.driver.clone()),
+            actions: Vec::new(),
         }
     }
 }

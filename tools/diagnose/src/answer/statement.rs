@@ -238,6 +238,7 @@ mod tests {
             },
             shape: None,
             driver: None,
+            actions: Vec::new(),
         }
     }
 

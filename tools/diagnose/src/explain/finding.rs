@@ -70,6 +70,7 @@ pub(crate) fn finding(
         },
         shape: None,
         driver: None,
+        actions: Vec::new(),
     };
     let summary = info.map_or(claim.effect, |info| info.summary);
     finding.statement = statement(&finding, summary, span_s, known);

@@ -244,6 +244,7 @@ impl Late<'_> {
             },
             shape: None,
             driver: None,
+            actions: Vec::new(),
         }
     }
 }

@@ -3,11 +3,10 @@
 use maud::{Markup, html};
 use slipstream_diagnose::{Answer, Finding};
 
-use super::action::action;
 use super::diagnosis::{Diagnosis, listed};
 use super::errors::unexplained;
 use super::words::{Shown, all_shown, name};
-use crate::parts::{badge, fixed, glyph, short, shown_unit, with_unit};
+use crate::parts::{badge, capital, fixed, glyph, short, shown_unit, with_unit};
 
 /// The table; empty where nothing was found and nothing is left.
 pub(super) fn findings(diagnosis: &Diagnosis<'_>) -> Markup {
@@ -81,7 +80,21 @@ fn finding_row(
                 td class="gl wide" { @for row in &rows { (glyph(row.was, row.is, row.interval, &sentence(row))) } }
             }
             td class="num" { (taken(diagnosis.answer, finding)) }
-            td class="do" { (action(finding, model.as_ref())) }
+            td class="do" { (to_do(finding)) }
+        }
+    }
+}
+
+/// What to do, one line each; long names may break behind their underscores.
+fn to_do(finding: &Finding) -> Markup {
+    html! {
+        @for action in finding.actions_beside_statement() {
+            span class="act" {
+                @for (place, part) in capital(action).split_inclusive('_').enumerate() {
+                    @if place > 0 { wbr; }
+                    (part)
+                }
+            }
         }
     }
 }

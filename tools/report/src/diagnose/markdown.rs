@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use super::action::action;
 use super::diagnosis::Diagnosis;
 use super::errors::errors;
 use super::findings::taken;
@@ -61,7 +60,7 @@ pub(super) fn markdown(diagnosis: &Diagnosis<'_>) -> String {
             was.join(", "),
             is.join(", "),
             taken(answer, finding),
-            action(finding, model.as_ref())
+            finding.actions.join("; ")
         );
     }
     text

@@ -1,7 +1,6 @@
 //! The page of a diagnosis: what is wrong with the model and what to do, then why that, what else was
 //! looked at, how good the data is, and how the page was made.
 
-mod action;
 mod cards;
 mod data;
 mod diagnosis;
@@ -22,7 +21,6 @@ use slipstream_diagnose::{Figures, Verdict};
 
 use crate::parts::{Fact, Page};
 
-pub use action::action;
 pub use diagnosis::Diagnosis;
 pub use first_screen::first_screen;
 pub use headline::headline;

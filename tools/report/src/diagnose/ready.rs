@@ -1,13 +1,20 @@
 //! Lines to copy: into robot.toml, and into the parameters of a controller.
 
-use std::fmt::Write as _;
-
 use maud::{Markup, html};
 use slipstream_bus::{Parameter, RobotModel};
+use slipstream_diagnose::calibration;
 use slipstream_recording::robot_toml;
 
 use super::diagnosis::Diagnosis;
-use crate::parts::{code_box, digits_of};
+use crate::parts::code_box;
+
+/// Effects that a calibration corrects.
+const CALIBRATED: [&str; 4] = [
+    "wheel_radius",
+    "track_width",
+    "encoder_scale",
+    "pose_offset",
+];
 
 /// Lines to copy: what robot.toml gains, and the parameters of ros2_control's diff_drive_controller.
 pub(super) fn ready(diagnosis: &Diagnosis<'_>) -> Markup {
@@ -29,12 +36,12 @@ pub(super) fn ready(diagnosis: &Diagnosis<'_>) -> Markup {
     } else {
         "by --improved".to_owned()
     };
-    let controller = controller(diagnosis, robot);
+    let controller = controller(diagnosis, robot, model);
     html! {
         div class="boxes" {
             (code_box("toml", "robot.toml", &place, &effects_of(model)))
             @if let Some(lines) = controller {
-                (code_box("yaml", "diff_drive_controller", "parameters", &lines))
+                (code_box("yaml", "diff_drive_controller", "by --calibration", &lines))
             }
         }
     }
@@ -64,29 +71,14 @@ fn effects_of(model: &RobotModel) -> String {
     text[from..].trim_end().to_owned()
 }
 
-fn controller(diagnosis: &Diagnosis<'_>, robot: &str) -> Option<String> {
-    let mut lines = String::new();
-    for finding in diagnosis
+/// The calibration, where the controller is not as it should be.
+fn controller(diagnosis: &Diagnosis<'_>, robot: &str, model: &RobotModel) -> Option<String> {
+    let mut own = diagnosis
         .answer
         .findings
         .iter()
-        .filter(|own| own.robot == robot)
-    {
-        let keys: &[(&str, &str)] = match finding.effect.as_str() {
-            "wheel_radius" => &[
-                ("right_scale", "right_wheel_radius_multiplier"),
-                ("left_scale", "left_wheel_radius_multiplier"),
-            ],
-            "track_width" => &[("scale", "wheel_separation_multiplier")],
-            _ => &[],
-        };
-        for (parameter, key) in keys {
-            let own = finding.parameters.iter().find(|own| own.name == *parameter);
-            if let Some(own) = own.filter(|_| finding.runs.is_none()) {
-                let digits = own.ci95.map_or(4, digits_of).max(3);
-                let _ = write!(lines, "\n  {key}: {:.digits$}", own.estimate?);
-            }
-        }
-    }
-    (!lines.is_empty()).then(|| format!("ros__parameters:{lines}"))
+        .filter(|own| own.robot == robot);
+    own.find(|own| CALIBRATED.contains(&own.effect.as_str()))?;
+    let text = calibration(diagnosis.answer, robot, model, diagnosis.recordings);
+    Some(text.trim_end().to_owned())
 }

@@ -141,6 +141,7 @@ fn finding(
         evidence: evidence(selected.gains[index], selected.tried),
         shape: None,
         driver: None,
+        actions: Vec::new(),
     };
     let span_s = machine.tracks[0].span_s();
     let known = hypothesis.replaces.is_some();
