@@ -140,7 +140,9 @@ impl Search<'_> {
         let mut always: Vec<usize> = (0..machine.runs.len())
             .filter(|i| machine.runs[*i].gyro.is_some())
             .flat_map(|i| {
+                let clocks = machine.as_before(i).is_none();
                 own.iter()
+                    .filter(move |parameter| **parameter == RUN_BIAS || clocks)
                     .map(move |parameter| machine.of_run(i, *parameter))
             })
             .collect();
@@ -442,7 +444,8 @@ impl Search<'_> {
             machine: self.machine,
             robust: true,
         };
-        for run in 0..self.machine.runs.len() {
+        let all = 0..self.machine.runs.len();
+        for run in all.filter(|run| self.machine.as_before(*run).is_none()) {
             let [late, rate] =
                 [RUN_LATE, RUN_RATE].map(|parameter| self.machine.of_run(run, parameter));
             let grid = (-RUN_STEPS..=RUN_STEPS)

@@ -24,6 +24,8 @@ pub(crate) struct Value {
     pub(crate) change: f64,
     /// Half widths of its 95 % interval, below and above.
     pub(crate) half: [f64; 2],
+    /// How far a run was from the nominal value before, as a change.
+    pub(crate) before: f64,
 }
 
 /// One effect.
@@ -97,6 +99,7 @@ impl Value {
             scale,
             change,
             half: [half; 2],
+            before: 0.0,
         }
     }
 
@@ -139,7 +142,14 @@ impl Claim {
     pub(crate) fn nominal(&self, model: &RobotModel, name: &str) -> Option<f64> {
         match self.word {
             Some((_, stream)) => crate::model::nominal::clock_rate(model, stream),
-            None => number(model, self.effect, name),
+            None => {
+                let own = self.values.iter().find(|value| value.name == name);
+                let nominal = number(model, self.effect, name);
+                match own.filter(|value| value.before != 0.0) {
+                    Some(value) => Some(value.applied(nominal, value.before)),
+                    None => nominal,
+                }
+            }
         }
     }
 

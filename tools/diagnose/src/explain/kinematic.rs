@@ -23,8 +23,8 @@ use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::comparison::Before;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{
-    DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE,
-    RUN_TRACK, View,
+    COMMON, DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE,
+    RUN_TRACK, TRACK, View,
 };
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
@@ -111,6 +111,8 @@ pub(crate) struct Learnt {
     pub(crate) claims: Vec<Claim>,
     /// Deviations of scale and track among the runs, where they differ.
     pub(crate) spread: [Option<f64>; 2],
+    /// Scale and track of each run beside those of the model (logarithms).
+    pub(crate) offsets: Vec<[f64; 2]>,
     /// Parameters of the machine as they were fitted, but for laws.
     pub(crate) at: Vec<f64>,
     pub(crate) drive: Option<DriveFit>,
@@ -144,8 +146,10 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
         differs.then(|| deviation(&all.collect::<Vec<_>>()))
     });
     let spread: Vec<Option<f64>> = spread.collect();
+    let model = machine.improved(&claims);
     Ok(Learnt {
-        model: machine.improved(&claims),
+        offsets: machine.offsets(&fitted, &model),
+        model,
         spread: [spread[0], spread[1]],
         at: fitted[..LAW_FIRST].to_vec(),
         drive: fits.drive,
@@ -187,7 +191,11 @@ impl<'a> Machine<'a> {
                     },
                     &all,
                 );
-                machine = Some(joint.today()).filter(|today| !today.runs.is_empty());
+                let mut today = joint.today();
+                if joint.before.is_paired() && earlier.learnt.spread != [None; 2] {
+                    today.offsets.clone_from(&earlier.learnt.offsets);
+                }
+                machine = Some(today).filter(|today| !today.runs.is_empty());
             }
             if let Some(joint) = &mut joint_drive {
                 joint.compare(count, &all);
@@ -276,6 +284,20 @@ fn laws_of(claims: &[Claim]) -> [bool; 2] {
 }
 
 impl Machine<'_> {
+    /// Scale and track of each run beside those of `model` (logarithms).
+    fn offsets(&self, fitted: &[f64], model: &RobotModel) -> Vec<[f64; 2]> {
+        let nominal = self.machine.nominal(model);
+        let pairs = [(COMMON, RUN_SCALE), (TRACK, RUN_TRACK)];
+        let of = |at: &[f64], run: usize| {
+            pairs.map(|(all, own)| at[all] + at[self.machine.of_run(run, own)])
+        };
+        let each = (0..self.machine.runs.len()).map(|run| {
+            let [own, known] = [of(fitted, run), of(&nominal, run)];
+            [own[0] - known[0], own[1] - known[1]]
+        });
+        each.collect()
+    }
+
     /// Fits the calibration and the drive.
     fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
         (task.progress)("wheels against pose and gyro");
@@ -727,6 +749,7 @@ fn mean(claims: &[&Claim], runs: usize) -> Claim {
         let changes = claims.iter().flat_map(|claim| &claim.values);
         let own = changes.filter(|other| other.name == value.name);
         value.change = own.map(|other| other.change).sum::<f64>() / runs as f64;
+        value.before = 0.0;
     }
     mean
 }

@@ -438,7 +438,8 @@ impl Reading<'_> {
             if !fitted.is_clear(scale) {
                 continue;
             }
-            let ratio = fitted.value("ratio", Scale::Loss, scale);
+            let mut ratio = fitted.value("ratio", Scale::Loss, scale);
+            ratio.before = self.machine.offsets.get(run).map_or(0.0, |own| own[0]);
             let mut claim = claim("slip_ratio", scale, [ratio], [index, ASYMMETRY]);
             if fitted.is_clear(asymmetry) {
                 let factor = -scale.value.exp();
@@ -462,6 +463,7 @@ impl Reading<'_> {
                 continue;
             }
             let mut claim = track_width(fitted, track, vec![index]);
+            claim.values[0].before = self.machine.offsets.get(run).map_or(0.0, |own| own[1]);
             claim.runs = (self.machine.runs.len() > 1).then(|| vec![run]);
             claims.push(claim);
         }
@@ -559,6 +561,7 @@ impl Reading<'_> {
             scale: Scale::Plain,
             change: known.value,
             half: [at - low, high - at],
+            before: 0.0,
         };
         Claim {
             p_value: (fitted.criterion.tried as f64 * (-kept.gain).exp()).min(1.0),

@@ -112,15 +112,18 @@ fn unnoticed(machine: &FromWheels, index: usize) -> f64 {
         own if (DRIVE_FIRST..LAW_FIRST).contains(&own) => {
             drive::unnoticed(own - DRIVE_FIRST, machine.largest_rad_s())
         }
-        own => (machine.before.runs..machine.runs.len())
-            .flat_map(|run| {
-                [
-                    (machine.of_run(run, RUN_SCALE), UNNOTICED_SCALE),
-                    (machine.of_run(run, RUN_TRACK), UNNOTICED_TRACK),
-                ]
-            })
-            .find(|(index, _)| *index == own)
-            .map_or(0.0, |(_, size)| size),
+        own => {
+            // as much as the runs from before differ among themselves
+            let [scale, track] = machine.before.spread.map(|own| own.unwrap_or(0.0));
+            let scale = (RUN_SCALE, UNNOTICED_SCALE.hypot(scale));
+            let track = (RUN_TRACK, UNNOTICED_TRACK.hypot(track));
+            let runs = machine.before.runs..machine.runs.len();
+            let mut all = runs.flat_map(|run| {
+                [scale, track].map(|(parameter, size)| (machine.of_run(run, parameter), size))
+            });
+            let found = all.find(|(index, _)| *index == own);
+            found.map_or(0.0, |(_, size)| size)
+        }
     }
 }
 

@@ -9,15 +9,15 @@ use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{Fit, Problem};
 use crate::model::command_to_wheels::{CommandToWheels, NOISE};
 use crate::model::drive::DRIVE;
-use crate::model::from_wheels::{FromWheels, MACHINE, View};
+use crate::model::from_wheels::{FromWheels, MACHINE, RUN_SCALE, RUN_TRACK, View};
 use crate::select::elimination::{Kept, Selected, Term};
 
 /// From a fit of all runs to one of today's.
 struct Projection<'a> {
     /// Index of a parameter among those of today.
     index: &'a dyn Fn(usize) -> Option<usize>,
-    /// Number of parameters of the machine, which are changes.
-    machine: usize,
+    /// Whether a parameter is a change.
+    is_change: &'a dyn Fn(usize) -> bool,
     problem: &'a Problem<'a>,
     nominal: &'a [f64],
 }
@@ -28,7 +28,7 @@ impl Projection<'_> {
         let mut at = self.nominal.to_vec();
         for (from, value) in fit.at.iter().enumerate() {
             if let Some(to) = (self.index)(from) {
-                let base = if from < self.machine {
+                let base = if (self.is_change)(from) {
                     self.nominal[to]
                 } else {
                     0.0
@@ -93,13 +93,17 @@ pub(super) fn calibration(
             .checked_sub(before * width)
             .filter(|own| *own >= MACHINE),
     };
+    let paired = (before..all.runs.len()).filter(|run| all.as_before(*run).is_some());
+    let of_runs: Vec<usize> = paired
+        .flat_map(|run| [RUN_SCALE, RUN_TRACK].map(|own| all.of_run(run, own)))
+        .collect();
     let view = View {
         machine: &machine,
         robust: true,
     };
     let after = Projection {
         index: &index,
-        machine: MACHINE,
+        is_change: &|from| from < MACHINE || of_runs.contains(&from),
         problem: &machine.problem(&view, nominal),
         nominal,
     }
@@ -121,7 +125,7 @@ pub(super) fn drive(found: &DriveFit, today: &CommandToWheels, nominal: Vec<f64>
     let index = |from: usize| (from < DRIVE + NOISE).then_some(from);
     let after = Projection {
         index: &index,
-        machine: DRIVE,
+        is_change: &|from| from < DRIVE,
         problem: &today.problem(today, &nominal),
         nominal: &nominal,
     }

@@ -51,6 +51,8 @@ pub(crate) const RUN_BIAS: usize = 2;
 pub(crate) const RUN_LATE: usize = 3;
 pub(crate) const RUN_RATE: usize = 4;
 const RUN: usize = 5;
+/// Those that a run shares with the one from before on its course.
+const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 
 /// Values of a law, as a share of the fastest speed of a rim.
 const LAW_SHARE: f64 = 0.3;
@@ -69,6 +71,8 @@ pub(crate) struct FromWheels {
     pub(crate) skids: bool,
     /// What it is compared with.
     pub(crate) before: Before,
+    /// How far the logarithms of scale and track of each run were from the model's on its course before.
+    pub(crate) offsets: Vec<[f64; 2]>,
 }
 
 /// Its likelihood, with or without outliers.
@@ -94,6 +98,7 @@ impl FromWheels {
             knots: [Knots::default(); 2],
             skids: robots.iter().any(|robot| skids(robot)),
             before: Before::default(),
+            offsets: Vec::new(),
         };
         let mut first_block = 0;
         for (at, robot) in robots.iter().enumerate() {
@@ -301,7 +306,13 @@ impl FromWheels {
             let first = self.of_run(i, RUN);
             let guesses = run.noise_guesses(2.0 * self.half_track_m);
             at[first..first + RUN_NOISE].copy_from_slice(&guesses);
-            at[self.of_run(i, RUN_SCALE)] = scale;
+            at[self.of_run(i, RUN_SCALE)] = match self.as_before(i) {
+                Some(_) => 0.0,
+                None => scale,
+            };
+            for (parameter, offset) in self.offsets.get(i).into_iter().flatten().enumerate() {
+                at[self.of_run(i, parameter)] += offset;
+            }
         }
         if self.before.any() {
             let shared = self.shared(0);
@@ -388,6 +399,12 @@ impl FromWheels {
         longest
     }
 
+    /// The run from before on whose course a run of today is, and whose floor and clocks it shares.
+    pub(crate) fn as_before(&self, run: usize) -> Option<usize> {
+        run.checked_sub(self.before.runs)
+            .filter(|_| self.before.is_paired())
+    }
+
     /// The parameters of one run, out of all.
     pub(crate) fn local(&self, run: usize, at: &[f64]) -> Vec<f64> {
         let first = self.of_run(run, 0);
@@ -397,6 +414,11 @@ impl FromWheels {
             at[..MACHINE].to_vec()
         };
         own.extend(&at[first..first + RUN + RUN_NOISE]);
+        if let Some(other) = self.as_before(run) {
+            for parameter in RUN_SHARED {
+                own[MACHINE + parameter] += at[self.of_run(other, parameter)];
+            }
+        }
         own
     }
 
@@ -409,6 +431,9 @@ impl FromWheels {
             (0..MACHINE).map(|i| (i, i)).collect()
         };
         places.extend((0..RUN + RUN_NOISE).map(|i| (MACHINE + i, first + i)));
+        if let Some(other) = self.as_before(run) {
+            places.extend(RUN_SHARED.map(|own| (MACHINE + own, self.of_run(other, own))));
+        }
         places
     }
 
