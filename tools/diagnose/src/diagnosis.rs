@@ -200,6 +200,7 @@ fn by_filter(
     answer.held_out.merge(&found.held_out);
     answer.budget.extend(found.budget.clone());
     answer.outliers.extend(found.outliers.clone());
+    answer.detectable.extend(found.detectable.clone());
     answer.process_noise.extend(found.process_noise.clone());
     answer.warnings.extend(found.warnings.clone());
     if let Some((earlier, _)) = before {

@@ -11,9 +11,10 @@ mod predict;
 mod select;
 
 pub use answer::{
-    Answer, Budget, BudgetPart, ErrorLine, Evidence, Figures, Finding, HeldOut, HeldOutChannel,
-    LawCurve, Limit, MissingForce, Motion, Outliers, ParameterEstimate, Paths, Place, Point,
-    ProcessNoise, Profile, Seen, Unexplained, Verdict, Warning, calibration, in_digits, manoeuvre,
+    Answer, Budget, BudgetPart, Detectable, ErrorLine, Evidence, Figures, Finding, HeldOut,
+    HeldOutChannel, LawCurve, Limit, MissingForce, Motion, Outliers, ParameterEstimate, Paths,
+    Place, Point, ProcessNoise, Profile, Seen, Unexplained, Verdict, Warning, calibration,
+    in_digits, manoeuvre,
 };
 pub use diagnosis::{Illustrated, Request, diagnose, diagnose_with_figures};
 pub use predict::prediction::{Prediction, predict};

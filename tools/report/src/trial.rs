@@ -110,21 +110,17 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
 }
 
 fn own_sentence(report: &OwnReport) -> String {
+    let [whole, exact, hidden] = report.whole();
     let trial = &report.trial;
-    let whole: Vec<&ScoredCase> = trial
-        .each
-        .iter()
-        .filter(|own| own.kind == "whole")
-        .collect();
-    let exact = whole
-        .iter()
-        .filter(|own| own.score.grade == TrialGrade::Exact);
+    let hidden = match hidden {
+        0 => String::new(),
+        1 => ", 1 is too small to be seen in it".to_owned(),
+        _ => format!(", {hidden} are too small to be seen in it"),
+    };
     format!(
-        "{} of {} changes in whole copies were named with their size; {} of {} copies without a change raised a false alarm.",
-        exact.count(),
-        whole.len(),
-        trial.false_alarms,
-        trial.nulls
+        "{exact} of {whole} changes in whole copies were named with their size{hidden}; {} of {} copies without a change raised a false \
+         alarm.",
+        trial.false_alarms, trial.nulls
     )
 }
 

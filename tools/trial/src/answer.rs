@@ -15,6 +15,20 @@ pub struct DiagnosisAnswer {
     /// Prediction error over 5 s.
     #[serde(default)]
     pub held_out: Option<ReportedPrediction>,
+    /// From which size on what was not found would have been.
+    #[serde(default)]
+    pub detectable: Vec<ReportedLimit>,
+}
+
+/// From which size on a parameter would have been found.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ReportedLimit {
+    /// Id of the effect.
+    pub effect: String,
+    /// Its parameter.
+    pub parameter: String,
+    /// The smallest size; null where it cannot be found at any.
+    pub smallest: Option<f64>,
 }
 
 /// One reported effect, or `unknown`.

@@ -86,6 +86,14 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
 
 fn print(report: &OwnReport) {
     text::print_report(&report.trial);
+    let [whole, exact, hidden] = report.whole();
+    print_line!(
+        "\nOf {whole} changes in whole copies {exact} were named with their size, {hidden} are out of sight:"
+    );
+    print_line!("their diagnosis says that it would not see a change of that size.");
+    if hidden > 0 {
+        print_line!("  out of sight: {}", report.out_of_sight.join(", "));
+    }
     print_line!(
         "\nWhat would be found on this robot, as a change since {}:",
         report.on

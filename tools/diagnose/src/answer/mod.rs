@@ -45,8 +45,27 @@ pub struct Answer {
     /// What always pushes and follows nothing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub process_noise: Vec<ProcessNoise>,
+    /// From which size on what was not found would have been found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
     /// What about the recordings makes the answer poorer.
     pub warnings: Vec<Warning>,
+}
+
+/// What would have been found, and down to which size.
+#[derive(Debug, Clone, Serialize)]
+pub struct Detectable {
+    /// On which robot.
+    pub robot: String,
+    /// The effect's identity.
+    pub effect: &'static str,
+    /// Its parameter.
+    pub parameter: &'static str,
+    /// Unit of the parameter.
+    pub unit: &'static str,
+    /// The smallest difference from the nominal value, or of a comparison from the value before, that would
+    /// have been found; of a factor, from 1. `None`: these recordings do not show it at any size.
+    pub smallest: Option<f64>,
 }
 
 /// What a diagnosis comes to.

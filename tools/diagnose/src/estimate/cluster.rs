@@ -66,6 +66,8 @@ fn jackknife(left_out: &[DVector<f64>]) -> DVector<f64> {
 pub(crate) struct Precision {
     /// Covariance of the free parameters, in the order of `Fit::free`.
     pub(crate) covariance: DMatrix<f64>,
+    /// The same of independent errors.
+    pub(crate) expected: DMatrix<f64>,
     /// Geometric mean of variance over the model's, at least 1: overdispersion.
     pub(crate) overdispersion: f64,
 }
@@ -135,6 +137,7 @@ impl Precision {
         let overdispersion = (log_sum / physics.max(1) as f64).exp().max(1.0);
         Some(Self {
             covariance,
+            expected: model,
             overdispersion,
         })
     }

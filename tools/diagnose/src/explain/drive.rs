@@ -66,6 +66,8 @@ pub(crate) struct DriveFit {
     pub(crate) criterion: Criterion,
     /// Ends of the interval in which a dead band cannot be told apart (rad/s).
     pub(crate) band_rad_s: [f64; 2],
+    /// The fit beside runs from before, of which this is today's part.
+    pub(crate) joint: Option<Box<DriveFit>>,
 }
 
 /// Terms of a drive whose parameters begin at `first`, without effects that are excluded. `top` is the
@@ -214,6 +216,7 @@ impl Search<'_> {
             nominal: self.nominal,
             criterion,
             band_rad_s,
+            joint: None,
         })
     }
 

@@ -13,9 +13,12 @@ use super::open_loop::HORIZON_S;
 use super::pictures::{self, Scene};
 use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
+use super::sight;
 use super::today;
 use super::wheel_side::{Settled, settle};
-use crate::answer::{Budget, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning};
+use crate::answer::{
+    Budget, Detectable, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning,
+};
 use crate::estimate::masked::{FOLDS, Masked};
 use crate::estimate::scoring::SHORT;
 use crate::filter::motion_law::DRIVERS;
@@ -40,6 +43,7 @@ const NOTHING: f64 = 1e-6;
 pub(crate) struct Found {
     pub(crate) claims: Vec<Claim>,
     pub(crate) held_out: HeldOut,
+    pub(crate) detectable: Vec<Detectable>,
     pub(crate) budget: Vec<Budget>,
     pub(crate) outliers: Vec<Outliers>,
     pub(crate) process_noise: Vec<ProcessNoise>,
@@ -254,7 +258,7 @@ impl<'a> Machine<'a> {
         let before = earlier.learnt.drive.as_ref();
         let joint = self.joint_drive.as_ref()?;
         let found = DriveFit::new(joint, self.model, task.excluded, before)?;
-        Some(today::drive(&found, drive, drive.nominal(self.model)))
+        Some(today::drive(found, drive, drive.nominal(self.model)))
     }
 
     fn reading<'b>(&'b self, fits: &'b Fits) -> Reading<'b> {
@@ -390,6 +394,7 @@ impl Machine<'_> {
         });
         Ok(Found {
             figures,
+            detectable: self.detectable(&fits, task.excluded),
             held_out: self.held_out(&errors, &deviations),
             budget: self.budget(&claims, &fitted, &deviations),
             outliers: self.outliers(&all),
@@ -406,6 +411,17 @@ impl Machine<'_> {
             claims,
             warnings,
         })
+    }
+
+    /// From which size on what was not found would have been.
+    fn detectable(&self, fits: &Fits, excluded: &[String]) -> Vec<Detectable> {
+        let driven = fits.drive.as_ref().and_then(|own| match &own.joint {
+            Some(joint) => Some((self.joint_drive.as_ref()?, joint.as_ref())),
+            None => Some((self.drive.as_ref()?, own)),
+        });
+        let machine = (&self.machine, fits.neutral.as_slice());
+        let calibration = fits.calibration.as_ref();
+        sight::detectable(self.name, machine, calibration, driven, excluded)
     }
 
     /// Takes over the rows at full rate, where a calibration found them to be evidence.

@@ -15,6 +15,7 @@ mod open_loop;
 pub(crate) mod pictures;
 pub(crate) mod prediction;
 pub(crate) mod reading;
+mod sight;
 mod terms;
 mod thinning;
 mod thresholds;

@@ -64,6 +64,7 @@ impl Projection<'_> {
                 converged: fit.converged,
             },
             precision: Precision {
+                expected: covariance.clone(),
                 covariance,
                 overdispersion: found.precision.overdispersion,
             },
@@ -121,7 +122,7 @@ pub(super) fn calibration(
 }
 
 /// A drive fitted to all runs, as one of today's.
-pub(super) fn drive(found: &DriveFit, today: &CommandToWheels, nominal: Vec<f64>) -> DriveFit {
+pub(super) fn drive(found: DriveFit, today: &CommandToWheels, nominal: Vec<f64>) -> DriveFit {
     let index = |from: usize| (from < DRIVE + NOISE).then_some(from);
     let after = Projection {
         index: &index,
@@ -135,5 +136,6 @@ pub(super) fn drive(found: &DriveFit, today: &CommandToWheels, nominal: Vec<f64>
         nominal,
         criterion: found.criterion,
         band_rad_s: found.band_rad_s,
+        joint: Some(Box::new(found)),
     }
 }

@@ -104,13 +104,13 @@ enum Round {
 /// Rounds after which an elimination that does not end is given up.
 const MOST_ROUNDS: usize = 60;
 /// Largest variance of what is known, as a share of the prior's.
-const KNOWN_SHARE: f64 = 1.0 / 16.0;
+pub(crate) const KNOWN_SHARE: f64 = 1.0 / 16.0;
 /// A gain of this many times what is asked for does not come of an unfinished fit.
 const CERTAIN: f64 = 10.0;
 /// Wald statistic per parameter below which a term is idle: its expectation without any effect.
 const IDLE: f64 = 1.0;
 /// Share of the floors that is left between two recordings that have everything in common.
-const LEAST_APART: f64 = 0.01;
+pub(crate) const LEAST_APART: f64 = 0.01;
 /// A fit without a term that is better by this much shows that the fit with it was not finished
 /// (nats).
 const UNFINISHED_NATS: f64 = 0.2;
@@ -388,32 +388,6 @@ impl Elimination<'_> {
                 less = self.again(&fit.at, &rest, terms, less);
             }
             let gain = fit.objective - less.objective;
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "{} gain {gain:.2} least {least:.2} od {:.2} wald {:.2} of {:.2} d {:?} sd {:?} floors {:?} apart {:.4}",
-                    term.name,
-                    precision.overdispersion,
-                    walds[i],
-                    self.criterion.least_wald(term.parameters.len()),
-                    term.parameters
-                        .iter()
-                        .map(|p| fit.at[*p] - self.neutral[*p])
-                        .collect::<Vec<_>>(),
-                    term.parameters
-                        .iter()
-                        .map(|p| fit
-                            .free
-                            .iter()
-                            .position(|f| f == p)
-                            .map_or(-1.0, |q| precision.covariance[(q, q)].sqrt()))
-                        .collect::<Vec<_>>(),
-                    self.floors(&term, fit)
-                        .iter()
-                        .map(|x| x.sqrt())
-                        .collect::<Vec<_>>(),
-                    self.problem.likelihood.apart(&fit.at)
-                );
-            }
             if gain < -UNFINISHED_NATS {
                 let better = self.problem.fit(&less.at, &fit.free, FULL);
                 if better.objective > fit.objective + UNFINISHED_NATS {

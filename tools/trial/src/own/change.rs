@@ -65,6 +65,31 @@ impl Change {
         }
     }
 
+    /// Effects and parameters of the catalogue that have to be seen for a parameter to be: encoders that count
+    /// wrong are seen as a gain of the drive and as a radius, late wheels as a delay and as late references.
+    pub(super) fn shown_by(&self, parameter: &str) -> Vec<(&'static str, &'static str)> {
+        match (self, parameter) {
+            (Self::Counts(_), "right_scale") => {
+                vec![("motor_gain", "right"), ("wheel_radius", "right_scale")]
+            }
+            (Self::Counts(_), _) => {
+                vec![("motor_gain", "left"), ("wheel_radius", "left_scale")]
+            }
+            (Self::WheelsLate(_), _) => vec![
+                ("actuator_delay", "delay_s"),
+                ("pose_latency", "latency_s"),
+                ("imu_latency", "latency_s"),
+            ],
+            _ => {
+                let mut all = self.parameters().into_iter();
+                let own = all.find(|(name, _)| *name == parameter);
+                own.map(|(name, _)| (self.effect(), name))
+                    .into_iter()
+                    .collect()
+            }
+        }
+    }
+
     /// How far the first parameter that changes is from nothing.
     pub fn size(&self) -> (&'static str, f64) {
         let factor = matches!(self, Self::Radius(_) | Self::Counts(_) | Self::Gain(_));

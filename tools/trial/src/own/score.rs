@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use slipstream_sim::effects::{Role, find};
 
+use super::change::Change;
 use super::made::OwnCase;
 use crate::answer::DiagnosisAnswer;
 use crate::diagnosis_process::DiagnosisRun;
@@ -33,10 +34,36 @@ pub struct OwnReport {
     pub on: String,
     /// What would be found, and down to which size.
     pub detectable: Vec<Detectable>,
+    /// Copies with a change that was missed and that their diagnosis calls too small to be seen.
+    pub out_of_sight: Vec<String>,
+}
+
+impl OwnReport {
+    /// Whole copies with a change: how many, how many of them exact, and how many with a change out of sight.
+    pub fn whole(&self) -> [usize; 3] {
+        let whole = self.trial.each.iter().filter(|own| own.kind == "whole");
+        whole.fold([0; 3], |[all, exact, hidden], own| {
+            let is_exact = own.score.grade == TrialGrade::Exact;
+            let is_hidden = self.out_of_sight.contains(&own.case);
+            [
+                all + 1,
+                exact + usize::from(is_exact),
+                hidden + usize::from(is_hidden),
+            ]
+        })
+    }
 }
 
 /// Scores the answers to `cases`.
 pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnReport {
+    let hidden = cases.iter().zip(&answers);
+    let hidden = hidden.filter(|(case, run)| {
+        let answer = run.answer.as_ref();
+        let seen = |answer: &DiagnosisAnswer| !answer.findings.is_empty();
+        let change = case.change.as_ref();
+        answer.is_ok_and(|own| !seen(own) && change.is_some_and(|c| is_hidden(c, own)))
+    });
+    let out_of_sight = hidden.map(|(case, _)| case.name.clone()).collect();
     let both = cases.iter().zip(answers);
     let each: Vec<ScoredCase> = both
         .map(|(case, run)| ScoredCase {
@@ -55,7 +82,33 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
         trial: tally(each, Vec::new()),
         on: on.to_owned(),
         detectable,
+        out_of_sight,
     }
+}
+
+/// Whether an answer says that it would not have seen a change of this size.
+fn is_hidden(change: &Change, answer: &DiagnosisAnswer) -> bool {
+    let parameters = change.parameters();
+    let size = |name: &str, value: f64| {
+        let info = find(change.effect()).and_then(|info| info.parameter(name));
+        let is_factor = info.is_some_and(|own| own.role == Role::Factor);
+        if is_factor {
+            (value - 1.0).abs()
+        } else {
+            value.abs()
+        }
+    };
+    let limits = |name: &str| {
+        let own = change.shown_by(name);
+        let all = answer.detectable.iter();
+        all.filter(move |limit| own.contains(&(limit.effect.as_str(), limit.parameter.as_str())))
+    };
+    let below = |name: &str, value: f64| {
+        let mut own = limits(name);
+        own.any(|limit| limit.smallest.is_none_or(|own| size(name, value) < own))
+    };
+    let seen = |(name, value): &(&str, f64)| size(name, *value) > 0.0 && !below(name, *value);
+    !parameters.iter().any(seen)
 }
 
 /// The answer with changes in the place of values: differences, or factors where the parameter is one.
