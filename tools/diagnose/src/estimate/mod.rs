@@ -32,6 +32,10 @@ pub(crate) trait Likelihood: Sync {
         1.0
     }
 
+    /// Puts what two recordings have in common back to where a search begins: near 1 the likelihood knows no
+    /// way from one hypothesis to another.
+    fn loosen(&self, _at: &mut [f64]) {}
+
     /// Whether a parameter is shared by all runs.
     fn is_shared(&self, parameter: usize) -> bool;
 

@@ -22,17 +22,39 @@ pub(crate) const DEVIATION: f64 = 3.0;
 /// Longest step of it in one iteration of a fit.
 pub(crate) const LONGEST: f64 = 1.5;
 
+/// Deviations from which on an innovation is drawn in: its tails are heavier than those of a normal one, and
+/// a copula is about normal scores.
+const TAIL: f64 = 2.0;
+
 /// A whitened innovation.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Whitened {
     /// Number of its block.
     pub(crate) block: usize,
-    /// Weight in the composite likelihood times the probability of being ordinary, at most 1.
+    /// Weight in the composite likelihood.
     weight: f64,
+    /// Probability of being ordinary, at most 1.
+    ordinary: f64,
     /// Root of the weight by which its derivatives were multiplied.
     root: f64,
     scalar: bool,
+    /// The innovation, and its normal score.
+    raw: [f64; 3],
     u: [f64; 3],
+}
+
+fn dot(x: &[f64; 3], y: &[f64; 3]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+/// By which factor an innovation of this size is drawn in, and the factor's derivative by the size.
+fn drawn_in(size: f64) -> [f64; 2] {
+    if size <= TAIL {
+        return [1.0, 0.0];
+    }
+    let beyond = 1.0 + size - TAIL;
+    let score = TAIL + beyond.ln();
+    [score / size, (1.0 / beyond - score / size) / size]
 }
 
 impl Whitened {
@@ -46,16 +68,20 @@ impl Whitened {
         }
         let c = inverse_factor(&s);
         let of = |i: usize| (0..=i).map(|k| c[i][k] * row.difference[k]).sum::<f64>();
+        let raw = if row.scalar {
+            [c[0][0] * row.difference[0], 0.0, 0.0]
+        } else {
+            [of(0), of(1), of(2)]
+        };
+        let [factor, _] = drawn_in(dot(&raw, &raw).sqrt());
         Self {
             block,
-            weight: row.weight * row.ordinary.min(1.0),
+            weight: row.weight,
+            ordinary: row.ordinary.min(1.0),
             root: (row.weight * row.ordinary).sqrt(),
             scalar: row.scalar,
-            u: if row.scalar {
-                [c[0][0] * row.difference[0], 0.0, 0.0]
-            } else {
-                [of(0), of(1), of(2)]
-            },
+            raw,
+            u: raw.map(|own| own * factor),
         }
     }
 
@@ -64,27 +90,27 @@ impl Whitened {
         if self.scalar { 2 } else { WIDTH }
     }
 
-    /// Derivative of u, and of its mean alone, from whitened derivatives.
+    /// Derivative of u, and that of the innovation's mean alone, from whitened derivatives.
     fn derivatives(&self, whitened: &[f64]) -> [[f64; 3]; 2] {
-        use std::f64::consts::SQRT_2;
+        use std::f64::consts::FRAC_1_SQRT_2;
         let by = 1.0 / self.root.max(1e-12);
         let (mut full, mut mean) = ([0.0; 3], [0.0; 3]);
-        if self.scalar {
-            mean[0] = whitened[0] * by;
-            full[0] = mean[0] - 0.5 * SQRT_2 * whitened[1] * by * self.u[0];
-            return [full, mean];
-        }
-        let mut place = 3;
-        for i in 0..3 {
+        let count = if self.scalar { 1 } else { 3 };
+        let mut place = count;
+        for i in 0..count {
             mean[i] = whitened[i] * by;
             full[i] = mean[i];
-            for k in 0..=i {
-                let share = if i == k { 0.5 * SQRT_2 } else { 1.0 };
-                full[i] -= share * whitened[place] * by * self.u[k];
+            for (k, raw) in self.raw.iter().enumerate().take(i + 1) {
+                let share = if i == k { FRAC_1_SQRT_2 } else { 1.0 };
+                full[i] -= share * whitened[place] * by * raw;
                 place += 1;
             }
         }
-        [full, mean]
+        let size = dot(&self.raw, &self.raw).sqrt();
+        let [factor, slope] = drawn_in(size);
+        let turned = slope * dot(&self.raw, &full) / size.max(f64::MIN_POSITIVE);
+        let drawn = std::array::from_fn(|i| factor * full[i] + self.raw[i] * turned);
+        [drawn, mean]
     }
 }
 
@@ -127,7 +153,6 @@ impl Pair {
         // a component that was not measured has no error in either
         let count = (0..3).filter(|i| a.u[*i] != 0.0 || b.u[*i] != 0.0).count() as f64;
         let d: [f64; 3] = std::array::from_fn(|i| b.u[i] - rho * a.u[i]);
-        let dot = |x: &[f64; 3], y: &[f64; 3]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
         let (dd, da, bb) = (dot(&d, &d), dot(&d, &a.u), dot(&b.u, &b.u));
         let own = (1.0 - ALONE).ln() - 0.5 * (dd / share + count * share.ln() - bb);
         let alone = ALONE.ln();
@@ -195,6 +220,7 @@ pub(crate) fn add_to(
         own.alone.resize(at + 3 * n, 0.0);
         let rho = (1.0 - share.value).max(0.0).sqrt();
         let root = (pair.weight * pair.common).sqrt();
+        let ordinary = root * b.ordinary.sqrt();
         let gradient = &mut blocks[b.block].gradient;
         for (lane, place) in first.to {
             let whitened = &first.rows.whitened[*lane][from_a..from_a + a.width()];
@@ -210,7 +236,7 @@ pub(crate) fn add_to(
             for i in 0..3 {
                 gradient[*place] += pair.weight * pair.by_second[i] * full[i];
                 own.apart[at + i * n + place] += root * full[i] / share.value.sqrt();
-                own.alone[at + i * n + place] += root * mean[i];
+                own.alone[at + i * n + place] += ordinary * mean[i];
             }
         }
         if let Some(place) = place {
@@ -262,8 +288,10 @@ mod tests {
         Whitened {
             block: 0,
             weight: 1.0,
+            ordinary: 1.0,
             root: 1.0,
             scalar: false,
+            raw: u,
             u,
         }
     }

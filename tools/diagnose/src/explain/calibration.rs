@@ -196,7 +196,7 @@ impl Search<'_> {
         fit = self.with_law(fit, &mut terms);
         let mut elimination = self.elimination(&terms);
         let after = elimination.settled(fit, &mut terms)?;
-        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], 1.0, &terms)?;
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
         let after = self.offsets_together(after, &terms)?;
         Some(Calibration {
             after,

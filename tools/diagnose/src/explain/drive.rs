@@ -27,6 +27,8 @@ const DELAYS_S: [f64; 9] = [0.0, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3];
 const LAGS_S: [f64; 2] = [0.02, 0.15];
 /// Slow share of runs from before that have none.
 const LEAST_SLOW: f64 = 1e-3;
+/// Commands above this share of the largest are one speed.
+const ONE_SPEED: f64 = 0.98;
 /// Slow share from which it starts.
 const SLOW_START: f64 = 0.05;
 /// Dead zone from which it starts, as a share of the largest command.
@@ -206,10 +208,8 @@ impl Search<'_> {
         };
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
-        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], 1.0, &terms)?;
-        // at one speed a loss of a constant size is a gain
-        let top_rad_s = self.drive.largest_rad_s;
-        let after = elimination.rivals(after, [GAIN_TERM, ZONE_TERM], -top_rad_s, &terms)?;
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
+        let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
         Some(DriveFit {
             after,
@@ -218,6 +218,21 @@ impl Search<'_> {
             band_rad_s,
             joint: None,
         })
+    }
+
+    /// At one commanded speed a loss of a constant size is a gain.
+    fn with_one_speed(&self, mut after: Selected) -> Selected {
+        let today = self.drive.runs.iter().skip(self.drive.before.runs);
+        let levels = levels(today.map(|run| &run.commands));
+        let ends = levels.first().zip(levels.last());
+        if ends.is_none_or(|(least, most)| *least < ONE_SPEED * most) {
+            return after;
+        }
+        let both = [[GAIN_TERM, ZONE_TERM], [ZONE_TERM, GAIN_TERM]];
+        let kept = |own: &[&str; 2]| own.map(|name| after.kept(name).is_some()) == [true, false];
+        let alike: Vec<[&'static str; 2]> = both.into_iter().filter(kept).collect();
+        after.alike.extend(alike);
+        after
     }
 
     fn elimination<'b>(

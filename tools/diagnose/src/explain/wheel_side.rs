@@ -5,6 +5,7 @@
 use super::calibration::Calibration;
 use super::drive::{CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM};
 use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, POSE_CLOCK, POSE_LATE};
+use crate::estimate::Prior;
 use crate::estimate::scoring::FULL;
 use crate::model::drive::{CLOCK, DELAY, GAIN, GAIN_ASYMMETRY};
 use crate::model::from_wheels::{
@@ -46,14 +47,16 @@ pub(crate) fn settle(
     let change = |index: usize| drive.after.fit.at[index] - drive.nominal[index];
     let late = change(DELAY);
     let clock = change(CLOCK);
-    // what is in doubt, its term of the drive, rival terms of the calibration, shifts
-    type Row<'a> = (Doubt, &'a str, &'a [&'a str], Vec<(usize, f64)>);
+    let deviation = |index: usize| drive.after.deviation(&[(index, 1.0)]);
+    // what is in doubt, its term of the drive, rival terms of the calibration, shifts, what they are known to
+    type Row<'a> = (Doubt, &'a str, &'a [&'a str], Vec<(usize, f64)>, [f64; 2]);
     let doubts: [Row<'_>; 3] = [
         (
             Doubt::Delay,
             DELAY_TERM,
             &[POSE_LATE, GYRO_LATE],
             vec![(POSE_LATENCY, -late), (GYRO_LATENCY, -late)],
+            [deviation(DELAY); 2],
         ),
         (
             Doubt::Gain,
@@ -63,30 +66,33 @@ pub(crate) fn settle(
                 (COMMON, -change(GAIN)),
                 (ASYMMETRY, -change(GAIN_ASYMMETRY)),
             ],
+            [GAIN, GAIN_ASYMMETRY].map(deviation),
         ),
         (
             Doubt::Clock,
             CLOCK_TERM,
             &[POSE_CLOCK, GYRO_CLOCK],
             vec![(POSE_RATE, -clock), (GYRO_RATE, -clock)],
+            [deviation(CLOCK); 2],
         ),
     ];
     let raised = doubts
         .into_iter()
         .filter(|(_, term, ..)| drive.after.kept(term).is_some());
     raised
-        .map(|(doubt, _, rivals, shifts)| {
+        .map(|(doubt, _, rivals, shifts, known)| {
             // scales of single runs take up whatever encoders do
             let by_run = doubt == Doubt::Gain && calibration.by_run[0];
             let advantage = match &calibration.joint {
                 _ if by_run => 0.0,
                 Some(own) => {
                     let fitted = (&own.after, calibration.criterion);
-                    advantage(&own.machine, &own.nominal, fitted, rivals, &shifts)
+                    let known = Some(known);
+                    advantage(&own.machine, &own.nominal, fitted, rivals, (&shifts, known))
                 }
                 None => {
                     let fitted = (&calibration.after, calibration.criterion);
-                    advantage(machine, nominal, fitted, rivals, &shifts)
+                    advantage(machine, nominal, fitted, rivals, (&shifts, None))
                 }
             };
             Settled {
@@ -100,25 +106,33 @@ pub(crate) fn settle(
 }
 
 /// Log-likelihood by which the calibration with `shifts` is better than the one without; the rivals'
-/// parameters that it makes needless count as the criterion says.
+/// parameters that it makes needless count as the criterion says. Shifts are exact, or `known` to these
+/// deviations: runs on one course know them better than the drive.
 fn advantage(
     machine: &FromWheels,
     nominal: &[f64],
     (own, criterion): (&Selected, Criterion),
     rivals: &[&str],
-    shifts: &[(usize, f64)],
+    (shifts, known): (&[(usize, f64)], Option<[f64; 2]>),
 ) -> f64 {
     let view = View {
         machine,
         robust: true,
     };
-    let problem = machine.problem(&view, nominal);
+    let mut problem = machine.problem(&view, nominal);
     let fixed = |index: &usize| shifts.iter().any(|(shifted, _)| shifted == index);
     let mut at = own.fit.at.clone();
     for (index, shift) in shifts {
         at[*index] = nominal[*index] + shift;
     }
-    let free: Vec<usize> = own.fit.free.iter().filter(|i| !fixed(i)).copied().collect();
+    let mut free: Vec<usize> = own.fit.free.iter().filter(|i| !fixed(i)).copied().collect();
+    for ((index, _), deviation) in shifts.iter().zip(known.into_iter().flatten()) {
+        problem.priors[*index] = Prior {
+            mean: at[*index],
+            deviation,
+        };
+        free.push(*index);
+    }
     // what stood in for it may not be needed any more
     let kept = || rivals.iter().filter_map(|name| own.kept(name));
     let mut spare = at.clone();
@@ -127,7 +141,10 @@ fn advantage(
             spare[*index] = nominal[*index];
         }
     }
-    let fits = [at, spare].map(|start| problem.fit(&start, &free, FULL).objective);
+    let mut loose = spare.clone();
+    problem.likelihood.loosen(&mut loose);
+    let fits = [at, spare, loose].map(|start| problem.fit(&start, &free, FULL).objective);
+    let best = fits.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let spared: usize = kept()
         .map(|kept| {
             let parameters = kept.term.parameters.iter();
@@ -139,5 +156,5 @@ fn advantage(
     } else {
         0.0
     };
-    fits[0].max(fits[1]) - own.fit.objective + worth
+    best - own.fit.objective + worth
 }

@@ -342,6 +342,12 @@ impl Likelihood for CommandToWheels {
         }
     }
 
+    fn loosen(&self, at: &mut [f64]) {
+        if self.before.is_paired() {
+            at[Self::SHARE] = 0.0;
+        }
+    }
+
     fn value(&self, at: &[f64]) -> Vec<f64> {
         let keep = self.before.is_paired();
         let runs = self.runs.par_iter().enumerate().map(|(i, run)| {

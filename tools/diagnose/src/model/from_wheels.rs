@@ -675,6 +675,12 @@ impl Likelihood for View<'_> {
         shares.reduce(f64::max).unwrap_or(1.0)
     }
 
+    fn loosen(&self, at: &mut [f64]) {
+        for own in self.machine.shares() {
+            at[self.machine.share(own)] = 0.0;
+        }
+    }
+
     fn value(&self, at: &[f64]) -> Vec<f64> {
         let machine = self.machine;
         let keep = machine.before.is_paired();

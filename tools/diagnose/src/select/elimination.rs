@@ -308,18 +308,17 @@ impl Elimination<'_> {
         best.map(|(_, term, fit)| (term, fit))
     }
 
-    /// Tries each of two look-alikes in the other's place: the better one stays, and one that fits nearly as
-    /// well is remembered. `factor` turns the first parameter of the first into that of the second.
+    /// Tries each of two look-alikes of one parameter in the other's place: the better one stays, and
+    /// one that fits nearly as well is remembered.
     pub(crate) fn rivals(
         &self,
         mut found: Selected,
         pair: [&'static str; 2],
-        factor: f64,
         terms: &[Term],
     ) -> Option<Selected> {
-        let ([own, other], factor) = match pair.map(|name| found.kept(name).is_some()) {
-            [true, false] => (pair, factor),
-            [false, true] => ([pair[1], pair[0]], factor.recip()),
+        let [own, other] = match pair.map(|name| found.kept(name).is_some()) {
+            [true, false] => pair,
+            [false, true] => [pair[1], pair[0]],
             _ => return Some(found),
         };
         let place = found.kept.iter().position(|kept| kept.term.name == own)?;
@@ -329,17 +328,12 @@ impl Elimination<'_> {
         let from = found.kept[place].term.parameters[0];
         let to = rival.parameters[0];
         let mut at = found.fit.at.clone();
-        at[to] = self.neutral[to] + factor * (at[from] - self.neutral[from]);
-        for index in &found.kept[place].term.parameters {
-            at[*index] = self.neutral[*index];
-        }
+        at[to] = self.neutral[to] + at[from] - self.neutral[from];
+        at[from] = self.neutral[from];
         let mut swapped: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
         swapped[place] = rival.clone();
         let (free, physics) = self.free(&swapped);
         let fit = self.problem.fit(&at, &free, FULL);
-        if !self.is_possible(rival, &fit) {
-            return Some(found);
-        }
         let better = fit.objective - found.fit.objective;
         if better.abs() < TIE_NATS {
             let names = if better > 0.0 {
