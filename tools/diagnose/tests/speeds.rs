@@ -302,6 +302,58 @@ fn a_drive_that_became_slower_to_answer_is_named_alone() {
     assert!((all[0].1[0] - 0.09).abs() < 2e-3, "{all:?}");
 }
 
+/// What changed from a recording to a copy of it in which `change` was made.
+fn changed_in_copy(change: impl Fn(&mut Robot)) -> Answer {
+    let truth = Truth {
+        gain: 0.93,
+        camera_m: [-0.08, 0.03],
+        ..NOMINAL
+    };
+    let original = recorded(truth);
+    let mut copy = original.clone();
+    change(&mut copy.robots[0]);
+    let request = Request {
+        recordings: &[copy],
+        against: &[original],
+        model_of: &|_| Some(model()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    diagnose(&request).unwrap().0
+}
+
+#[test]
+fn a_change_in_a_copy_is_found_far_below_what_differs_between_recordings() {
+    // two recordings of a machine differ by 5 ms without a change
+    let late_s = 6e-3;
+    let answer = changed_in_copy(|robot| {
+        let pose = robot.pose.as_mut().unwrap();
+        pose.t_s.iter_mut().for_each(|t_s| *t_s += late_s);
+    });
+    let all = found(&answer);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert_eq!(all[0].0, "pose_latency", "{all:?}");
+    assert!((all[0].1[0] - late_s).abs() < 2e-4, "{all:?}");
+}
+
+#[test]
+fn a_copy_with_a_gap_and_an_outlier_matches_and_says_what_it_would_have_shown() {
+    let answer = changed_in_copy(|robot| {
+        let pose = robot.pose.as_mut().unwrap();
+        pose.values.x_m[300] += 0.5;
+        pose.t_s.drain(100..130);
+        pose.values.x_m.drain(100..130);
+        pose.values.y_m.drain(100..130);
+        pose.values.yaw_rad.as_mut().unwrap().drain(100..130);
+    });
+    assert_eq!(answer.verdict, Verdict::Match, "{:?}", found(&answer));
+    let mut limits = answer.detectable.iter();
+    let late = limits.find(|own| own.effect == "pose_latency").unwrap();
+    let smallest_s = late.smallest.unwrap();
+    assert!(smallest_s > 0.0 && smallest_s < 6e-3, "{late:?}");
+}
+
 #[test]
 fn recordings_that_cannot_be_compared_are_refused_in_words() {
     let refused = |today: Recording, before: Recording, words: &str| {

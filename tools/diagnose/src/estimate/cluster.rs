@@ -73,7 +73,7 @@ pub(crate) struct Precision {
 }
 
 impl Precision {
-    /// The precision of `fit`; `physics` counts the leading free parameters that are no noise sizes.
+    /// The precision of `fit`, `None` where no data depend on it; `physics` counts the leading free parameters that are no noise sizes.
     pub(crate) fn new(problem: &Problem<'_>, fit: &Fit, physics: usize) -> Option<Self> {
         let scores = problem.likelihood.score(&fit.at, &fit.free);
         let (gradient, information) = problem.total(&scores, &fit.at, &fit.free);
@@ -102,6 +102,9 @@ impl Precision {
         };
         let clusters = problem.likelihood.clusters();
         let groups = groups(&scores, clusters);
+        if groups.is_empty() {
+            return None;
+        }
         let left_out: Vec<DVector<f64>> = groups
             .iter()
             .map(|group| leave_out(group))

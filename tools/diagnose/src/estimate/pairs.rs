@@ -213,31 +213,25 @@ pub(crate) fn add_to(
                 block.insert(Columns::new(b.block))
             }
         };
-        own.count += 3;
         let n = blocks.first().map_or(0, |own| own.gradient.len());
-        let at = own.apart.len();
-        own.apart.resize(at + 3 * n, 0.0);
-        own.alone.resize(at + 3 * n, 0.0);
+        let at = own.row(n);
         let rho = (1.0 - share.value).max(0.0).sqrt();
         let root = (pair.weight * pair.common).sqrt();
-        let ordinary = root * b.ordinary.sqrt();
+        let apart = root / share.value.sqrt();
+        let alone = root * b.ordinary.sqrt();
         let gradient = &mut blocks[b.block].gradient;
         for (lane, place) in first.to {
             let whitened = &first.rows.whitened[*lane][from_a..from_a + a.width()];
             let [full, _] = a.derivatives(whitened);
-            for i in 0..3 {
-                gradient[*place] += pair.weight * pair.by_first[i] * full[i];
-                own.apart[at + i * n + place] -= root * rho * full[i] / share.value.sqrt();
-            }
+            gradient[*place] += pair.weight * dot(&pair.by_first, &full);
+            add(&mut own.apart, at, n, *place, full, -apart * rho);
         }
         for (lane, place) in second.to {
             let whitened = &second.rows.whitened[*lane][from_b..from_b + b.width()];
             let [full, mean] = b.derivatives(whitened);
-            for i in 0..3 {
-                gradient[*place] += pair.weight * pair.by_second[i] * full[i];
-                own.apart[at + i * n + place] += root * full[i] / share.value.sqrt();
-                own.alone[at + i * n + place] += ordinary * mean[i];
-            }
+            gradient[*place] += pair.weight * dot(&pair.by_second, &full);
+            add(&mut own.apart, at, n, *place, full, apart);
+            add(&mut own.alone, at, n, *place, mean, alone);
         }
         if let Some(place) = place {
             gradient[place] += pair.weight * pair.by_share * share.slope;
@@ -249,6 +243,13 @@ pub(crate) fn add_to(
     }
     if let Some(done) = block {
         done.add_to(blocks);
+    }
+}
+
+/// Adds the derivatives of a row by one parameter, which begins at `at` in columns of `n` numbers.
+fn add(columns: &mut [f64], at: usize, n: usize, place: usize, row: [f64; 3], by: f64) {
+    for (i, value) in row.into_iter().enumerate() {
+        columns[at + i * n + place] += by * value;
     }
 }
 
@@ -269,6 +270,15 @@ impl Columns {
             apart: Vec::new(),
             alone: Vec::new(),
         }
+    }
+
+    /// Makes room for a row of three columns of `n` numbers, and says where they begin.
+    fn row(&mut self, n: usize) -> usize {
+        self.count += 3;
+        let at = self.apart.len();
+        self.apart.resize(at + 3 * n, 0.0);
+        self.alone.resize(at + 3 * n, 0.0);
+        at
     }
 
     fn add_to(&self, blocks: &mut [BlockScore]) {

@@ -530,6 +530,14 @@ impl Reading<'_> {
             if !known.needed {
                 continue;
             }
+            if term == ZONE_TERM && self.is_wheels(Doubt::Gain) {
+                // the loss counts behind the encoders, which count it wrong as well
+                let gain = fitted.known(GAIN_TERM, &[(self.of_drive(GAIN), 1.0)]);
+                known.value -= self.nominal[DRIVE_FIRST + DEAD_ZONE] * gain.value.exp_m1();
+                if known.value.abs() < ALIKE * known.deviation {
+                    continue;
+                }
+            }
             if term == LAG_TERM {
                 // only its size is meant
                 let total = known.value + self.nominal[DRIVE_FIRST + LAG];
