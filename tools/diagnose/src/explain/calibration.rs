@@ -3,7 +3,7 @@
 
 use super::drive::{BAND_TERM, DEAD_ZONE_SHARE, DELAY_TERM, LAG_TERM, SATURATION_TERM};
 use super::prediction::reference_error;
-use super::terms::{self, GEOMETRY, OFFSET, OFFSET_TURN};
+use super::terms::{self, FLOOR, GEOMETRY, OFFSET, OFFSET_TURN};
 use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::cluster::Precision;
@@ -174,7 +174,10 @@ impl Search<'_> {
         let mut by_run = [false; 2];
         let before = &self.machine.before;
         if self.machine.runs.len() > before.runs + 1 || before.spread.iter().any(Option::is_some) {
-            let names: Vec<&str> = terms.iter().map(|t| t.name).collect();
+            let mut names: Vec<&str> = terms.iter().map(|t| t.name).collect();
+            if names.contains(&GEOMETRY) {
+                names.push(FLOOR);
+            }
             let same = |other: Vec<Term>| -> Vec<Term> {
                 let own = other.into_iter().filter(|t| names.contains(&t.name));
                 own.collect()

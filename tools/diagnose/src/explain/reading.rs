@@ -11,7 +11,7 @@ use super::drive::{
     ZONE_TERM,
 };
 use super::terms::{
-    GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERMS, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
+    FLOOR, GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERMS, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
 };
 use super::wheel_side::{Doubt, Settled};
 use crate::filter::motion_law::{DRIVERS, VALUES};
@@ -72,6 +72,11 @@ impl Fitted<'_> {
             gain: kept.gain,
             p_value: self.criterion.p_value(wald, kept.term.parameters.len()),
         }
+    }
+
+    /// The term that has scale and track of single runs.
+    fn of_floor(&self) -> &'static str {
+        self.kept(FLOOR).map_or(GEOMETRY, |kept| kept.term.name)
     }
 
     fn half(&self, known: Known) -> f64 {
@@ -321,7 +326,8 @@ impl Reading<'_> {
         let gains = self.gains();
         let by_run = self.calibration.map_or([false; 2], |c| c.by_run);
         claims.extend(self.gain_claim(gains));
-        let Some(fitted) = self.reference().filter(|f| f.kept(GEOMETRY).is_some()) else {
+        let is_sized = |own: &Fitted<'_>| [GEOMETRY, FLOOR].iter().any(|n| own.kept(n).is_some());
+        let Some(fitted) = self.reference().filter(is_sized) else {
             return;
         };
         if by_run[0] {
@@ -434,7 +440,7 @@ impl Reading<'_> {
         let asymmetry = fitted.known(GEOMETRY, &[(ASYMMETRY, 1.0)]);
         for run in 0..self.machine.runs.len() {
             let index = self.machine.of_run(run, RUN_SCALE);
-            let scale = fitted.known(GEOMETRY, &[(index, 1.0)]);
+            let scale = fitted.known(fitted.of_floor(), &[(index, 1.0)]);
             if !fitted.is_clear(scale) {
                 continue;
             }
@@ -458,7 +464,7 @@ impl Reading<'_> {
     fn track_of_runs(&self, fitted: &Fitted<'_>, claims: &mut Vec<Claim>) {
         for run in 0..self.machine.runs.len() {
             let index = self.machine.of_run(run, RUN_TRACK);
-            let track = fitted.known(GEOMETRY, &[(index, 1.0)]);
+            let track = fitted.known(fitted.of_floor(), &[(index, 1.0)]);
             if !fitted.is_clear(track) {
                 continue;
             }

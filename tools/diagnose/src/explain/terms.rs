@@ -4,8 +4,8 @@ use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
 use crate::filter::motion_law::VALUES;
 use crate::model::drive::{DEAD_ZONE, LAG, SAG, SATURATION};
 use crate::model::from_wheels::{
-    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X,
-    OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
+    ASYMMETRY, COMMON, DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE,
+    OFFSET_X, OFFSET_Y, OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK,
 };
 use crate::model::run::Run;
 use crate::select::elimination::Term;
@@ -39,6 +39,8 @@ const UNNOTICED_S: f64 = 5e-3;
 const UNNOTICED_RATE: f64 = 2e-4;
 /// Radii and track are one calibration: they are estimated, kept and removed together.
 pub(crate) const GEOMETRY: &str = "geometry";
+/// Scale and track of single runs, beside recordings from before: what floor and load changed.
+pub(crate) const FLOOR: &str = "floor";
 pub(crate) const LAW_TERMS: [&str; 2] = ["law of w", "law of v"];
 pub(crate) const OFFSET: &str = "offset";
 pub(crate) const OFFSET_TURN: &str = "offset yaw";
@@ -65,10 +67,14 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
         let tracks = shared_or_of_runs(machine, by_run[1], TRACK, RUN_TRACK);
         geometry.extend(tracks.into_iter().map(|index| (index, FACTOR_FLOOR)));
     }
-    if !geometry.is_empty() {
-        let mut geometry = term(GEOMETRY, &geometry, 1.0);
-        geometry.lasting = machine.is_commanded();
-        terms.push(geometry);
+    let is_floor = |(index, _): &(usize, f64)| machine.before.any() && *index >= MACHINE;
+    let (floor, machines): (Vec<_>, Vec<_>) = geometry.into_iter().partition(is_floor);
+    for (name, own) in [(FLOOR, floor), (GEOMETRY, machines)] {
+        if !own.is_empty() {
+            let mut own = term(name, &own, 1.0);
+            own.lasting = machine.is_commanded();
+            terms.push(own);
+        }
     }
     if machine.is_commanded() {
         let drive = drive::terms(DRIVE_FIRST, machine.largest_rad_s(), excluded);

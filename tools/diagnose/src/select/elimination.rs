@@ -391,7 +391,7 @@ impl Elimination<'_> {
             if gain / precision.overdispersion <= least {
                 return Some(Round::Removed(less, rest));
             }
-            if !self.needed(&term, gain, walds[i], fit, &less) {
+            if !self.needed(&term, gain, (walds[i], &precision), fit, &less) {
                 // terms that stand in for each other are not known either: what costs least goes first
                 let share = gain / least;
                 if !stands_in && weakest.as_ref().is_none_or(|(own, ..)| share < *own) {
@@ -435,7 +435,14 @@ impl Elimination<'_> {
 
     /// Whether a term that gains enough passes: its Wald statistic, a gain without its best block, an
     /// estimate that the data know better than the prior, a possible sign, and its use for predictions.
-    fn needed(&self, term: &Term, gain: f64, wald: f64, fit: &Fit, less: &Fit) -> bool {
+    fn needed(
+        &self,
+        term: &Term,
+        gain: f64,
+        (wald, precision): (f64, &Precision),
+        fit: &Fit,
+        less: &Fit,
+    ) -> bool {
         let count = term.parameters.len();
         let with = self.problem.likelihood.value(&fit.at);
         let without = self.problem.likelihood.value(&less.at);
@@ -447,7 +454,8 @@ impl Elimination<'_> {
             let change = fit.at[*index] - self.neutral[*index];
             (change / self.problem.priors[*index].deviation).powi(2)
         };
-        let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * wald;
+        let by_data = self.wald_beside(term, fit, precision, &term.floors);
+        let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * by_data;
         let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
         self.is_possible(term, fit)
             && (clear || term.by_profile)
@@ -488,6 +496,10 @@ impl Elimination<'_> {
 
     /// d' V⁻¹ d of a term's parameters, with its floors.
     pub(crate) fn wald(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
+        self.wald_beside(term, fit, precision, &self.floors(term, fit))
+    }
+
+    fn wald_beside(&self, term: &Term, fit: &Fit, precision: &Precision, floors: &[f64]) -> f64 {
         let places: Vec<usize> = term
             .parameters
             .iter()
@@ -503,7 +515,6 @@ impl Elimination<'_> {
                 .iter()
                 .map(|i| fit.at[*i] - self.neutral[*i]),
         );
-        let floors = self.floors(term, fit);
         let v = DMatrix::from_fn(k, k, |i, j| {
             precision.covariance[(places[i], places[j])] + if i == j { floors[i] } else { 0.0 }
         });
