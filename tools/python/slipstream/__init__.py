@@ -13,6 +13,7 @@ from ._slipstream import Failed, InputError, __version__
 from .answers import (
     Budget,
     Channel,
+    Detectable,
     Diagnosis,
     Evidence,
     Finding,
@@ -34,6 +35,7 @@ from .recording import Recording
 __all__ = [
     "Budget",
     "Channel",
+    "Detectable",
     "Diagnosis",
     "Evidence",
     "Failed",

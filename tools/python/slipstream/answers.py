@@ -138,6 +138,18 @@ class Outliers:
 
 
 @dataclass(frozen=True)
+class Detectable:
+    """From which size on an effect that was not found would have been."""
+
+    robot: str
+    effect: str
+    parameter: str
+    unit: str
+    smallest: Optional[float]
+    """None where these recordings do not show it at any size."""
+
+
+@dataclass(frozen=True)
 class ProcessNoise:
     """What always pushes and follows nothing that was looked at."""
 
@@ -200,6 +212,8 @@ class Diagnosis:
     warnings: List[Warning]
     improved: Dict[str, str]
     """The improved model of each robot, as the text of a robot.toml."""
+    detectable: List[Detectable]
+    """From which size on what was not found would have been."""
     against: List[str]
     """Recordings from before; with any, the findings are what changed since."""
     _inner: "_slipstream.Diagnosis" = field(repr=False, compare=False)
@@ -220,6 +234,7 @@ class Diagnosis:
             process_noise=[ProcessNoise(**each) for each in own.get("process_noise", [])],
             warnings=[Warning(**each) for each in own["warnings"]],
             improved=dict(inner.improved()),
+            detectable=[Detectable(**each) for each in own.get("detectable", [])],
             against=own.get("against", []),
             _inner=inner,
         )

@@ -125,6 +125,18 @@ pub(super) fn terms(first: usize, top_rad_s: f64, excluded: &[String]) -> Vec<Te
     terms
 }
 
+/// Terms of a drive by itself, or of its changes.
+pub(super) fn terms_of(drive: &CommandToWheels, excluded: &[String]) -> Vec<Term> {
+    let mut terms = terms(0, drive.largest_rad_s, excluded);
+    if drive.before.any() {
+        terms.retain(|t| !is_nuisance(t));
+        for term in &mut terms {
+            term.widen(|index| unnoticed(index, drive.largest_rad_s));
+        }
+    }
+    terms
+}
+
 /// Deviation by which a parameter of a drive differs between two recordings of one machine.
 pub(super) fn unnoticed(parameter: usize, top_rad_s: f64) -> f64 {
     match parameter {
@@ -193,13 +205,7 @@ impl DriveFit {
 
 impl Search<'_> {
     fn run(self, excluded: &[String]) -> Option<DriveFit> {
-        let mut terms = terms(0, self.drive.largest_rad_s, excluded);
-        if self.drive.before.any() {
-            terms.retain(|t| !is_nuisance(t));
-            for term in &mut terms {
-                term.widen(|index| unnoticed(index, self.drive.largest_rad_s));
-            }
-        }
+        let mut terms = terms_of(self.drive, excluded);
         let before = self.noise_alone();
         let (full, band_rad_s) = self.full(&before, &mut terms);
         let useful = |with: &Fit, without: &Fit| {

@@ -385,6 +385,7 @@ impl Machine<'_> {
                 calibration: calibration.as_ref(),
                 drive: drive.as_ref(),
                 driven: self.drive.as_ref(),
+                joint_drive: self.joint_drive.as_ref(),
                 nominal: &self.sensed(&fitted),
                 fitted: &fitted,
                 errors: &errors,

@@ -3,16 +3,16 @@
 
 use super::pictures::{Scene, some_windows};
 use super::prediction::{Errors, Predictor};
+use super::sight;
 use super::terms;
 use crate::answer::{Limit, Seen};
-use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{Fit, Problem};
 use crate::model::drive::{CLOCK, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG};
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X, OFFSET_Y,
     OFFSET_YAW, POSE_LATENCY, POSE_RATE, RUN_SCALE, RUN_TRACK, TRACK, View,
 };
-use crate::select::elimination::{Selected, Term};
+use crate::select::elimination::{LEAST_APART, Selected, Term};
 
 /// Deviations from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;
@@ -43,16 +43,23 @@ fn calibrated(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
     let Some(calibration) = scene.calibration else {
         return Vec::new();
     };
-    let machine = scene.machine;
+    // beside recordings from before: what a change would have to be
+    let (machine, nominal, found, by_run) = match &calibration.joint {
+        Some(own) => (&own.machine, own.nominal.as_slice(), &own.after, [false; 2]),
+        None => {
+            let by_run = calibration.by_run;
+            (scene.machine, scene.nominal, &calibration.after, by_run)
+        }
+    };
     let view = View {
         machine,
         robust: true,
     };
-    let problem = machine.problem(&view, scene.nominal);
-    let all = terms::terms(machine, scene.excluded, calibration.by_run);
+    let problem = machine.problem(&view, nominal);
+    let all = terms::terms(machine, scene.excluded, by_run);
     let laws = terms::laws(machine, scene.excluded);
     let all: Vec<Term> = all.into_iter().chain(laws).collect();
-    of_terms((scene, base), &problem, &calibration.after, &all, 0)
+    of_terms((scene, base), &problem, found, &all, 0)
 }
 
 fn driven(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
@@ -60,11 +67,13 @@ fn driven(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
     let (Some(drive), true) = (scene.drive, own) else {
         return Vec::new();
     };
-    let Some(machine) = scene.driven else {
+    let joint = drive.joint.as_deref();
+    let of_joint = || Some((scene.joint_drive?, joint?));
+    let Some((machine, drive)) = of_joint().or_else(|| Some((scene.driven?, drive))) else {
         return Vec::new();
     };
     let problem = machine.problem(machine, &drive.nominal);
-    let all = super::drive::terms(0, machine.largest_rad_s, scene.excluded);
+    let all = super::drive::terms_of(machine, scene.excluded);
     of_terms((scene, base), &problem, &drive.after, &all, DRIVE_FIRST)
 }
 
@@ -79,6 +88,7 @@ fn of_terms(
     let judged = all
         .iter()
         .filter(|term| !term.by_profile && !super::drive::is_nuisance(term));
+    let apart = problem.likelihood.apart(&found.fit.at).max(LEAST_APART);
     let claimed = |index: &usize| {
         scene
             .claims
@@ -109,7 +119,7 @@ fn of_terms(
         for (index, named) in named {
             let deviation = deviations.as_ref().and_then(|own: &Vec<f64>| {
                 let place = term.parameters.iter().position(|p| *p == index)?;
-                let floor = term.floors[place];
+                let floor = apart * (term.floors[place] + term.unnoticed[place]);
                 let variance = own[place] * own[place] * term.caution * term.caution + floor;
                 variance.is_finite().then(|| variance.sqrt())
             });
@@ -121,22 +131,7 @@ fn of_terms(
 
 /// Deviations of the parameters of a term beside what was found.
 fn deviations(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Vec<f64>> {
-    let own = term.parameters.iter().copied();
-    let others = fit
-        .free
-        .iter()
-        .copied()
-        .filter(|i| !term.parameters.contains(i));
-    let mut beside = Fit {
-        free: own.chain(others).collect(),
-        ..fit.clone()
-    };
-    for index in &term.parameters {
-        // at exactly 0 a law or a threshold has no derivative
-        beside.at[*index] += f64::MIN_POSITIVE;
-    }
-    let count = beside.free.len();
-    let precision = Precision::new(problem, &beside, count)?;
+    let precision = sight::beside(problem, fit, term)?;
     let variances = (0..term.parameters.len()).map(|i| precision.covariance[(i, i)]);
     Some(variances.map(f64::sqrt).collect())
 }

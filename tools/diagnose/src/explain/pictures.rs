@@ -42,6 +42,8 @@ pub(crate) struct Scene<'a> {
     pub(crate) drive: Option<&'a DriveFit>,
     /// Commands and wheels of all runs.
     pub(crate) driven: Option<&'a CommandToWheels>,
+    /// The same with runs from before.
+    pub(crate) joint_drive: Option<&'a CommandToWheels>,
     /// Parameters without and with what was found.
     pub(crate) nominal: &'a [f64],
     pub(crate) fitted: &'a [f64],

@@ -125,13 +125,8 @@ pub(super) fn detectable(
         all.extend(asked.each(robot, &OF_REFERENCE));
     }
     if let Some((machine, own)) = driven {
-        let mut terms = drive::terms(0, machine.largest_rad_s, excluded);
+        let mut terms = drive::terms_of(machine, excluded);
         terms.retain(|term| !is_nuisance(term) && !term.by_profile);
-        if machine.before.any() {
-            for term in &mut terms {
-                term.widen(|index| drive::unnoticed(index, machine.largest_rad_s));
-            }
-        }
         let asked = Asked {
             problem: &machine.problem(machine, &own.nominal),
             found: &own.after,
@@ -143,6 +138,22 @@ pub(super) fn detectable(
     all
 }
 
+/// What would be known of a term beside what was found; its parameters come first.
+pub(super) fn beside(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Precision> {
+    let own = term.parameters.iter().copied();
+    let others = fit.free.iter().copied();
+    let others = others.filter(|i| !term.parameters.contains(i));
+    let mut beside = Fit {
+        free: own.chain(others).collect(),
+        ..fit.clone()
+    };
+    for index in &term.parameters {
+        // at exactly 0 a law or a threshold has no derivative
+        beside.at[*index] += f64::MIN_POSITIVE;
+    }
+    Precision::new(problem, &beside, beside.free.len())
+}
+
 impl Asked<'_> {
     fn each(&self, robot: &str, sights: &[Sight]) -> Vec<Detectable> {
         let mut all = Vec::new();
@@ -150,7 +161,7 @@ impl Asked<'_> {
             if self.found.kept(term.name).is_some() {
                 continue;
             }
-            let precision = self.precision(term);
+            let precision = beside(self.problem, &self.found.fit, term);
             let own = sights.iter().filter(|sight| {
                 let mut parts = sight.weights.iter();
                 parts.all(|(index, _)| term.parameters.contains(index))
@@ -169,23 +180,6 @@ impl Asked<'_> {
             }
         }
         all
-    }
-
-    /// What would be known of a term beside what was found; its parameters come first.
-    fn precision(&self, term: &Term) -> Option<Precision> {
-        let fit = &self.found.fit;
-        let own = term.parameters.iter().copied();
-        let others = fit.free.iter().copied();
-        let others = others.filter(|i| !term.parameters.contains(i));
-        let mut beside = Fit {
-            free: own.chain(others).collect(),
-            ..fit.clone()
-        };
-        for index in &term.parameters {
-            // at exactly 0 a law or a threshold has no derivative
-            beside.at[*index] += f64::MIN_POSITIVE;
-        }
-        Precision::new(self.problem, &beside, beside.free.len())
     }
 
     /// Whether the data say more of a term than its prior does.

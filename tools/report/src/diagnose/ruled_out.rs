@@ -49,10 +49,15 @@ pub(super) fn section(diagnosis: &Diagnosis<'_>, machines: &[&Figures]) -> Marku
     let Some((first, others)) = judged.split_first() else {
         return html! {};
     };
+    let what = if diagnosis.answer.against.is_empty() {
+        "an effect"
+    } else {
+        "a change"
+    };
     html! {
         section id="ruled-out" aria-labelledby="h-ruled-out" {
             h2 id="h-ruled-out" { "Ruled out, down to which size" }
-            p class="sub" { "Beside the findings, an effect of this size would differ from nothing by 4.5 standard deviations. "
+            p class="sub" { "Beside the findings, " (what) " of this size would differ from nothing by 4.5 standard deviations. "
                 "The dot is the error 5 s ahead that it could still cause: left of the dashed line, it cannot be what is unexplained."
                 @if !others.is_empty() { " Of " (first.robot) "." } }
             (of_machine(diagnosis, first))
