@@ -13,7 +13,7 @@ mod select;
 pub use answer::{
     Answer, Budget, BudgetPart, Detectable, ErrorLine, Evidence, Figures, Finding, HeldOut,
     HeldOutChannel, LawCurve, Limit, MissingForce, Motion, Outliers, ParameterEstimate, Paths,
-    Place, Point, ProcessNoise, Profile, Seen, Unexplained, Verdict, Warning, calibration,
+    Place, Point, ProcessNoise, Profile, Seen, Unexplained, Verdict, Warning, calibration, change,
     in_digits, manoeuvre,
 };
 pub use diagnosis::{Illustrated, Request, diagnose, diagnose_with_figures};

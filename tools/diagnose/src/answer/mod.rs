@@ -8,6 +8,7 @@ mod figures;
 mod fixture;
 mod manoeuvre;
 mod setup;
+pub(crate) mod shape;
 pub(crate) mod statement;
 
 use serde::Serialize;
@@ -19,6 +20,7 @@ pub use figures::{
     ErrorLine, Figures, LawCurve, Limit, MissingForce, Motion, Paths, Point, Profile, Seen,
 };
 pub use manoeuvre::manoeuvre;
+pub use statement::change;
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]

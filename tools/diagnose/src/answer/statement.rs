@@ -33,18 +33,11 @@ pub(crate) fn changed(finding: &Finding, before: &str) -> String {
             "Robot {robot}: since {before}, something outside of the catalogue changed: {shape}."
         );
     }
-    let parts: Vec<String> = finding
-        .parameters
-        .iter()
-        .filter_map(|parameter| phrase(&finding.effect, parameter))
-        .collect();
-    let what = if parts.is_empty() {
+    let what = change(finding).unwrap_or_else(|| {
         let info = slipstream_sim::effects::find(&finding.effect);
         info.map_or(finding.effect.as_str(), |own| own.summary)
             .to_owned()
-    } else {
-        parts.join(", ")
-    };
+    });
     let numbers: Vec<String> = finding.parameters.iter().filter_map(was_and_is).collect();
     let of_runs = match &finding.runs {
         Some(runs) => format!(" ({})", runs.join(", ")),
@@ -52,6 +45,16 @@ pub(crate) fn changed(finding: &Finding, before: &str) -> String {
     };
     let (numbers, told) = (numbers.join(", "), told(finding));
     format!("Robot {robot}{of_runs}, compared with {before}: {what}; {numbers}. {told}.")
+}
+
+/// What changed, as a person would say it, without robot and numbers: "the reference sits 10.0 cm further
+/// forward". `None` where no parameter is clearly another, or nobody has words for it.
+pub fn change(finding: &Finding) -> Option<String> {
+    let parts = finding.parameters.iter();
+    let parts: Vec<String> = parts
+        .filter_map(|parameter| phrase(&finding.effect, parameter))
+        .collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
 }
 
 /// A change as a person would say it; none where it lies within its interval.

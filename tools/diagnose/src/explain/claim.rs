@@ -3,6 +3,7 @@
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 use slipstream_sim::effects::{Domain, find};
 
+use crate::answer::shape::resemblance;
 use crate::model::nominal::number;
 
 /// How a parameter changes from its nominal value.
@@ -72,9 +73,11 @@ impl Law {
             .filter_map(extreme)
             .map(|(knot, value)| format!("{value:+.3} m/s at {knot:+.2} {unit}"))
             .collect();
+        let near = resemblance(self.driver, &self.knots, &self.values);
         format!(
-            "forward speed that depends on the {name}: {}",
-            words.join(", ")
+            "forward speed that depends on the {name}: {}{}",
+            words.join(", "),
+            near.map_or(String::new(), |near| format!("; {near}"))
         )
     }
 

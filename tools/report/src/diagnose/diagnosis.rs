@@ -130,8 +130,11 @@ impl Diagnosis<'_> {
             .iter()
             .take(NAMED)
             .map(|group| {
-                let model = self.model(&group[0].robot);
-                self.whose(group) + &headline(group[0], model.as_ref())
+                let changed = Some(group[0]).filter(|_| !self.answer.against.is_empty());
+                let words = changed.and_then(slipstream_diagnose::change);
+                self.whose(group)
+                    + &words
+                        .unwrap_or_else(|| headline(group[0], self.model(&group[0].robot).as_ref()))
             })
             .collect();
         if groups.len() > NAMED {

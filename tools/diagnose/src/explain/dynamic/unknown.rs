@@ -10,6 +10,7 @@ use super::drivers::Driver;
 use super::fit::Fit;
 use super::machine::Machine;
 use super::noise_sizes::THOROUGH;
+use crate::answer::shape::resemblance;
 use crate::filter::dynamic::columns::{Load, columns};
 
 /// Half width of a 95 % interval of a normal distribution (deviations).
@@ -155,7 +156,7 @@ impl Machine {
             numbers: factors.len(),
             largest: largest(loads.iter().flatten()),
             intervals_s: at_work(&under, &loads[0]),
-            shape: shape(own.driver, &loads),
+            shape: shape(own.driver, &loads, &factors),
             spec: spec(own.driver, &factors),
             half: own.deviations.iter().map(|d| NORMAL * d).collect(),
             table: own
@@ -222,7 +223,7 @@ fn at_work(fit: &Fit, loads: &[Load]) -> Vec<[f64; 2]> {
 }
 
 /// What a load looks like, in words.
-fn shape(driver: &Driver, loads: &[Vec<Load>]) -> String {
+fn shape(driver: &Driver, loads: &[Vec<Load>], factors: &[f64]) -> String {
     let part = usize::from(driver.channel == "yaw");
     let (what, unit) = if part == 0 {
         ("force along the body", "N")
@@ -233,7 +234,10 @@ fn shape(driver: &Driver, loads: &[Vec<Load>]) -> String {
     let low = values.clone().fold(f64::INFINITY, f64::min);
     let high = values.fold(f64::NEG_INFINITY, f64::max);
     let name = driver.name.replace('_', " ");
-    format!("a {what} that depends on {name}, from {low:.3} to {high:.3} {unit}")
+    let table = driver.table.as_ref();
+    let near = table.and_then(|(_, knots)| resemblance(driver.name, knots, factors));
+    let near = near.map_or(String::new(), |near| format!("; {near}"));
+    format!("a {what} that depends on {name}, from {low:.3} to {high:.3} {unit}{near}")
 }
 
 /// A table over a driver as a model lists it.
