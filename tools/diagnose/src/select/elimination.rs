@@ -454,7 +454,8 @@ impl Elimination<'_> {
             let change = fit.at[*index] - self.neutral[*index];
             (change / self.problem.priors[*index].deviation).powi(2)
         };
-        let by_data = self.wald_beside(term, fit, precision, &term.floors);
+        let floors = self.scaled(&term.floors, fit);
+        let by_data = self.wald_beside(term, fit, precision, &floors);
         let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * by_data;
         let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
         self.is_possible(term, fit)
@@ -489,9 +490,14 @@ impl Elimination<'_> {
     /// Variances of a term's parameters that nobody would call a difference. Recordings that have nearly
     /// everything in common are that much nearer to being one, and less lies between them.
     pub(crate) fn floors(&self, term: &Term, fit: &Fit) -> Vec<f64> {
-        let apart = self.problem.likelihood.apart(&fit.at).max(LEAST_APART);
         let pairs = term.floors.iter().zip(&term.unnoticed);
-        pairs.map(|(floor, own)| apart * (floor + own)).collect()
+        let all: Vec<f64> = pairs.map(|(floor, own)| floor + own).collect();
+        self.scaled(&all, fit)
+    }
+
+    fn scaled(&self, floors: &[f64], fit: &Fit) -> Vec<f64> {
+        let apart = self.problem.likelihood.apart(&fit.at).max(LEAST_APART);
+        floors.iter().map(|own| apart * own).collect()
     }
 
     /// d' V⁻¹ d of a term's parameters, with its floors.
