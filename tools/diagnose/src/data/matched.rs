@@ -38,7 +38,7 @@ impl Stamps {
     }
 
     /// How much later (s) and faster the second recording was stamped (least squares).
-    pub(crate) fn shift(&self) -> [f64; 2] {
+    fn shift(&self) -> [f64; 2] {
         let count = self.pairs.len().max(1) as f64;
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| self.pairs.iter().map(of).sum::<f64>() / count;
         let (t, later) = (mean(&|p| p[0]), mean(&|p| p[1] - p[0]));
@@ -62,18 +62,26 @@ impl Stamps {
         (rows.len() as f64 >= LEAST_SHARE * longer).then_some(rows)
     }
 
-    /// Keeps of two lists the rows that both have; `None`, and nothing is changed, where these are too few.
+    /// Keeps of two lists the rows that both have; `false`, and nothing is changed, where these are too few.
     pub(crate) fn keep<R: Copy>(
         &self,
         [first, second]: [&mut Vec<R>; 2],
         time_s: impl Fn(&R) -> f64,
-    ) -> Option<()> {
+    ) -> bool {
         let times = |all: &[R]| all.iter().map(&time_s).collect::<Vec<f64>>();
-        let rows = self.rows(&times(first), &times(second))?;
+        let Some(rows) = self.rows(&times(first), &times(second)) else {
+            return false;
+        };
         *first = rows.iter().map(|[a, _]| first[*a]).collect();
         *second = rows.iter().map(|[_, b]| second[*b]).collect();
-        Some(())
+        true
     }
+}
+
+/// How much later (s) and faster a stream was stamped against another one than before.
+pub(crate) fn shift_against(own: Option<&Stamps>, other: Option<&Stamps>) -> [f64; 2] {
+    let [own, other] = [own, other].map(|stamps| stamps.map_or([0.0; 2], Stamps::shift));
+    [own[0] - other[0], own[1] - other[1]]
 }
 
 /// Stamps of both lists that are one.
@@ -106,7 +114,7 @@ mod tests {
             pairs: nearest(&first, &second),
         };
         let (mut a, mut b) = (first.clone(), second.clone());
-        assert!(stamps.keep([&mut a, &mut b], |t| *t).is_some());
+        assert!(stamps.keep([&mut a, &mut b], |t| *t));
         assert_eq!(a, second);
         assert_eq!(b, second);
         second.truncate(10);
@@ -114,7 +122,7 @@ mod tests {
             pairs: nearest(&first, &second),
         };
         let (mut a, mut b) = (first.clone(), second);
-        assert!(stamps.keep([&mut a, &mut b], |t| *t).is_none());
+        assert!(!stamps.keep([&mut a, &mut b], |t| *t));
         assert_eq!(a, first);
     }
 }

@@ -85,7 +85,7 @@ pub(crate) fn gyro(
             all.push((t_s, *rate));
         }
     }
-    let step_s = GYRO_STEP_S.max(2.0 * wheel_interval_s);
+    let step_s = gyro_step_s(wheel_interval_s);
     let series = thinned(&integrated(&all), &times(&all), step_s);
     (all.len() >= LEAST_RATES).then_some(Thinned { all, series })
 }
@@ -110,15 +110,7 @@ fn times<V>(rows: &[(f64, V)]) -> Vec<f64> {
 /// Keeps of the poses of two recordings the rows that both have, in the same series; `false` where these
 /// are too few.
 pub(crate) fn match_poses(stamps: &Stamps, both: [&mut Thinned<PoseRow>; 2]) -> bool {
-    let [first, second] = both;
-    let kept = stamps.keep([&mut first.all, &mut second.all], |row| row.0);
-    if kept.is_some() {
-        let series = numbers(&times(&first.all), POSE_STEP_S);
-        for own in [first, second] {
-            own.series = picked(&own.all, &series);
-        }
-    }
-    kept.is_some()
+    match_rows(stamps, both, POSE_STEP_S, <[PoseRow]>::to_vec)
 }
 
 /// The same for the gyro.
@@ -127,16 +119,32 @@ pub(crate) fn match_rates(
     both: [&mut Thinned<(f64, f64)>; 2],
     wheel_interval_s: f64,
 ) -> bool {
-    let [first, second] = both;
+    match_rows(stamps, both, gyro_step_s(wheel_interval_s), integrated)
+}
+
+/// Rows with their stamps (s).
+type Rows<V> = [(f64, V)];
+
+/// The same for any rows; `filtered` makes of them what the filter reads.
+fn match_rows<V: Copy>(
+    stamps: &Stamps,
+    [first, second]: [&mut Thinned<(f64, V)>; 2],
+    step_s: f64,
+    filtered: impl Fn(&Rows<V>) -> Vec<(f64, V)>,
+) -> bool {
     let kept = stamps.keep([&mut first.all, &mut second.all], |row| row.0);
-    if kept.is_some() {
-        let step_s = GYRO_STEP_S.max(2.0 * wheel_interval_s);
+    if kept {
         let series = numbers(&times(&first.all), step_s);
         for own in [first, second] {
-            own.series = picked(&integrated(&own.all), &series);
+            own.series = picked(&filtered(&own.all), &series);
         }
     }
-    kept.is_some()
+    kept
+}
+
+/// Time between the rows of a thinned series of the gyro (s).
+fn gyro_step_s(wheel_interval_s: f64) -> f64 {
+    GYRO_STEP_S.max(2.0 * wheel_interval_s)
 }
 
 impl<R: Copy> Thinned<R> {

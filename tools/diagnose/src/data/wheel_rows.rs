@@ -84,13 +84,13 @@ pub(crate) fn rows(
 /// Keeps of two recordings the rows that both have; `false` where these are too few.
 pub(crate) fn match_wheels(stamps: &Stamps, [first, second]: [&mut WheelRows; 2]) -> bool {
     let kept = stamps.keep([&mut first.rows, &mut second.rows], |row| row.time_s);
-    if kept.is_some() {
+    if kept {
         for (a, b) in first.rows.iter_mut().zip(&mut second.rows) {
             let counts = a.counts && b.counts;
             (a.counts, b.counts) = (counts, counts);
         }
     }
-    kept.is_some()
+    kept
 }
 
 /// What both wheels' rows hold, the deviation of their rounding (rad), and the rows; NaN where a count is

@@ -3,7 +3,7 @@
 
 use super::pictures::{Scene, some_windows};
 use super::prediction::{Errors, Predictor};
-use super::sight;
+use super::sight::{self, SIGMAS};
 use super::terms;
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::{Fit, Problem};
@@ -14,8 +14,6 @@ use crate::model::from_wheels::{
 };
 use crate::select::elimination::{LEAST_APART, Selected, Term};
 
-/// Deviations from which on an effect would have been found.
-const SIGMAS: f64 = 4.5;
 /// Windows by which the error of a limit is predicted.
 const WINDOWS: usize = 12;
 

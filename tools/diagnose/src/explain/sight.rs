@@ -16,7 +16,7 @@ use crate::select::criterion::Criterion;
 use crate::select::elimination::{KNOWN_SHARE, LEAST_APART, Selected, Term};
 
 /// Deviations from which on an effect would have been found.
-const SIGMAS: f64 = 4.5;
+pub(super) const SIGMAS: f64 = 4.5;
 
 /// A parameter of the catalogue as a sum of parameters of a fit.
 struct Sight {

@@ -41,9 +41,9 @@ impl Projection<'_> {
             .filter_map(|(place, from)| Some((place, (self.index)(*from)?)))
             .collect();
         let free: Vec<usize> = left.iter().map(|(_, to)| *to).collect();
-        let covariance = DMatrix::from_fn(left.len(), left.len(), |i, k| {
-            found.precision.covariance[(left[i].0, left[k].0)]
-        });
+        let of_left = |all: &DMatrix<f64>| {
+            DMatrix::from_fn(left.len(), left.len(), |i, k| all[(left[i].0, left[k].0)])
+        };
         let kept = found.kept.iter().map(|kept| Kept {
             term: Term {
                 parameters: kept
@@ -64,8 +64,8 @@ impl Projection<'_> {
                 converged: fit.converged,
             },
             precision: Precision {
-                expected: covariance.clone(),
-                covariance,
+                covariance: of_left(&found.precision.covariance),
+                expected: of_left(&found.precision.expected),
                 overdispersion: found.precision.overdispersion,
             },
             kept: kept.collect(),

@@ -12,7 +12,7 @@ use super::drive::{
 };
 use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
-use crate::data::matched::Stamps;
+use crate::data::matched::{Stamps, shift_against};
 use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
@@ -84,12 +84,8 @@ impl CommandToWheels {
                 let both = [robots[a.robot], robots[b.robot]];
                 let stamps = Stamps::new(both, |own| own.wheels.as_ref());
                 let told = Stamps::new(both, |own| own.command.as_ref());
-                let told = told.map_or([0.0; 2], |own| own.shift());
-                stamps.is_some_and(|own| {
-                    let shift = own.shift();
-                    stamped[0] = [shift[0] - told[0], shift[1] - told[1]];
-                    match_wheels(&own, [&mut a.wheels, &mut b.wheels])
-                })
+                stamped[0] = shift_against(stamps.as_ref(), told.as_ref());
+                stamps.is_some_and(|own| match_wheels(&own, [&mut a.wheels, &mut b.wheels]))
             })
         });
         self.before = Before {

@@ -13,7 +13,7 @@ use super::comparison::{self, Before, SHARES};
 use super::drive::{DRIVE, SATURATION};
 use super::nominal::{self, clock_rate, number};
 use super::run::{RUN_NOISE, Run, Source};
-use crate::data::matched::Stamps;
+use crate::data::matched::{Stamps, shift_against};
 use crate::data::reference::{POSE_STEP_S, match_poses, match_rates};
 use crate::estimate::blocks;
 use crate::estimate::cluster::LEAST_RUNS;
@@ -767,7 +767,6 @@ fn match_runs(
     stamped: &mut [[f64; 2]; SHARES],
 ) -> bool {
     let both = [robots[first.robot], robots[second.robot]];
-    let shift = |own: Option<&Stamps>| own.map_or([0.0; 2], Stamps::shift);
     let wheels = if first.wheels.is_commanded() {
         Stamps::new(both, |own| own.command.as_ref())
     } else {
@@ -775,9 +774,7 @@ fn match_runs(
     };
     let poses = Stamps::new(both, |own| own.pose.as_ref());
     let rates = Stamps::new(both, |own| own.imu.as_ref());
-    let [told, own] = [shift(wheels.as_ref()), shift(poses.as_ref())];
-    let [pose, gyro] = [own, shift(rates.as_ref())].map(|own| [own[0] - told[0], own[1] - told[1]]);
-    *stamped = [pose, gyro];
+    *stamped = [&poses, &rates].map(|own| shift_against(own.as_ref(), wheels.as_ref()));
     let interval_s = first.wheel_interval_s;
     let poses = match (&mut first.pose, &mut second.pose) {
         (Some(a), Some(b)) => poses.is_some_and(|stamps| match_poses(&stamps, [a, b])),

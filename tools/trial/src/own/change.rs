@@ -2,8 +2,15 @@
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{Command, Robot, Wheels};
+use slipstream_sim::effects::{Role, find};
 
 use super::rows::pair;
+
+/// Whether a parameter of an effect is a factor: 1 without the effect.
+pub(super) fn is_factor(effect: &str, parameter: &str) -> bool {
+    let info = find(effect).and_then(|info| info.parameter(parameter));
+    info.is_some_and(|own| own.role == Role::Factor)
+}
 
 /// A change, by the effect of the catalogue that it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,15 +97,20 @@ impl Change {
         }
     }
 
-    /// How far the first parameter that changes is from nothing.
+    /// How far each parameter is from nothing.
+    pub(super) fn distances(&self) -> Vec<(&'static str, f64)> {
+        let distance = |(name, value): (&'static str, f64)| {
+            let nothing = f64::from(u8::from(is_factor(self.effect(), name)));
+            (name, (value - nothing).abs())
+        };
+        self.parameters().into_iter().map(distance).collect()
+    }
+
+    /// How far the parameter that changes most is from nothing.
     pub fn size(&self) -> (&'static str, f64) {
-        let factor = matches!(self, Self::Radius(_) | Self::Counts(_) | Self::Gain(_));
-        let nothing = if factor { 1.0 } else { 0.0 };
-        let sizes = self.parameters().into_iter();
-        let sizes = sizes.map(|(name, value)| (name, (value - nothing).abs()));
-        sizes
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or(("", 0.0))
+        let most = self.distances().into_iter();
+        let most = most.max_by(|a, b| a.1.total_cmp(&b.1));
+        most.unwrap_or(("", 0.0))
     }
 
     /// Effects that the data of a robot cannot tell from it, whatever the program says.

@@ -2,9 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use slipstream_sim::effects::{Role, find};
-
-use super::change::Change;
+use super::change::{Change, is_factor};
 use super::made::OwnCase;
 use crate::answer::DiagnosisAnswer;
 use crate::diagnosis_process::DiagnosisRun;
@@ -88,36 +86,24 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
 
 /// Whether an answer says that it would not have seen a change of this size.
 fn is_hidden(change: &Change, answer: &DiagnosisAnswer) -> bool {
-    let parameters = change.parameters();
-    let size = |name: &str, value: f64| {
-        let info = find(change.effect()).and_then(|info| info.parameter(name));
-        let is_factor = info.is_some_and(|own| own.role == Role::Factor);
-        if is_factor {
-            (value - 1.0).abs()
-        } else {
-            value.abs()
-        }
-    };
     let limits = |name: &str| {
         let own = change.shown_by(name);
         let all = answer.detectable.iter();
         all.filter(move |limit| own.contains(&(limit.effect.as_str(), limit.parameter.as_str())))
     };
-    let below = |name: &str, value: f64| {
+    let below = |name: &str, size: f64| {
         let mut own = limits(name);
-        own.any(|limit| limit.smallest.is_none_or(|own| size(name, value) < own))
+        own.any(|limit| limit.smallest.is_none_or(|own| size < own))
     };
-    let seen = |(name, value): &(&str, f64)| size(name, *value) > 0.0 && !below(name, *value);
-    !parameters.iter().any(seen)
+    let mut all = change.distances().into_iter();
+    all.all(|(name, size)| size == 0.0 || below(name, size))
 }
 
 /// The answer with changes in the place of values: differences, or factors where the parameter is one.
 fn as_changes(mut answer: DiagnosisAnswer) -> DiagnosisAnswer {
     for finding in &mut answer.findings {
-        let info = find(&finding.effect);
         for parameter in &mut finding.parameters {
-            let own = info.and_then(|info| info.parameter(&parameter.name));
-            let is_factor = own.is_some_and(|own| own.role == Role::Factor);
+            let is_factor = is_factor(&finding.effect, &parameter.name);
             let nominal = parameter
                 .nominal
                 .unwrap_or(if is_factor { 1.0 } else { 0.0 });
