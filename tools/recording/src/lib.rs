@@ -68,7 +68,7 @@ mod mcap_file;
 mod open;
 pub mod output;
 pub mod recording;
-mod ros2;
+mod ros;
 mod rows;
 pub mod run_writer;
 mod table;

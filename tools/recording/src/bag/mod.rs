@@ -1,13 +1,21 @@
-//! MCAP files in the layout of ROS 2 bags: the container, without the meaning of its messages.
+//! Bags, without the meaning of their messages: MCAP, SQLite and ROS 1 containers are read, MCAP is written.
 
 mod chunk;
 mod file;
+mod folder;
+mod item;
 mod lengths;
 mod loss;
-mod reader;
+mod mcap;
+mod ros1;
+mod source;
+mod sqlite;
 mod writer;
 
 pub(crate) use file::open_file;
+pub(crate) use folder::BagFolder;
+pub(crate) use item::{ChannelInfo, Item, Undecodable, VisitResult};
 pub use loss::Loss;
-pub(crate) use reader::{ChannelInfo, Item, Undecodable, VisitResult, read_bag};
+pub(crate) use mcap::read_bag;
+pub(crate) use source::{Bag, BagBytes, BagFile, Container};
 pub(crate) use writer::{BagWriter, Channel, announce};

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 use crate::error::{Error, Result, write_error};
 use crate::listener::{Announced, Listener};
-use crate::ros2::{MessageType, cdr};
+use crate::ros::{MessageType, cdr};
 
 /// Size at which a chunk is closed (bytes, before compression).
 const CHUNK_BYTES: u64 = 768 * 1024;

@@ -2,9 +2,9 @@
 
 use crate::bag::{Undecodable, VisitResult};
 use crate::recording::UnknownColumn;
-use crate::ros2::cdr::decode;
-use crate::ros2::messages as ros;
-use crate::ros2::time::s_from_ns;
+use crate::ros::cdr::decode;
+use crate::ros::messages as ros;
+use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, Spool, sorted_by_time};
 use crate::table::{Cells, OutOfRange, Table, is_time};
 

@@ -1,23 +1,27 @@
 //! The quantities in one message of any supported type; NaN where the message has none.
 
-use crate::ros2::cdr::decode;
-use crate::ros2::compose::JOINTS;
-use crate::ros2::messages::{self as ros, Header, Pose, Twist};
+use crate::bag::ChannelInfo;
+use crate::ros::Encoding;
+use crate::ros::compose::JOINTS;
+use crate::ros::messages::{self as ros, Header, Pose, Twist};
 
 /// Selects one robot's part of a message that describes several joints or frames.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct MessageSelector {
-    /// Joint names of the wheels, [right, left].
-    pub(crate) joints: [String; 2],
+    /// Names of the wheels' joints, [right, left]. Several on one side (skid steering) give their mean.
+    pub(crate) joints: [Vec<String>; 2],
     /// In a list of transforms, the child frame to read.
     pub(crate) frame: Option<String>,
+    /// The parent frame of that transform; any, if `None`.
+    pub(crate) parent: Option<String>,
 }
 
 impl Default for MessageSelector {
     fn default() -> Self {
         Self {
-            joints: JOINTS.map(str::to_owned),
+            joints: JOINTS.map(|joint| vec![joint.to_owned()]),
             frame: None,
+            parent: None,
         }
     }
 }
@@ -128,36 +132,48 @@ impl Sample {
     /// # Errors
     /// If it cannot be decoded, has another type, or contains nothing selected.
     pub(crate) fn decode(
-        schema: &str,
+        channel: &ChannelInfo,
         selector: &MessageSelector,
         data: &[u8],
     ) -> Result<Self, NoSample> {
-        Ok(match schema {
-            "sensor_msgs/msg/JointState" => joint_state(selector, data)?,
+        let encoding = Encoding::of(&channel.encoding).ok_or(NoSample::NotSelected)?;
+        Ok(match channel.schema.as_str() {
+            "sensor_msgs/msg/JointState" => joint_state(encoding, selector, data)?,
             "geometry_msgs/msg/PoseStamped" => {
-                let message: ros::PoseStamped<String> = decode(data)?;
+                let message: ros::PoseStamped<String> = encoding.decode_stamped(data)?;
                 Self::stamped(&message.header).with_pose(&message.pose)
             }
             "geometry_msgs/msg/PoseWithCovarianceStamped" => {
-                let message: ros::PoseWithCovarianceStamped<String> = decode(data)?;
+                let message: ros::PoseWithCovarianceStamped<String> =
+                    encoding.decode_stamped(data)?;
                 Self::stamped(&message.header).with_pose(&message.pose)
             }
-            "geometry_msgs/msg/Pose" => Self::empty(None).with_pose(&decode(data)?),
-            "geometry_msgs/msg/Twist" => Self::empty(None).with_twist(&decode(data)?),
-            "geometry_msgs/msg/TwistStamped" => {
-                let message: ros::TwistStamped<String> = decode(data)?;
+            "geometry_msgs/msg/TransformStamped" => {
+                Self::of_transform(&encoding.decode_stamped(data)?)
+            }
+            "geometry_msgs/msg/PointStamped" => {
+                let message: ros::PointStamped<String> = encoding.decode_stamped(data)?;
+                let mut sample = Self::stamped(&message.header);
+                sample.pose = [message.point.x, message.point.y, f64::NAN];
+                sample
+            }
+            "geometry_msgs/msg/Pose" => Self::empty(None).with_pose(&encoding.decode(data)?),
+            "geometry_msgs/msg/Twist" => Self::empty(None).with_twist(&encoding.decode(data)?),
+            // A covariance may follow.
+            "geometry_msgs/msg/TwistStamped" | "geometry_msgs/msg/TwistWithCovarianceStamped" => {
+                let message: ros::TwistStamped<String> = encoding.decode_stamped(data)?;
                 Self::stamped(&message.header).with_twist(&message.twist)
             }
             "nav_msgs/msg/Odometry" => {
-                let message: ros::Odometry<String> = decode(data)?;
+                let message: ros::Odometry<String> = encoding.decode_stamped(data)?;
                 Self::stamped(&message.header)
                     .with_pose(&message.pose)
                     .with_twist(&message.twist)
             }
-            "tf2_msgs/msg/TFMessage" => transform(selector, data)?,
-            "sensor_msgs/msg/Imu" => imu(data)?,
+            name if name.ends_with(TRANSFORMS) => transform(encoding, selector, data)?,
+            "sensor_msgs/msg/Imu" => imu(encoding, data)?,
             "slipstream_msgs/msg/EncoderTicks" => {
-                let message: ros::EncoderTicks<String> = decode(data)?;
+                let message: ros::EncoderTicks<String> = encoding.decode_stamped(data)?;
                 let ticks = [Some(message.right), Some(message.left)];
                 Self {
                     ticks,
@@ -165,32 +181,55 @@ impl Sample {
                 }
             }
             "slipstream_msgs/msg/WheelVoltage" => {
-                let message: ros::WheelVoltage<String> = decode(data)?;
+                let message: ros::WheelVoltage<String> = encoding.decode_stamped(data)?;
                 let voltage = [message.right_v, message.left_v];
                 Self {
                     voltage,
                     ..Self::stamped(&message.header)
                 }
             }
-            "slipstream_msgs/msg/MotorState" => motor_state(data)?,
+            "slipstream_msgs/msg/MotorState" => motor_state(encoding, data)?,
             _ => return Err(NoSample::NotSelected),
         })
     }
+
+    fn of_transform(transform: &ros::TransformStamped<String>) -> Self {
+        let pose = Pose {
+            position: transform.translation,
+            orientation: transform.rotation,
+        };
+        Self::stamped(&transform.header).with_pose(&pose)
+    }
 }
 
-type JointState = ros::JointState<String, Vec<String>, Vec<f64>>;
+/// End of the names of the types of transforms: `tf2_msgs/msg/TFMessage`, in old bags `tf/msg/tfMessage`.
+const TRANSFORMS: &str = "FMessage";
 
-fn joint_state(selector: &MessageSelector, data: &[u8]) -> Result<Sample, NoSample> {
-    let message: JointState = decode(data)?;
+/// A joint state with its own lists.
+pub(crate) type JointState = ros::JointState<String, Vec<String>, Vec<f64>>;
+
+fn joint_state(
+    encoding: Encoding,
+    selector: &MessageSelector,
+    data: &[u8],
+) -> Result<Sample, NoSample> {
+    let message: JointState = encoding.decode_stamped(data)?;
     let index = |joint: &String| message.name.iter().position(|name| name == joint);
-    let indices = [index(&selector.joints[0]), index(&selector.joints[1])];
+    let indices = selector
+        .joints
+        .each_ref()
+        .map(|side| side.iter().map(index).collect::<Option<Vec<usize>>>());
     if indices == [None, None] {
         return Err(NoSample::NotSelected);
     }
     let both = |values: &[f64]| {
-        indices.map(|index| {
-            let value = index.and_then(|i| values.get(i));
-            value.copied().unwrap_or(f64::NAN)
+        indices.each_ref().map(|side| {
+            let side = side.as_deref().unwrap_or_default();
+            let values = side
+                .iter()
+                .map(|i| values.get(*i).copied().unwrap_or(f64::NAN));
+            // Of none, this is NaN.
+            values.sum::<f64>() / side.len() as f64
         })
     };
     let mut sample = Sample::stamped(&message.header);
@@ -200,24 +239,25 @@ fn joint_state(selector: &MessageSelector, data: &[u8]) -> Result<Sample, NoSamp
     Ok(sample)
 }
 
-type TfMessage = ros::TfMessage<Vec<ros::TransformStamped<String>>>;
-
-fn transform(selector: &MessageSelector, data: &[u8]) -> Result<Sample, NoSample> {
-    let message: TfMessage = decode(data)?;
+fn transform(
+    encoding: Encoding,
+    selector: &MessageSelector,
+    data: &[u8],
+) -> Result<Sample, NoSample> {
+    let transforms = encoding.decode_transforms(data)?;
     let is_selected = |transform: &&ros::TransformStamped<String>| {
+        let parent = selector.parent.as_ref();
         selector.frame.as_ref() == Some(&transform.child_frame_id)
+            && parent.is_none_or(|parent| *parent == transform.header.frame_id)
     };
-    let transform = message.transforms.iter().find(is_selected);
-    let transform = transform.ok_or(NoSample::NotSelected)?;
-    let pose = Pose {
-        position: transform.translation,
-        orientation: transform.rotation,
-    };
-    Ok(Sample::stamped(&transform.header).with_pose(&pose))
+    let transform = transforms.iter().find(is_selected);
+    Ok(Sample::of_transform(
+        transform.ok_or(NoSample::NotSelected)?,
+    ))
 }
 
-fn imu(data: &[u8]) -> Result<Sample, NoSample> {
-    let message: ros::Imu<String> = decode(data)?;
+fn imu(encoding: Encoding, data: &[u8]) -> Result<Sample, NoSample> {
+    let message: ros::Imu<String> = encoding.decode_stamped(data)?;
     let acceleration = message.linear_acceleration;
     let mut sample = Sample::stamped(&message.header);
     // A covariance of -1 marks a quantity as not measured (ROS convention).
@@ -230,8 +270,8 @@ fn imu(data: &[u8]) -> Result<Sample, NoSample> {
     Ok(sample)
 }
 
-fn motor_state(data: &[u8]) -> Result<Sample, NoSample> {
-    let message: ros::MotorState<String> = decode(data)?;
+fn motor_state(encoding: Encoding, data: &[u8]) -> Result<Sample, NoSample> {
+    let message: ros::MotorState<String> = encoding.decode_stamped(data)?;
     let mut sample = Sample::stamped(&message.header);
     sample.motor = [
         message.current_right_a,

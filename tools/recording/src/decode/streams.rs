@@ -1,10 +1,10 @@
 //! A robot's stream assembled from messages that arrive one by one.
 
 use super::sample::{MessageSelector, NoSample, Sample};
-use crate::bag::{Undecodable, VisitResult};
+use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::recording::UnknownColumn;
-use crate::ros2::cdr::decode;
-use crate::ros2::messages as ros;
+use crate::ros::cdr::decode;
+use crate::ros::messages as ros;
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Cells, ColumnSet, OutOfRange, StreamKind, Table, is_time};
 
@@ -20,6 +20,8 @@ pub(crate) struct StreamBuilder {
     spool: Spool,
     /// For each column of the channel its place in the table.
     places: Vec<usize>,
+    /// Whether a message gave a value for a column of the table.
+    has_values: Vec<bool>,
     out_of_range: OutOfRange,
 }
 
@@ -55,6 +57,7 @@ impl StreamBuilder {
             selector: MessageSelector::default(),
             spool: Spool::new(disk, Table::new(&columns, unknown)),
             places,
+            has_values: vec![false; columns.len()],
             out_of_range: OutOfRange::default(),
         })
     }
@@ -63,24 +66,28 @@ impl StreamBuilder {
     /// one, to the time of the row (s).
     pub(crate) fn push_message(
         &mut self,
-        schema: &str,
+        channel: &ChannelInfo,
         data: &[u8],
         t_s: impl FnOnce(Option<i64>) -> f64,
     ) -> VisitResult {
-        let sample = match Sample::decode(schema, &self.selector, data) {
+        let sample = match Sample::decode(channel, &self.selector, data) {
             Ok(sample) => sample,
             Err(NoSample::NotSelected) => return Ok(()),
             Err(NoSample::Undecodable) => return Err(Undecodable),
         };
         let table = self.spool.tail();
         table.t_s.push(t_s(sample.t_ns));
-        for (name, cells) in &mut table.columns {
+        for ((name, cells), has_values) in table.columns.iter_mut().zip(&mut self.has_values) {
             match cells {
                 Cells::Numbers(cells) => {
-                    cells.push(self.out_of_range.cell(name, sample.number(name)));
+                    let number = self.out_of_range.cell(name, sample.number(name));
+                    *has_values |= number.is_finite();
+                    cells.push(number);
                 }
                 Cells::Counts(cells) => {
-                    cells.push(sample.ticks[usize::from(*name == "ticks_left")]);
+                    let count = sample.ticks[usize::from(*name == "ticks_left")];
+                    *has_values |= count.is_some();
+                    cells.push(count);
                 }
                 Cells::Texts(_) => {}
             }
@@ -121,6 +128,27 @@ impl StreamBuilder {
         }
         self.spool.end_row();
         Ok(())
+    }
+
+    /// Whether there is no row.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.spool.len() == 0
+    }
+
+    /// The columns for which no message gave a value, and which the stream needs; if it needs none, all columns where
+    /// none has a value.
+    pub(crate) fn empty_columns(&self) -> Vec<&'static str> {
+        let columns = self.spool.empty().columns;
+        let columns = columns.iter().map(|(name, _)| *name).zip(&self.has_values);
+        let empty = columns
+            .filter(|(_, has_values)| !**has_values)
+            .map(|(name, _)| name);
+        let empty: Vec<&'static str> = empty.collect();
+        if empty.len() == self.has_values.len() {
+            return empty;
+        }
+        let needed = empty.iter().filter(|name| self.kind.needs(name));
+        needed.copied().collect()
     }
 
     /// Stores the stream in its robot, which is added if it is new. Sorts rows that are out of

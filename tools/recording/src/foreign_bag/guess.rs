@@ -1,13 +1,15 @@
-//! Guess of a topic map from the types and names of the topics.
+//! Guess of a topic map from the types, names and contents of the topics.
 
-use super::survey::{Topic, wheel_joints};
+use super::joints;
+use super::survey::{Joint, Topic};
 use super::topic_map::{Quantity, Source, TopicMap};
 use crate::decode::MessageSelector;
 use crate::recording::is_robot_name;
+use crate::ros::Encoding;
 use crate::table::StreamKind;
 
 /// First parts of a topic that name a sensor or driver, not a robot.
-const NOT_ROBOTS: [&str; 12] = [
+const NOT_ROBOTS: [&str; 13] = [
     "imu",
     "odom",
     "odometry",
@@ -20,78 +22,267 @@ const NOT_ROBOTS: [&str; 12] = [
     "joint_states",
     "diff_drive_controller",
     "platform",
+    "ground_truth",
 ];
 
-/// The most likely stream of each topic. Of several topics for one stream, the one with most
-/// messages.
-pub(super) fn guess(topics: &[Topic]) -> TopicMap {
-    let mut candidates: Vec<(u64, Source)> = Vec::new();
-    for topic in topics
-        .iter()
-        .filter(|topic| topic.channel.encoding == "cdr")
-    {
-        if let Some(source) = guess_one(topic) {
-            let is_same = |(_, other): &&mut (u64, Source)| {
-                (&other.robot, other.kind) == (&source.robot, source.kind)
-            };
-            match candidates.iter_mut().find(is_same) {
-                Some(other) if other.0 < topic.messages => *other = (topic.messages, source),
-                Some(_) => {}
-                None => candidates.push((topic.messages, source)),
-            }
+/// Words in topics and frames of references outside of the robot.
+const REFERENCE: [&str; 10] = [
+    "truth",
+    "mocap",
+    "vicon",
+    "optitrack",
+    "qualisys",
+    "natnet",
+    "vrpn",
+    "gt",
+    "world",
+    "map",
+];
+/// Words in topics of poses that are no measurement of a reference: goals, and estimates from the wheels themselves.
+const NOT_MEASURED: [&str; 9] = [
+    "goal",
+    "initialpose",
+    "target",
+    "waypoint",
+    "ekf",
+    "ukf",
+    "filtered",
+    "combined",
+    "setpoint",
+];
+
+/// A stream that a topic may hold.
+struct Candidate {
+    source: Source,
+    /// Higher for a better source of the same stream.
+    rank: u32,
+    messages: u64,
+}
+
+/// The guess of a map, and what a person should know about it, one entry each.
+pub(super) struct Guess {
+    pub(super) map: TopicMap,
+    pub(super) notes: Vec<String>,
+}
+
+/// The most likely stream of each topic. Of several topics for one stream, the one of highest rank, then the one with
+/// most messages.
+pub(super) fn guess(topics: &[Topic]) -> Guess {
+    let mut notes = Vec::new();
+    let mut candidates = Vec::new();
+    for topic in topics {
+        candidates.extend(candidate(topic));
+        candidates.extend(transforms(topic));
+    }
+    give_to_robots(&mut candidates, &mut notes);
+    let mut best: Vec<Candidate> = Vec::new();
+    for new in candidates {
+        let is_same = |old: &&mut Candidate| {
+            (&old.source.robot, old.source.kind) == (&new.source.robot, new.source.kind)
+        };
+        match best.iter_mut().find(is_same) {
+            Some(old) if (old.rank, old.messages) < (new.rank, new.messages) => *old = new,
+            Some(_) => {}
+            None => best.push(new),
         }
     }
-    candidates.sort_by(|(_, a), (_, b)| (&a.robot, a.kind).cmp(&(&b.robot, b.kind)));
-    TopicMap {
-        log_times: false,
-        sources: candidates.into_iter().map(|(_, source)| source).collect(),
+    best.sort_by(|a, b| (&a.source.robot, a.source.kind).cmp(&(&b.source.robot, b.source.kind)));
+    for candidate in &best {
+        notes.extend(several_wheels(&candidate.source));
+    }
+    Guess {
+        map: TopicMap {
+            sources: best.into_iter().map(|candidate| candidate.source).collect(),
+            ..TopicMap::default()
+        },
+        notes,
     }
 }
 
 /// The most likely stream of a topic, if any.
-fn guess_one(topic: &Topic) -> Option<Source> {
+fn candidate(topic: &Topic) -> Option<Candidate> {
+    Encoding::of(&topic.channel.encoding)?;
     let name = topic.channel.topic.to_lowercase();
     let contains = |words: &[&str]| words.iter().any(|word| name.contains(word));
     let is_command = contains(&["cmd", "command", "target", "desired", "setpoint"]);
-    let is_truth = contains(&[
-        "truth",
-        "mocap",
-        "vicon",
-        "optitrack",
-        "gt",
-        "pose",
-        "camera",
-    ]);
     let mut selector = MessageSelector::default();
     let mut quantity = None;
-    let kind = match (topic.channel.schema.rsplit('/').next()?, &topic.joints) {
-        ("Twist" | "TwistStamped", _) if is_command => StreamKind::Command,
-        ("TwistStamped", _) => StreamKind::Odometry,
-        ("Odometry", _) if is_truth => StreamKind::Pose,
-        ("Odometry", _) => StreamKind::Odometry,
-        ("PoseStamped" | "PoseWithCovarianceStamped", _) => StreamKind::Pose,
-        ("Imu", _) => StreamKind::Imu,
-        ("EncoderTicks", _) => StreamKind::Wheels,
-        ("JointState", Some(joints)) => {
-            selector = wheel_joints(&joints.names)?;
-            let (kind, list) = match is_command {
-                true if joints.has_torques => (StreamKind::Command, Quantity::Torque),
-                true if joints.has_speeds => (StreamKind::Command, Quantity::Speed),
-                false if joints.has_angles => (StreamKind::Wheels, Quantity::Angle),
-                false if joints.has_speeds => (StreamKind::Wheels, Quantity::Speed),
-                _ => return None,
-            };
+    let mut rank = 1;
+    let kind = match topic.type_name() {
+        "Twist" | "TwistStamped" if is_command => StreamKind::Command,
+        "TwistStamped" | "TwistWithCovarianceStamped" => StreamKind::Odometry,
+        "Odometry" if is_reference(topic) => StreamKind::Pose,
+        "Odometry" => {
+            // Estimates that mix in other sensors are not those of the wheels.
+            rank = u32::from(!contains(&NOT_MEASURED));
+            StreamKind::Odometry
+        }
+        "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
+            if !contains(&NOT_MEASURED) =>
+        {
+            rank = pose_rank(topic);
+            StreamKind::Pose
+        }
+        "Imu" => StreamKind::Imu,
+        "EncoderTicks" => {
+            rank = 2;
+            StreamKind::Wheels
+        }
+        "WheelVoltage" => StreamKind::Command,
+        "MotorState" => StreamKind::Motor,
+        "JointState" => {
+            selector = joints::wheels(&topic.joints)?;
+            let (kind, list) = list_of(topic, &selector, is_command)?;
             quantity = Some(list);
             kind
         }
         _ => return None,
     };
-    Some(Source {
-        robot: robot_of_topic(&topic.channel.topic),
-        kind,
-        topic: topic.channel.topic.clone(),
-        selector,
-        quantity,
+    Some(Candidate {
+        source: Source {
+            robot: robot_of_topic(&topic.channel.topic),
+            kind,
+            topic: topic.channel.topic.clone(),
+            selector,
+            quantity,
+        },
+        rank,
+        messages: topic.messages,
+    })
+}
+
+/// Which list of a joint state to read, and what it is: commands, or wheels.
+fn list_of(
+    topic: &Topic,
+    selector: &MessageSelector,
+    is_command: bool,
+) -> Option<(StreamKind, Quantity)> {
+    let wheels = || {
+        let names = selector.joints.iter().flatten();
+        names.filter_map(|name| topic.joints.get(name))
+    };
+    let all = |has: fn(&Joint) -> bool| wheels().all(has);
+    // Some drivers fill the angles with zeros.
+    let angles_move = wheels().any(|joint| joint.angle.vary);
+    let speeds_move = wheels().any(|joint| joint.speed.vary);
+    match is_command {
+        true if all(|joint| joint.torque.any()) => Some((StreamKind::Command, Quantity::Torque)),
+        true if all(|joint| joint.speed.any()) => Some((StreamKind::Command, Quantity::Speed)),
+        true => None,
+        false if all(|joint| joint.angle.any()) && (angles_move || !speeds_move) => {
+            Some((StreamKind::Wheels, Quantity::Angle))
+        }
+        false if all(|joint| joint.speed.any()) => Some((StreamKind::Wheels, Quantity::Speed)),
+        false => None,
+    }
+}
+
+/// Transforms from a frame of the world to a robot's, where a reference measures them.
+fn transforms(topic: &Topic) -> Vec<Candidate> {
+    // Of `map` and `odom`, localisation computes the first from the second: a correction, no pose.
+    let is_pose = |frames: &[String; 2]| {
+        let [parent, child] = frames.each_ref().map(|frame| frame.to_lowercase());
+        REFERENCE.iter().any(|word| has_word(&parent, word)) && !child.contains("odom")
+    };
+    let poses = topic
+        .frames
+        .iter()
+        .filter(|(frames, count)| is_pose(frames) && **count > 1);
+    let candidate = |([parent, child], count): (&[String; 2], &u64)| Candidate {
+        source: Source {
+            robot: robot_of_topic(&format!("/{}", child.trim_start_matches('/'))),
+            kind: StreamKind::Pose,
+            topic: topic.channel.topic.clone(),
+            selector: MessageSelector {
+                parent: Some(parent.clone()),
+                frame: Some(child.clone()),
+                ..MessageSelector::default()
+            },
+            quantity: None,
+        },
+        rank: 1,
+        messages: *count,
+    };
+    poses.map(candidate).collect()
+}
+
+/// Whether an odometry message is a reference, and not the robot's own estimate.
+fn is_reference(topic: &Topic) -> bool {
+    let frame = topic.frame.as_deref().unwrap_or_default();
+    [&topic.channel.topic, frame].iter().any(|name| {
+        let name = name.to_lowercase();
+        !name.contains("odom_combined") && REFERENCE.iter().any(|word| has_word(&name, word))
+    })
+}
+
+/// How good a pose is as a reference: motion capture, then other poses, then localisation on a map.
+fn pose_rank(topic: &Topic) -> u32 {
+    let name = topic.channel.topic.to_lowercase();
+    if ["amcl", "slam"].iter().any(|word| name.contains(word)) {
+        return 1;
+    }
+    let is_capture = REFERENCE.iter().any(|word| has_word(&name, word));
+    if is_capture { 3 } else { 2 }
+}
+
+/// Whether one of a name's words begins with `word`.
+fn has_word(name: &str, word: &str) -> bool {
+    let mut words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    words.any(|own| own == word || (word.len() > 3 && own.starts_with(word)))
+}
+
+/// Gives the streams of sensors outside of a robot, such as a camera's poses, to the robot that has wheels.
+fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
+    let robots_with = |kind: StreamKind| {
+        let with = candidates.iter().filter(|c| c.source.kind == kind);
+        let mut robots: Vec<String> = with.map(|c| c.source.robot.clone()).collect();
+        robots.sort();
+        robots.dedup();
+        robots
+    };
+    let kinds = [
+        StreamKind::Wheels,
+        StreamKind::Odometry,
+        StreamKind::Command,
+    ];
+    let robots = kinds
+        .map(robots_with)
+        .into_iter()
+        .find(|robots| !robots.is_empty());
+    let Some(robots) = robots else { return };
+    candidates.retain_mut(|candidate| {
+        let source = &mut candidate.source;
+        let name = source.selector.frame.as_ref().unwrap_or(&source.topic);
+        let named = robots
+            .iter()
+            .find(|robot| has_word(&name.to_lowercase(), &robot.to_lowercase()));
+        match (robots.as_slice(), named) {
+            ([only], _) => source.robot.clone_from(only),
+            (_, Some(named)) => source.robot.clone_from(named),
+            _ if robots.contains(&source.robot) => {}
+            _ => {
+                notes.push(format!(
+                    "{name}: left out: its name does not tell which of the robots {} it belongs to",
+                    robots.join(", ")
+                ));
+                return false;
+            }
+        }
+        true
+    });
+}
+
+/// What to say of wheels that are the mean of several.
+fn several_wheels(source: &Source) -> Option<String> {
+    let [right, left] = &source.selector.joints;
+    (source.quantity.is_some() && right.len() > 1).then(|| {
+        format!(
+            "{}: {} wheels: the right side is the mean of {}, the left side that of {}",
+            source.topic,
+            right.len() + left.len(),
+            right.join(" and "),
+            left.join(" and ")
+        )
     })
 }
 

@@ -1,50 +1,48 @@
-//! Reader of ROS 2 bags (MCAP) of other robots.
+//! Reader of bags of other robots.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 
 use slipstream_bus::InputError;
 
+use super::clock::Clock;
 use super::guess::guess;
-use super::survey::{Open, Topic, scan, survey};
-use super::topic_map::TopicMap;
-use crate::bag::{Item, VisitResult};
+use super::survey::{Topic, survey};
+use super::topic_map::{Source, TopicMap};
+use crate::bag::{Bag, Item, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
-use crate::recording::Recording;
-use crate::ros2::time::s_from_ns;
+use crate::recording::{PosePoint, Recording, Robot};
+use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 
-/// Reads a bag of another robot. Without a map, one is guessed and given in the warnings, so that
-/// the user can save and correct it. Times count from the first message of the mapped topics.
+/// Reads a bag of another robot. Without a map, one is guessed and given in the warnings. Times count from the first
+/// message of the mapped topics.
 ///
 /// # Errors
-/// If it is not an MCAP file, if a topic of the map does not exist or cannot provide its stream, or
-/// if the guess finds no stream of a robot.
-pub(crate) fn read_foreign<R: Read>(
-    open: &Open<'_, R>,
-    path: &Path,
-    map: Option<&TopicMap>,
-) -> Result<Spooled> {
-    let topics = survey(open, path)?;
+/// If it is not a bag, if a topic of the map does not exist or cannot provide its stream, if a stream of the map
+/// would be empty, or if the guess finds no stream of a robot.
+pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
+    let topics = survey(bag)?;
     let mut warnings = Vec::new();
     let guessed;
-    let map = match map {
+    let chosen = match map {
         Some(map) => map,
         None => {
-            guessed = guess(&topics);
-            let text = guessed.to_text();
+            let guess = guess(&topics);
+            let text = guess.map.to_text();
             warnings.push(format!("{}: guessed topics:\n{text}", path.display()));
+            warnings.extend(guess.notes);
+            guessed = guess.map;
             &guessed
         }
     };
     let disk = Disk::default();
-    let mut streams = open_streams(&disk, path, map, &topics)?;
-    let start_ns = start_time_ns(map, &topics, &streams);
+    let mut streams = open_streams(&disk, path, chosen, &topics)?;
+    let clock = clock(chosen, &topics, &mut warnings);
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let loss = scan(open, path, &mut |item| {
+    let loss = bag.scan(&mut |item| {
         let Item::Message {
             channel,
             log_time_ns,
@@ -54,30 +52,35 @@ pub(crate) fn read_foreign<R: Read>(
         else {
             return Ok(());
         };
+        let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
         let mut visited: Option<VisitResult> = None;
-        for (_, stream) in streams.iter_mut().filter(|(t, _)| *t == channel.topic) {
-            let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
-            let t_s = |stamp_ns| s_from_ns(time_ns(map, stamp_ns, log_ns).saturating_sub(start_ns));
-            let pushed = stream.push_message(&channel.schema, data, t_s);
-            visited = Some(visited.unwrap_or(Ok(())).and(pushed));
+        for (source, stream) in &mut streams {
+            if source.topic == channel.topic {
+                let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
+                let pushed = stream.push_message(channel, data, t_s);
+                visited = Some(visited.unwrap_or(Ok(())).and(pushed));
+            }
         }
         visited.unwrap_or_else(|| {
-            *left_out.entry(channel.topic.clone()).or_default() += 1;
+            match left_out.get_mut(&channel.topic) {
+                Some(count) => *count += 1,
+                None => drop(left_out.insert(channel.topic.clone(), 1)),
+            }
             Ok(())
         })
     })?;
     if loss.any() {
         warnings.push(format!("{}: {loss}", path.display()));
     }
-    let name = path.file_stem().map(|stem| stem.to_string_lossy());
-    let description = Recording {
-        name: name.unwrap_or_default().into_owned(),
-        origin: format!("ROS 2 bag, times from {} s", s_from_ns(start_ns)),
-        ..Recording::default()
-    };
-    let mut recording = SpooledRecording::new(description, disk);
-    for (_, stream) in streams {
-        stream.finish(&mut recording, &mut warnings);
+    let mut recording = SpooledRecording::new(description(path, chosen, clock), disk);
+    for (source, stream) in streams {
+        match problem(&source, &stream, &topics) {
+            None => stream.finish(&mut recording, &mut warnings),
+            Some((problem, remedy)) if map.is_some() => {
+                return Err(InputError::file(path, problem, remedy).into());
+            }
+            Some((problem, _)) => warnings.push(format!("{problem}; left out")),
+        }
     }
     recording.disk.check()?;
     Ok(Spooled {
@@ -88,21 +91,54 @@ pub(crate) fn read_foreign<R: Read>(
     })
 }
 
-/// Time of a message (ns): its stamp, or its log time if it has no stamp or the map asks for it.
-fn time_ns(map: &TopicMap, stamp_ns: Option<i64>, log_ns: i64) -> i64 {
-    match stamp_ns {
-        Some(stamp_ns) if stamp_ns != 0 && !map.log_times => stamp_ns,
-        _ => log_ns,
+/// The clock of the mapped topics.
+fn clock(map: &TopicMap, topics: &[Topic], warnings: &mut Vec<String>) -> Clock {
+    let is_mapped = |topic: &&Topic| {
+        let mut sources = map.sources.iter();
+        sources.any(|source| source.topic == topic.channel.topic)
+    };
+    let mapped = || topics.iter().filter(is_mapped);
+    for topic in mapped().filter(|topic| topic.times.zero > 0 && !map.log_times) {
+        let (name, zero, all) = (&topic.channel.topic, topic.times.zero, topic.messages);
+        warnings.push(format!(
+            "{name}: {zero} of {all} stamps are 0; times of reception stand for them"
+        ));
     }
+    Clock::of(mapped().map(|topic| &topic.times), map.log_times, warnings)
 }
 
-/// An empty stream for each entry of the map, with its topic.
+/// The description of the recording, with its robots.
+fn description(path: &Path, map: &TopicMap, clock: Clock) -> Recording {
+    let name = path.file_stem().map(|stem| stem.to_string_lossy());
+    let mut recording = Recording {
+        name: name.unwrap_or_default().into_owned(),
+        origin: format!("ROS bag, times from {} s", s_from_ns(clock.start_ns)),
+        ..Recording::default()
+    };
+    for source in &map.sources {
+        if recording.robot(&source.robot).is_none() {
+            let is_of_mass = map.with_pose_of_mass.contains(&source.robot);
+            let point = if is_of_mass {
+                PosePoint::CentreOfMass
+            } else {
+                PosePoint::Axle
+            };
+            recording.robots.push(Robot {
+                pose_point: Some(point),
+                ..Robot::named(&source.robot)
+            });
+        }
+    }
+    recording
+}
+
+/// An empty stream for each entry of the map.
 fn open_streams(
     disk: &Disk,
     path: &Path,
     map: &TopicMap,
     topics: &[Topic],
-) -> std::result::Result<Vec<(String, StreamBuilder)>, InputError> {
+) -> std::result::Result<Vec<(Source, StreamBuilder)>, InputError> {
     let mut streams = Vec::new();
     for source in &map.sources {
         let topic = topics
@@ -129,21 +165,72 @@ fn open_streams(
         let stream = StreamBuilder::new(disk, &source.robot, source.kind, &columns, &[]);
         let mut stream = stream.map_err(|e| InputError::file(path, e, "map another topic"))?;
         stream.selector = source.selector.clone();
-        streams.push((source.topic.clone(), stream));
+        streams.push((source.clone(), stream));
     }
     if streams.is_empty() {
-        let problem = "no topic looks like a stream of a robot";
-        let remedy = "give a topic map with --topics; README.md shows one";
+        let problem = no_stream(topics);
+        let remedy = "say which topic is which stream in a map for --topics; `slipstream check BAG --write-topics \
+                      FILE.toml` writes one to be completed";
         return Err(InputError::file(path, problem, remedy));
     }
     Ok(streams)
 }
 
-/// The earliest first time of the mapped topics (ns).
-fn start_time_ns(map: &TopicMap, topics: &[Topic], streams: &[(String, StreamBuilder)]) -> i64 {
-    let mapped = topics
+/// Why the guess finds nothing.
+fn no_stream(topics: &[Topic]) -> String {
+    if topics.is_empty() {
+        return "has no messages".to_owned();
+    }
+    let names = topics.iter().take(20).map(|topic| {
+        let (name, schema) = (&topic.channel.topic, &topic.channel.schema);
+        format!("{name} ({schema}, {})", topic.channel.encoding)
+    });
+    let names: Vec<String> = names.collect();
+    format!(
+        "no topic looks like a stream of a robot: {}",
+        names.join(", ")
+    )
+}
+
+/// What is wrong with a stream that was read, and the remedy.
+fn problem(source: &Source, stream: &StreamBuilder, topics: &[Topic]) -> Option<(String, String)> {
+    let topic = topics
         .iter()
-        .filter(|topic| streams.iter().any(|(name, _)| *name == topic.channel.topic));
-    let times = mapped.map(|topic| time_ns(map, topic.first_stamp_ns, topic.first_log_ns));
-    times.min().unwrap_or_default()
+        .find(|topic| topic.channel.topic == source.topic)?;
+    let (name, kind) = (&source.topic, source.kind.name());
+    let missing = missing_joints(source, topic);
+    if !missing.is_empty() {
+        let known: Vec<&str> = topic.joints.keys().map(String::as_str).collect();
+        let problem = format!("{name} has no joint {}", missing.join(", "));
+        return Some((problem, format!("name one of: {}", known.join(", "))));
+    }
+    if stream.is_empty() && !topic.frames.is_empty() {
+        let frames = topic
+            .frames
+            .keys()
+            .map(|[parent, child]| format!("{parent} to {child}"));
+        let frames: Vec<String> = frames.collect();
+        let problem = format!("{name} has no such transform for {kind}");
+        return Some((
+            problem,
+            format!("name the parent and frame of one of: {}", frames.join(", ")),
+        ));
+    }
+    let empty = stream.empty_columns();
+    if empty.is_empty() {
+        return None;
+    }
+    let problem = format!("{name} gives no value for {} of {kind}", empty.join(", "));
+    let remedy = "map another topic or quantity, or leave the stream out";
+    Some((problem, remedy.to_owned()))
+}
+
+/// The joints of a map that the topic does not have.
+fn missing_joints(source: &Source, topic: &Topic) -> Vec<String> {
+    if topic.type_name() != "JointState" {
+        return Vec::new();
+    }
+    let joints = source.selector.joints.iter().flatten();
+    let missing = joints.filter(|joint| !topic.joints.contains_key(*joint));
+    missing.cloned().collect()
 }

@@ -1,120 +1,153 @@
-//! Survey of a bag: its topics, with the number of messages and the first message of each.
+//! Survey of a bag: its topics, and what their messages contain.
 
 use std::collections::BTreeMap;
-use std::io::Read;
-use std::path::Path;
 use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
-use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
-use crate::decode::{MessageSelector, Sample};
-use crate::ros2::MessageType;
-use crate::ros2::cdr::decode;
-use crate::ros2::messages::JointState;
+use super::clock::Times;
+use crate::bag::{Bag, ChannelInfo, Item, Undecodable, VisitResult};
+use crate::decode::{JointState, MessageSelector, NoSample, Sample};
+use crate::ros::Encoding;
+use crate::ros::messages::Header;
+
+/// So many joints or frames of one topic are told apart. A damaged bag may claim any number of names.
+const MOST_NAMES: usize = 1000;
 
 /// A topic of the bag.
 pub(super) struct Topic {
     pub(super) channel: Arc<ChannelInfo>,
     /// Number of messages.
     pub(super) messages: u64,
-    /// Log time of the first message (ns).
-    pub(super) first_log_ns: i64,
-    /// Stamp of the first message (ns), if it has one.
-    pub(super) first_stamp_ns: Option<i64>,
-    /// The first message, if it is a joint state.
-    pub(super) joints: Option<Joints>,
+    /// Stamps and times of reception.
+    pub(super) times: Times,
+    /// The joints of joint states, by name.
+    pub(super) joints: BTreeMap<String, Joint>,
+    /// Number of transforms from a parent frame to a child frame.
+    pub(super) frames: BTreeMap<[String; 2], u64>,
+    /// The frame of the first message's header.
+    pub(super) frame: Option<String>,
 }
 
-/// What a joint state contains.
-pub(super) struct Joints {
-    pub(super) names: Vec<String>,
-    pub(super) has_angles: bool,
-    pub(super) has_speeds: bool,
-    pub(super) has_torques: bool,
+/// Which lists of a joint state have values for a joint.
+#[derive(Debug, Default)]
+pub(super) struct Joint {
+    pub(super) angle: Values,
+    pub(super) speed: Values,
+    pub(super) torque: Values,
 }
 
-/// Opens the bag from its beginning: its reader and its size (bytes). A bag is read twice.
-pub(crate) type Open<'a, R> = dyn Fn() -> Result<(R, u64), InputError> + 'a;
+/// The values that were seen.
+#[derive(Debug, Default)]
+pub(super) struct Values {
+    first: Option<f64>,
+    /// Whether a value differed from the first one.
+    pub(super) vary: bool,
+}
 
-/// Reads a whole bag and calls `visit` with each item.
-///
-/// # Errors
-/// If it is not an MCAP file or cannot be read.
-pub(super) fn scan<R: Read>(
-    open: &Open<'_, R>,
-    path: &Path,
-    visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
-) -> Result<Loss, InputError> {
-    let (source, size) = open()?;
-    read_bag(source, size, path, visit)
+impl Values {
+    fn add(&mut self, values: &[f64], index: usize) {
+        if let Some(&value) = values.get(index).filter(|value| value.is_finite()) {
+            self.vary |= *self.first.get_or_insert(value) != value;
+        }
+    }
+
+    /// Whether there was any.
+    pub(super) fn any(&self) -> bool {
+        self.first.is_some()
+    }
 }
 
 /// The topics of a bag, sorted by name.
 ///
 /// # Errors
-/// As [`scan`].
-pub(super) fn survey<R: Read>(open: &Open<'_, R>, path: &Path) -> Result<Vec<Topic>, InputError> {
-    let mut topics: Vec<Topic> = Vec::new();
-    let mut index_of_channel: BTreeMap<u16, usize> = BTreeMap::new();
-    scan(open, path, &mut |item| {
+/// If it is not a bag, or cannot be read.
+pub(super) fn survey(bag: &dyn Bag) -> Result<Vec<Topic>, InputError> {
+    let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
+    bag.scan(&mut |item| {
         let Item::Message {
-            id,
             channel,
             log_time_ns,
             data,
+            ..
         } = item
         else {
             return Ok(());
         };
-        let index = *index_of_channel.entry(id).or_insert_with(|| {
-            topics.push(inspect(channel, log_time_ns, data));
-            topics.len() - 1
-        });
-        if let Some(topic) = topics.get_mut(index) {
-            topic.messages += 1;
-        }
-        Ok(())
+        let topic = match topics.get_mut(&channel.topic) {
+            Some(topic) => topic,
+            None => topics
+                .entry(channel.topic.clone())
+                .or_insert_with(|| Topic::new(channel)),
+        };
+        topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data)
     })?;
-    topics.sort_by(|a, b| a.channel.topic.cmp(&b.channel.topic));
-    Ok(topics)
+    Ok(topics.into_values().collect())
 }
 
-/// A topic as its first message shows it.
-fn inspect(channel: &Arc<ChannelInfo>, log_time_ns: u64, data: &[u8]) -> Topic {
-    let joints = (channel.schema == MessageType::JointState.name())
-        .then(|| decode::<JointState<String, Vec<String>, Vec<f64>>>(data).ok())
-        .flatten()
-        .map(|state| Joints {
-            has_angles: !state.position.is_empty(),
-            has_speeds: !state.velocity.is_empty(),
-            has_torques: !state.effort.is_empty(),
-            names: state.name,
-        });
-    let selector = match &joints {
-        Some(joints) => wheel_joints(&joints.names).unwrap_or_default(),
-        None => MessageSelector::default(),
-    };
-    let sample = Sample::decode(&channel.schema, &selector, data);
-    Topic {
-        channel: Arc::clone(channel),
-        messages: 0,
-        first_log_ns: i64::try_from(log_time_ns).unwrap_or(i64::MAX),
-        first_stamp_ns: sample.ok().and_then(|sample| sample.t_ns),
-        joints,
+impl Topic {
+    fn new(channel: &Arc<ChannelInfo>) -> Self {
+        Self {
+            channel: Arc::clone(channel),
+            messages: 0,
+            times: Times::default(),
+            joints: BTreeMap::new(),
+            frames: BTreeMap::new(),
+            frame: None,
+        }
     }
-}
 
-/// Selects the joints of the right and the left wheel by their names, the first pair of several.
-pub(super) fn wheel_joints(names: &[String]) -> Option<MessageSelector> {
-    let joint = |side: &str| {
-        let is_side = |name: &&String| name.to_lowercase().contains(side);
-        let is_wheel = |name: &&String| name.to_lowercase().contains("wheel");
-        let wheel = names.iter().filter(is_side).find(is_wheel);
-        wheel.or_else(|| names.iter().find(is_side)).cloned()
-    };
-    Some(MessageSelector {
-        joints: [joint("right")?, joint("left")?],
-        frame: None,
-    })
+    /// Name of the message type without its package.
+    pub(super) fn type_name(&self) -> &str {
+        self.channel.schema.rsplit('/').next().unwrap_or_default()
+    }
+
+    fn add(&mut self, log_ns: i64, data: &[u8]) -> VisitResult {
+        self.messages += 1;
+        let Some(encoding) = Encoding::of(&self.channel.encoding) else {
+            return Ok(());
+        };
+        let stamp_ns = match self.type_name() {
+            "JointState" => self.add_joints(encoding, data)?,
+            "TFMessage" | "tfMessage" => self.add_frames(encoding, data)?,
+            _ => match Sample::decode(&self.channel, &MessageSelector::default(), data) {
+                Ok(sample) => sample.t_ns,
+                Err(NoSample::NotSelected) => return Ok(()),
+                Err(NoSample::Undecodable) => return Err(Undecodable),
+            },
+        };
+        if self.messages == 1 && stamp_ns.is_some() && self.frames.is_empty() {
+            let header: Result<Header<String>, _> = encoding.decode_stamped(data);
+            self.frame = header.ok().map(|header| header.frame_id);
+        }
+        self.times.add(stamp_ns, log_ns);
+        Ok(())
+    }
+
+    /// Returns the message's stamp (ns).
+    fn add_joints(&mut self, encoding: Encoding, data: &[u8]) -> Result<Option<i64>, Undecodable> {
+        let state: JointState = encoding.decode_stamped(data).map_err(|_| Undecodable)?;
+        for (i, name) in state.name.into_iter().enumerate() {
+            if self.joints.len() < MOST_NAMES || self.joints.contains_key(&name) {
+                let joint = self.joints.entry(name).or_default();
+                joint.angle.add(&state.position, i);
+                joint.speed.add(&state.velocity, i);
+                joint.torque.add(&state.effort, i);
+            }
+        }
+        Ok(Some(state.header.stamp.ns()))
+    }
+
+    /// Returns the stamp of the first transform (ns).
+    fn add_frames(&mut self, encoding: Encoding, data: &[u8]) -> Result<Option<i64>, Undecodable> {
+        let transforms = encoding.decode_transforms(data).map_err(|_| Undecodable)?;
+        let stamp_ns = transforms.first().map(|first| first.header.stamp.ns());
+        for transform in transforms {
+            let frames = [transform.header.frame_id, transform.child_frame_id];
+            if self.frames.len() < MOST_NAMES || self.frames.contains_key(&frames) {
+                *self.frames.entry(frames).or_default() += 1;
+            }
+        }
+        Ok(stamp_ns)
+    }
 }

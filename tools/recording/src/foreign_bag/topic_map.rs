@@ -2,15 +2,18 @@
 //!
 //! ```toml
 //! format = 1
-//! stamps = "message"              # or "log": the log time instead of the message's stamp
+//! stamps = "message"              # or "log": the time of reception instead of the message's stamp
 //! [robots.r1]
+//! pose_point = "axle"             # the point that the pose is of; or "centre_of_mass"
 //! command = "/cmd_vel"
 //! wheels = { topic = "/joint_states", right = "wheel_right_joint", left = "wheel_left_joint",
 //!            quantity = "angle" } # or "speed"; for a command also "torque"
 //! odometry = "/odom"
-//! pose = { topic = "/tf", frame = "base_link" }
+//! pose = { topic = "/tf", parent = "world", frame = "base_link" }
 //! imu = "/imu"
 //! ```
+//!
+//! `right` and `left` may be lists of joints, whose mean is taken.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -30,6 +33,9 @@ pub struct TopicMap {
     pub(super) log_times: bool,
     /// The streams.
     pub(super) sources: Vec<Source>,
+    /// Robots whose pose is that of the centre of mass. Of the others, it is that of the axle's middle, where
+    /// `base_link` mostly lies.
+    pub(super) with_pose_of_mass: Vec<String>,
 }
 
 /// A stream and the topic that holds it.
@@ -57,6 +63,9 @@ const QUANTITIES: [(&str, Quantity); 3] = [
     ("speed", Quantity::Speed),
     ("torque", Quantity::Torque),
 ];
+
+/// Key of the point that a robot's pose is of.
+const POSE_POINT: &str = "pose_point";
 
 impl TopicMap {
     /// Reads a map from a file.
@@ -93,7 +102,19 @@ impl TopicMap {
                 ));
             }
             let section = entry.section()?;
-            section.allow_only(&StreamKind::ALL.map(StreamKind::name))?;
+            let mut keys = StreamKind::ALL.map(StreamKind::name).to_vec();
+            keys.push(POSE_POINT);
+            section.allow_only(&keys)?;
+            if let Some(point) = section.get(POSE_POINT) {
+                match point.text()? {
+                    "axle" => {}
+                    "centre_of_mass" => map.with_pose_of_mass.push(robot.to_owned()),
+                    _ => {
+                        let remedy = "write \"axle\" or \"centre_of_mass\"";
+                        return Err(point.error("is not valid", remedy));
+                    }
+                }
+            }
             for kind in StreamKind::ALL {
                 if let Some(entry) = section.get(kind.name()) {
                     map.sources.push(parse_source(robot, kind, &entry)?);
@@ -118,6 +139,9 @@ impl TopicMap {
             if source.robot != robot {
                 robot = &source.robot;
                 let _ = writeln!(text, "[robots.{}]", quoted(robot));
+                if self.with_pose_of_mass.contains(&source.robot) {
+                    let _ = writeln!(text, "{POSE_POINT} = \"centre_of_mass\"");
+                }
             }
             let _ = writeln!(text, "{} = {}", source.kind.name(), source.to_text());
         }
@@ -128,6 +152,17 @@ impl TopicMap {
 /// A TOML string.
 fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
+}
+
+/// One name, or a list of names.
+fn names(names: &[String]) -> String {
+    match names {
+        [name] => quoted(name),
+        _ => {
+            let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
+            format!("[{}]", names.join(", "))
+        }
+    }
 }
 
 /// Parses the value of a stream's key: a topic, or a table with further keys.
@@ -148,14 +183,22 @@ fn parse_source(
         return Ok(source);
     }
     let section = entry.section()?;
-    section.allow_only(&["topic", "frame", "right", "left", "quantity"])?;
+    section.allow_only(&["topic", "parent", "frame", "right", "left", "quantity"])?;
     source.topic = section.require("topic")?.text()?.to_owned();
     if let Some(frame) = section.get("frame") {
         source.selector.frame = Some(frame.text()?.to_owned());
     }
-    for (joint, key) in source.selector.joints.iter_mut().zip(["right", "left"]) {
-        if let Some(name) = section.get(key) {
-            *joint = name.text()?.to_owned();
+    if let Some(parent) = section.get("parent") {
+        source.selector.parent = Some(parent.text()?.to_owned());
+    }
+    for (joints, key) in source.selector.joints.iter_mut().zip(["right", "left"]) {
+        if let Some(names) = section.get(key) {
+            let list = names.elements();
+            let list = list.iter().map(|name| Ok(name.text()?.to_owned()));
+            *joints = list.collect::<std::result::Result<_, InputError>>()?;
+            if joints.is_empty() {
+                return Err(names.error("names no joint", "name the joints of this side"));
+            }
         }
     }
     if let Some(entry) = section.get("quantity") {
@@ -174,16 +217,15 @@ impl Source {
     fn to_text(&self) -> String {
         let topic = quoted(&self.topic);
         let mut keys = vec![format!("topic = {topic}")];
+        if let Some(parent) = &self.selector.parent {
+            keys.push(format!("parent = {}", quoted(parent)));
+        }
         if let Some(frame) = &self.selector.frame {
             keys.push(format!("frame = {}", quoted(frame)));
         }
         if let Some(quantity) = self.quantity {
-            let [right, left] = &self.selector.joints;
-            keys.push(format!(
-                "right = {}, left = {}",
-                quoted(right),
-                quoted(left)
-            ));
+            let [right, left] = self.selector.joints.each_ref().map(|side| names(side));
+            keys.push(format!("right = {right}, left = {left}"));
             let word = QUANTITIES.iter().find(|(_, known)| *known == quantity);
             keys.push(format!(
                 "quantity = \"{}\"",
@@ -208,11 +250,21 @@ impl Source {
         let name = schema.rsplit('/').next().unwrap_or_default();
         match (self.kind, name) {
             (StreamKind::Command, "Twist" | "TwistStamped") => Some(TWIST),
-            (StreamKind::Odometry, "Twist" | "TwistStamped" | "Odometry") => Some(TWIST),
+            (
+                StreamKind::Odometry,
+                "Twist" | "TwistStamped" | "TwistWithCovarianceStamped" | "Odometry",
+            ) => Some(TWIST),
             (
                 StreamKind::Pose,
-                "Pose" | "PoseStamped" | "PoseWithCovarianceStamped" | "Odometry" | "TFMessage",
+                "Pose"
+                | "PoseStamped"
+                | "PoseWithCovarianceStamped"
+                | "TransformStamped"
+                | "Odometry"
+                | "TFMessage"
+                | "tfMessage",
             ) => Some(POSE),
+            (StreamKind::Pose, "PointStamped") => Some(&["x_m", "y_m"]),
             (StreamKind::Imu, "Imu") => Some(&["ax_m_s2", "ay_m_s2", "gz_rad_s"]),
             (StreamKind::Motor, "MotorState") => {
                 Some(&["current_right_a", "current_left_a", "supply_v"])
@@ -243,8 +295,8 @@ mod tests {
     #[test]
     fn a_map_round_trips() {
         let text = "format = 1\nstamps = \"log\"\n[robots.r1]\ncommand = \"/cmd_vel\"\n\
-            wheels = { topic = \"/joint_states\", right = \"wr\", left = \"wl\", quantity = \"speed\" }\n\
-            pose = { topic = \"/tf\", frame = \"base_link\" }\n";
+            wheels = { topic = \"/joint_states\", right = [\"fr\", \"rr\"], left = \"wl\", quantity = \"speed\" }\n\
+            pose = { topic = \"/tf\", parent = \"map\", frame = \"base_link\" }\n";
         let map = TopicMap::parse(text, Path::new("map.toml")).unwrap();
         assert_eq!(map.sources.len(), 3);
         assert_eq!(

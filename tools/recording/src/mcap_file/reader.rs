@@ -12,8 +12,8 @@ use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
 use crate::error::Result;
 use crate::import::{Import, Spooled};
 use crate::recording::{Recording, is_robot_name};
-use crate::ros2::MessageType;
-use crate::ros2::time::s_from_ns;
+use crate::ros::MessageType;
+use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 use crate::table::StreamKind;
 use crate::toml_files::{recording_toml, robot_toml};
@@ -84,7 +84,7 @@ impl Loader {
         match item {
             Item::Channel { id, channel } => {
                 let route = self.route_of(channel);
-                let index = usize::from(id);
+                let index = id as usize;
                 if self.routes.len() <= index {
                     self.routes.resize(index + 1, Route::View);
                 }
@@ -108,8 +108,8 @@ impl Loader {
         Ok(())
     }
 
-    fn message(&mut self, id: u16, channel: &Arc<ChannelInfo>, data: &[u8]) -> VisitResult {
-        let route = self.routes.get(usize::from(id)).copied();
+    fn message(&mut self, id: u32, channel: &Arc<ChannelInfo>, data: &[u8]) -> VisitResult {
+        let route = self.routes.get(id as usize).copied();
         match route.unwrap_or(Route::View) {
             Route::View => Ok(()),
             Route::LeftOut => {
@@ -126,7 +126,7 @@ impl Loader {
                 Some(stream) if rows => stream.push_row(data),
                 Some(stream) => {
                     let t_s = |t_ns: Option<i64>| s_from_ns(t_ns.unwrap_or_default());
-                    stream.push_message(&channel.schema, data, t_s)
+                    stream.push_message(channel, data, t_s)
                 }
                 None => Ok(()),
             },

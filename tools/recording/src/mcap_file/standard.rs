@@ -4,10 +4,10 @@ use std::io::Write;
 
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
-use crate::ros2::MessageType;
-use crate::ros2::compose::{WORLD, header, imu, joint_state};
-use crate::ros2::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
-use crate::ros2::time::is_whole_ns;
+use crate::ros::MessageType;
+use crate::ros::compose::{WORLD, header, imu, joint_state};
+use crate::ros::messages::{self as ros, Pose, Quaternion, Twist, Vector3};
+use crate::ros::time::is_whole_ns;
 use crate::table::{Cells, StreamKind, Table};
 
 /// The standard message type of a stream, and the last part of its topic.

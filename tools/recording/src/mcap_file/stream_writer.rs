@@ -12,11 +12,11 @@ use super::standard::{is_lossless, standard_type, write_standard};
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
 use crate::recording::{Robot, UnknownColumn};
-use crate::ros2::MessageType;
-use crate::ros2::compose::joint_state;
-use crate::ros2::messages as ros;
-use crate::ros2::position::{Fate, PositionRecord};
-use crate::ros2::time::{is_whole_ns, ns_from_s};
+use crate::ros::MessageType;
+use crate::ros::compose::joint_state;
+use crate::ros::messages as ros;
+use crate::ros::position::{Fate, PositionRecord};
+use crate::ros::time::{is_whole_ns, ns_from_s};
 use crate::rows::{LinkRows, RowCursor, Rows};
 use crate::table::{
     Cells, LINK_COLUMNS, ROUND_TRIP_COLUMNS, StreamKind, Table, link_columns, number_at,

@@ -6,8 +6,8 @@ use slipstream_bus::InputError;
 
 use crate::bag::{Item, Loss, Undecodable, open_file, read_bag};
 use crate::error::Result;
-use crate::ros2::cdr::decode;
-use crate::ros2::messages::TraceEvent;
+use crate::ros::cdr::decode;
+use crate::ros::messages::TraceEvent;
 use crate::toml_files::recording_toml;
 use crate::topics;
 

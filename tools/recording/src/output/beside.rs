@@ -77,12 +77,29 @@ fn unfinished<T>(access: impl FnOnce(&mut BTreeSet<PathBuf>) -> T) -> T {
     access(&mut UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// A temporary file without a name, which vanishes with the process.
-pub(crate) fn unnamed_file() -> io::Result<File> {
+/// The name of a temporary file. Dropped, it vanishes; who has the file open can still use it.
+#[derive(Debug)]
+pub(crate) struct TemporaryName(Beside);
+
+impl TemporaryName {
+    /// The path of the file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.0.path
+    }
+}
+
+/// A temporary file, which only this user may read.
+pub(crate) fn temporary_file() -> io::Result<(File, TemporaryName)> {
     let mut options = File::options();
     options.read(true).write(true).create_new(true).mode(0o600);
     let any = std::env::temp_dir().join("any");
-    Beside::create(&any, |path| options.open(path)).map(|(file, _)| file)
+    let (file, name) = Beside::create(&any, |path| options.open(path))?;
+    Ok((file, TemporaryName(name)))
+}
+
+/// A temporary file without a name, which vanishes with the process.
+pub(crate) fn unnamed_file() -> io::Result<File> {
+    temporary_file().map(|(file, _)| file)
 }
 
 /// The folder of a file.

@@ -10,7 +10,7 @@ mod folder;
 mod lock;
 
 pub use beside::remove_unfinished;
-pub(crate) use beside::unnamed_file;
+pub(crate) use beside::{temporary_file, unnamed_file};
 pub use file::{OutputFile, write_file};
 pub use folder::OutputFolder;
 pub use lock::lock_recording;

@@ -76,7 +76,7 @@ impl Spool {
     }
 
     /// Number of rows.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rows + self.tail.t_s.len()
     }
 
@@ -91,7 +91,7 @@ impl Spool {
     }
 
     /// The columns, without rows.
-    pub(super) fn empty(&self) -> Table {
+    pub(crate) fn empty(&self) -> Table {
         self.tail.without_rows()
     }
 

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
-use crate::ros2::MessageType;
+use crate::ros::MessageType;
 use crate::table::{LINK_COLUMNS, StreamKind};
 use crate::topics::{self, StreamMetadata, robot_topic};
 

@@ -1,6 +1,6 @@
 //! Contact state of a driven wheel: as plain data, and as its ROS 2 message.
 
-use crate::ros2::messages as ros;
+use crate::ros::messages as ros;
 
 /// True contact state of a driven wheel.
 #[derive(Debug, Clone, Copy, PartialEq)]

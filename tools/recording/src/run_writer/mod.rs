@@ -28,7 +28,7 @@ mod contact;
 mod header;
 mod writer;
 
-pub use crate::ros2::position::{Fate, PositionRecord};
+pub use crate::ros::position::{Fate, PositionRecord};
 pub use contact::WheelContact;
 pub use header::{Attachment, RunHeader};
 pub use writer::RunWriter;

@@ -18,9 +18,9 @@ use crate::bag::{BagWriter, announce};
 use crate::error::Result;
 use crate::listener::Listener;
 use crate::output::lock_recording;
-use crate::ros2::compose::{WORLD, header, imu, joint_state, odometry};
-use crate::ros2::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
-use crate::ros2::position::PositionRecord;
+use crate::ros::compose::{WORLD, header, imu, joint_state, odometry};
+use crate::ros::messages::{self as ros, Pose, Quaternion, Time, Twist, Vector3};
+use crate::ros::position::PositionRecord;
 use crate::toml_files::{recording_toml, robot_toml};
 use crate::topics;
 

@@ -85,6 +85,13 @@ impl StreamKind {
         }
     }
 
+    /// Whether a stream with this column is of no use where the column is empty.
+    pub(crate) fn needs(self, column: &str) -> bool {
+        let sets = self.column_sets().iter();
+        let mut required = sets.flat_map(|set| set.names.iter().take(set.required));
+        required.any(|name| *name == column)
+    }
+
     /// The column of this kind with this name, if the format defines it.
     pub(crate) fn column(self, name: &str) -> Option<&'static str> {
         self.column_sets()

@@ -1,10 +1,13 @@
-//! ROS 2 messages: their fields, their definitions (`.msg`) and their CDR encoding.
+//! ROS messages: their fields, their definitions (`.msg`), and their encodings in ROS 2 (CDR) and ROS 1.
 
 pub(crate) mod cdr;
 pub(crate) mod compose;
 mod definitions;
+mod encoding;
 pub(crate) mod messages;
 pub(crate) mod position;
+mod ros1;
 pub(crate) mod time;
 
 pub(crate) use definitions::MessageType;
+pub(crate) use encoding::Encoding;

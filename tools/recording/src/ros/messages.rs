@@ -1,4 +1,4 @@
-//! Fields of the ROS 2 messages, in the order of [`definitions`](super::definitions).
+//! Fields of the ROS messages, in the order of [`definitions`](super::definitions).
 //!
 //! Texts (`S`) and lists (`L`, `N`, `V`, `T`, `B`) are type parameters: borrowed when a message is
 //! written, owned when it is read.
@@ -51,6 +51,12 @@ pub(crate) type Covariance6 = [[f64; 6]; 6];
 pub(crate) struct PoseStamped<S> {
     pub(crate) header: Header<S>,
     pub(crate) pose: Pose,
+}
+
+#[derive(Debug, Deserialize)]
+pub(crate) struct PointStamped<S> {
+    pub(crate) header: Header<S>,
+    pub(crate) point: Vector3,
 }
 
 #[derive(Debug, Serialize, Deserialize)]

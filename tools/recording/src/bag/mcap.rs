@@ -14,53 +14,12 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use slipstream_bus::InputError;
 
 use super::chunk::{MAX_CHUNK_BYTES, unpack};
+use super::item::{ChannelInfo, Item, Undecodable, Visit};
 use super::lengths;
 use super::loss::Loss;
 
-/// A channel of a file: a topic with its type.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct ChannelInfo {
-    /// Name of the topic.
-    pub(crate) topic: String,
-    /// Name of the message type, such as `sensor_msgs/msg/Imu`; empty if there is none.
-    pub(crate) schema: String,
-    /// Encoding of the messages, such as `cdr`.
-    pub(crate) encoding: String,
-    /// Encoding and bytes of the definition of the type.
-    pub(crate) definition: Arc<(String, Vec<u8>)>,
-    /// Names and values.
-    pub(crate) metadata: BTreeMap<String, String>,
-}
-
 /// A schema: the name of a type, and its definition with its encoding.
 type Schema = (String, Arc<(String, Vec<u8>)>);
-
-/// An item of a file, in file order.
-pub(crate) enum Item<'a> {
-    /// A channel, before its messages.
-    Channel {
-        id: u16,
-        channel: &'a Arc<ChannelInfo>,
-    },
-    /// A message of the channel `id` (ids may be sparse).
-    Message {
-        id: u16,
-        channel: &'a Arc<ChannelInfo>,
-        log_time_ns: u64,
-        data: &'a [u8],
-    },
-    /// An attached file.
-    Attachment { name: &'a str, data: &'a [u8] },
-    /// A record of names and values; only its own name is read.
-    Metadata { name: &'a str },
-}
-
-/// Whether the visitor could decode an item.
-pub(crate) type VisitResult = Result<(), Undecodable>;
-
-/// The visitor could not decode the item.
-#[derive(Debug)]
-pub(crate) struct Undecodable;
 
 /// Reads all of `source`, which has `size` bytes, and calls `visit` with each item.
 ///
@@ -70,7 +29,7 @@ pub(crate) fn read_bag(
     source: impl Read,
     size: u64,
     path: &Path,
-    visit: &mut dyn FnMut(Item<'_>) -> VisitResult,
+    visit: &mut Visit<'_>,
 ) -> Result<Loss, InputError> {
     let limit = usize::try_from(size.clamp(64, MAX_CHUNK_BYTES)).unwrap_or(usize::MAX);
     let options = LinearReaderOptions::default()
@@ -91,7 +50,7 @@ pub(crate) fn read_bag(
 /// The state of reading one file.
 struct BagReader<'a> {
     path: &'a Path,
-    visit: &'a mut dyn FnMut(Item<'_>) -> VisitResult,
+    visit: &'a mut Visit<'a>,
     loss: Loss,
     /// Names of the message types, by schema id.
     schemas: BTreeMap<u16, Schema>,
@@ -233,7 +192,7 @@ impl BagReader<'_> {
                 let known = self.channels.get(usize::from(header.channel_id));
                 let visited = match known.and_then(Option::as_ref) {
                     Some(channel) => (self.visit)(Item::Message {
-                        id: header.channel_id,
+                        id: header.channel_id.into(),
                         channel,
                         log_time_ns: header.log_time,
                         data: &data,
@@ -279,7 +238,7 @@ impl BagReader<'_> {
                 metadata: channel.metadata,
             }));
             let item = Item::Channel {
-                id: channel.id,
+                id: channel.id.into(),
                 channel: info,
             };
             self.loss.damaged_records += u64::from((self.visit)(item).is_err());

@@ -1,0 +1,172 @@
+//! A folder as rosbag2 writes it: `metadata.yaml` and one bag file, or several after each other.
+
+use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipstream_bus::InputError;
+
+use super::item::Visit;
+use super::loss::Loss;
+use super::source::{Bag, BagFile};
+
+/// Name of the description in the folder.
+const METADATA: &str = "metadata.yaml";
+
+/// The bag files of a folder, in the order of recording.
+#[derive(Debug)]
+pub(crate) struct BagFolder {
+    parts: Vec<BagFile>,
+    /// Files of the description that are not in the folder.
+    missing: Vec<String>,
+}
+
+impl BagFolder {
+    /// Finds the bag files of a folder: those of its `metadata.yaml`, without one all of them. `None` if there is none.
+    ///
+    /// # Errors
+    /// If the folder or a file cannot be read, or `metadata.yaml` is not a description of a bag.
+    pub(crate) fn open(folder: &Path) -> Result<Option<Self>, InputError> {
+        let files = bag_files(folder)?;
+        let metadata = folder.join(METADATA);
+        let mut missing = Vec::new();
+        let mut paths = Vec::new();
+        if metadata.exists() {
+            for name in names_in(&metadata)? {
+                match find(&files, &name) {
+                    Some(path) => paths.push(path),
+                    None => missing.push(name),
+                }
+            }
+        }
+        // A recorder that was killed writes no description.
+        if paths.is_empty() {
+            paths = files;
+        }
+        if paths.is_empty() {
+            return Ok(None);
+        }
+        let parts: Result<_, _> = paths.iter().map(|path| BagFile::open(path)).collect();
+        Ok(Some(Self {
+            parts: parts?,
+            missing,
+        }))
+    }
+}
+
+impl BagFolder {
+    /// The file, if the bag has only one and should have no other.
+    pub(crate) fn only_part(&self) -> Option<&BagFile> {
+        match &self.parts[..] {
+            [part] if self.missing.is_empty() => Some(part),
+            _ => None,
+        }
+    }
+}
+
+impl Bag for BagFolder {
+    fn scan(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
+        let mut loss = Loss {
+            missing_files: self.missing.clone(),
+            ..Loss::default()
+        };
+        for part in &self.parts {
+            match part.scan(visit) {
+                Ok(more) => loss.add(&more),
+                // A part that cannot be read costs its messages, not those of the others.
+                Err(error) if loss.unreadable_files.len() + 1 < self.parts.len() => {
+                    loss.unreadable_files.push(error.to_string());
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(loss)
+    }
+}
+
+/// What is needed of `metadata.yaml`.
+#[derive(Deserialize)]
+struct Metadata {
+    rosbag2_bagfile_information: Information,
+}
+
+#[derive(Deserialize)]
+struct Information {
+    #[serde(default)]
+    relative_file_paths: Vec<PathBuf>,
+}
+
+/// The file names in a description. Early versions of rosbag2 wrote the folder before them.
+fn names_in(metadata: &Path) -> Result<Vec<String>, InputError> {
+    let text = std::fs::read_to_string(metadata);
+    let text = text.map_err(|e| InputError::unreadable(metadata, &e))?;
+    let parsed: Result<Metadata, _> = serde_saphyr::from_str(&text);
+    let parsed = parsed.map_err(|error| {
+        let text = error.to_string();
+        let problem = text.lines().next().unwrap_or("is not YAML").to_owned();
+        let remedy = "delete the file: the bag files of the folder are then read by their names";
+        InputError::file(metadata, problem, remedy)
+    })?;
+    let paths = parsed.rosbag2_bagfile_information.relative_file_paths;
+    let names = paths.iter().filter_map(|path| path.file_name());
+    Ok(names
+        .map(|name| name.to_string_lossy().into_owned())
+        .collect())
+}
+
+/// The bag files in a folder, by their numbers.
+fn bag_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
+    let unreadable = |e| InputError::unreadable(folder, &e);
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy());
+        let name = name.unwrap_or_default();
+        let name = name.strip_suffix(".zstd").unwrap_or(&name);
+        if [".mcap", ".db3", ".bag"]
+            .iter()
+            .any(|end| name.ends_with(end))
+        {
+            files.push(path);
+        }
+    }
+    files.sort_by(|a, b| by_numbers(a, b));
+    Ok(files)
+}
+
+/// The file of this name, or the compressed one.
+fn find(files: &[PathBuf], name: &str) -> Option<PathBuf> {
+    let compressed = format!("{name}.zstd");
+    let is_it = |path: &&PathBuf| {
+        let own = path.file_name();
+        own.is_some_and(|own| own == name || *own == *compressed)
+    };
+    files.iter().find(is_it).cloned()
+}
+
+/// `bag_2` comes before `bag_10`.
+fn by_numbers(a: &Path, b: &Path) -> Ordering {
+    let key = |path: &Path| {
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+        let stem = stem.trim_end_matches(|c: char| !c.is_ascii_digit());
+        let start = stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        let number: Option<u64> = stem.get(start..).and_then(|digits| digits.parse().ok());
+        (stem.get(..start).unwrap_or_default().to_owned(), number)
+    };
+    key(a).cmp(&key(b)).then_with(|| a.cmp(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_in_the_order_of_their_numbers() {
+        let mut paths = ["bag_10.db3", "bag_2.db3", "bag_0.db3.zstd"].map(PathBuf::from);
+        paths.sort_by(|a, b| by_numbers(a, b));
+        assert_eq!(
+            paths,
+            ["bag_0.db3.zstd", "bag_2.db3", "bag_10.db3"].map(PathBuf::from)
+        );
+    }
+}

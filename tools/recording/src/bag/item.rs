@@ -1,0 +1,49 @@
+//! What a bag contains, whatever its container: topics, messages, attached files.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A channel of a file: a topic with its type.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct ChannelInfo {
+    /// Name of the topic.
+    pub(crate) topic: String,
+    /// Name of the message type, such as `sensor_msgs/msg/Imu`; empty if there is none.
+    pub(crate) schema: String,
+    /// Encoding of the messages, such as `cdr`.
+    pub(crate) encoding: String,
+    /// Encoding and bytes of the definition of the type.
+    pub(crate) definition: Arc<(String, Vec<u8>)>,
+    /// Names and values.
+    pub(crate) metadata: BTreeMap<String, String>,
+}
+
+/// An item of a file, in file order.
+pub(crate) enum Item<'a> {
+    /// A channel, before its messages.
+    Channel {
+        id: u32,
+        channel: &'a Arc<ChannelInfo>,
+    },
+    /// A message of the channel `id` (ids may be sparse).
+    Message {
+        id: u32,
+        channel: &'a Arc<ChannelInfo>,
+        log_time_ns: u64,
+        data: &'a [u8],
+    },
+    /// An attached file.
+    Attachment { name: &'a str, data: &'a [u8] },
+    /// A record of names and values; only its own name is read.
+    Metadata { name: &'a str },
+}
+
+/// Whether the visitor could decode an item.
+pub(crate) type VisitResult = Result<(), Undecodable>;
+
+/// The visitor could not decode the item.
+#[derive(Debug)]
+pub(crate) struct Undecodable;
+
+/// Whoever wants the items of a bag.
+pub(crate) type Visit<'a> = dyn FnMut(Item<'_>) -> VisitResult + 'a;

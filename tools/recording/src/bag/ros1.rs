@@ -1,0 +1,245 @@
+//! Damage-tolerant sequential reader of ROS 1 bags (format 2.0).
+//!
+//! A bag is a sequence of records; each has a header of named fields, and data. The index at the end is not used, so
+//! that a bag without one (a recorder that was killed) is read like any other. Of a damaged chunk, the messages before
+//! the damage are read.
+
+use std::collections::BTreeMap;
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use slipstream_bus::InputError;
+
+use super::chunk::MAX_CHUNK_BYTES;
+use super::item::{ChannelInfo, Item, Undecodable, Visit};
+use super::loss::Loss;
+
+/// First bytes of every bag of this format.
+pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+
+/// Kinds of records (field `op`).
+mod op {
+    pub(super) const MESSAGE: u8 = 2;
+    pub(super) const CHUNK: u8 = 5;
+    pub(super) const CONNECTION: u8 = 7;
+}
+
+/// Reads all of `source`, which has `size` bytes, and calls `visit` with each item. `path` is used in errors only.
+///
+/// # Errors
+/// If it is not a ROS 1 bag of format 2.0, or reading fails. Damage is not an error but a [`Loss`].
+pub(super) fn read_ros1(
+    source: &mut dyn Read,
+    size: u64,
+    path: &Path,
+    visit: &mut Visit<'_>,
+) -> Result<Loss, InputError> {
+    let unreadable = |e: io::Error| InputError::unreadable(path, &e);
+    let mut magic = Vec::new();
+    let start = MAGIC.len() as u64;
+    source
+        .take(start)
+        .read_to_end(&mut magic)
+        .map_err(unreadable)?;
+    if magic != MAGIC {
+        let remedy = "convert older bags with `rosbag fix`";
+        return Err(InputError::file(
+            path,
+            "is not a ROS 1 bag of format 2.0",
+            remedy,
+        ));
+    }
+    let mut reader = Ros1Reader {
+        visit,
+        loss: Loss::default(),
+        connections: BTreeMap::new(),
+    };
+    let read = reader.records(source, Place::File).map_err(unreadable)?;
+    if let End::Damaged { bytes_read } = read {
+        reader.loss.truncated = true;
+        reader.loss.bytes_at_end = size.saturating_sub(start + bytes_read);
+    }
+    Ok(reader.loss)
+}
+
+/// Where a record stands. Chunks stand in the file only.
+#[derive(Clone, Copy, PartialEq)]
+enum Place {
+    File,
+    Chunk,
+}
+
+/// How a sequence of records ended.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Complete,
+    /// After this many bytes of complete records.
+    Damaged {
+        bytes_read: u64,
+    },
+}
+
+struct Ros1Reader<'a> {
+    visit: &'a mut Visit<'a>,
+    loss: Loss,
+    /// Topics by the number of their connection.
+    connections: BTreeMap<u32, Arc<ChannelInfo>>,
+}
+
+impl Ros1Reader<'_> {
+    /// Reads all records of a file or of a decompressed chunk.
+    fn records(&mut self, source: &mut dyn Read, place: Place) -> io::Result<End> {
+        let (mut header, mut data) = (Vec::new(), Vec::new());
+        let mut bytes_read = 0;
+        loop {
+            match read_block(source, &mut header)? {
+                Block::Whole => {}
+                Block::None => return Ok(End::Complete),
+                Block::Cut => return Ok(End::Damaged { bytes_read }),
+            }
+            let is_whole = read_block(source, &mut data)? == Block::Whole;
+            // A chunk whose end is missing still has messages.
+            if is_whole || field(&header, b"op") == Some(&[op::CHUNK]) {
+                self.record(&header, &data, place);
+            }
+            if !is_whole {
+                return Ok(End::Damaged { bytes_read });
+            }
+            bytes_read += (8 + header.len() + data.len()) as u64;
+        }
+    }
+
+    fn record(&mut self, header: &[u8], data: &[u8], place: Place) {
+        let [kind] = field(header, b"op").unwrap_or_default() else {
+            self.loss.damaged_records += 1;
+            return;
+        };
+        match (*kind, place) {
+            (op::CHUNK, Place::File) => self.chunk(header, data),
+            (op::CONNECTION, _) => {
+                let added = self.connection(header, data);
+                self.loss.damaged_records += u64::from(added.is_none());
+            }
+            (op::MESSAGE, _) => match self.message(header, data) {
+                Ok(()) => self.loss.messages_read += 1,
+                Err(Undecodable) => self.loss.undecodable_messages += 1,
+            },
+            _ => {}
+        }
+    }
+
+    fn chunk(&mut self, header: &[u8], data: &[u8]) {
+        let mut unpacked = Vec::new();
+        let compression = field(header, b"compression").unwrap_or_default();
+        let is_unpacked = unpack(compression, data, &mut unpacked).is_ok();
+        // Reading from memory does not fail.
+        let is_read = self.records(&mut &unpacked[..], Place::Chunk);
+        let is_complete = is_unpacked && is_read.is_ok_and(|end| end == End::Complete);
+        self.loss.damaged_chunks += u64::from(!is_complete);
+    }
+
+    /// Registers a connection; of several with the same number, the first one.
+    fn connection(&mut self, header: &[u8], data: &[u8]) -> Option<()> {
+        let id = u32::from_le_bytes(field(header, b"conn")?.try_into().ok()?);
+        if self.connections.contains_key(&id) {
+            return Some(());
+        }
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let definition = field(data, b"message_definition").unwrap_or_default();
+        let channel = Arc::new(ChannelInfo {
+            topic: text(field(header, b"topic")?),
+            schema: ros2_name(&text(field(data, b"type")?)),
+            encoding: "ros1".to_owned(),
+            definition: Arc::new(("ros1msg".to_owned(), definition.to_owned())),
+            metadata: BTreeMap::new(),
+        });
+        let item = Item::Channel {
+            id,
+            channel: &channel,
+        };
+        let visited = (self.visit)(item);
+        self.connections.insert(id, channel);
+        visited.ok()
+    }
+
+    fn message(&mut self, header: &[u8], data: &[u8]) -> Result<(), Undecodable> {
+        let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes).ok();
+        let id = field(header, b"conn").and_then(number);
+        let id = id.ok_or(Undecodable)?;
+        let channel = self.connections.get(&id).ok_or(Undecodable)?;
+        let time = field(header, b"time").and_then(|time| time.split_at_checked(4));
+        let (sec, nanosec) = time.ok_or(Undecodable)?;
+        let (sec, nanosec) = number(sec).zip(number(nanosec)).ok_or(Undecodable)?;
+        (self.visit)(Item::Message {
+            id,
+            channel,
+            log_time_ns: u64::from(sec) * 1_000_000_000 + u64::from(nanosec),
+            data,
+        })
+    }
+}
+
+/// What [`read_block`] found.
+#[derive(PartialEq)]
+enum Block {
+    Whole,
+    /// Nothing: the source is at its end.
+    None,
+    /// A part of the block, or a length that no block has.
+    Cut,
+}
+
+/// Replaces `block` by the next bytes, whose number stands before them.
+fn read_block(source: &mut dyn Read, block: &mut Vec<u8>) -> io::Result<Block> {
+    block.clear();
+    source.take(4).read_to_end(block)?;
+    if block.is_empty() {
+        return Ok(Block::None);
+    }
+    let Ok(length) = <[u8; 4]>::try_from(&block[..]) else {
+        return Ok(Block::Cut);
+    };
+    block.clear();
+    let length = u64::from(u32::from_le_bytes(length));
+    if length > MAX_CHUNK_BYTES {
+        return Ok(Block::Cut);
+    }
+    source.take(length).read_to_end(block)?;
+    let is_whole = block.len() as u64 == length;
+    Ok(if is_whole { Block::Whole } else { Block::Cut })
+}
+
+/// The value of a field: each field is `NAME=VALUE`, with its length before it.
+fn field<'a>(mut header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
+    loop {
+        let (length, rest) = header.split_first_chunk()?;
+        let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
+        let (field, rest) = rest.split_at_checked(length)?;
+        header = rest;
+        let value = field.strip_prefix(name).and_then(|f| f.strip_prefix(b"="));
+        if value.is_some() {
+            return value;
+        }
+    }
+}
+
+/// Decompresses a chunk; after an error, `unpacked` has what stands before the damage.
+fn unpack(compression: &[u8], data: &[u8], unpacked: &mut Vec<u8>) -> io::Result<()> {
+    let decoder: Box<dyn Read> = match compression {
+        b"none" => Box::new(data),
+        b"lz4" => Box::new(lz4::Decoder::new(data)?),
+        b"bz2" => Box::new(bzip2::read::BzDecoder::new(data)),
+        _ => return Err(io::ErrorKind::Unsupported.into()),
+    };
+    decoder.take(MAX_CHUNK_BYTES).read_to_end(unpacked)?;
+    Ok(())
+}
+
+/// The name of a message type as ROS 2 writes it: `sensor_msgs/msg/Imu` for `sensor_msgs/Imu`.
+fn ros2_name(name: &str) -> String {
+    match name.split_once('/') {
+        Some((package, message)) => format!("{package}/msg/{message}"),
+        None => name.to_owned(),
+    }
+}

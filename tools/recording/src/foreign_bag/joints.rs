@@ -1,0 +1,115 @@
+//! The wheels among the joints of a joint state, by their names.
+
+use std::collections::BTreeMap;
+
+use super::survey::Joint;
+use crate::decode::MessageSelector;
+
+/// Parts of names of joints that are no driven wheels.
+const NOT_DRIVEN: [&str; 7] = [
+    "caster", "castor", "steer", "swivel", "gripper", "finger", "arm",
+];
+
+/// A side of the robot, as the names of joints say it: whole words, and words of one or two letters.
+struct Side {
+    word: &'static str,
+    short: [&'static str; 8],
+}
+
+/// Right and left.
+const SIDES: [Side; 2] = [
+    Side {
+        word: "right",
+        short: ["r", "fr", "rf", "rr", "br", "rb", "mr", "rm"],
+    },
+    Side {
+        word: "left",
+        short: ["l", "fl", "lf", "rl", "lr", "bl", "lb", "ml"],
+    },
+];
+
+/// The joints of the driven wheels; several on one side for skid steering. `None` if the names do not tell.
+pub(super) fn wheels(joints: &BTreeMap<String, Joint>) -> Option<MessageSelector> {
+    let driven = |name: &&String| {
+        let name = name.to_lowercase();
+        !NOT_DRIVEN
+            .iter()
+            .any(|other| words(&name).any(|word| word.starts_with(other)))
+    };
+    let names: Vec<&String> = joints.keys().filter(driven).collect();
+    let wheel = |name: &&String| {
+        let name = name.to_lowercase();
+        name.contains("wheel") || name.contains("drive")
+    };
+    let wheels: Vec<&String> = names.iter().copied().filter(wheel).collect();
+    let candidates = if wheels.is_empty() { names } else { wheels };
+    let side = |i: usize| -> Vec<String> {
+        let of_side = |name: &&&String| side_of(name) == Some(i);
+        candidates
+            .iter()
+            .filter(of_side)
+            .map(|name| (*name).clone())
+            .collect()
+    };
+    let joints = [side(0), side(1)];
+    let [right, left] = joints.each_ref().map(Vec::len);
+    // Unequal numbers: not all of them are wheels.
+    (right > 0 && right == left).then_some(MessageSelector {
+        joints,
+        ..MessageSelector::default()
+    })
+}
+
+/// The side that a name tells: 0 right, 1 left; `None` if it tells none or both.
+fn side_of(name: &str) -> Option<usize> {
+    let name = name.to_lowercase();
+    let tells = |side: &Side| {
+        name.contains(side.word) || words(&name).any(|word| side.short.contains(&word))
+    };
+    match [tells(&SIDES[0]), tells(&SIDES[1])] {
+        [true, false] => Some(0),
+        [false, true] => Some(1),
+        _ => None,
+    }
+}
+
+/// The words of a name such as `front_left_wheel`.
+fn words(name: &str) -> impl Iterator<Item = &str> {
+    name.split(|c: char| !c.is_ascii_alphabetic())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sides(names: &[&str]) -> Option<[Vec<String>; 2]> {
+        let joints = names
+            .iter()
+            .map(|name| ((*name).to_owned(), Joint::default()));
+        wheels(&joints.collect()).map(|selector| selector.joints)
+    }
+
+    #[test]
+    fn names_tell_the_sides_of_wheels() {
+        let pair = |right: &str, left: &str| Some([vec![right.to_owned()], vec![left.to_owned()]]);
+        assert_eq!(
+            sides(&["arm_left", "wheel_left_joint", "wheel_right_joint"]),
+            pair("wheel_right_joint", "wheel_left_joint")
+        );
+        assert_eq!(sides(&["wheel_l", "wheel_r"]), pair("wheel_r", "wheel_l"));
+        assert_eq!(
+            sides(&["caster_left_wheel", "caster_right_wheel", "left", "right"]),
+            pair("right", "left")
+        );
+        let four = ["fl_wheel", "fr_wheel", "rl_wheel", "rr_wheel"].map(str::to_owned);
+        let [fl, fr, rl, rr] = four.clone();
+        let names: Vec<&str> = four.iter().map(String::as_str).collect();
+        assert_eq!(sides(&names), Some([vec![fr, rr], vec![fl, rl]]));
+    }
+
+    #[test]
+    fn names_that_tell_nothing_are_no_wheels() {
+        assert_eq!(sides(&["joint_1", "joint_2"]), None);
+        assert_eq!(sides(&["wheel_left", "wheel_right", "wheel_left_2"]), None);
+    }
+}
