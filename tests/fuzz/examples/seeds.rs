@@ -23,7 +23,7 @@ use slipstream_launch::recorder::RecorderOutcome;
 use slipstream_launch::resolve::BUILT_IN;
 use slipstream_launch::{Request, Resolved, in_process, resolve};
 use slipstream_recording::{
-    TopicMap, read_mapped, read_trace, recording_toml, robot_toml, write_folder,
+    Map, TopicMap, read_mapped, read_trace, recording_toml, robot_toml, write_folder,
 };
 use slipstream_sim::effects::{CATALOGUE, Domain};
 use slipstream_sim::run::process::PlantOutcome;
@@ -71,7 +71,7 @@ fn recordings(run: &Path) {
     let content = std::fs::read(run).unwrap();
     seed("mcap", "run", &content);
     seed("mcap", "run_plain", &plain(&content, false));
-    let import = read_mapped(run, None).unwrap();
+    let import = read_mapped(run, &Map::None).unwrap();
     let folder = run.with_file_name("folder");
     write_folder(&import.recording, &folder).unwrap();
     std::fs::write(folder.join("rtt.csv"), "seq,rtt_ms\n1,12.5\n2,\n3,0.75\n").unwrap();
@@ -79,13 +79,16 @@ fn recordings(run: &Path) {
     seed("csv_folder", "run", &files.join(&SEPARATOR[..]));
     seed("round_trips", "three", &files[FILES.len() - 1]);
     let mut own = Vec::new();
-    let with_round_trips = read_mapped(&folder, None).unwrap().recording;
+    let with_round_trips = read_mapped(&folder, &Map::None).unwrap().recording;
     own.extend(slipstream_recording::write_mcap_to(&with_round_trips, Vec::new(), run).unwrap());
     seed("mcap", "folder_plain", &plain(&own, false));
     seed("bag", "run_plain", &plain(&content, true));
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
-    let guessed = read_mapped(&foreign, None).unwrap().warnings.remove(0);
+    let guessed = read_mapped(&foreign, &Map::None)
+        .unwrap()
+        .warnings
+        .remove(0);
     let (_, map) = guessed.split_once('\n').unwrap();
     seed("topic_map", "guessed", map.as_bytes());
     let map = TopicMap::parse(MAP, Path::new("map.toml")).unwrap();
@@ -135,7 +138,7 @@ fn plain(content: &[u8], foreign: bool) -> Vec<u8> {
 }
 
 fn texts(run: &Path) {
-    let recording = read_mapped(run, None).unwrap().recording;
+    let recording = read_mapped(run, &Map::None).unwrap().recording;
     seed(
         "recording_toml",
         "run",

@@ -3,24 +3,30 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_recording::{TopicMap, robot_toml};
+use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
-use crate::print::{self, eprint_line};
+use crate::print::{self, print_line};
+use crate::reading::Reading;
 
 /// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
 ///
 /// Example: slipstream check RECORDING --robot robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
     /// Robot model [default: the one in the recording]
     #[arg(long, value_name = "FILE.toml")]
     robot: Option<PathBuf>,
-    /// Map from the topics of a bag to streams [default: guessed from types and names]
+    #[command(flatten)]
+    reading: Reading,
+    /// Write the guessed map of a bag's topics, to be corrected and given with --topics; checks nothing
     #[arg(long, value_name = "FILE.toml")]
-    topics: Option<PathBuf>,
+    write_topics: Option<PathBuf>,
+    /// Write a start of a map of CSV files, to be completed and given with --columns; checks nothing
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "write_topics")]
+    write_columns: Option<PathBuf>,
     /// Write the report as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -28,20 +34,19 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let topics = arguments
-        .topics
-        .as_deref()
-        .map(TopicMap::read)
-        .transpose()?;
-    let spooled = slipstream_recording::read_spooled(&arguments.recording, topics.as_ref())?;
+    let to_write = arguments.write_topics.as_ref();
+    if let Some(file) = to_write.or(arguments.write_columns.as_ref()) {
+        let map = slipstream_recording::draft_map(&arguments.recording)?;
+        crate::output_file::write(file, &map)?;
+        print_line!("{}", file.display());
+        return Ok(Exit::Done);
+    }
+    let spooled = arguments.reading.spool(&arguments.recording)?;
     let model = arguments
         .robot
         .as_deref()
         .map(robot_toml::read)
         .transpose()?;
-    for warning in &spooled.warnings {
-        eprint_line!("{warning}");
-    }
     let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {

@@ -10,16 +10,19 @@ use slipstream_report::compare::Comparison;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
-use crate::print::{eprint_line, print_line};
+use crate::print::print_line;
 use crate::provenance;
+use crate::reading::Reading;
 
 /// Simulate the recorded commands and plot the result over the recording, channel by channel
 ///
 /// Example: slipstream compare RECORDING --robot robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
@@ -30,10 +33,7 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let import = slipstream_recording::read(&arguments.recording)?;
-    for warning in &import.warnings {
-        eprint_line!("{warning}");
-    }
+    let import = arguments.reading.read(&arguments.recording)?;
     let models = Models::read(&arguments.robot)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
         .map_err(|error| located(&arguments.recording, error))?;

@@ -6,14 +6,17 @@ use clap::Args;
 
 use crate::exit::{Error, Exit};
 use crate::print::{eprint_line, print_line};
+use crate::reading::Reading;
 
 /// Convert a recording to a folder of CSV files, without loss of precision
 ///
 /// Example: slipstream export run.mcap --out run
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// MCAP file
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Folder to write; it must be empty or not exist
     #[arg(long, value_name = "FOLDER")]
     out: PathBuf,
@@ -21,10 +24,7 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let spooled = slipstream_recording::read_spooled(&arguments.recording, None)?;
-    for warning in &spooled.warnings {
-        eprint_line!("{warning}");
-    }
+    let spooled = arguments.reading.spool(&arguments.recording)?;
     for (topic, messages) in &spooled.left_out {
         eprint_line!(
             "{topic}: left out: its {messages} messages have no equivalent in the CSV format"

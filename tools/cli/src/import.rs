@@ -3,37 +3,28 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_recording::TopicMap;
 
 use crate::exit::{Error, Exit};
 use crate::print::{eprint_line, print_line};
+use crate::reading::Reading;
 
-/// Convert a recording (a folder of CSV files, or a ROS 2 bag in MCAP) to one MCAP file
+/// Convert a recording (a folder of CSV files, or a bag) to one MCAP file
 ///
 /// Example: slipstream import FOLDER --out run.mcap
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
     /// MCAP file to write
     #[arg(long, value_name = "FILE.mcap")]
     out: PathBuf,
-    /// Map from the topics of a bag to streams [default: guessed from types and names]
-    #[arg(long, value_name = "FILE.toml")]
-    topics: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
 }
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let topics = arguments
-        .topics
-        .as_deref()
-        .map(TopicMap::read)
-        .transpose()?;
-    let spooled = slipstream_recording::read_spooled(&arguments.recording, topics.as_ref())?;
-    for warning in &spooled.warnings {
-        eprint_line!("{warning}");
-    }
+    let spooled = arguments.reading.spool(&arguments.recording)?;
     for (topic, messages) in &spooled.left_out {
         eprint_line!("{topic}: left out: its {messages} messages belong to no stream");
     }

@@ -16,6 +16,7 @@ mod output_file;
 mod print;
 mod progress;
 mod provenance;
+mod reading;
 mod reproduce;
 mod run;
 mod study;

@@ -8,6 +8,7 @@ use slipstream_live::{Playback, Server, converted, play};
 
 use crate::exit::{Error, Exit};
 use crate::print::print_line;
+use crate::reading::Reading;
 use crate::viewers::{ADDRESS, invitation, write_layout};
 
 /// Play a recording to Foxglove or another viewer of its WebSocket protocol
@@ -17,8 +18,10 @@ use crate::viewers::{ADDRESS, invitation, write_layout};
 /// Example: slipstream view platoon.mcap, then open ws://127.0.0.1:8765 in Foxglove
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
+    #[command(flatten)]
+    reading: Reading,
     /// Address to listen at
     #[arg(long, value_name = "HOST:PORT", default_value = ADDRESS)]
     listen: String,
@@ -39,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let place = format!("--speed {}", arguments.speed);
         return Err(InputError::new(place, "is no speed", "give a number above 0").into());
     }
-    let import = slipstream_recording::read(&arguments.recording)?;
+    let import = arguments.reading.read(&arguments.recording)?;
     if let Some(file) = &arguments.layout {
         let robots: Vec<&str> = import
             .recording

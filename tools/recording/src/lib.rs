@@ -62,6 +62,7 @@ mod csv_folder;
 mod decode;
 mod error;
 mod foreign_bag;
+mod foreign_csv;
 mod import;
 mod listener;
 mod mcap_file;
@@ -81,12 +82,13 @@ pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use foreign_bag::TopicMap;
+pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
 pub use listener::{Announced, Listener};
 pub use mcap_file::{
     TraceFile, read_mcap_from, read_messages, read_trace, write_mcap, write_mcap_to,
 };
-pub use open::{read, read_mapped, read_mapped_from, read_spooled};
+pub use open::{Map, draft_map, read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;

@@ -1,15 +1,66 @@
 //! Reads a recording of any supported form.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
 use crate::bag::{Bag, BagBytes, BagFile, BagFolder, Container};
 use crate::csv_folder::spool_folder;
 use crate::error::Result;
-use crate::foreign_bag::{TopicMap, read_foreign};
+use crate::foreign_bag::{TopicMap, draft_topics, read_foreign};
+use crate::foreign_csv::{ColumnMap, draft, read_columns};
 use crate::import::{Import, Spooled};
 use crate::mcap_file::read_own;
+
+/// What a user says about recordings that other programs wrote.
+#[derive(Debug, Clone, Default)]
+pub enum Map {
+    /// Nothing: topics of a bag are guessed.
+    #[default]
+    None,
+    /// Which topic of a bag is which stream.
+    Topics(TopicMap),
+    /// Which column of CSV files is which column of a stream.
+    Columns(ColumnMap),
+}
+
+/// What a path is.
+enum Form {
+    /// A folder of CSV files with `recording.toml`.
+    Folder,
+    /// A bag in one file.
+    Bag(BagFile),
+    /// A bag in a folder.
+    Bags(BagFolder),
+    /// CSV files of others.
+    Csv,
+}
+
+impl Form {
+    fn of(path: &Path) -> Result<Self> {
+        let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
+        if !metadata.is_dir() {
+            let is_csv = path
+                .extension()
+                .is_some_and(|own| own == "csv" || own == "txt");
+            return Ok(if is_csv {
+                Self::Csv
+            } else {
+                Self::Bag(BagFile::open(path)?)
+            });
+        }
+        if path.join("recording.toml").exists() {
+            return Ok(Self::Folder);
+        }
+        Ok(match BagFolder::open(path)? {
+            None => Self::Csv,
+            Some(folder) => match folder.into_only_part() {
+                Ok(part) => Self::Bag(part),
+                Err(folder) => Self::Bags(folder),
+            },
+        })
+    }
+}
 
 /// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; or a bag of another robot, which may be
 /// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, or a ROS 1 bag. The topics of a foreign
@@ -18,14 +69,15 @@ use crate::mcap_file::read_own;
 /// # Errors
 /// If it is none of these, cannot be read, or violates its format.
 pub fn read(path: &Path) -> Result<Import> {
-    read_mapped(path, None)
+    read_mapped(path, &Map::None)
 }
 
-/// As [`read`]. With a map, a bag is read as one of another robot according to the map.
+/// As [`read`]. With topics, a bag is read as one of another robot; with columns, CSV files without `recording.toml` are
+/// read, too.
 ///
 /// # Errors
-/// As [`read`], or if a topic of the map does not exist or cannot provide its stream.
-pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
+/// As [`read`], or if a topic or column of the map does not exist or cannot provide its stream.
+pub fn read_mapped(path: &Path, map: &Map) -> Result<Import> {
     read_spooled(path, map)?.load()
 }
 
@@ -33,26 +85,36 @@ pub fn read_mapped(path: &Path, map: Option<&TopicMap>) -> Result<Import> {
 ///
 /// # Errors
 /// As [`read_mapped`], or if the temporary file cannot be written.
-pub fn read_spooled(path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
-    let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
-    if !metadata.is_dir() {
-        return read_file(&BagFile::open(path)?, path, map);
-    }
-    if path.join("recording.toml").exists() {
-        return match map {
-            None => spool_folder(path),
-            Some(_) => Err(no_topics(path)),
-        };
-    }
-    let Some(folder) = BagFolder::open(path)? else {
-        let problem = "contains neither recording.toml nor a bag";
-        let remedy = "give a folder of CSV files with recording.toml, or a bag";
-        return Err(InputError::file(path, problem, remedy).into());
+pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
+    let topics = match map {
+        Map::Topics(topics) => Some(topics),
+        _ => None,
     };
-    match folder.only_part() {
-        Some(part) => read_file(part, part.path(), map),
-        None => read_foreign(&folder, path, map),
+    let form = Form::of(path)?;
+    let unused = match (&form, map) {
+        (Form::Folder, Map::Topics(_)) | (Form::Csv, Map::Topics(_)) => Some("has no topics"),
+        (Form::Folder, Map::Columns(_)) => {
+            Some("has recording.toml, which says what the columns are")
+        }
+        (Form::Bag(_) | Form::Bags(_), Map::Columns(_)) => Some("is a bag, which has no columns"),
+        _ => None,
+    };
+    let mut spooled = match form {
+        Form::Folder => spool_folder(path)?,
+        Form::Csv => match map {
+            Map::Columns(columns) => read_columns(path, columns)?,
+            _ => return Err(not_mapped(path)),
+        },
+        Form::Bag(bag) => read_file(&bag, topics)?,
+        Form::Bags(bags) => read_foreign(&bags, path, topics)?,
+    };
+    if let Some(reason) = unused {
+        let path = path.display();
+        spooled
+            .warnings
+            .push(format!("{path} {reason}: the map is not used for it"));
     }
+    Ok(spooled)
 }
 
 /// As [`read_mapped`], from the content of a bag file. `path` is used in errors and for the
@@ -71,19 +133,53 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
     read_foreign(&bag, path, map)?.load()
 }
 
+/// The text of a map for a recording that another program wrote, to be completed by a person: of topics for a bag, of
+/// columns for CSV files.
+///
+/// # Errors
+/// If the recording cannot be read, or needs no map.
+pub fn draft_map(path: &Path) -> Result<String> {
+    match Form::of(path)? {
+        Form::Csv => draft(path),
+        Form::Bag(bag) => draft_topics(&bag),
+        Form::Bags(bags) => draft_topics(&bags),
+        Form::Folder => {
+            let problem = "has recording.toml, and needs no map";
+            Err(InputError::file(path, problem, "give it without a map").into())
+        }
+    }
+}
+
 /// Reads a file: one of our own, or a bag of another robot.
-fn read_file(bag: &BagFile, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
-    if bag.container == Container::Mcap && map.is_none() {
+fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
+    if bag.container == Container::Mcap && topics.is_none() {
         let (source, size) = bag.source()?;
-        if let Some(import) = read_own(source, size, path)? {
+        if let Some(import) = read_own(source, size, bag.path())? {
             return Ok(import);
         }
     }
-    read_foreign(bag as &dyn Bag, path, map)
+    read_foreign(bag as &dyn Bag, bag.path(), topics)
 }
 
-/// A folder of CSV files has no topics.
-fn no_topics(path: &Path) -> crate::Error {
-    let problem = "is a folder of CSV files, which has no topics";
-    InputError::file(path, problem, "leave --topics out").into()
+/// CSV files cannot be read without a map; a folder may have none.
+fn not_mapped(path: &Path) -> crate::Error {
+    let error = match csv_in(path) {
+        Some(file) => {
+            let name = file.display();
+            let problem = format!("needs a map of the columns of {name}: it has no recording.toml");
+            let remedy = "`slipstream check RECORDING --write-columns columns.toml` writes one to be completed; then give --columns";
+            InputError::file(path, problem, remedy)
+        }
+        None => {
+            let problem = "contains neither recording.toml nor a bag";
+            let remedy = "give a bag (MCAP, SQLite, ROS 1), or a folder of CSV files";
+            InputError::file(path, problem, remedy)
+        }
+    };
+    error.into()
+}
+
+/// A CSV file at or in a path.
+fn csv_in(path: &Path) -> Option<PathBuf> {
+    crate::foreign_csv::csv_files(path).ok()?.into_iter().next()
 }

@@ -9,7 +9,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::sync::Mutex;
 
-use slipstream_recording::read_spooled;
+use slipstream_recording::{Map, read_spooled};
 
 /// By how much the peaks of two lengths may differ: buffers of the allocator and the list of blocks
 /// (bytes).
@@ -64,17 +64,17 @@ fn peaks(rows: u32) -> Option<[u64; 3]> {
     write_recording(&given, rows);
     Some([
         peak_memory(|| {
-            read_spooled(&given, None)
+            read_spooled(&given, &Map::None)
                 .unwrap()
                 .write_mcap(&bag)
                 .unwrap()
         })?,
         peak_memory(|| {
-            let report = read_spooled(&bag, None).unwrap().check(None).unwrap();
+            let report = read_spooled(&bag, &Map::None).unwrap().check(None).unwrap();
             assert_eq!(report.robots[0].streams[0].rows, rows as usize);
         })?,
         peak_memory(|| {
-            read_spooled(&bag, None)
+            read_spooled(&bag, &Map::None)
                 .unwrap()
                 .write_folder(&back)
                 .unwrap()

@@ -9,7 +9,7 @@ mod python;
 use std::path::Path;
 
 use slipstream_recording::recording::{Command, Wheels};
-use slipstream_recording::{TopicMap, read, read_mapped};
+use slipstream_recording::{Map, TopicMap, read, read_mapped};
 
 #[test]
 fn the_guess_finds_the_streams_and_is_in_the_warnings() {
@@ -73,7 +73,7 @@ fn the_guess_finds_the_streams_and_is_in_the_warnings() {
     // The guess can be used as a map and gives the same recording.
     let map = guess.split_once('\n').unwrap().1;
     let map = TopicMap::parse(map, Path::new("map.toml")).unwrap();
-    let again = read_mapped(&file, Some(&map)).unwrap();
+    let again = read_mapped(&file, &Map::Topics(map)).unwrap();
     assert_eq!(again.warnings, Vec::<String>::new());
     assert_eq!(
         again.recording.robots[0].pose.as_ref().unwrap().t_s,
@@ -96,7 +96,7 @@ fn a_map_is_followed_and_its_errors_are_reported() {
         "wheels = { topic = \"/joint_states\", right = \"right_wheel_joint\", \
                       left = \"left_wheel_joint\", quantity = \"speed\" }\npose = \"/odom\"",
     );
-    let import = read_mapped(&file, Some(&speeds)).unwrap();
+    let import = read_mapped(&file, &Map::Topics(speeds)).unwrap();
     let husky = import.recording.robot("husky").unwrap();
     let Wheels::Speed { right_rad_s, .. } = &husky.wheels.as_ref().unwrap().values else {
         panic!("no speeds");
@@ -104,13 +104,13 @@ fn a_map_is_followed_and_its_errors_are_reported() {
     assert_eq!(right_rad_s[0], 4.0);
     assert_eq!(husky.pose.as_ref().unwrap().values.x_m[4], 0.1);
 
-    let missing = read_mapped(&file, Some(&map("imu = \"/imu\""))).unwrap_err();
+    let missing = read_mapped(&file, &Map::Topics(map("imu = \"/imu\""))).unwrap_err();
     assert!(
         missing
             .to_string()
             .contains("has no topic /imu; name one of: /chatter, /cmd_vel")
     );
-    let wrong = read_mapped(&file, Some(&map("imu = \"/odom\""))).unwrap_err();
+    let wrong = read_mapped(&file, &Map::Topics(map("imu = \"/odom\""))).unwrap_err();
     assert!(
         wrong
             .to_string()

@@ -16,7 +16,8 @@ use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file;
-use crate::print::{eprint_line, print_line};
+use crate::print::print_line;
+use crate::reading::Reading;
 use crate::{progress, provenance};
 
 /// Find what a robot model lacks, from a recording
@@ -28,7 +29,8 @@ use crate::{progress, provenance};
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Folder with recording.toml, or an MCAP file; several are taken as runs of the same robots
+    /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it);
+    /// several are taken as runs of the same robots
     #[arg(required = true)]
     recording: Vec<PathBuf>,
     /// Recording of the same robot from before; may be repeated. What changed since is found, and not what
@@ -38,6 +40,8 @@ pub(crate) struct Arguments {
     /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
+    #[command(flatten)]
+    reading: Reading,
     /// Write the answer as JSON
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -69,6 +73,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
+    let read_all = |paths: &[PathBuf]| -> Result<Vec<Recording>, Error> {
+        let read = |path: &PathBuf| Ok(arguments.reading.read(path)?.recording);
+        paths.iter().map(read).collect()
+    };
     let recordings = read_all(&arguments.recording)?;
     let against = read_all(&arguments.against)?;
     let models = Models::read(&arguments.robot)?;
@@ -132,19 +140,6 @@ fn write_each(
         output_file::write(&file, &text(name, model))?;
     }
     Ok(())
-}
-
-/// Reads recordings; what is odd about them is said.
-fn read_all(paths: &[PathBuf]) -> Result<Vec<Recording>, Error> {
-    let mut recordings = Vec::new();
-    for path in paths {
-        let import = slipstream_recording::read(path)?;
-        for warning in &import.warnings {
-            eprint_line!("{warning}");
-        }
-        recordings.push(import.recording);
-    }
-    Ok(recordings)
 }
 
 /// Texts without repetition.

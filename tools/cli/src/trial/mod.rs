@@ -24,6 +24,7 @@ use crate::interrupt;
 use crate::output_file::{write, write_json};
 use crate::print::print_line;
 use crate::progress;
+use crate::reading::Reading;
 
 /// Score the diagnosis in a blind test, on recordings with known effects
 ///
@@ -64,6 +65,8 @@ pub(crate) struct Arguments {
     /// Put changes into copies of this recording instead, and diagnose them against it
     #[arg(long, value_name = "RECORDING", conflicts_with_all = ["cases", "seed", "plan", "effect", "make_only", "labels"])]
     on: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
     /// Robot model of that recording [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml", requires = "on")]
     robot: Vec<String>,
@@ -122,6 +125,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let program = program(arguments)?;
         return own::run(&own::Asked {
             on: recording,
+            reading: &arguments.reading,
             robot: &arguments.robot,
             out: arguments.out.as_deref(),
             without: &arguments.without,

@@ -12,13 +12,16 @@ use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file::{write, write_json};
-use crate::print::{eprint_line, print_line};
+use crate::print::print_line;
 use crate::progress;
+use crate::reading::Reading;
 
 /// What is asked.
 pub(super) struct Asked<'a> {
     /// The recording.
     pub(super) on: &'a Path,
+    /// How to read it.
+    pub(super) reading: &'a Reading,
     /// Robot models.
     pub(super) robot: &'a [String],
     /// Folder for the copies.
@@ -35,11 +38,7 @@ pub(super) struct Asked<'a> {
 /// Runs the command.
 pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let path = asked.on;
-    let import = slipstream_recording::read(path)?;
-    for warning in &import.warnings {
-        eprint_line!("{warning}");
-    }
-    let recording = import.recording;
+    let recording = asked.reading.read(path)?.recording;
     let models = Models::read(asked.robot)?;
     let first = recording.robots.first().map(|robot| robot.name.as_str());
     let model = first.and_then(|name| models.of(name));

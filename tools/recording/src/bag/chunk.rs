@@ -8,6 +8,24 @@ use mcap::records::ChunkHeader;
 /// Largest chunk (compressed or not) and largest other record that is read (bytes).
 pub(super) const MAX_CHUNK_BYTES: u64 = 256 << 20;
 
+/// Decompresses what there is of a chunk whose end is missing.
+pub(super) fn unpack_as_far(compression: &[u8], data: &[u8], unpacked: &mut Vec<u8>) {
+    let decoder: Box<dyn Read> = match compression {
+        b"" => Box::new(data),
+        b"lz4" => match lz4::Decoder::new(data) {
+            Ok(decoder) => Box::new(decoder),
+            Err(_) => return,
+        },
+        b"zstd" => match zstd::Decoder::new(data) {
+            Ok(decoder) => Box::new(decoder),
+            Err(_) => return,
+        },
+        _ => return,
+    };
+    // What was decompressed before an error stays.
+    let _ = decoder.take(MAX_CHUNK_BYTES).read_to_end(unpacked);
+}
+
 /// Decompresses a chunk into `unpacked` and verifies its size and checksum.
 ///
 /// # Errors

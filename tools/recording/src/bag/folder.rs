@@ -31,7 +31,9 @@ impl BagFolder {
         let metadata = folder.join(METADATA);
         let mut missing = Vec::new();
         let mut paths = Vec::new();
-        if metadata.exists() {
+        if !metadata.exists() && files.len() > 1 {
+            missing.push(METADATA.to_owned());
+        } else if metadata.exists() {
             for name in names_in(&metadata)? {
                 match find(&files, &name) {
                     Some(path) => paths.push(path),
@@ -55,11 +57,14 @@ impl BagFolder {
 }
 
 impl BagFolder {
-    /// The file, if the bag has only one and should have no other.
-    pub(crate) fn only_part(&self) -> Option<&BagFile> {
-        match &self.parts[..] {
-            [part] if self.missing.is_empty() => Some(part),
-            _ => None,
+    /// The file, if the bag has only one and should have no other; else the folder.
+    pub(crate) fn into_only_part(mut self) -> Result<BagFile, Self> {
+        match self.parts.pop() {
+            Some(part) if self.parts.is_empty() && self.missing.is_empty() => Ok(part),
+            part => {
+                self.parts.extend(part);
+                Err(self)
+            }
         }
     }
 }
@@ -122,11 +127,7 @@ fn bag_files(folder: &Path) -> Result<Vec<PathBuf>, InputError> {
         let path = entry.map_err(unreadable)?.path();
         let name = path.file_name().map(|name| name.to_string_lossy());
         let name = name.unwrap_or_default();
-        let name = name.strip_suffix(".zstd").unwrap_or(&name);
-        if [".mcap", ".db3", ".bag"]
-            .iter()
-            .any(|end| name.ends_with(end))
-        {
+        if stem(&name).is_some() {
             files.push(path);
         }
     }
@@ -144,14 +145,23 @@ fn find(files: &[PathBuf], name: &str) -> Option<PathBuf> {
     files.iter().find(is_it).cloned()
 }
 
+/// The name of a bag file without its endings; `None` for other files.
+fn stem(name: &str) -> Option<&str> {
+    let name = name.strip_suffix(".zstd").unwrap_or(name);
+    let endings = [".mcap", ".db3", ".bag"].iter();
+    endings
+        .copied()
+        .find_map(|ending| name.strip_suffix(ending))
+}
+
 /// `bag_2` comes before `bag_10`.
 fn by_numbers(a: &Path, b: &Path) -> Ordering {
     let key = |path: &Path| {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let stem = stem.trim_end_matches(|c: char| !c.is_ascii_digit());
-        let start = stem.trim_end_matches(|c: char| c.is_ascii_digit()).len();
-        let number: Option<u64> = stem.get(start..).and_then(|digits| digits.parse().ok());
-        (stem.get(..start).unwrap_or_default().to_owned(), number)
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let stem = stem(&name).unwrap_or(&name);
+        let word = stem.trim_end_matches(|c: char| c.is_ascii_digit());
+        let number: Option<u64> = stem[word.len()..].parse().ok();
+        (word.to_owned(), number)
     };
     key(a).cmp(&key(b)).then_with(|| a.cmp(b))
 }

@@ -81,7 +81,7 @@ impl std::fmt::Display for Loss {
             let bytes = self.bytes_at_end;
             write!(
                 f,
-                "; the file is truncated: its last {bytes} bytes are an incomplete chunk and lost"
+                "; the file is truncated: its last {bytes} bytes are an incomplete chunk, of which the beginning was read"
             )?;
         } else if self.truncated {
             write!(f, "; the file is damaged: what follows is lost")?;

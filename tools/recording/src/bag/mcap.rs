@@ -13,7 +13,7 @@ use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use slipstream_bus::InputError;
 
-use super::chunk::{MAX_CHUNK_BYTES, unpack};
+use super::chunk::{MAX_CHUNK_BYTES, unpack, unpack_as_far};
 use super::item::{ChannelInfo, Item, Undecodable, Visit};
 use super::lengths;
 use super::loss::Loss;
@@ -76,6 +76,8 @@ impl BagReader<'_> {
         let mut bytes_done = mcap::MAGIC.len() as u64;
         let mut started = false;
         let mut data_ended = false;
+        // What was read of the record that is not complete yet.
+        let mut unread = Vec::new();
         while let Some(event) = reader.next_event() {
             match event {
                 Ok(LinearReadEvent::ReadRequest(need)) => {
@@ -83,9 +85,12 @@ impl BagReader<'_> {
                     let read = source
                         .read(room)
                         .map_err(|e| InputError::unreadable(self.path, &e))?;
+                    unread.extend_from_slice(room.get(..read).unwrap_or_default());
                     reader.notify_read(read);
                 }
                 Ok(LinearReadEvent::Record { opcode, data }) => {
+                    let magic = if started { 0 } else { mcap::MAGIC.len() };
+                    unread.drain(..(magic + 9 + data.len()).min(unread.len()));
                     started = true;
                     bytes_done += 9 + data.len() as u64;
                     data_ended |= opcode == op::DATA_END;
@@ -98,6 +103,7 @@ impl BagReader<'_> {
                     self.loss.truncated = true;
                     self.loss.index_only = data_ended;
                     self.loss.bytes_at_end = size.saturating_sub(bytes_done);
+                    self.cut_chunk(&unread);
                     break;
                 }
             }
@@ -150,6 +156,27 @@ impl BagReader<'_> {
         let read = unpack(&header, &data, &mut unpacked).and_then(|()| self.records(&unpacked));
         self.unpacked = unpacked;
         read
+    }
+
+    /// Processes the records of a chunk whose end is missing, as far as they can be decompressed.
+    fn cut_chunk(&mut self, record: &[u8]) {
+        // Opcode and length of the record; times and size of the chunk, its checksum, the name of its compression with
+        // its length, the length of the records.
+        let rest = record
+            .strip_prefix(&[op::CHUNK])
+            .and_then(|r| r.get(8 + 28..));
+        let named = rest.and_then(|rest| {
+            let (length, rest) = rest.split_first_chunk()?;
+            rest.split_at_checked(u32::from_le_bytes(*length) as usize)
+        });
+        let Some((compression, Some(data))) = named.map(|(name, rest)| (name, rest.get(8..)))
+        else {
+            return;
+        };
+        let mut unpacked = Vec::new();
+        unpack_as_far(compression, data, &mut unpacked);
+        // It ends with an error, since the last record is not complete.
+        let _ = self.records(&unpacked);
     }
 
     /// Processes the records of a decompressed chunk.

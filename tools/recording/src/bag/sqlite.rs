@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, ErrorCode, OpenFlags};
+use rusqlite::{Connection, OpenFlags};
 use slipstream_bus::InputError;
 
 use super::chunk::MAX_CHUNK_BYTES;
@@ -81,16 +81,16 @@ pub(super) fn read_database(
     }
     let mut loss = Loss::default();
     let mut last = i64::MIN;
-    while let Err(error) = messages_after(database, &mut last, &topics, visit, &mut loss) {
-        if error.sqlite_error_code() == Some(ErrorCode::SystemIoFailure) {
-            loss.truncated = true;
-        }
+    while !matches!(
+        messages_after(database, &mut last, &topics, visit, &mut loss),
+        Ok(End::Complete)
+    ) {
         let Some(next) = first_readable_after(database, last) else {
             loss.truncated = true;
             break;
         };
         loss.damaged_chunks += 1;
-        loss.messages_in_damaged_chunks += next.abs_diff(last).saturating_sub(1);
+        loss.messages_in_damaged_chunks += next.abs_diff(last.max(0)).saturating_sub(1);
         last = next - 1;
     }
     Ok(loss)
@@ -132,6 +132,12 @@ fn topics(database: &Connection) -> rusqlite::Result<BTreeMap<u32, Arc<ChannelIn
     rows.collect()
 }
 
+/// How the rows ended.
+enum End {
+    Complete,
+    Damaged,
+}
+
 /// Visits the messages after row `last`, and keeps in `last` the row that was visited last.
 fn messages_after(
     database: &Connection,
@@ -139,7 +145,7 @@ fn messages_after(
     topics: &BTreeMap<u32, Arc<ChannelInfo>>,
     visit: &mut Visit<'_>,
     loss: &mut Loss,
-) -> rusqlite::Result<()> {
+) -> rusqlite::Result<End> {
     let query =
         "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ? ORDER BY rowid";
     let mut statement = database.prepare(query)?;
@@ -147,9 +153,7 @@ fn messages_after(
     while let Some(row) = rows.next()? {
         let id = row.get(0)?;
         if id <= *last {
-            // Pages in a circle.
-            loss.truncated = true;
-            break;
+            return Ok(End::Damaged);
         }
         *last = id;
         let visited = match (row.get_ref(1)?, row.get_ref(2)?, row.get_ref(3)?) {
@@ -173,17 +177,17 @@ fn messages_after(
             Err(Undecodable) => loss.undecodable_messages += 1,
         }
     }
-    Ok(())
+    Ok(End::Complete)
 }
 
 /// The first row after `last` that can be read, where the next one cannot; `None` if there is none.
 fn first_readable_after(database: &Connection, last: i64) -> Option<i64> {
-    let first_after = |row: i64| -> Option<i64> {
+    let first_after = |row_before: i64| -> Option<i64> {
         let query =
             "SELECT rowid, length(data) FROM messages WHERE rowid > ? ORDER BY rowid LIMIT 1";
         let row: rusqlite::Result<(i64, i64)> =
-            database.query_row(query, [row], |row| Ok((row.get(0)?, row.get(1)?)));
-        row.ok().map(|(id, _)| id)
+            database.query_row(query, [row_before], |row| Ok((row.get(0)?, row.get(1)?)));
+        row.ok().map(|(id, _)| id).filter(|id| *id > row_before)
     };
     // Rows are numbered from 1 on. So many are skipped at most.
     const MOST: u32 = 40;

@@ -13,6 +13,7 @@ mod report;
 mod resample;
 mod similarity;
 mod torque;
+mod two_sources;
 mod units;
 mod wheels;
 
@@ -89,6 +90,7 @@ pub fn faults(
 fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
     let lengths_s = [motion::window_s(robot), clocks::STEP_S, torque::WINDOW_S];
     let [windows, steps, short] = motion::windows(robot, model, lengths_s);
+    two_sources::check(robot, findings);
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
     wheels::check(robot, &windows, findings);

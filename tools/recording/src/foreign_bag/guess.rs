@@ -72,6 +72,7 @@ pub(super) fn guess(topics: &[Topic]) -> Guess {
     let mut candidates = Vec::new();
     for topic in topics {
         candidates.extend(candidate(topic));
+        notes.extend(without_values(topic));
         candidates.extend(transforms(topic));
     }
     give_to_robots(&mut candidates, &mut notes);
@@ -270,6 +271,22 @@ fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
         }
         true
     });
+}
+
+/// What to say of joint states whose wheels have no values.
+fn without_values(topic: &Topic) -> Option<String> {
+    let wheels = joints::wheels(&topic.joints)?;
+    let names: Vec<&str> = wheels.joints.iter().flatten().map(String::as_str).collect();
+    let has_none = |name: &&str| {
+        topic
+            .joints
+            .get(*name)
+            .is_some_and(|joint| !(joint.angle.any() || joint.speed.any() || joint.torque.any()))
+    };
+    names.iter().all(has_none).then(|| {
+        let (topic, names) = (&topic.channel.topic, names.join(", "));
+        format!("{topic}: left out: {names} have neither angle, speed nor torque")
+    })
 }
 
 /// What to say of wheels that are the mean of several.

@@ -7,5 +7,5 @@ mod reader;
 mod survey;
 mod topic_map;
 
-pub(crate) use reader::read_foreign;
+pub(crate) use reader::{draft_topics, read_foreign};
 pub use topic_map::TopicMap;

@@ -1,15 +1,16 @@
 //! Reader of bags of other robots.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::path::Path;
 
 use slipstream_bus::InputError;
 
 use super::clock::Clock;
-use super::guess::guess;
+use super::guess::{Guess, guess};
 use super::survey::{Topic, survey};
 use super::topic_map::{Source, TopicMap};
-use crate::bag::{Bag, Item, VisitResult};
+use crate::bag::{Bag, Item, Loss, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
@@ -24,7 +25,7 @@ use crate::rows::{Disk, SpooledRecording};
 /// If it is not a bag, if a topic of the map does not exist or cannot provide its stream, if a stream of the map
 /// would be empty, or if the guess finds no stream of a robot.
 pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
-    let topics = survey(bag)?;
+    let (topics, loss) = survey(bag)?;
     let mut warnings = Vec::new();
     let guessed;
     let chosen = match map {
@@ -38,6 +39,9 @@ pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -
             &guessed
         }
     };
+    if chosen.sources.is_empty() {
+        return Err(no_stream(path, &topics, &loss).into());
+    }
     let disk = Disk::default();
     let mut streams = open_streams(&disk, path, chosen, &topics)?;
     let clock = clock(chosen, &topics, &mut warnings);
@@ -89,6 +93,45 @@ pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -
         loss: Some(loss),
         left_out,
     })
+}
+
+/// The guess of a map as text, with comments on the topics that it leaves out.
+///
+/// # Errors
+/// If it is not a bag, or cannot be read.
+pub(crate) fn draft_topics(bag: &dyn Bag) -> Result<String> {
+    let (topics, _) = survey(bag)?;
+    let Guess { map, notes } = guess(&topics);
+    let mut text = String::from(
+        "# Which topic is which stream of which robot, as guessed. Correct it, then give it with --topics.\n",
+    );
+    for note in notes {
+        let _ = writeln!(text, "# {note}");
+    }
+    text.push_str(&map.to_text());
+    let mut others = String::new();
+    for topic in &topics {
+        let (name, schema) = (&topic.channel.topic, &topic.channel.schema);
+        if map.sources.iter().all(|source| source.topic != *name) {
+            let _ = write!(others, "# {name}: {} messages, {schema}", topic.messages);
+            let joints: Vec<&str> = topic.joints.keys().map(String::as_str).collect();
+            if !joints.is_empty() {
+                let _ = write!(others, ", joints {}", joints.join(", "));
+            }
+            let frames = topic.frames.keys();
+            let frames = frames.map(|[parent, child]| format!("{parent} to {child}"));
+            let frames: Vec<String> = frames.collect();
+            if !frames.is_empty() {
+                let _ = write!(others, ", transforms {}", frames.join(", "));
+            }
+            others.push('\n');
+        }
+    }
+    if !others.is_empty() {
+        text.push_str("# Topics that are left out:\n");
+        text.push_str(&others);
+    }
+    Ok(text)
 }
 
 /// The clock of the mapped topics.
@@ -167,29 +210,30 @@ fn open_streams(
         stream.selector = source.selector.clone();
         streams.push((source.clone(), stream));
     }
-    if streams.is_empty() {
-        let problem = no_stream(topics);
-        let remedy = "say which topic is which stream in a map for --topics; `slipstream check BAG --write-topics \
-                      FILE.toml` writes one to be completed";
-        return Err(InputError::file(path, problem, remedy));
-    }
     Ok(streams)
 }
 
 /// Why the guess finds nothing.
-fn no_stream(topics: &[Topic]) -> String {
+fn no_stream(path: &Path, topics: &[Topic], loss: &Loss) -> InputError {
     if topics.is_empty() {
-        return "has no messages".to_owned();
+        let problem = match loss.any() {
+            true => format!("has no messages that can be read: {loss}"),
+            false => "has no messages".to_owned(),
+        };
+        return InputError::file(path, problem, "give a bag with messages");
     }
     let names = topics.iter().take(20).map(|topic| {
         let (name, schema) = (&topic.channel.topic, &topic.channel.schema);
         format!("{name} ({schema}, {})", topic.channel.encoding)
     });
     let names: Vec<String> = names.collect();
-    format!(
+    let problem = format!(
         "no topic looks like a stream of a robot: {}",
         names.join(", ")
-    )
+    );
+    let remedy = "say which topic is which stream in a map for --topics; `slipstream check BAG --write-topics \
+                  FILE.toml` writes one to be completed";
+    InputError::file(path, problem, remedy)
 }
 
 /// What is wrong with a stream that was read, and the remedy.

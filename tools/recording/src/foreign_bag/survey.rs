@@ -6,7 +6,7 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::clock::Times;
-use crate::bag::{Bag, ChannelInfo, Item, Undecodable, VisitResult};
+use crate::bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
 use crate::decode::{JointState, MessageSelector, NoSample, Sample};
 use crate::ros::Encoding;
 use crate::ros::messages::Header;
@@ -58,13 +58,13 @@ impl Values {
     }
 }
 
-/// The topics of a bag, sorted by name.
+/// The topics of a bag, sorted by name, and what could not be read.
 ///
 /// # Errors
 /// If it is not a bag, or cannot be read.
-pub(super) fn survey(bag: &dyn Bag) -> Result<Vec<Topic>, InputError> {
+pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-    bag.scan(&mut |item| {
+    let loss = bag.scan(&mut |item| {
         let Item::Message {
             channel,
             log_time_ns,
@@ -82,7 +82,7 @@ pub(super) fn survey(bag: &dyn Bag) -> Result<Vec<Topic>, InputError> {
         };
         topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data)
     })?;
-    Ok(topics.into_values().collect())
+    Ok((topics.into_values().collect(), loss))
 }
 
 impl Topic {

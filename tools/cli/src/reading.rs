@@ -1,0 +1,46 @@
+//! Recordings of the command line, with the maps that say what those of other programs contain.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use slipstream_recording::{ColumnMap, Import, Map, Spooled, TopicMap};
+
+use crate::exit::Error;
+use crate::print::eprint_line;
+
+/// Maps of recordings that other programs wrote.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Reading {
+    /// Map from the topics of a bag to streams [default: guessed from types and names; `check --write-topics` writes
+    /// the guess]
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "columns")]
+    topics: Option<PathBuf>,
+    /// Map from the columns of CSV files without recording.toml to streams (`check --write-columns` writes a start)
+    #[arg(long, value_name = "FILE.toml")]
+    columns: Option<PathBuf>,
+}
+
+impl Reading {
+    /// The map that was given.
+    fn map(&self) -> Result<Map, Error> {
+        Ok(match (&self.topics, &self.columns) {
+            (Some(file), _) => Map::Topics(TopicMap::read(file)?),
+            (_, Some(file)) => Map::Columns(ColumnMap::read(file)?),
+            (None, None) => Map::None,
+        })
+    }
+
+    /// Reads a recording whose rows stay on disk; what is odd about it is said.
+    pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
+        let spooled = slipstream_recording::read_spooled(path, &self.map()?)?;
+        for warning in &spooled.warnings {
+            eprint_line!("{warning}");
+        }
+        Ok(spooled)
+    }
+
+    /// Reads a recording into memory; what is odd about it is said.
+    pub(crate) fn read(&self, path: &Path) -> Result<Import, Error> {
+        Ok(self.spool(path)?.load()?)
+    }
+}

@@ -1,0 +1,219 @@
+//! Reader of CSV files of others.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use slipstream_bus::InputError;
+
+use super::column_map::{ColumnEntry, ColumnMap, StreamEntry};
+use super::table::{ForeignCsv, Moment};
+use crate::error::Result;
+use crate::import::Spooled;
+use crate::recording::Recording;
+use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
+use crate::table::{Cells, Table, is_time, out_of_range};
+
+/// Whole numbers of a smaller size are exact in floating point (2^53).
+const MAX_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
+
+/// Reads a folder of CSV files, or one file, as the map says. Times count from the first row of all streams.
+///
+/// # Errors
+/// If a file or column of the map does not exist, a cell is not a number, or a stream would be empty.
+pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
+    let mut starts = Vec::new();
+    for stream in &map.streams {
+        starts.push(start_of(&file_of(path, stream)?, stream)?);
+    }
+    let first = starts.iter().min_by(|a, b| a.t_s().total_cmp(&b.t_s()));
+    let first = first.copied().unwrap_or_default();
+    let name = path.file_stem().map(|stem| stem.to_string_lossy());
+    let description = Recording {
+        name: name.unwrap_or_default().into_owned(),
+        origin: "CSV files, read with a map of their columns".to_owned(),
+        robots: map.robots(),
+        ..Recording::default()
+    };
+    let disk = Disk::default();
+    let mut recording = SpooledRecording::new(description, disk.clone());
+    let mut warnings = Vec::new();
+    for (stream, start) in map.streams.iter().zip(&starts) {
+        let file = file_of(path, stream)?;
+        let clock = [*start, first];
+        let spool = read_stream(&file, stream, clock, &disk)?;
+        if !spool.is_sorted() {
+            warnings.push(format!(
+                "{}: times run backwards; sorted by time",
+                file.display()
+            ));
+        }
+        recording.store(&stream.robot, stream.kind, sorted_by_time(spool));
+    }
+    recording.disk.check()?;
+    Ok(Spooled {
+        recording,
+        warnings,
+        loss: None,
+        left_out: BTreeMap::new(),
+    })
+}
+
+/// The file of a stream.
+fn file_of(path: &Path, stream: &StreamEntry) -> Result<PathBuf> {
+    match &stream.file {
+        Some(file) if path.is_dir() => Ok(path.join(file)),
+        None if !path.is_dir() => Ok(path.to_owned()),
+        Some(file) => {
+            // One file may be named for clearness; it must be this one.
+            if path.file_name().is_some_and(|name| name == file.as_str()) {
+                return Ok(path.to_owned());
+            }
+            let problem = format!("is not {file}, which the map names for {}", stream.name());
+            Err(InputError::file(path, problem, "give the folder of the files").into())
+        }
+        None => {
+            let problem = format!(
+                "is a folder, and the map names no file for {}",
+                stream.name()
+            );
+            Err(InputError::file(path, problem, "add file = \"…\" to the map").into())
+        }
+    }
+}
+
+impl StreamEntry {
+    fn name(&self) -> String {
+        format!("{}/{}", self.robot, self.kind.name())
+    }
+}
+
+/// The first moment of a stream, and the unit of its clock (s).
+#[derive(Debug, Clone, Copy, Default)]
+struct Start {
+    moment: Moment,
+    unit_s: f64,
+    offset_s: f64,
+}
+
+impl Start {
+    /// The time on the clock of the file (s).
+    fn t_s(&self) -> f64 {
+        self.moment.since(Moment::default()) * self.unit_s + self.offset_s
+    }
+
+    /// The time since another start (s). On clocks of one unit, every digit is kept.
+    fn since(&self, other: &Self) -> f64 {
+        if self.unit_s == other.unit_s {
+            return self.moment.since(other.moment) * self.unit_s
+                + (self.offset_s - other.offset_s);
+        }
+        self.t_s() - other.t_s()
+    }
+}
+
+fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
+    let mut csv = stream.open(file)?;
+    let time = csv.index(&stream.time)?;
+    let mut first: Option<Moment> = None;
+    while csv.next_row()? {
+        if let Some(moment) = csv.moment(time)? {
+            first = Some(first.map_or(moment, |first| first.earlier(moment)));
+        }
+    }
+    Ok(Start {
+        moment: first.unwrap_or_default(),
+        unit_s: stream.time.factor,
+        offset_s: stream.time.offset,
+    })
+}
+
+/// Reads the rows of a stream. `clock` has the starts of this stream and of the recording.
+fn read_stream(file: &Path, stream: &StreamEntry, clock: [Start; 2], disk: &Disk) -> Result<Spool> {
+    let mut csv = stream.open(file)?;
+    let time = csv.index(&stream.time)?;
+    let indices = stream.columns.iter().map(|(_, entry)| csv.index(entry));
+    let indices: std::result::Result<Vec<usize>, InputError> = indices.collect();
+    let indices = indices?;
+    let names: Vec<&'static str> = stream.columns.iter().map(|(name, _)| *name).collect();
+    let mut spool = Spool::new(disk, Table::new(&names, Vec::new()));
+    let mut has_values = vec![false; names.len()];
+    let [start, first] = &clock;
+    let begin_s = start.since(first);
+    while csv.next_row()? {
+        let mut cells = Vec::with_capacity(names.len());
+        for ((name, entry), index) in stream.columns.iter().zip(&indices) {
+            cells.push(cell(&csv, name, entry, *index)?);
+        }
+        if cells.iter().all(|cell| cell.is_nan()) {
+            continue;
+        }
+        let Some(moment) = csv.moment(time)? else {
+            return Err(csv
+                .row_error("has no time", "give every row its time")
+                .into());
+        };
+        let t_s = begin_s + moment.since(start.moment) * start.unit_s;
+        if !is_time(t_s) {
+            return Err(csv
+                .row_error(format!("has the time {t_s} s"), "correct the factor")
+                .into());
+        }
+        push(spool.tail(), t_s, &cells);
+        for (has_value, cell) in has_values.iter_mut().zip(&cells) {
+            *has_value |= cell.is_finite();
+        }
+        spool.end_row();
+    }
+    check(file, stream, &spool, &has_values)?;
+    Ok(spool)
+}
+
+/// A cell in the unit of the format; NaN if it is empty.
+fn cell(
+    csv: &ForeignCsv<'_>,
+    name: &str,
+    entry: &ColumnEntry,
+    index: usize,
+) -> std::result::Result<f64, InputError> {
+    let cell = csv.number(index)? * entry.factor + entry.offset;
+    if cell.is_nan() {
+        return Ok(cell);
+    }
+    if name.starts_with("ticks") {
+        if cell.fract() == 0.0 && cell.abs() < MAX_EXACT_INTEGER {
+            return Ok(cell);
+        }
+        let problem = format!("{name} is {cell}, which is no whole number");
+        return Err(csv.row_error(problem, "give counts, or map an angle"));
+    }
+    match out_of_range(name, cell) {
+        Some(remedy) => Err(csv.row_error(format!("{name} is {cell}"), remedy)),
+        None => Ok(cell),
+    }
+}
+
+/// Appends a row.
+fn push(table: &mut Table, t_s: f64, cells: &[f64]) {
+    table.t_s.push(t_s);
+    for ((_, column), cell) in table.columns.iter_mut().zip(cells) {
+        match column {
+            Cells::Numbers(column) => column.push(*cell),
+            Cells::Counts(column) => column.push(cell.is_finite().then_some(*cell as i64)),
+            Cells::Texts(_) => {}
+        }
+    }
+}
+
+/// Refuses a stream without rows, or without any value in a column that it needs.
+fn check(file: &Path, stream: &StreamEntry, spool: &Spool, has_values: &[bool]) -> Result<()> {
+    let columns = stream.columns.iter().map(|(name, _)| *name).zip(has_values);
+    let empty = columns.filter(|(name, has_value)| !**has_value && stream.kind.needs(name));
+    let empty: Vec<&str> = empty.map(|(name, _)| name).collect();
+    let problem = match &empty[..] {
+        _ if spool.len() == 0 => format!("has no row for {}", stream.name()),
+        [] => return Ok(()),
+        _ => format!("has no value for {} of {}", empty.join(", "), stream.name()),
+    };
+    let remedy = "map another column, or leave the stream out";
+    Err(InputError::file(file, problem, remedy).into())
+}
