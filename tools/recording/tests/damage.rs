@@ -111,13 +111,10 @@ fn a_file_truncated_in_its_last_chunk_keeps_the_rows_before_it() {
     for cut in cuts {
         let import = read(&bytes[..cut]).unwrap();
         let rows = assert_prefix(&import);
-        assert_eq!(
-            rows,
-            if cut < whole_last { before } else { ROWS },
-            "cut at {cut}"
-        );
+        // Of the last chunk, the rows before the cut are read.
+        let at_least = if cut < whole_last { before } else { ROWS };
+        assert!((at_least..=ROWS).contains(&rows), "cut at {cut}: {rows}");
         let loss = import.loss.unwrap();
-        assert_eq!(loss.messages_read as usize % rows, 0);
         if cut < whole_last {
             assert_eq!(loss.bytes_at_end as usize, cut - last, "cut at {cut}");
         }
@@ -151,7 +148,7 @@ fn small_chunks() -> Vec<u8> {
 }
 
 #[test]
-fn a_file_truncated_at_any_byte_keeps_its_complete_chunks() {
+fn a_file_truncated_at_any_byte_keeps_the_rows_before_it() {
     let bytes = small_chunks();
     let chunks: Vec<usize> = {
         let records = records(&bytes);
@@ -164,9 +161,12 @@ fn a_file_truncated_at_any_byte_keeps_its_complete_chunks() {
         let whole_chunks = chunks.iter().filter(|end| **end <= cut).count();
         match read(&bytes[..cut]) {
             Ok(import) => {
-                assert_eq!(assert_prefix(&import), 10 * whole_chunks, "cut at {cut}");
+                let rows = assert_prefix(&import);
+                // Of the chunk that is cut, the rows before the cut may be read.
+                let next = (whole_chunks + 1).min(5);
+                assert!((10 * whole_chunks..=10 * next).contains(&rows), "cut at {cut}");
                 let loss = import.loss.unwrap();
-                assert_eq!(loss.messages_read as usize, 10 * whole_chunks);
+                assert_eq!(loss.messages_read as usize, rows);
                 assert!(loss.any(), "cut at {cut} is not detected");
             }
             Err(error) => {

@@ -1,7 +1,8 @@
 //! Damage-tolerant sequential MCAP reader: returns everything intact and counts what is lost.
 //!
 //! Memory is bounded by the largest chunk (at most [`MAX_CHUNK_BYTES`]), never by what a damaged
-//! length field claims. A chunk is used only if its checksum is right.
+//! length field claims. A chunk is used only if its checksum is right; of a chunk whose end is missing, which has none, the
+//! records before the end of the file.
 
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -103,6 +104,11 @@ impl BagReader<'_> {
                     self.loss.truncated = true;
                     self.loss.index_only = data_ended;
                     self.loss.bytes_at_end = size.saturating_sub(bytes_done);
+                    // A record that claims more than the file has is not read by the parser.
+                    let _ = source
+                        .by_ref()
+                        .take(MAX_CHUNK_BYTES)
+                        .read_to_end(&mut unread);
                     self.cut_chunk(&unread);
                     break;
                 }
