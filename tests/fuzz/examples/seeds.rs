@@ -28,6 +28,12 @@ use slipstream_recording::{
 use slipstream_sim::effects::{CATALOGUE, Domain};
 use slipstream_sim::run::process::PlantOutcome;
 
+/// A map of columns and a file for it.
+const COLUMNS: &str = "format = 1\n[robots.r1]\nencoder_counts_per_rev = 100\n[robots.r1.wheels]\n\
+    t_s = { column = \"ms\", factor = 0.001 }\nticks_right = \"r\"\nticks_left = \"l\"\n[robots.r1.pose]\n\
+    t_s = \"t\"\nx_m = { column = 5, offset = -1 }\ny_m = \"y\"\n%%ms,r,l,t,x,y\n1700000000000.5,1,2,,,\n\
+    1700000000100,3,4,1700000000.25,1.5,NaN\n,,,1700000001,2,3\n";
+
 fn main() {
     let scratch = tempfile::tempdir().unwrap();
     let run = scratch.path().join("run.mcap");
@@ -83,6 +89,7 @@ fn recordings(run: &Path) {
     own.extend(slipstream_recording::write_mcap_to(&with_round_trips, Vec::new(), run).unwrap());
     seed("mcap", "folder_plain", &plain(&own, false));
     seed("bag", "run_plain", &plain(&content, true));
+    seed("foreign_csv", "two_streams", COLUMNS.as_bytes());
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
     let guessed = read_mapped(&foreign, &Map::None)

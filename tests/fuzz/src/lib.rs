@@ -31,10 +31,13 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 18] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
+    target("ros1_bag", recordings::bag),
+    target("sqlite_bag", recordings::bag),
     target("csv_folder", recordings::csv_folder),
+    target("foreign_csv", recordings::foreign_csv),
     target("recording_toml", toml_texts::recording_toml),
     target("robot_toml", toml_texts::robot_toml),
     target("robot_run", runs::robot_run),

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use slipstream_recording::{
-    TopicMap, check, read_folder, read_mapped_from, read_mcap_from, write_folder, write_mcap_to,
+    ColumnMap, Map, TopicMap, check, read_folder, read_mapped, read_mapped_from, read_mcap_from,
+    write_folder, write_mcap_to,
 };
 
 use crate::one_line::assert_one_line;
@@ -40,6 +41,28 @@ pub(crate) fn bag(bytes: &[u8]) {
             }
             Err(error) => assert_one_line(&error),
         }
+    }
+}
+
+/// A CSV file of others with a map of its columns: the map, [`SEPARATOR`], the file.
+pub(crate) fn foreign_csv(bytes: &[u8]) {
+    let end = bytes.windows(2).position(|pair| pair == SEPARATOR);
+    let (map, file) = bytes.split_at(end.unwrap_or(bytes.len()));
+    let text = String::from_utf8_lossy(map);
+    let map = match ColumnMap::parse(&text, Path::new("map.toml")) {
+        Ok(map) => map,
+        Err(error) => return assert_one_line(&error),
+    };
+    let folder = scratch::folder();
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("foreign.csv");
+    std::fs::write(&path, file.get(2..).unwrap_or_default()).expect("a file");
+    match read_mapped(&path, &Map::Columns(map)) {
+        Ok(import) => {
+            write_mcap_to(&import.recording, Vec::new(), &path).expect("it can be written");
+            check(&import.recording, None);
+        }
+        Err(error) => assert_one_line(&error),
     }
 }
 

@@ -18,8 +18,9 @@ use slipstream_fuzz::{TARGETS, Target};
 const FAST: u32 = 4000;
 const SLOW: u32 = 400;
 /// The targets of the second kind.
-const SLOW_TARGETS: [&str; 4] = [
+const SLOW_TARGETS: [&str; 5] = [
     "csv_folder",
+    "foreign_csv",
     "experiment_file",
     "set_arguments",
     "round_trips",

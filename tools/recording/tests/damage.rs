@@ -164,7 +164,10 @@ fn a_file_truncated_at_any_byte_keeps_the_rows_before_it() {
                 let rows = assert_prefix(&import);
                 // Of the chunk that is cut, the rows before the cut may be read.
                 let next = (whole_chunks + 1).min(5);
-                assert!((10 * whole_chunks..=10 * next).contains(&rows), "cut at {cut}");
+                assert!(
+                    (10 * whole_chunks..=10 * next).contains(&rows),
+                    "cut at {cut}"
+                );
                 let loss = import.loss.unwrap();
                 assert_eq!(loss.messages_read as usize, rows);
                 assert!(loss.any(), "cut at {cut} is not detected");

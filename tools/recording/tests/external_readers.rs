@@ -20,7 +20,7 @@ use slipstream_recording::run_writer::{
 
 /// The content of the file according to the Python packages; `None` if they are not available.
 fn read_with_python(file: &Path) -> Option<Value> {
-    let printed = python::script("read_bag.py", file)?;
+    let printed = python::script("read_bag.py", &[file])?;
     Some(serde_json::from_str(&printed).unwrap())
 }
 

@@ -15,7 +15,7 @@ use slipstream_recording::{Map, TopicMap, read, read_mapped};
 fn the_guess_finds_the_streams_and_is_in_the_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mcap");
-    if python::script("write_bag.py", &file).is_none() {
+    if python::script("write_bag.py", &[&file]).is_none() {
         return;
     }
     let import = read(&file).unwrap();
@@ -85,7 +85,7 @@ fn the_guess_finds_the_streams_and_is_in_the_warnings() {
 fn a_map_is_followed_and_its_errors_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mcap");
-    if python::script("write_bag.py", &file).is_none() {
+    if python::script("write_bag.py", &[&file]).is_none() {
         return;
     }
     let map = |text: &str| {

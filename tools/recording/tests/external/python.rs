@@ -45,12 +45,12 @@ fn install() -> Result<PathBuf, String> {
     Ok(python)
 }
 
-/// Runs a script on a file and returns what it printed; `None`, with a message, if there is no
+/// Runs a script on files or folders and returns what it printed; `None`, with a message, if there is no
 /// Python environment.
 ///
 /// # Panics
 /// If the script fails, or if there is no Python environment and `CI` is set.
-pub(crate) fn script(name: &str, file: &Path) -> Option<String> {
+pub(crate) fn script(name: &str, paths: &[&Path]) -> Option<String> {
     let python = match python() {
         Ok(python) => python,
         Err(why) if std::env::var_os("CI").is_none() => {
@@ -59,7 +59,7 @@ pub(crate) fn script(name: &str, file: &Path) -> Option<String> {
         }
         Err(why) => panic!("no Python environment: {why}"),
     };
-    match run(Command::new(python).arg(scripts().join(name)).arg(file)) {
+    match run(Command::new(python).arg(scripts().join(name)).args(paths)) {
         Ok(printed) => Some(printed),
         Err(why) => panic!("{name}: {why}"),
     }
