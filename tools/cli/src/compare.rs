@@ -9,6 +9,7 @@ use slipstream_report::compare::Comparison;
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::habits::vacant;
 use crate::models::Models;
 use crate::print::print_line;
 use crate::provenance;
@@ -26,9 +27,9 @@ pub(crate) struct Arguments {
     /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE.toml")]
     robot: Vec<String>,
-    /// Page to write
-    #[arg(long, value_name = "FILE.html", default_value = "compare.html")]
-    report: PathBuf,
+    /// Page to write [default: compare.html, with a number if that exists]
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -47,7 +48,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             &import.recording.origin,
         ),
     });
-    crate::output_file::write(&arguments.report, &page)?;
+    let report = arguments.report.clone();
+    let report = report.unwrap_or_else(|| vacant(Path::new("compare.html")));
+    crate::output_file::write(&report, &page)?;
     for channel in &channels {
         let (robot, name, unit) = (&channel.robot, &channel.name, channel.unit);
         match channel.rms_difference() {
@@ -55,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             None => print_line!("{robot:12} {name:12} nothing to compare"),
         }
     }
-    print_line!("{}", arguments.report.display());
+    print_line!("{}", report.display());
     Ok(Exit::Done)
 }
 

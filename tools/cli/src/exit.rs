@@ -1,4 +1,4 @@
-//! Exit codes: 0 done, 1 failed, 2 invalid input, 130 interrupted by a signal.
+//! Exit codes: 0 done, 1 failed, 2 invalid input, 3 and 4 by the verdict where asked, 130 interrupted by a signal.
 
 use std::process::ExitCode;
 
@@ -17,6 +17,10 @@ pub(crate) enum Exit {
     Failed,
     /// The input cannot be used.
     InvalidInput,
+    /// The answer is explained, where the exit code was asked to say so.
+    Explained,
+    /// The answer is unexplained, likewise.
+    Unexplained,
     /// A signal interrupted the command.
     Interrupted,
 }
@@ -28,6 +32,8 @@ impl Exit {
             Self::Done => 0,
             Self::Failed => 1,
             Self::InvalidInput => 2,
+            Self::Explained => 3,
+            Self::Unexplained => 4,
             Self::Interrupted => 130,
         }
     }

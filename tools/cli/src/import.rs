@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::exit::{Error, Exit};
-use crate::print::{eprint_line, print_line};
+use crate::print::{note_line, print_line};
 use crate::reading::Reading;
 
 /// Convert a recording (a folder of CSV files, or a bag) to one MCAP file
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let spooled = arguments.reading.spool(&arguments.recording)?;
     for (topic, messages) in &spooled.left_out {
-        eprint_line!("{topic}: left out: its {messages} messages belong to no stream");
+        note_line!("{topic}: left out: its {messages} messages belong to no stream");
     }
     spooled.write_mcap(&arguments.out)?;
     print_line!("{}", arguments.out.display());

@@ -9,8 +9,10 @@ mod diagnose;
 mod effects;
 mod exit;
 mod export;
+mod habits;
 mod import;
 mod interrupt;
+mod man;
 mod models;
 mod output_file;
 mod print;
@@ -29,10 +31,11 @@ mod viewers;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use slipstream_launch::processes::roles;
 
 use crate::exit::{Error, Exit};
+use crate::habits::Habits;
 use crate::print::eprint_line;
 
 /// Simulate differential-drive robots in formation, measure latency, and find what a robot model lacks
@@ -41,6 +44,8 @@ use crate::print::eprint_line;
 #[derive(Debug, Parser)]
 #[command(name = "slipstream", version = env!("SLIPSTREAM_VERSION"))]
 struct Arguments {
+    #[command(flatten)]
+    habits: Habits,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -60,6 +65,7 @@ enum Command {
     Trial(trial::Arguments),
     View(view::Arguments),
     Completions(completions::Arguments),
+    Man(man::Arguments),
     /// Remove the files that dead runs left in shared memory
     Clean,
 }
@@ -84,13 +90,18 @@ fn run() -> Result<Exit, Error> {
             Exit::Failed
         });
     }
-    let command = Arguments::parse().command;
-    let command = command.unwrap_or_else(|| Command::Run(run::Arguments::default()));
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    arguments.habits.apply(&matches)?;
+    let is_alone = arguments.command.is_none();
+    let command = arguments
+        .command
+        .unwrap_or_else(|| Command::Run(run::Arguments::default()));
     if !command.finishes_after_a_signal() {
         interrupt::end_at_once()?;
     }
     match command {
-        Command::Run(arguments) => run::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments, is_alone),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
@@ -103,6 +114,7 @@ fn run() -> Result<Exit, Error> {
         Command::Trial(arguments) => trial::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments, &mut Arguments::command()),
+        Command::Man(arguments) => man::run(&arguments, Arguments::command()),
         Command::Clean => clean::run(),
     }
 }

@@ -6,7 +6,7 @@ use clap::Args;
 use slipstream_recording::{ColumnMap, Import, Map, Spooled, TopicMap};
 
 use crate::exit::Error;
-use crate::print::eprint_line;
+use crate::print::note_line;
 
 /// Maps of recordings that other programs wrote.
 #[derive(Debug, Clone, Default, Args)]
@@ -34,7 +34,7 @@ impl Reading {
     pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
         let spooled = slipstream_recording::read_spooled(path, &self.map()?)?;
         for warning in &spooled.warnings {
-            eprint_line!("{warning}");
+            note_line!("{warning}");
         }
         Ok(spooled)
     }

@@ -11,6 +11,7 @@ use slipstream_launch::{
 
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
+use crate::habits::vacant;
 use crate::models::named_file;
 use crate::output_file;
 use crate::print::{self, eprint_line};
@@ -43,7 +44,7 @@ pub(crate) struct Arguments {
     /// Seed of all random numbers [default: the experiment's]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Recording to write [default: EXPERIMENT.mcap]
+    /// Recording to write [default: EXPERIMENT.mcap, with a number if that exists]
     #[arg(long, value_name = "FILE.mcap")]
     out: Option<PathBuf>,
     /// Write no recording
@@ -73,7 +74,9 @@ enum ClockName {
 }
 
 /// Runs the experiment and prints the summary.
-pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+///
+/// `is_alone`: slipstream was called without any command, by someone who may not know what to do next.
+pub(crate) fn run(arguments: &Arguments, is_alone: bool) -> Result<Exit, Error> {
     let resolved = resolve(&arguments.request()?)?;
     if arguments.dry_run {
         print::out(format_args!("{}", resolved.to_toml()));
@@ -87,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     let run = run.map_err(|error| error.of_argument("--out"))?;
     print::out(format_args!(
         "{}",
-        summary::text(&run, &resolved.experiment)
+        summary::text(&run, &resolved.experiment, is_alone)
     ));
     if let Some(path) = &arguments.json {
         output_file::write_json(path, &run)?;
@@ -130,7 +133,7 @@ impl Arguments {
 
     fn out(&self, resolved: &Resolved) -> Option<PathBuf> {
         let name = &resolved.experiment.settings.name;
-        let default = || PathBuf::from(format!("{name}.mcap"));
+        let default = || vacant(Path::new(&format!("{name}.mcap")));
         (!self.no_recording).then(|| self.out.clone().unwrap_or_else(default))
     }
 

@@ -11,14 +11,19 @@ use slipstream_launch::{RunStatus, RunSummary};
 const MAX_ROWS: usize = 12;
 
 /// The text of the summary.
-pub(crate) fn text(run: &RunSummary, experiment: &Experiment) -> String {
+pub(crate) fn text(run: &RunSummary, experiment: &Experiment, is_alone: bool) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
-    let _ = write_text(&mut text, run, experiment);
+    let _ = write_text(&mut text, run, experiment, is_alone);
     text
 }
 
-fn write_text(out: &mut String, run: &RunSummary, experiment: &Experiment) -> std::fmt::Result {
+fn write_text(
+    out: &mut String,
+    run: &RunSummary,
+    experiment: &Experiment,
+    is_alone: bool,
+) -> std::fmt::Result {
     headline(out, run, experiment)?;
     robots(out, run)?;
     slip(out, run)?;
@@ -31,6 +36,7 @@ fn write_text(out: &mut String, run: &RunSummary, experiment: &Experiment) -> st
         writeln!(out, "  {} records are missing from it.", run.lost_records)?;
     }
     match run.status {
+        RunStatus::Done if is_alone => first_steps(out, run),
         RunStatus::Done => suggestion(out, experiment),
         RunStatus::Failed(_) | RunStatus::Interrupted => Ok(()),
     }
@@ -207,4 +213,32 @@ fn suggestion(out: &mut String, experiment: &Experiment) -> std::fmt::Result {
         ("--dry-run", "lists every key that you can set")
     };
     writeln!(out, "Try: slipstream run {name} {command}   ({why})")
+}
+
+/// What to try after the first run of all.
+fn first_steps(out: &mut String, run: &RunSummary) -> std::fmt::Result {
+    let recording = run
+        .recording
+        .as_ref()
+        .map(|file| file.display().to_string());
+    let recording = recording.unwrap_or_else(|| "RECORDING".to_owned());
+    let steps = [
+        (
+            format!("slipstream trace {recording}"),
+            "where the time went, stage by stage",
+        ),
+        (
+            "slipstream run --set control.torque_limit=inner".to_owned(),
+            "the same without slip",
+        ),
+        (
+            "slipstream check YOUR_BAG".to_owned(),
+            "then: slipstream diagnose YOUR_BAG --robot YOUR.urdf",
+        ),
+    ];
+    writeln!(out, "Try:")?;
+    for (command, why) in steps {
+        writeln!(out, "  {command:<48} {why}")?;
+    }
+    Ok(())
 }

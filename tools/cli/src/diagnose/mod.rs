@@ -1,5 +1,6 @@
 //! `slipstream diagnose`: finds what a robot model lacks, from a recording.
 
+mod table;
 mod text;
 
 use std::path::{Path, PathBuf};
@@ -7,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{
-    Answer, Illustrated, InputError, Request, calibration, diagnose, diagnose_with_figures,
+    Answer, Illustrated, InputError, Request, Verdict, calibration, diagnose, diagnose_with_figures,
 };
 use slipstream_recording::{Recording, robot_toml};
 use slipstream_report::diagnose::Diagnosis;
@@ -16,7 +17,7 @@ use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::output_file;
-use crate::print::print_line;
+use crate::print::{self, print_line, prints};
 use crate::reading::Reading;
 use crate::{progress, provenance};
 
@@ -58,6 +59,9 @@ pub(crate) struct Arguments {
     /// Ignore measurements between A and B seconds; may be repeated
     #[arg(long, value_name = "A:B", value_parser = time_span)]
     exclude_time: Vec<[f64; 2]>,
+    /// End with exit code 0 for match, 3 for explained and 4 for unexplained
+    #[arg(long)]
+    exit_code: bool,
     /// Leave an effect out of the catalogue; may be repeated
     #[arg(long, value_name = "EFFECT")]
     without: Vec<String>,
@@ -121,7 +125,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         })?;
     }
     print_answer(&answer);
-    Ok(Exit::Done)
+    Ok(match answer.verdict {
+        _ if !arguments.exit_code => Exit::Done,
+        Verdict::Match => Exit::Done,
+        Verdict::Explained => Exit::Explained,
+        Verdict::Unexplained => Exit::Unexplained,
+    })
 }
 
 /// Writes the text of each robot: one robot to `file`, several to files that end with NAME.`extension`.
@@ -172,19 +181,17 @@ fn run_diagnosis(request: &Request<'_>, with_figures: bool) -> Result<Illustrate
 }
 
 fn print_answer(answer: &Answer) {
-    let held_out = &answer.held_out;
+    let details = prints().details;
     print_line!("{}.", text::verdict(answer));
     for budget in &answer.budget {
-        print_line!("{}.", text::budget(budget, held_out.horizon_s));
+        print_line!("{}.", text::budget(budget, answer.held_out.horizon_s));
     }
     for warning in &answer.warnings {
         print_line!("Warning: {}.", text::warning(warning));
     }
-    for finding in &answer.findings {
-        print_line!("\n{}", finding.statement);
-        for action in finding.actions_beside_statement() {
-            print_line!("- {action}");
-        }
+    let table = table::table(answer, details);
+    if !table.is_empty() {
+        print::out(format_args!("\n{table}"));
     }
     for difference in text::unstated(answer) {
         print_line!(
@@ -194,9 +201,13 @@ fn print_answer(answer: &Answer) {
             difference.shape
         );
     }
+    let held_out = &answer.held_out;
     print_line!(
         "\nPrediction error over 5 s: {:.2} sensor standard deviations before, {:.2} after (noise alone: 1).",
         held_out.nrmse_before,
         held_out.nrmse_after
     );
+    if details {
+        print::out(format_args!("{}", text::details(answer)));
+    }
 }

@@ -46,33 +46,87 @@ pub(super) fn unstated(answer: &Answer) -> impl Iterator<Item = &Unexplained> {
 /// Parts of a budget below this share of it are left out.
 const SMALL_PART: f64 = 0.01;
 
-/// Where the error of one robot went, in centimetres or degrees.
-pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
-    let (factor, unit) = match budget.unit {
+/// An error in centimetres or degrees. `unit` is that of a budget.
+pub(super) fn size(value: f64, unit: &str) -> String {
+    let (factor, unit) = match unit {
         "m" => (100.0, "cm"),
         _ => (1.0_f64.to_degrees(), "degrees"),
     };
-    let number = |value: f64| match value * factor {
-        size if size.abs() < 1.0 => format!("{size:.2}"),
-        size => format!("{size:.1}"),
+    format!("{} {unit}", short(value * factor))
+}
+
+fn short(size: f64) -> String {
+    if size.abs() < 1.0 {
+        format!("{size:.2}")
+    } else {
+        format!("{size:.1}")
+    }
+}
+
+/// What the findings make of the error of one robot, in centimetres or degrees.
+pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
+    let size = |value: f64| size(value, budget.unit);
+    let what = if budget.unit == "m" {
+        "position"
+    } else {
+        "heading"
     };
-    let parts = budget.parts.iter();
-    let parts = parts.filter(|part| part.share.abs() > SMALL_PART * budget.before);
-    let words: Vec<String> = parts
-        .map(|part| match part.name.as_str() {
-            "unexplained" => format!("{} follow no pattern", number(part.share)),
-            "sensor noise" => format!("{} are sensor noise", number(part.share)),
-            "unknown" => format!("what no effect explains {}", number(part.share)),
-            effect => format!("{} {}", effect.replace('_', " "), number(part.share)),
-        })
-        .collect();
-    format!(
-        "Robot {}: of {} {unit} rms over {horizon_s:.0} s: {}; {} {unit} are left with the findings",
+    let mut text = format!(
+        "Robot {}: {what} error over {horizon_s:.0} s: {} rms with the model, {} with the findings",
         budget.robot,
-        number(budget.before),
-        words.join(", "),
-        number(budget.after),
-    )
+        size(budget.before),
+        size(budget.after),
+    );
+    for part in &budget.parts {
+        if part.share.abs() > SMALL_PART * budget.before {
+            match part.name.as_str() {
+                "unexplained" => text += &format!("; {} follow no pattern", size(part.share)),
+                "sensor noise" => text += &format!("; {} are sensor noise", size(part.share)),
+                _ => {}
+            }
+        }
+    }
+    text
+}
+
+/// What only some want to know: evidence, outliers, what always pushes, and what would have been found.
+pub(super) fn details(answer: &Answer) -> String {
+    let mut lines = vec![String::new()];
+    for own in &answer.findings {
+        let (gain, p) = (own.evidence.log_likelihood_gain, own.evidence.p_value);
+        let effect = &own.effect;
+        lines.push(format!("{effect}: {gain:.1} nats of evidence, p = {p:.1e}"));
+    }
+    for own in &answer.held_out.channels {
+        let (channel, unit) = (&own.channel, own.unit);
+        lines.push(format!(
+            "{} {channel}: {:.4} {unit} rms before, {:.4} {unit} after",
+            own.robot, own.rms_before, own.rms_after
+        ));
+    }
+    for own in &answer.outliers {
+        let (robot, stream, count) = (&own.robot, &own.stream, own.count);
+        lines.push(format!(
+            "{robot} {stream}: {count} rows are weighed down as outliers"
+        ));
+    }
+    for own in &answer.process_noise {
+        let (robot, on, size, unit) = (&own.robot, &own.acts_on, own.size, &own.unit);
+        lines.push(format!(
+            "{robot} {on}: pushed at random by {size:.3} {unit}"
+        ));
+    }
+    for own in &answer.detectable {
+        let (robot, effect, name, unit) = (&own.robot, own.effect, own.parameter, own.unit);
+        lines.push(match own.smallest {
+            Some(size) => {
+                format!("{robot} {effect} {name}: would have been found from {size:.3} {unit} on")
+            }
+            None => format!("{robot} {effect} {name}: cannot be seen in these recordings"),
+        });
+    }
+    lines.push(String::new());
+    lines.join("\n")
 }
 
 #[cfg(test)]
@@ -100,8 +154,8 @@ mod tests {
         };
         assert_eq!(
             budget(&own, 5.0),
-            "Robot r1: of 35.2 cm rms over 5 s: pose offset 18.1, wheel radius 13.7, 2.8 follow no \
-             pattern, 0.50 are sensor noise; 4.1 cm are left with the findings"
+            "Robot r1: position error over 5 s: 35.2 cm rms with the model, 4.1 cm with the findings; 2.8 cm follow no \
+             pattern; 0.50 cm are sensor noise"
         );
     }
 }

@@ -11,7 +11,7 @@ use slipstream_trace::Reading;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::output_file;
-use crate::print::{self, eprint_line};
+use crate::print::{self, note_line};
 use crate::provenance;
 
 /// Show the latency of each link, stage by stage, from the encoder sample to the applied torque
@@ -89,7 +89,7 @@ fn write_round_trips(file: &Path, reading: &Reading) -> Result<(), Error> {
 fn read(recording: &Path) -> Result<Reading, Error> {
     let reading = slipstream_trace::read(recording)?;
     for warning in &reading.warnings {
-        eprint_line!("{warning}");
+        note_line!("{warning}");
     }
     Ok(reading)
 }
