@@ -6,7 +6,6 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use crate::exit::{Error, Exit};
-use crate::output_file;
 use crate::print::print_line;
 
 /// Print the manual page, or write the pages of all commands
@@ -25,18 +24,11 @@ pub(crate) fn run(arguments: &Arguments, command: Command) -> Result<Exit, Error
         print_line!("{}", page(command)?.trim_end());
         return Ok(Exit::Done);
     };
-    std::fs::create_dir_all(folder).map_err(|error| {
+    let written =
+        std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(command, folder));
+    written.map_err(|error| {
         Error::UnusableOutput(format!("--folder {}: {error}", folder.display()))
     })?;
-    let mut pages = vec![command.clone()];
-    for own in command.get_subcommands() {
-        let name = format!("slipstream-{}", own.get_name());
-        pages.push(own.clone().name(name.clone()).display_name(name));
-    }
-    for own in pages {
-        let file = folder.join(format!("{}.1", own.get_name()));
-        output_file::write(&file, &page(own)?)?;
-    }
     print_line!("{}", folder.display());
     Ok(Exit::Done)
 }

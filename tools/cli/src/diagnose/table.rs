@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use slipstream_diagnose::{Answer, Finding, ParameterEstimate};
 use slipstream_sim::effects::{Role, find};
 
-use super::text::size;
+use super::text::{SMALL_PART, size};
 
 /// Cells of a row: what, was, is, 95 % interval, worth.
 type Cells = [String; 5];
@@ -114,7 +114,8 @@ fn worth(answer: &Answer, finding: &Finding) -> String {
             .parts
             .iter()
             .find(|part| part.name == finding.effect)?;
-        Some(size(part.share, budget.unit))
+        let is_small = part.share.abs() < SMALL_PART * budget.before;
+        (!is_small).then(|| size(part.share, budget.unit))
     });
     let parts: Vec<String> = parts.collect();
     parts.join(", ")

@@ -44,7 +44,7 @@ pub(super) fn unstated(answer: &Answer) -> impl Iterator<Item = &Unexplained> {
 }
 
 /// Parts of a budget below this share of it are left out.
-const SMALL_PART: f64 = 0.01;
+pub(super) const SMALL_PART: f64 = 0.01;
 
 /// An error in centimetres or degrees. `unit` is that of a budget.
 pub(super) fn size(value: f64, unit: &str) -> String {
