@@ -1,0 +1,83 @@
+//! A description as the text of a robot.toml.
+
+use std::path::Path;
+
+use slipstream_bus::RobotModel;
+
+use super::described::{Described, Kind, one_line};
+use crate::toml_files::robot_toml;
+
+/// The text of `draft`, in which a length that is missing is no number, with comments from `described`.
+pub(super) fn text(described: &Described, draft: &RobotModel, path: &Path) -> String {
+    let plain = robot_toml::to_text(draft);
+    if described.kind == Kind::RobotToml {
+        return plain;
+    }
+    let mut text = head(described, path);
+    let mut table = "";
+    for line in plain.lines() {
+        if line.starts_with('[') {
+            if table == "[robot]" {
+                text.push_str(&left_out(described));
+            }
+            table = line;
+        }
+        let commented = if table == "[robot]" {
+            of_robot(described, line)
+        } else {
+            line.to_owned()
+        };
+        text.push_str(&commented);
+        text.push('\n');
+    }
+    if table == "[robot]" {
+        text.push_str(&left_out(described));
+    }
+    text
+}
+
+/// Where the text is from, and what was assumed.
+fn head(described: &Described, path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let kind = described.kind.name();
+    let mut text = format!(
+        "# Written by `slipstream robot` from {} ({kind}).\n",
+        one_line(&name)
+    );
+    for note in &described.notes {
+        text.push_str(&format!("# - {note}\n"));
+    }
+    text
+}
+
+/// A line of the table `[robot]`, with where its value is from or what is to be done about it.
+fn of_robot(described: &Described, line: &str) -> String {
+    let Some((key, _)) = line.split_once(" = ") else {
+        return line.to_owned();
+    };
+    if let Some(missing) = described.missing.iter().find(|missing| missing.key == key) {
+        return format!(
+            "# {key} =   # to fill in: {}; {}",
+            missing.problem, missing.remedy
+        );
+    }
+    match described.taken.iter().find(|taken| taken.key == key) {
+        Some(taken) => format!("{line}  # {}", taken.from),
+        None => line.to_owned(),
+    }
+}
+
+/// The values that the model leaves out, as comments.
+fn left_out(described: &Described) -> String {
+    let lines = described.left_out.iter();
+    lines
+        .map(|own| {
+            format!(
+                "# {} = {}  # left out; {}\n",
+                own.key,
+                robot_toml::number(own.value),
+                own.from
+            )
+        })
+        .collect()
+}
