@@ -15,6 +15,7 @@ pub mod mutate;
 mod one_line;
 mod postcard_data;
 mod recordings;
+mod robot_files;
 mod runs;
 mod scratch;
 mod toml_texts;
@@ -31,12 +32,14 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 15] = [
+pub const TARGETS: [Target; 17] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("csv_folder", recordings::csv_folder),
     target("recording_toml", toml_texts::recording_toml),
     target("robot_toml", toml_texts::robot_toml),
+    target("urdf", robot_files::urdf),
+    target("controller_yaml", robot_files::controller_yaml),
     target("robot_run", runs::robot_run),
     target("topic_map", toml_texts::topic_map),
     target("experiment_file", toml_texts::experiment_file),

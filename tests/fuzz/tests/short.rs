@@ -69,6 +69,23 @@ fn every_target_holds_for_its_seeds_and_their_mutations() {
     });
 }
 
+/// A long form without nightly Rust: a million mutations of the targets in `SLIPSTREAM_FUZZ`, with commas.
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_mutations() {
+    let names =
+        std::env::var("SLIPSTREAM_FUZZ").unwrap_or_else(|_| "urdf,controller_yaml".to_owned());
+    for name in names.split(',') {
+        let target = TARGETS.iter().find(|target| target.name == name);
+        let target = target.unwrap_or_else(|| panic!("there is no target {name}"));
+        let seeds = seeds(target);
+        let mut mutator = Mutator::new(2);
+        for _ in 0..1_000_000 {
+            run(target, &mutator.input(&seeds));
+        }
+    }
+}
+
 #[test]
 fn every_target_has_a_program() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));

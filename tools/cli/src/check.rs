@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_recording::{TopicMap, robot_toml};
+use slipstream_recording::TopicMap;
 
 use crate::exit::{Error, Exit};
+use crate::models::read_model;
 use crate::print::{self, eprint_line};
 
 /// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
@@ -15,8 +16,8 @@ use crate::print::{self, eprint_line};
 pub(crate) struct Arguments {
     /// Folder with recording.toml, or an MCAP file
     recording: PathBuf,
-    /// Robot model [default: the one in the recording]
-    #[arg(long, value_name = "FILE.toml")]
+    /// Robot model: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     /// Map from the topics of a bag to streams [default: guessed from types and names]
     #[arg(long, value_name = "FILE.toml")]
@@ -34,11 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .map(TopicMap::read)
         .transpose()?;
     let spooled = slipstream_recording::read_spooled(&arguments.recording, topics.as_ref())?;
-    let model = arguments
-        .robot
-        .as_deref()
-        .map(robot_toml::read)
-        .transpose()?;
+    let model = arguments.robot.as_deref().map(read_model).transpose()?;
     for warning in &spooled.warnings {
         eprint_line!("{warning}");
     }

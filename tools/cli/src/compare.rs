@@ -20,8 +20,9 @@ use crate::provenance;
 pub(crate) struct Arguments {
     /// Folder with recording.toml, or an MCAP file
     recording: PathBuf,
-    /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE.toml")]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
+    /// one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE")]
     robot: Vec<String>,
     /// Page to write
     #[arg(long, value_name = "FILE.html", default_value = "compare.html")]

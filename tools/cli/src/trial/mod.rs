@@ -64,8 +64,8 @@ pub(crate) struct Arguments {
     /// Put changes into copies of this recording instead, and diagnose them against it
     #[arg(long, value_name = "RECORDING", conflicts_with_all = ["cases", "seed", "plan", "effect", "make_only", "labels"])]
     on: Option<PathBuf>,
-    /// Robot model of that recording [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE.toml", requires = "on")]
+    /// Robot model of that recording: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE", requires = "on")]
     robot: Vec<String>,
     /// Score existing recordings instead: their labels, in the folder of the recordings
     #[arg(long, value_name = "FILE.toml")]
