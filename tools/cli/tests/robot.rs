@@ -161,37 +161,34 @@ fn every_description_gives_the_same_answer() {
     assert_eq!(answers[1], answers[2]);
 }
 
+/// A URDF knows no encoders, which the controllers of a run need.
 #[test]
-fn a_run_takes_a_urdf_with_masses() {
+fn a_run_takes_what_was_written_of_a_urdf_with_masses() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("complete.urdf");
-    let text = urdf("complete.urdf");
-    std::fs::write(&file, &text).unwrap();
-    printed(
-        folder.path(),
-        &[
+    std::fs::write(folder.path().join("complete.urdf"), urdf("complete.urdf")).unwrap();
+    let run = |robot| {
+        [
             "run",
             "single",
             "--in-process",
             "--no-recording",
             "--robot",
-            "complete.urdf",
-        ],
-    );
-    std::fs::write(&file, text.replace("caster", "ball")).unwrap();
-    let without = [
-        "run",
-        "single",
-        "--in-process",
-        "--no-recording",
-        "--robot",
-        "complete.urdf",
-    ];
-    assert_refused(
+            robot,
+        ]
+    };
+    let message = "slipstream: complete.urdf: encoder.counts_per_rev is missing";
+    assert_refused(folder.path(), &run("complete.urdf"), message);
+    printed(
         folder.path(),
-        &without,
-        "slipstream: complete.urdf: robot.body_mass_kg is missing",
+        &["robot", "complete.urdf", "--out", "robot.toml"],
     );
+    let file = folder.path().join("robot.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let filled = text
+        .replace("# [encoder]", "[encoder]")
+        .replace("# counts_per_rev =", "counts_per_rev = 1856");
+    std::fs::write(&file, filled).unwrap();
+    printed(folder.path(), &run("robot.toml"));
 }
 
 #[test]

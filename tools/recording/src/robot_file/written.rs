@@ -33,8 +33,12 @@ pub(super) fn text(described: &Described, draft: &RobotModel, path: &Path) -> St
     if table == "[robot]" {
         text.push_str(&left_out(described));
     }
+    text.push_str(ENCODER);
     text
 }
+
+/// What no description but a robot.toml has.
+const ENCODER: &str = "# Runs need the encoders, and so do recordings of ticks:\n# [encoder]\n# counts_per_rev =   # per turn of a wheel\n";
 
 /// Where the text is from, and what was assumed.
 fn head(described: &Described, path: &Path) -> String {

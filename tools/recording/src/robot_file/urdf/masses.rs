@@ -89,7 +89,8 @@ pub(super) fn take(
     match problem {
         Some(problem) => {
             described.note(format!("Masses and inertias are left out: {problem}"));
-            described.left_out.extend(values);
+            let finite = values.into_iter().filter(|own| own.value.is_finite());
+            described.left_out.extend(finite);
         }
         None => described.note(
             "com_to_axle_m is known: poses count as those of the centre of mass, unless recording.toml says pose_point = \
