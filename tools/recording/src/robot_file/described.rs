@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::{Body, EffectSpec, InputError, Parameter, RobotModel};
 use slipstream_sim::Robot;
 
-use super::written;
 use crate::toml_files::robot_toml;
 
 /// The kind of a file that describes a robot.
@@ -95,9 +94,9 @@ pub struct Described {
     pub notes: Vec<String>,
     /// Names of the joints of the driven wheels, right and left, each from the front.
     pub wheel_joints: [Vec<String>; 2],
-    path: PathBuf,
+    pub(super) path: PathBuf,
     /// The model; a length that is missing is NaN.
-    draft: RobotModel,
+    pub(super) draft: RobotModel,
 }
 
 impl Described {
@@ -222,12 +221,6 @@ impl Described {
             self.path.display()
         );
         Err(InputError::file(&self.path, problem, remedy))
-    }
-
-    /// The text of a robot.toml with where each value is from. What is missing stands in a comment, to be
-    /// filled in. If nothing is missing, parsing it gives [`Described::model`] bit for bit.
-    pub fn to_robot_toml(&self) -> String {
-        written::text(self, &self.draft, &self.path)
     }
 }
 

@@ -1,48 +1,51 @@
 //! A description as the text of a robot.toml.
 
-use std::path::Path;
-
-use slipstream_bus::RobotModel;
-
 use super::described::{Described, Kind, one_line};
 use crate::toml_files::robot_toml;
 
-/// The text of `draft`, in which a length that is missing is no number, with comments from `described`.
-pub(super) fn text(described: &Described, draft: &RobotModel, path: &Path) -> String {
-    let plain = robot_toml::to_text(draft);
-    if described.kind == Kind::RobotToml {
-        return plain;
-    }
-    let mut text = head(described, path);
-    let mut table = "";
-    for line in plain.lines() {
-        if line.starts_with('[') {
-            if table == "[robot]" {
-                text.push_str(&left_out(described));
-            }
-            table = line;
+impl Described {
+    /// The text of a robot.toml with where each value is from. What is missing stands in a comment, to be
+    /// filled in. If nothing is missing, parsing it gives [`Described::model`] bit for bit.
+    pub fn to_robot_toml(&self) -> String {
+        let plain = robot_toml::to_text(&self.draft);
+        if self.kind == Kind::RobotToml {
+            return plain;
         }
-        let commented = if table == "[robot]" {
-            of_robot(described, line)
-        } else {
-            line.to_owned()
-        };
-        text.push_str(&commented);
-        text.push('\n');
+        let mut text = head(self);
+        let mut table = "";
+        for line in plain.lines() {
+            if line.starts_with('[') {
+                if table == "[robot]" {
+                    text.push_str(&left_out(self));
+                }
+                table = line;
+            }
+            let commented = if table == "[robot]" {
+                of_robot(self, line)
+            } else {
+                line.to_owned()
+            };
+            text.push_str(&commented);
+            text.push('\n');
+        }
+        if table == "[robot]" {
+            text.push_str(&left_out(self));
+        }
+        text.push_str(ENCODER);
+        text
     }
-    if table == "[robot]" {
-        text.push_str(&left_out(described));
-    }
-    text.push_str(ENCODER);
-    text
 }
 
 /// What no description but a robot.toml has.
 const ENCODER: &str = "# Runs need the encoders, and so do recordings of ticks:\n# [encoder]\n# counts_per_rev =   # per turn of a wheel\n";
 
 /// Where the text is from, and what was assumed.
-fn head(described: &Described, path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+fn head(described: &Described) -> String {
+    let name = described
+        .path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
     let kind = described.kind.name();
     let mut text = format!(
         "# Written by `slipstream robot` from {} ({kind}).\n",
