@@ -35,15 +35,12 @@ fn check(described: &Described) {
         assert_one_line(&own.from);
         assert!(own.value.is_finite(), "{own:?}");
     }
-    described
-        .notes
-        .iter()
-        .for_each(|note| assert_one_line(note));
+    described.notes.iter().for_each(assert_one_line);
     described
         .wheel_joints
         .iter()
         .flatten()
-        .for_each(|name| assert_one_line(name));
+        .for_each(assert_one_line);
     let written = described.to_robot_toml();
     let again = robot_toml::parse(&written, Path::new("robot.toml"));
     match described.model() {

@@ -187,10 +187,6 @@ fn note_asymmetry(body: &Inertial, pair: &Pair<'_>, described: &mut Described) {
 }
 
 /// The mass of a link: `None` for a frame without shape and mass; or what is wrong with it.
-#[expect(
-    clippy::type_complexity,
-    reason = "an error of the file, and a fault of the robot, are two things"
-)]
 fn inertial(
     link: &Link<'_>,
     frame: Transform,

