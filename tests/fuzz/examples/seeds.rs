@@ -41,6 +41,7 @@ fn main() {
     in_process::summary(&resolved, Some(&run)).unwrap();
     recordings(&run);
     texts(&run);
+    robots();
     processes(&resolved, &run);
 }
 
@@ -143,6 +144,29 @@ fn plain(content: &[u8], foreign: bool) -> Vec<u8> {
     drop(writer);
     out.into_inner()
 }
+
+/// URDFs of the reader's tests, and parameters of controllers.
+fn robots() {
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/recording/tests/robot_file");
+    for name in ["turtle", "terrain", "complete"] {
+        let content = std::fs::read(folder.join(format!("{name}.urdf"))).unwrap();
+        seed("urdf", name, &content);
+    }
+    seed("controller_yaml", "ros_2", ROS_2.as_bytes());
+    seed("controller_yaml", "ros_1", ROS_1.as_bytes());
+}
+
+/// Parameters of a controller of ROS 2, in a namespace.
+const ROS_2: &str = "controller_manager:\n  ros__parameters:\n    update_rate: 100\n    base:\n      type: diff_drive_controller/DiffDriveController\n\
+/a/base:\n  ros__parameters:\n    left_wheel_names: [\"lf\", \"lr\"]\n    right_wheel_names:\n      - rf\n      - rr\n    \
+wheel_separation: 0.5708 # m\n    wheels_per_side: 2\n    wheel_radius: 0.1651\n    wheel_separation_multiplier: 1.875\n    \
+left_wheel_radius_multiplier: 1.01\n    right_wheel_radius_multiplier: 0.99\n    pose_covariance_diagonal: &d [0.001, 0.01]\n    \
+twist_covariance_diagonal: *d\n    open_loop: !!bool false\n";
+
+/// Parameters of a controller of ROS 1.
+const ROS_1: &str = "%YAML 1.2\n---\nmobile_base_controller: {type: 'diff_drive_controller/DiffDriveController',\n  left_wheel: 'l',\n  \
+right_wheel: \"r\\u0020\", wheel_separation: 54e-2, wheel_radius_multiplier: 1, wheel_radius: .11}\n...\n";
 
 fn texts(run: &Path) {
     let recording = read_mapped(run, &Map::None).unwrap().recording;

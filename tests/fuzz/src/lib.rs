@@ -15,6 +15,7 @@ pub mod mutate;
 mod one_line;
 mod postcard_data;
 mod recordings;
+mod robot_files;
 mod runs;
 mod scratch;
 mod toml_texts;
@@ -31,7 +32,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 18] = [
+pub const TARGETS: [Target; 20] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
@@ -40,6 +41,8 @@ pub const TARGETS: [Target; 18] = [
     target("foreign_csv", recordings::foreign_csv),
     target("recording_toml", toml_texts::recording_toml),
     target("robot_toml", toml_texts::robot_toml),
+    target("urdf", robot_files::urdf),
+    target("controller_yaml", robot_files::controller_yaml),
     target("robot_run", runs::robot_run),
     target("topic_map", toml_texts::topic_map),
     target("experiment_file", toml_texts::experiment_file),

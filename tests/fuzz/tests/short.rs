@@ -70,6 +70,26 @@ fn every_target_holds_for_its_seeds_and_their_mutations() {
     });
 }
 
+/// A long form without nightly Rust: `SLIPSTREAM_MUTATIONS` (a million) of each target in `SLIPSTREAM_FUZZ`, with
+/// commas (the descriptions of robots).
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_mutations_of_a_target() {
+    let names =
+        std::env::var("SLIPSTREAM_FUZZ").unwrap_or_else(|_| "urdf,controller_yaml".to_owned());
+    let count = std::env::var("SLIPSTREAM_MUTATIONS").unwrap_or_else(|_| "1000000".to_owned());
+    let count: u64 = count.parse().unwrap();
+    for name in names.split(',') {
+        let target = TARGETS.iter().find(|target| target.name == name);
+        let target = target.unwrap_or_else(|| panic!("there is no target {name}"));
+        let seeds = seeds(target);
+        let mut mutator = Mutator::new(2);
+        for _ in 0..count {
+            run(target, &mutator.input(&seeds));
+        }
+    }
+}
+
 #[test]
 fn every_target_has_a_program() {
     let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));

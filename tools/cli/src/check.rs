@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use slipstream_recording::robot_toml;
 
 use crate::exit::{Error, Exit};
+use crate::models::read_model;
 use crate::print::{self, print_line};
 use crate::reading::Reading;
 
@@ -16,8 +16,8 @@ use crate::reading::Reading;
 pub(crate) struct Arguments {
     /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
-    /// Robot model [default: the one in the recording]
-    #[arg(long, value_name = "FILE.toml")]
+    /// Robot model: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
@@ -42,11 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         return Ok(Exit::Done);
     }
     let spooled = arguments.reading.spool(&arguments.recording)?;
-    let model = arguments
-        .robot
-        .as_deref()
-        .map(robot_toml::read)
-        .transpose()?;
+    let model = arguments.robot.as_deref().map(read_model).transpose()?;
     let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {

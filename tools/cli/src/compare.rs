@@ -24,8 +24,9 @@ pub(crate) struct Arguments {
     recording: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE.toml")]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
+    /// one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE")]
     robot: Vec<String>,
     /// Page to write [default: compare.html, with a number if that exists]
     #[arg(long, value_name = "FILE.html")]

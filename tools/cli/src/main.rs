@@ -20,6 +20,7 @@ mod progress;
 mod provenance;
 mod reading;
 mod reproduce;
+mod robot;
 mod run;
 mod study;
 mod summary;
@@ -59,6 +60,7 @@ enum Command {
     Export(export::Arguments),
     Diagnose(diagnose::Arguments),
     Effects(effects::Arguments),
+    Robot(robot::Arguments),
     Trace(trace::Arguments),
     Reproduce(reproduce::Arguments),
     Study(study::Arguments),
@@ -108,6 +110,7 @@ fn run() -> Result<Exit, Error> {
         Command::Export(arguments) => export::run(&arguments),
         Command::Diagnose(arguments) => diagnose::run(&arguments),
         Command::Effects(arguments) => effects::run(&arguments),
+        Command::Robot(arguments) => robot::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),

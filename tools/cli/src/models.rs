@@ -1,11 +1,12 @@
 //! Robot models of the command line: `--robot FILE` for all robots, `--robot NAME=FILE` for one.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use slipstream_bus::RobotModel;
-use slipstream_recording::robot_toml;
+use slipstream_recording::robot_file::{self, Kind};
 
 use crate::exit::Error;
+use crate::print::eprint_line;
 
 /// Models by robot name. A model without a name is for every robot that has none of its own.
 #[derive(Debug)]
@@ -17,7 +18,7 @@ impl Models {
         let mut models = Vec::new();
         for argument in arguments {
             let (name, file) = named_file(argument);
-            models.push((name, robot_toml::read(&file)?));
+            models.push((name, read_model(&file)?));
         }
         Ok(Self(models))
     }
@@ -31,6 +32,25 @@ impl Models {
         let chosen = named.or_else(|| self.0.iter().find(|(name, _)| name.is_none()));
         chosen.map(|(_, model)| model.clone())
     }
+}
+
+/// Reads a model from any description of a robot, and prints what was assumed.
+pub(crate) fn read_model(file: &Path) -> Result<RobotModel, Error> {
+    let described = robot_file::read(file)?;
+    let model = described.model()?;
+    if described.kind != Kind::RobotToml {
+        let body = &model.robot;
+        eprint_line!(
+            "{}: wheel_radius_m = {}, half_track_m = {}",
+            file.display(),
+            body.wheel_radius_m,
+            body.half_track_m
+        );
+    }
+    for note in &described.notes {
+        eprint_line!("{}: {note}", file.display());
+    }
+    Ok(model)
 }
 
 /// Name and file of an argument `[NAME=]FILE`.

@@ -29,8 +29,9 @@ pub(crate) struct Arguments {
     /// Number of robots [default: the experiment's]
     #[arg(long, value_name = "N")]
     robots: Option<u32>,
-    /// Robot model for all robots, or for the robot NAME [default: the experiment's]
-    #[arg(long = "robot", value_name = "[NAME=]FILE.toml")]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
+    /// experiment's]
+    #[arg(long = "robot", value_name = "[NAME=]FILE")]
     models: Vec<String>,
     /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
     #[arg(long, value_name = "KEY=VALUE")]

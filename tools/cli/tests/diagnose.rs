@@ -281,8 +281,8 @@ fn a_calibration_has_the_truth_as_parameters_of_the_controller() {
         let action = finding["actions"][0].as_str().unwrap();
         assert!(stdout.contains(action), "{action}");
     }
-    // an experiment that the statement names is not named again
-    assert!(stdout.contains("; what would: ") && !stdout.contains("record this"));
+    // an experiment that tells look-alikes apart is an action
+    assert!(stdout.contains("- record this to tell it from "));
     let multiplier = number_behind(&stdout, "- set left_wheel_radius_multiplier to ");
     assert_eq!(
         multiplier,

@@ -66,6 +66,24 @@ fn reproduce_conforms() {
 }
 
 #[test]
+fn robot_conforms() {
+    let folder = tempfile::tempdir().unwrap();
+    let robots = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../recording/tests/robot_file");
+    for name in ["turtle.urdf", "terrain.urdf", "complete.urdf"] {
+        let file = robots.join(name);
+        assert_valid(folder.path(), "robot", &["robot", &file.to_string_lossy()]);
+    }
+    let robot = example("robot.toml");
+    let mut answer = assert_valid(folder.path(), "robot", &["robot", &robot]);
+    answer["kind"] = "sdf".into();
+    assert_eq!(violations("robot", &answer).len(), 1);
+    let mesh = "<robot><link name=\"base_link\"/></robot>";
+    std::fs::write(folder.path().join("no_wheels.urdf"), mesh).unwrap();
+    let answer = assert_valid(folder.path(), "robot", &["robot", "no_wheels.urdf"]);
+    assert_eq!(answer["complete"], false);
+}
+
+#[test]
 fn check_diagnose_and_trial_conform() {
     let folder = tempfile::tempdir().unwrap();
     let assert_valid = |name, arguments: &[&str]| assert_valid(folder.path(), name, arguments);

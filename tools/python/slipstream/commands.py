@@ -31,8 +31,8 @@ def diagnose(
     """Finds what a robot model lacks, from a recording.
 
     `recording` is a path, a `Recording`, or several of them: runs of the same robots. `robot` is the nominal model: the path
-    of a robot.toml, a mapping with its tables, or a mapping of such by the names of the robots; without it, the model of the
-    recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
+    of a robot.toml, a URDF or the YAML of a diff_drive_controller, a mapping with the tables of a robot.toml, or a mapping of such
+    by the names of the robots; without it, the model of the recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
     and not what the model lacks. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
     times (s). With `report`, the evidence of the page is computed as well.
 
@@ -90,8 +90,8 @@ def run(
 ) -> Run:
     """Runs an experiment on the virtual clock, in this process: a built-in one ("platoon" without a name) or a TOML file.
 
-    `set` gives keys of the experiment, such as `{"links.delay_s": 0.1}`. `robot` is the path of a robot.toml, or such paths by
-    the names of the robots. The recording is written to `out`; without it, it is only in memory, as `data`.
+    `set` gives keys of the experiment, such as `{"links.delay_s": 0.1}`. `robot` is the path of a robot.toml, a URDF or
+    the YAML of a diff_drive_controller, or such paths by the names of the robots. The recording is written to `out`; without it, it is only in memory, as `data`.
     """
     models: List[Tuple[Optional[str], str]] = []
     if isinstance(robot, Mapping):

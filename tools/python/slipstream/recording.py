@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     import pandas
 
 Robot = Union[str, "PathLike[str]", Mapping[str, Any]]
-"""A robot model: the path of a robot.toml, or a mapping with the same tables and keys."""
+"""A robot model: the path of a robot.toml, a URDF or the YAML of a diff_drive_controller, or a mapping with the tables and
+keys of a robot.toml."""
 
 _STREAMS = ("command", "wheels", "odometry", "pose", "imu", "motor")
 
@@ -134,12 +135,7 @@ def model_text(robot: Robot) -> str:
         return _toml({"format": 1, **robot})
     if isinstance(robot, str) and "\n" in robot:
         return robot
-    path = fspath(robot)
-    try:
-        with open(path, encoding="utf-8") as file:
-            return file.read()
-    except OSError as error:
-        raise _slipstream.InputError(f"{path}: cannot be read: {error.strerror}; give the path of a robot.toml") from error
+    return _slipstream.model_text(fspath(robot))
 
 
 def _toml(table: Mapping[str, Any]) -> str:

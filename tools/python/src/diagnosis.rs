@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_diagnose::{Answer, Figures, Request};
 use slipstream_recording::recording::Recording as Inner;
-use slipstream_recording::robot_toml;
+use slipstream_recording::{robot_file, robot_toml};
 use slipstream_report::diagnose as report;
 
 use crate::errors::{failed, input};
@@ -28,7 +28,8 @@ pub(crate) struct Diagnosis {
     command_line: String,
 }
 
-/// Diagnoses recordings, or what changed since those of `against`. `robots` are texts of robot.toml by the name of the robot;
+/// Diagnoses recordings, or what changed since those of `against`. `robots` are texts of robot.toml, URDF or
+/// a controller's YAML by the name of the robot;
 /// `figures` computes what a page shows.
 #[pyfunction]
 #[expect(
@@ -53,7 +54,7 @@ pub(crate) fn diagnose(
         .into_iter()
         .map(|(name, text)| {
             let place = PathBuf::from(name.as_deref().unwrap_or("robot"));
-            Ok((name, robot_toml::parse(&text, &place)?))
+            Ok((name, robot_file::parse(&text, &place)?.model()?))
         })
         .collect();
     let models = models.map_err(|error| input(py, &error))?;

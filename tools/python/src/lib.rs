@@ -17,6 +17,7 @@ fn _slipstream(py: Python<'_>, module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("Failed", py.get_type::<errors::Failed>())?;
     module.add_class::<recording::Recording>()?;
     module.add_class::<diagnosis::Diagnosis>()?;
+    module.add_function(wrap_pyfunction!(recording::model_text, module)?)?;
     module.add_function(wrap_pyfunction!(diagnosis::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(runs::run, module)?)?;
     module.add_function(wrap_pyfunction!(runs::trace, module)?)?;

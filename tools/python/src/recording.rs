@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipstream_bus::InputError;
 use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
-use slipstream_recording::robot_toml;
+use slipstream_recording::{robot_file, robot_toml};
 
 use crate::columns::{self, Columns};
 use crate::errors::{input, of_recording};
@@ -97,6 +97,15 @@ impl Recording {
     }
 }
 
+/// The model that a file describes, as the text of a robot.toml. The file is a robot.toml, a URDF or the YAML of a
+/// diff_drive_controller.
+#[pyfunction]
+pub(crate) fn model_text(py: Python<'_>, path: PathBuf) -> PyResult<String> {
+    let model = py.detach(|| robot_file::read_model(&path));
+    let model = model.map_err(|error| of_recording(py, error))?;
+    Ok(robot_toml::to_text(&model))
+}
+
 /// A robot as it leaves.
 type Leaving<'py> = (String, Vec<(String, Vec<(String, Bound<'py, PyBytes>)>)>);
 
@@ -114,7 +123,7 @@ fn made(
         ..Inner::default()
     };
     if let Some(text) = model {
-        recording.model = Some(robot_toml::parse(text, Path::new("robot"))?);
+        recording.model = Some(robot_file::parse(text, Path::new("robot"))?.model()?);
     }
     for (name, streams, numbers) in robots {
         if !is_robot_name(&name) {

@@ -34,6 +34,18 @@ def example():
     return slipstream.diagnose(EXAMPLE / "recording", robot=EXAMPLE / "robot.toml", report=True)
 
 
+def test_any_description_of_a_robot(tmp_path):
+    wheels = {"robot": {"wheel_radius_m": 0.125, "half_track_m": 0.25}}
+    yaml = tmp_path / "controller.yaml"
+    yaml.write_text("c:\n  ros__parameters:\n    wheel_separation: 0.5\n    wheel_radius: 0.125\n")
+    of = [slipstream.Recording.from_arrays({"r1": driven()}, robot=own).model for own in (wheels, yaml, str(yaml))]
+    assert of[0] == of[1] == of[2]
+    urdf = tmp_path / "robot.urdf"
+    urdf.write_text("<robot>\n<link/></robot>")
+    with pytest.raises(slipstream.InputError, match="robot.urdf:2: <link> has no name; add"):
+        slipstream.Recording.from_arrays({"r1": driven()}, robot=urdf)
+
+
 def driven(right=1.0, left=1.0, seconds=60.0):
     """Wheels and poses of a robot on a curvy way whose wheels are these multiples of 0.1 m; its half track is 0.2 m."""
     t = numpy.arange(0.0, seconds, 0.02)

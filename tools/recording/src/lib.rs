@@ -4,7 +4,8 @@
 //! [`read`] reads any form into a [`Recording`]; [`write_folder`] and [`write_mcap`] write it. [`read_spooled`]
 //! reads recordings that are too long for the memory.
 //! [`check()`](check()) finds errors of a recording, [`compare()`](compare()) puts it next to a simulation, [`run_writer`]
-//! records a run while it happens, and [`robot_toml`] reads and writes robot models.
+//! records a run while it happens, [`robot_toml`] reads and writes robot models, and [`robot_file`] reads them from
+//! other descriptions, too.
 //!
 //! A folder of CSV files, read, examined and written as MCAP:
 //!
@@ -69,12 +70,14 @@ mod mcap_file;
 mod open;
 pub mod output;
 pub mod recording;
+pub mod robot_file;
 mod ros;
 mod rows;
 pub mod run_writer;
 mod table;
 mod toml_files;
 mod topics;
+mod yaml;
 
 pub use bag::Loss;
 pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, faults};

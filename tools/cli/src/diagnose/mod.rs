@@ -38,8 +38,9 @@ pub(crate) struct Arguments {
     /// the model leaves out
     #[arg(long, value_name = "OTHER", num_args = 1..)]
     against: Vec<PathBuf>,
-    /// Robot model for all robots, or for the robot NAME [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE.toml")]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
+    /// one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE")]
     robot: Vec<String>,
     #[command(flatten)]
     reading: Reading,

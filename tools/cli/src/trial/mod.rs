@@ -67,8 +67,8 @@ pub(crate) struct Arguments {
     on: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// Robot model of that recording [default: the one in the recording]
-    #[arg(long, value_name = "[NAME=]FILE.toml", requires = "on")]
+    /// Robot model of that recording: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    #[arg(long, value_name = "[NAME=]FILE", requires = "on")]
     robot: Vec<String>,
     /// Score existing recordings instead: their labels, in the folder of the recordings
     #[arg(long, value_name = "FILE.toml")]

@@ -6,7 +6,7 @@ use slipstream_agents::Node;
 use slipstream_bus::experiment::Settings;
 use slipstream_bus::message::robot_name;
 use slipstream_bus::{Experiment, InputError, RobotModel, RobotSetup};
-use slipstream_recording::robot_toml;
+use slipstream_recording::robot_file;
 
 use super::key_tree::KeyTree;
 
@@ -74,7 +74,7 @@ pub(super) fn check(
 }
 
 fn read_model(path: &Path) -> Result<RobotModel, InputError> {
-    robot_toml::read(path).map_err(|error| match error {
+    robot_file::read_model(path).map_err(|error| match error {
         slipstream_recording::Error::Input(error) => error,
         other => InputError::file(path, other.to_string(), "check the file"),
     })

@@ -3,12 +3,13 @@
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use slipstream_bus::InputError;
 
 use super::item::Visit;
 use super::loss::Loss;
 use super::source::{Bag, BagFile};
+use crate::toml_files::read_text;
+use crate::yaml::{self, Node, Value};
 
 /// Name of the description in the folder.
 const METADATA: &str = "metadata.yaml";
@@ -89,34 +90,26 @@ impl Bag for BagFolder {
     }
 }
 
-/// What is needed of `metadata.yaml`.
-#[derive(Deserialize)]
-struct Metadata {
-    rosbag2_bagfile_information: Information,
-}
-
-#[derive(Deserialize)]
-struct Information {
-    #[serde(default)]
-    relative_file_paths: Vec<PathBuf>,
-}
-
 /// The file names in a description. Early versions of rosbag2 wrote the folder before them.
 fn names_in(metadata: &Path) -> Result<Vec<String>, InputError> {
-    let text = std::fs::read_to_string(metadata);
-    let text = text.map_err(|e| InputError::unreadable(metadata, &e))?;
-    let parsed: Result<Metadata, _> = serde_saphyr::from_str(&text);
-    let parsed = parsed.map_err(|error| {
-        let text = error.to_string();
-        let problem = text.lines().next().unwrap_or("is not YAML").to_owned();
+    let documents = yaml::parse(&read_text(metadata)?, metadata)?;
+    let information = documents
+        .first()
+        .and_then(|root| root.get("rosbag2_bagfile_information"));
+    let files = information.and_then(|own| own.get("relative_file_paths"));
+    let Some(Value::List(files)) = files.map(|files| &files.value) else {
+        let problem = "has no rosbag2_bagfile_information.relative_file_paths";
         let remedy = "delete the file: the bag files of the folder are then read by their names";
-        InputError::file(metadata, problem, remedy)
-    })?;
-    let paths = parsed.rosbag2_bagfile_information.relative_file_paths;
-    let names = paths.iter().filter_map(|path| path.file_name());
-    Ok(names
-        .map(|name| name.to_string_lossy().into_owned())
-        .collect())
+        return Err(InputError::file(metadata, problem, remedy));
+    };
+    let name = |node: &Node| match &node.value {
+        Value::Scalar { text, .. } => {
+            let name = Path::new(text).file_name();
+            name.map(|name| name.to_string_lossy().into_owned())
+        }
+        _ => None,
+    };
+    Ok(files.iter().filter_map(name).collect())
 }
 
 /// The bag files in a folder, by their numbers.

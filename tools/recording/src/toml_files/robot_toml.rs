@@ -177,21 +177,9 @@ pub fn to_text(model: &RobotModel) -> String {
     write_body(&mut text, &model.robot);
     if let Some(motor) = &model.motor {
         text.push_str("[motor]\n");
-        write_line(
-            &mut text,
-            MOTOR_KEYS[0],
-            &toml_number(motor.nominal_voltage_v),
-        );
-        write_line(
-            &mut text,
-            MOTOR_KEYS[1],
-            &toml_number(motor.no_load_speed_rad_s),
-        );
-        write_line(
-            &mut text,
-            MOTOR_KEYS[2],
-            &toml_number(motor.stall_torque_nm),
-        );
+        for (key, value) in MOTOR_KEYS.into_iter().zip(motor_values(motor)) {
+            write_line(&mut text, key, &number(value));
+        }
     }
     if let Some(encoder) = &model.encoder {
         text.push_str("[encoder]\n");
@@ -210,6 +198,15 @@ pub fn to_text(model: &RobotModel) -> String {
 
 /// Writes the known keys of `[robot]`.
 fn write_body(text: &mut String, body: &Body) {
+    for (key, value) in BODY_KEYS.into_iter().zip(body_values(body)) {
+        if let Some(value) = value {
+            write_line(text, key, &number(value));
+        }
+    }
+}
+
+/// The values of `[robot]`, in the order of [`BODY_KEYS`].
+fn body_values(body: &Body) -> [Option<f64>; 10] {
     let Body {
         body_mass_kg,
         body_yaw_inertia_kg_m2,
@@ -222,7 +219,7 @@ fn write_body(text: &mut String, body: &Body) {
         com_to_caster_m,
         com_height_m,
     } = *body;
-    let values = [
+    [
         body_mass_kg,
         body_yaw_inertia_kg_m2,
         wheel_mass_kg,
@@ -233,12 +230,55 @@ fn write_body(text: &mut String, body: &Body) {
         com_to_axle_m,
         com_to_caster_m,
         com_height_m,
-    ];
-    for (key, value) in BODY_KEYS.into_iter().zip(values) {
-        if let Some(value) = value {
-            write_line(text, key, &toml_number(value));
+    ]
+}
+
+/// The value of a key of `[robot]` that a model may leave out.
+pub(crate) fn body_value_mut<'a>(body: &'a mut Body, key: &str) -> Option<&'a mut Option<f64>> {
+    Some(match key {
+        "body_mass_kg" => &mut body.body_mass_kg,
+        "body_yaw_inertia_kg_m2" => &mut body.body_yaw_inertia_kg_m2,
+        "wheel_mass_kg" => &mut body.wheel_mass_kg,
+        "wheel_spin_inertia_kg_m2" => &mut body.wheel_spin_inertia_kg_m2,
+        "wheel_yaw_inertia_kg_m2" => &mut body.wheel_yaw_inertia_kg_m2,
+        "com_to_axle_m" => &mut body.com_to_axle_m,
+        "com_to_caster_m" => &mut body.com_to_caster_m,
+        "com_height_m" => &mut body.com_height_m,
+        _ => return None,
+    })
+}
+
+/// All numbers of a model, in the order of writing: those of `[robot]` by their key, others with the name of
+/// their table.
+pub(crate) fn numbers(model: &RobotModel) -> Vec<(String, f64)> {
+    let body = BODY_KEYS.into_iter().zip(body_values(&model.robot));
+    let known = body.filter_map(|(key, value)| Some((key.to_owned(), value?)));
+    let mut numbers: Vec<(String, f64)> = known.collect();
+    if let Some(motor) = &model.motor {
+        let values = motor_values(motor).into_iter().zip(MOTOR_KEYS);
+        numbers.extend(values.map(|(value, key)| (format!("motor.{key}"), value)));
+    }
+    if let Some(encoder) = &model.encoder {
+        let counts = f64::from(encoder.counts_per_rev);
+        numbers.push(("encoder.counts_per_rev".to_owned(), counts));
+    }
+    for effect in &model.effects {
+        for (name, value) in &effect.parameters {
+            if let Parameter::Number(value) = value {
+                numbers.push((format!("effects.{}.{name}", effect.effect), *value));
+            }
         }
     }
+    numbers
+}
+
+/// The values of `[motor]`, in the order of [`MOTOR_KEYS`].
+fn motor_values(motor: &Motor) -> [f64; 3] {
+    [
+        motor.nominal_voltage_v,
+        motor.no_load_speed_rad_s,
+        motor.stall_torque_nm,
+    ]
 }
 
 /// Writes effects in the order of their first occurrence; an effect that occurs several times becomes
@@ -266,7 +306,7 @@ fn inline_table(effect: &EffectSpec) -> String {
         .parameters
         .iter()
         .map(|(name, value)| match value {
-            Parameter::Number(value) => format!("{} = {}", toml_key(name), toml_number(*value)),
+            Parameter::Number(value) => format!("{} = {}", toml_key(name), number(*value)),
             Parameter::Text(value) => {
                 format!(
                     "{} = {}",
@@ -275,7 +315,7 @@ fn inline_table(effect: &EffectSpec) -> String {
                 )
             }
             Parameter::List(values) => {
-                let values: Vec<String> = values.iter().copied().map(toml_number).collect();
+                let values: Vec<String> = values.iter().copied().map(number).collect();
                 format!("{} = [{}]", toml_key(name), values.join(", "))
             }
         })
@@ -289,7 +329,7 @@ fn write_line(text: &mut String, key: &str, value: &str) {
 }
 
 /// The shortest text that parses to the same number.
-fn toml_number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     toml::Value::Float(value).to_string()
 }
 

@@ -1,3 +1,5 @@
+use slipstream_recording::robot_file;
+
 use super::*;
 use crate::answer::fixture::finding;
 
@@ -88,4 +90,50 @@ fn what_was_found_is_a_multiplier_or_a_comment() {
 fn a_number_is_a_float_to_yaml() {
     assert_eq!(float("1"), "1.0");
     assert_eq!(float("0.21"), "0.21");
+}
+
+/// The model that a controller with this calibration has.
+fn read_back(text: &str) -> RobotModel {
+    let described = robot_file::parse(text, std::path::Path::new("calibration.yaml"));
+    described.unwrap().model().unwrap()
+}
+
+#[test]
+fn the_calibration_of_nothing_is_read_as_the_nominal_lengths() {
+    let (nominal, read) = (RobotModel::default(), read_back(&calibrated(&[])));
+    assert_eq!(read.robot.wheel_radius_m, nominal.robot.wheel_radius_m);
+    assert_eq!(read.robot.half_track_m, nominal.robot.half_track_m);
+    assert_eq!(read.effects, []);
+}
+
+/// Radii of right and left wheel, and half of the track (m), all effects counted.
+fn true_lengths(model: &RobotModel) -> [f64; 3] {
+    let scale = |effect, name| number(model, effect, name).unwrap_or(1.0);
+    let radius = |name| model.robot.wheel_radius_m * scale("wheel_radius", name);
+    let half_track = model.robot.half_track_m * scale("track_width", "scale");
+    [radius("right_scale"), radius("left_scale"), half_track]
+}
+
+#[test]
+fn a_calibration_is_read_as_the_wheels_and_the_track_that_were_found() {
+    let alike: [(&str, f64, f64); 2] = [("right_scale", 0.957, 2e-3), ("left_scale", 0.957, 2e-3)];
+    let apart = [("right_scale", 0.9571, 2e-3), ("left_scale", 1.0313, 2e-3)];
+    for scales in [alike, apart] {
+        let track = ("track_width", &[("scale", 1.45, 0.02)][..]);
+        let read = read_back(&calibrated(&[("wheel_radius", &scales), track]));
+        let mut found = RobotModel::default().with("track_width", &[("scale", 1.45)]);
+        found = found.with(
+            "wheel_radius",
+            &scales.map(|(name, value, _)| (name, value)),
+        );
+        for (own, expected) in true_lengths(&read).into_iter().zip(true_lengths(&found)) {
+            assert!(
+                (own / expected - 1.0).abs() < 1e-14,
+                "{own} where {expected} is right"
+            );
+        }
+        // What both wheels have in common is a length of the model, not an effect.
+        assert_eq!(number(&read, "track_width", "scale"), None);
+        assert_eq!(read.effects.len(), usize::from(scales == apart));
+    }
 }

@@ -1,0 +1,107 @@
+//! The text of a file, and which kind of description it is.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use slipstream_bus::InputError;
+
+use super::described::Kind;
+
+/// Largest file that is read (bytes). The largest robots have a few hundred kilobytes.
+const MAX_BYTES: u64 = 4 << 20;
+
+/// Reads a text of bounded size.
+///
+/// # Errors
+/// If the file cannot be read, is not UTF-8 or is too large.
+pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
+    let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
+    let file = std::fs::File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    let read = file.take(MAX_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(unreadable)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let problem = format!("has more than {MAX_BYTES} bytes, too many for a robot");
+        let remedy = "give a robot.toml, a URDF or the YAML of a diff_drive_controller";
+        return Err(InputError::file(path, problem, remedy));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let before = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count() as u64;
+        InputError::file(path, "is not UTF-8", "save it as UTF-8").at(line)
+    })
+}
+
+/// The kind of a text, from its first line that says something. Where that could be anything, the ending of
+/// the file's name decides.
+pub(super) fn kind(text: &str, path: &Path) -> Kind {
+    let text = text.trim_start_matches('\u{feff}');
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#'));
+    let first = first.unwrap_or_default();
+    let ends_with = |endings: &[&str]| {
+        let extension = path.extension().and_then(|extension| extension.to_str());
+        extension.is_some_and(|own| {
+            endings
+                .iter()
+                .any(|ending| own.eq_ignore_ascii_case(ending))
+        })
+    };
+    if first.starts_with('<') || (first.is_empty() && ends_with(&["urdf", "xml"])) {
+        Kind::Urdf
+    } else if is_yaml(first) || ends_with(&["yaml", "yml"]) {
+        Kind::ControllerYaml
+    } else {
+        Kind::RobotToml
+    }
+}
+
+/// Whether a first line is one of YAML: in TOML it is a table or has a `=`.
+fn is_yaml(line: &str) -> bool {
+    let begins = ["---", "%YAML", "{", "- "];
+    let key = line.split(['=', '[']).next().unwrap_or_default();
+    begins.iter().any(|begin| line.starts_with(begin)) || key.contains(':')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_content_tells_the_kind() {
+        let of = |text: &str| kind(text, Path::new("robot"));
+        assert_eq!(of("\u{feff}<?xml version=\"1.0\"?>\n<robot/>"), Kind::Urdf);
+        assert_eq!(of("# robot\nformat = 1\n"), Kind::RobotToml);
+        assert_eq!(of("[robot]\n"), Kind::RobotToml);
+        assert_eq!(of("x = \"a: b\"\n"), Kind::RobotToml);
+        assert_eq!(of(""), Kind::RobotToml);
+        assert_eq!(of("---\na: 1\n"), Kind::ControllerYaml);
+        assert_eq!(of("# a = 1\ncontroller:\n  x: 1\n"), Kind::ControllerYaml);
+        assert_eq!(of("wheels: [a, b]\n"), Kind::ControllerYaml);
+    }
+
+    #[test]
+    fn the_ending_decides_where_the_content_does_not() {
+        assert_eq!(kind("", Path::new("a.urdf")), Kind::Urdf);
+        assert_eq!(kind("nothing", Path::new("a.YAML")), Kind::ControllerYaml);
+        assert_eq!(kind("<robot/>", Path::new("a.yaml")), Kind::Urdf);
+        assert_eq!(kind("a:\n", Path::new("a.toml")), Kind::ControllerYaml);
+    }
+
+    #[test]
+    fn a_file_that_is_too_large_or_no_text_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("robot.urdf");
+        let error = |content: &[u8]| {
+            std::fs::write(&file, content).unwrap();
+            read_text(&file).unwrap_err()
+        };
+        assert!(
+            error(&vec![b' '; (4 << 20) + 1])
+                .problem
+                .starts_with("has more than")
+        );
+        let latin = error(b"<robot>\n<link name=\"r\xe4der\"/>");
+        assert_eq!((latin.line, &*latin.problem), (Some(2), "is not UTF-8"));
+    }
+}

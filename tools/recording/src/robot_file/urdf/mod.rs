@@ -1,0 +1,63 @@
+//! URDF: links and joints as XML. Meshes are never opened.
+
+mod frames;
+mod masses;
+mod parts;
+mod radius;
+mod transform;
+mod wheels;
+
+use std::path::Path;
+
+use slipstream_bus::InputError;
+
+use self::frames::Frames;
+use self::parts::Parts;
+use self::wheels::Wheels;
+use super::described::{Described, Kind};
+use super::xml::{self, Element};
+
+/// Describes the robot of a URDF.
+///
+/// # Errors
+/// If the text is no XML or no URDF, has macros that are not expanded, or a value that is malformed or physically
+/// impossible.
+pub(super) fn describe(text: &str, path: &Path) -> Result<Described, InputError> {
+    let text = text.trim_start_matches('\u{feff}');
+    let document = xml::parse(text, path)?;
+    let root = Element::root(&document, path)?;
+    if root.name() != "robot" {
+        let problem = format!("has <{}> where a URDF has <robot>", root.name());
+        return Err(root.error(problem, "give the URDF of a robot"));
+    }
+    let parts = Parts::read(root)?;
+    let frames = Frames::of(&parts)
+        .ok_or_else(|| root.error("has no <link>", "give the URDF of a robot"))?;
+    let mut described = Described::new(Kind::Urdf, path);
+    let base = parts.name(frames.base);
+    if base != "base_link" {
+        described.note(format!(
+            "No link is called base_link: x of {base} counts as forward, y as left"
+        ));
+    }
+    let wheels = Wheels::find(&parts, &frames, &mut described)
+        .map_err(|problem| root.error(problem, "give the URDF of one robot"))?;
+    radius::take(&parts, &frames, &wheels, &mut described)?;
+    wheels.take_track(&mut described);
+    let described = described.checked()?;
+    with_masses(&parts, &frames, &wheels, described)
+}
+
+/// Adds masses to a description whose lengths are known and possible.
+fn with_masses(
+    parts: &Parts<'_>,
+    frames: &Frames,
+    wheels: &Wheels<'_>,
+    mut described: Described,
+) -> Result<Described, InputError> {
+    if let Ok(model) = described.model() {
+        let lengths = [model.robot.wheel_radius_m, model.robot.half_track_m];
+        masses::take(parts, frames, wheels, lengths, &mut described)?;
+    }
+    described.checked()
+}
