@@ -1,7 +1,7 @@
 //! One recording in every form, written by other programs, and damaged forms of it: all whole ones are the same
 //! recording, and of damaged ones everything is read that there is.
 
-#![expect(clippy::panic, reason = "helpers of tests")]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "external/python.rs"]
 mod python;
