@@ -115,3 +115,30 @@ fn every_page_of_the_site_is_in_its_summary() {
         .collect();
     assert_eq!(pages, listed, "pages in docs, and pages in docs/SUMMARY.md");
 }
+
+#[test]
+fn everything_that_the_container_copies_exists() {
+    let text = std::fs::read_to_string(root().join("Containerfile")).unwrap();
+    let ignored = std::fs::read_to_string(root().join(".dockerignore")).unwrap();
+    let copies = text.lines().filter_map(|line| line.strip_prefix("COPY "));
+    let mut copied = BTreeSet::new();
+    for copy in copies.filter(|copy| !copy.starts_with("--from")) {
+        let mut paths: Vec<&str> = copy.split_whitespace().collect();
+        paths.pop();
+        copied.extend(paths);
+    }
+    for path in &copied {
+        assert!(root().join(path).exists(), "Containerfile: no {path}");
+        let is_ignored = ignored.lines().any(|line| line == *path);
+        assert!(!is_ignored, ".dockerignore: the container needs {path}");
+    }
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    for member in manifest["workspace"]["members"].as_array().unwrap() {
+        let folder = member.as_str().unwrap().split('/').next().unwrap();
+        assert!(
+            copied.contains(folder),
+            "Containerfile: {folder} is missing"
+        );
+    }
+}
