@@ -54,3 +54,20 @@ battery:
 # Write the page of real robots, tests/real_robots (some minutes). RECORDINGS: the folder of their recordings.
 real RECORDINGS="../shared/recordings":
     cargo run --release -p slipstream-tests --example real -- {{RECORDINGS}}
+
+# Write the reference in docs/reference from the code, and build the site into target/book if mdbook is there.
+docs:
+    SLIPSTREAM_WRITE_REFERENCE=1 cargo test -q -p slipstream --test reference
+    if command -v mdbook > /dev/null; then mdbook build docs; else echo "no mdbook (cargo install mdbook --locked): no site"; fi
+
+# Licences, known faults, doubles and sources of the dependencies (needs cargo-deny).
+deny:
+    cargo deny check
+
+# Try the upload to crates.io: every package that is published, packed and built from what was packed.
+package:
+    cargo publish --workspace --dry-run --locked
+
+# Build the archives of a release and their hashes into target/dist, from a clean checkout.
+release:
+    .ci/release

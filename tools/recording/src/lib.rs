@@ -62,6 +62,7 @@ mod compare;
 mod csv_folder;
 mod decode;
 mod error;
+mod field;
 mod foreign_bag;
 mod foreign_csv;
 mod import;
@@ -84,6 +85,7 @@ pub use check::{Finding, Report, RobotReport, Severity, StreamReport, check, fau
 pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
+pub use field::Field;
 pub use foreign_bag::TopicMap;
 pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
@@ -95,5 +97,5 @@ pub use open::{Map, draft_map, read, read_mapped, read_mapped_from, read_spooled
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;
-pub use table::StreamKind;
+pub use table::{ColumnSet, LINKS, ROUND_TRIPS, StreamKind, TIME};
 pub use toml_files::{recording_toml, robot_toml};

@@ -166,8 +166,8 @@ impl ColumnMap {
 
 fn parse_stream(robot: &str, kind: StreamKind, entry: &Entry<'_>) -> Parsed<StreamEntry> {
     let section = entry.section()?;
-    let own = kind.column_sets().iter().flat_map(|set| set.names);
-    let mut keys: Vec<&str> = own.copied().collect();
+    let own = kind.column_sets().iter().flat_map(|set| set.names());
+    let mut keys: Vec<&str> = own.collect();
     keys.extend(STREAM_KEYS);
     section.allow_only(&keys)?;
     let has_header = match section.get("header") {
@@ -183,7 +183,7 @@ fn parse_stream(robot: &str, kind: StreamKind, entry: &Entry<'_>) -> Parsed<Stre
     let present: Vec<&'static str> = columns.iter().map(|(name, _)| *name).collect();
     let set = ColumnSet::choose(kind, &present)
         .map_err(|(problem, remedy)| entry.error(problem, remedy))?;
-    let order = |name: &&str| set.names.iter().position(|known| known == name);
+    let order = |name: &&str| set.names().position(|known| known == *name);
     columns.sort_by_key(|(name, _)| order(name));
     Ok(StreamEntry {
         robot: robot.to_owned(),

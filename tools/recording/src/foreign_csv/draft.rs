@@ -169,7 +169,10 @@ pub(crate) fn draft(path: &Path) -> Result<String> {
         .into_iter()
         .filter(|kind| !known.contains(kind))
     {
-        let sets = kind.column_sets().iter().map(|set| set.names.join(", "));
+        let sets = kind
+            .column_sets()
+            .iter()
+            .map(|set| set.names().collect::<Vec<_>>().join(", "));
         let sets: Vec<String> = sets.collect();
         let _ = writeln!(
             text,

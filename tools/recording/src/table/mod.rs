@@ -13,9 +13,9 @@ mod view;
 
 pub(crate) use cells::{Cells, number_at, total_order};
 pub(crate) use columns::Table;
-pub(crate) use kind::ColumnSet;
-pub use kind::StreamKind;
+pub use kind::{ColumnSet, StreamKind, TIME};
 pub(crate) use limits::{OutOfRange, is_time, out_of_range};
 pub(crate) use links::{LINK_COLUMNS, LINK_POSE_COLUMNS, ROUND_TRIP_COLUMNS, link_columns};
+pub use links::{LINKS, ROUND_TRIPS};
 pub(crate) use message_blocks::{link_block, round_trip_block};
 pub(crate) use view::TableView;

@@ -6,12 +6,70 @@ use slipstream_bus::InputError;
 use toml::{Table, Value};
 
 use super::document::{Entry, Section, TomlFile};
+use crate::field::{Field, names};
 use crate::recording::{ImuKind, Noise, PosePoint, Recording, Robot, is_robot_name};
 
 /// Keys of the root table.
-const TOP_KEYS: [&str; 5] = ["format", "name", "origin", "same_robot", "robots"];
+pub const FILE: [Field; 5] = [
+    Field::new("format", "", "Version of the format: 1. Required."),
+    Field::new(
+        "name",
+        "",
+        "Name of the recording [default: that of the folder].",
+    ),
+    Field::new("origin", "", "Who or what made it."),
+    Field::new(
+        "same_robot",
+        "",
+        "`true` if the folders are runs of one machine, not several machines [default: `false`].",
+    ),
+    Field::new(
+        "robots",
+        "",
+        "One table for each folder of a robot, `[robots.NAME]`.",
+    ),
+];
 /// Keys of a robot's table.
-const ROBOT_KEYS: [&str; 4] = ["encoder_counts_per_rev", "pose_point", "imu", "noise"];
+pub const ROBOT: [Field; 4] = [
+    Field::new(
+        "encoder_counts_per_rev",
+        "counts",
+        "Counts in one revolution of the wheel, where wheels.csv holds ticks. Wins over robot.toml, with a warning.",
+    ),
+    Field::new(
+        "pose_point",
+        "",
+        "Point that pose.csv tracks: `\"centre_of_mass\"` or `\"axle\"`, the middle of the axle.",
+    ),
+    Field::new(
+        "imu",
+        "",
+        "What imu.csv holds: `\"specific_force\"`, which contains gravity on a slope, or `\"acceleration\"`.",
+    ),
+    Field::new(
+        "noise",
+        "",
+        "Standard deviations of the sensors, `[robots.NAME.noise]`. What is not given is estimated.",
+    ),
+];
+/// Keys of a robot's noise table, one standard deviation each, in the order of the fields of [`Noise`].
+pub const NOISE: [Field; 7] = [
+    Field::new("pose_m", "m", "Position in pose.csv, each axis."),
+    Field::new("pose_rad", "rad", "Heading in pose.csv."),
+    Field::new("imu_m_s2", "m/s²", "Acceleration in imu.csv, each axis."),
+    Field::new("imu_rad_s", "rad/s", "Turn rate in imu.csv."),
+    Field::new(
+        "wheel_rad",
+        "rad",
+        "Angle in wheels.csv. Ticks have that of rounding, 1/√12 counts, besides.",
+    ),
+    Field::new("odometry_m_s", "m/s", "Speed in odometry.csv."),
+    Field::new("odometry_rad_s", "rad/s", "Turn rate in odometry.csv."),
+];
+
+const TOP_KEYS: [&str; 5] = names(&FILE);
+const ROBOT_KEYS: [&str; 4] = names(&ROBOT);
+const NOISE_KEYS: [&str; 7] = names(&NOISE);
 
 type ParseResult<T> = Result<T, InputError>;
 
@@ -146,17 +204,6 @@ fn parse_noise(section: &Section<'_>) -> ParseResult<Noise> {
         odometry_rad_s,
     })
 }
-
-/// Keys of a robot's noise table, in the order of the fields of [`Noise`].
-const NOISE_KEYS: [&str; 7] = [
-    "pose_m",
-    "pose_rad",
-    "imu_m_s2",
-    "imu_rad_s",
-    "wheel_rad",
-    "odometry_m_s",
-    "odometry_rad_s",
-];
 
 /// The table without the keys that the format defines.
 fn without(table: &Table, known: &[&str]) -> Table {

@@ -29,29 +29,69 @@ use toml::de::DeValue;
 
 use super::document::{Entry, Section, TomlFile, read_text};
 use crate::error::Result;
+use crate::field::{Field, names};
 use crate::output::write_file;
 
 /// Keys of the root table.
-const TOP_KEYS: [&str; 5] = ["format", "robot", "motor", "encoder", "effects"];
+pub const FILE: [Field; 5] = [
+    Field::new("format", "", "Version of the format: 1."),
+    Field::new("robot", "", "Masses, inertias and lengths."),
+    Field::new(
+        "motor",
+        "",
+        "The motor of each wheel. Needed for voltage commands.",
+    ),
+    Field::new(
+        "encoder",
+        "",
+        "The encoder of each wheel. Needed where wheels are recorded as ticks.",
+    ),
+    Field::new(
+        "effects",
+        "",
+        "Physics beyond pure rolling. What is not listed, the model leaves out.",
+    ),
+];
 /// Keys of `[robot]`, in the order of writing.
-const BODY_KEYS: [&str; 10] = [
-    "body_mass_kg",
-    "body_yaw_inertia_kg_m2",
-    "wheel_mass_kg",
-    "wheel_spin_inertia_kg_m2",
-    "wheel_yaw_inertia_kg_m2",
-    "wheel_radius_m",
-    "half_track_m",
-    "com_to_axle_m",
-    "com_to_caster_m",
-    "com_height_m",
+pub const BODY: [Field; 10] = [
+    Field::new("body_mass_kg", "kg", "Mass of the body, without its wheels.").symbol("m_r"),
+    Field::new("body_yaw_inertia_kg_m2", "kg m²", "Yaw inertia of the body about its centre of mass.").symbol("I_rz"),
+    Field::new("wheel_mass_kg", "kg", "Mass of one wheel, on the axle.").symbol("m_w"),
+    Field::new("wheel_spin_inertia_kg_m2", "kg m²", "Inertia of one wheel about the axle.").symbol("I_wy"),
+    Field::new("wheel_yaw_inertia_kg_m2", "kg m²", "Inertia of one wheel about its vertical.").symbol("I_wz"),
+    Field::new("wheel_radius_m", "m", "Rolling radius of each driven wheel. Required.").symbol("r"),
+    Field::new("half_track_m", "m", "Half of the distance between the driven wheels. Required.").symbol("b"),
+    Field::new("com_to_axle_m", "m", "Distance from the centre of mass back to the axle. Without it, pose.csv tracks the middle of the axle.").symbol("d"),
+    Field::new("com_to_caster_m", "m", "Distance from the centre of mass forward to the contact of the caster.").symbol("e"),
+    Field::new("com_height_m", "m", "Height of the centre of mass above the floor.").symbol("h"),
 ];
 /// Keys of `[motor]`, in the order of writing.
-const MOTOR_KEYS: [&str; 3] = [
-    "nominal_voltage_v",
-    "no_load_speed_rad_s",
-    "stall_torque_nm",
+pub const MOTOR: [Field; 3] = [
+    Field::new("nominal_voltage_v", "V", "Nominal voltage.").symbol("V_nominal"),
+    Field::new(
+        "no_load_speed_rad_s",
+        "rad/s",
+        "Speed of the wheel without load at the nominal voltage.",
+    )
+    .symbol("ω_0"),
+    Field::new(
+        "stall_torque_nm",
+        "N m",
+        "Torque at the wheel that stands, at the nominal voltage.",
+    )
+    .symbol("τ_stall"),
 ];
+/// Keys of `[encoder]`.
+pub const ENCODER: [Field; 1] = [Field::new(
+    "counts_per_rev",
+    "counts",
+    "Counts in one revolution of the wheel.",
+)];
+
+const TOP_KEYS: [&str; 5] = names(&FILE);
+const BODY_KEYS: [&str; 10] = names(&BODY);
+const MOTOR_KEYS: [&str; 3] = names(&MOTOR);
+const ENCODER_KEYS: [&str; 1] = names(&ENCODER);
 
 /// Reads a model from a file.
 ///
@@ -120,7 +160,7 @@ fn parse_motor(section: &Section<'_>) -> std::result::Result<Motor, InputError> 
 }
 
 fn parse_encoder(section: &Section<'_>) -> std::result::Result<Encoder, InputError> {
-    section.allow_only(&["counts_per_rev"])?;
+    section.allow_only(&ENCODER_KEYS)?;
     Ok(Encoder {
         counts_per_rev: section.require("counts_per_rev")?.counts_per_rev()?,
     })
