@@ -6,7 +6,7 @@ use crate::markdown::{code, head, table};
 use crate::root;
 
 /// Commands whose answers have a schema, in the order of the page.
-const COMMANDS: [&str; 7] = [
+const COMMANDS: [&str; 8] = [
     "check",
     "diagnose",
     "trial",
