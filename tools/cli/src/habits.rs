@@ -1,5 +1,6 @@
 //! Options that every command has: how much is printed, and whether files may be replaced.
 
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, Args};
@@ -20,7 +21,8 @@ pub(crate) struct Habits {
     /// Show no progress
     #[arg(long, global = true)]
     no_progress: bool,
-    /// Replace files that exist
+    /// Replace files that exist. Without it, only an earlier answer or page of slipstream is replaced, which the same
+    /// command writes again
     #[arg(long, global = true)]
     force: bool,
 }
@@ -57,7 +59,9 @@ impl Habits {
             return Ok(());
         }
         for id in OUTPUTS {
-            if let Some(file) = output(command, id).filter(|file| is_taken(file)) {
+            if let Some(file) =
+                output(command, id).filter(|file| is_taken(file) && !is_own_answer(file))
+            {
                 let place = format!("--{} {}", id.replace('_', "-"), file.display());
                 let remedy = "give another name, or --force to replace it";
                 return Err(InputError::new(place, "exists", remedy).into());
@@ -92,6 +96,15 @@ fn output<'a>(matches: &'a ArgMatches, id: &str) -> Option<&'a PathBuf> {
 /// Whether a file has content that would be lost. Devices, pipes and empty files have none.
 fn is_taken(file: &Path) -> bool {
     std::fs::metadata(file).is_ok_and(|metadata| metadata.is_file() && metadata.len() > 0)
+}
+
+/// Whether a file is an answer or a page that slipstream wrote, by its first bytes.
+fn is_own_answer(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(file).and_then(|own| own.take(300).read_to_end(&mut head));
+    let head = String::from_utf8_lossy(&head);
+    let is_answer = head.starts_with("{\n  \"format\": 1,");
+    read.is_ok() && (is_answer || head.contains("<meta name=\"generator\" content=\"slipstream"))
 }
 
 /// A name like `default` that no file has yet: `run.mcap`, `run-2.mcap`, and so on.

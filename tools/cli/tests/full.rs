@@ -214,6 +214,8 @@ fn the_second_of_two_runs_with_one_recording_is_refused() {
             "duration_s=1.5",
             "--out",
             "one.mcap",
+            // It permits to replace a recording, not to disturb one.
+            "--force",
         ];
         let runs = [0, 1].map(|_| command(folder.path(), &arguments).spawn().unwrap());
         let outputs = runs.map(|run| run.wait_with_output().unwrap());

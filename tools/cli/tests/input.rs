@@ -220,3 +220,40 @@ fn a_dry_run_shows_every_key_and_its_origin() {
         values(&text)
     );
 }
+
+#[test]
+fn what_slipstream_did_not_write_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| slipstream(folder.path(), arguments).status.code();
+    let single = ["run", "single", "--in-process"];
+    let with = |more: &[&'static str]| [&single[..], more].concat();
+    assert_eq!(
+        run(&with(&["--out", "a.mcap", "--json", "a.json"])),
+        Some(0)
+    );
+    // A recording stays; an answer is written again.
+    assert_eq!(run(&with(&["--out", "a.mcap"])), Some(2));
+    assert_eq!(run(&with(&["--no-recording", "--json", "a.json"])), Some(0));
+    assert_eq!(run(&with(&["--out", "a.mcap", "--force"])), Some(0));
+    std::fs::write(folder.path().join("mine.json"), "{\"mine\": 1}\n").unwrap();
+    assert_eq!(
+        run(&with(&["--no-recording", "--json", "mine.json"])),
+        Some(2)
+    );
+    // Default names are never taken.
+    for name in ["single.mcap", "single-2.mcap"] {
+        assert_eq!(run(&single), Some(0));
+        assert!(folder.path().join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn json_goes_to_standard_output_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = slipstream(folder.path(), &["effects", "push", "--json", "-"]);
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["effects"][0]["id"], "push");
+    let quiet = slipstream(folder.path(), &["effects", "-q"]);
+    assert!(quiet.stdout.is_empty() && quiet.status.success());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -80,7 +80,8 @@ fn commands_that_compute_end_at_once() {
 fn an_interrupted_study_keeps_earlier_results() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("delay.json"), "whole").unwrap();
-    let arguments = ["study", "delay", "--runs", "2000", "--json", "delay.json"];
+    let command = "study delay --runs 2000 --json delay.json --force";
+    let arguments: Vec<&str> = command.split(' ').collect();
     interrupt(folder.path(), &arguments, Duration::from_millis(1500));
     let kept = std::fs::read_to_string(folder.path().join("delay.json")).unwrap();
     assert_eq!(kept, "whole");

@@ -84,7 +84,7 @@ fn recordings_hold_the_same_data() {
     let record = |out: &str, more: &[&str]| {
         run_json(
             folder.path(),
-            &[&["--set", "duration_s=4", "--out", out], more].concat(),
+            &[&["--set", "duration_s=4", "--force", "--out", out], more].concat(),
         );
         let import = slipstream_recording::read(&folder.path().join(out)).unwrap();
         format!("{:?}", import.recording)

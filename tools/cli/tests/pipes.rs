@@ -26,6 +26,7 @@ fn a_closed_pipe_stops_the_output_only() {
         "duration_s=1",
         "--out",
         "a.mcap",
+        "--force",
     ];
     for arguments in [
         &["effects"][..],
