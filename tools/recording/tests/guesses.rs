@@ -1,0 +1,121 @@
+//! What a guess makes of the topics of typical robots.
+
+#[path = "external/python.rs"]
+mod python;
+
+use slipstream_recording::read;
+
+/// The lines of the guessed map of a bag, and its other warnings.
+fn guessed(path: &std::path::Path) -> (Vec<String>, Vec<String>) {
+    let import = read(path).unwrap();
+    let (maps, others): (Vec<String>, _) = import
+        .warnings
+        .into_iter()
+        .partition(|warning| warning.contains("guessed topics"));
+    let lines = maps[0].lines().skip(3).map(str::to_owned);
+    (lines.collect(), others)
+}
+
+#[test]
+fn references_and_own_estimates_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bags");
+    if python::script("write_guesses.py", &[&out]).is_none() {
+        return;
+    }
+    const WHEELS: &str = "wheels = { topic = \"/joint_states\", right = \"wheel_right_joint\", \
+        left = \"wheel_left_joint\", quantity = \"angle\" }";
+    let lines = |name: &str| guessed(&out.join(name)).0;
+    assert_eq!(
+        lines("localised"),
+        [
+            "[robots.\"robot\"]",
+            "command = \"/cmd_vel\"",
+            WHEELS,
+            "odometry = \"/odom\"",
+            "pose = \"/amcl_pose\"",
+        ]
+    );
+    assert_eq!(
+        lines("captured"),
+        [
+            "[robots.\"robot\"]",
+            "command = \"/cmd_vel\"",
+            WHEELS,
+            "pose = \"/vicon/turtle/turtle\"",
+        ]
+    );
+    assert_eq!(
+        lines("transforms"),
+        [
+            "[robots.\"robot\"]",
+            WHEELS,
+            "pose = { topic = \"/tf\", parent = \"optitrack\", frame = \"cart\" }",
+        ]
+    );
+    let simulated = lines("simulated");
+    assert!(
+        simulated.contains(&"pose = \"/ground_truth/state\"".to_owned()),
+        "{simulated:?}"
+    );
+    assert!(
+        simulated.contains(&"odometry = \"/base/odom\"".to_owned()),
+        "{simulated:?}"
+    );
+
+    let (two, notes) = guessed(&out.join("two"));
+    assert_eq!(
+        two.iter()
+            .filter(|line| line.starts_with("[robots"))
+            .count(),
+        2
+    );
+    for robot in ["r1", "r2"] {
+        assert!(
+            two.contains(&format!("pose = \"/vicon/{robot}/pose\"")),
+            "{two:?}"
+        );
+    }
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.starts_with("/vicon/ball/pose: left out")),
+        "{notes:?}"
+    );
+
+    let (skid, notes) = guessed(&out.join("skid"));
+    assert!(
+        skid[1].contains("right = [\"front_right_wheel\", \"rear_right_wheel\"]"),
+        "{skid:?}"
+    );
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("4 wheels: the right side is the mean of")),
+        "{notes:?}"
+    );
+    let import = read(&out.join("skid")).unwrap();
+    let wheels = import.recording.robots[0].wheels.as_ref().unwrap();
+    assert_eq!(wheels.t_s.len(), 40);
+}
+
+#[test]
+fn messages_without_a_stamp_are_moved_onto_the_clock_of_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bags");
+    if python::script("write_guesses.py", &[&out]).is_none() {
+        return;
+    }
+    let import = read(&out.join("simulated")).unwrap();
+    let warnings = import.warnings.join("\n");
+    assert!(
+        warnings.contains("40 messages without a stamp are moved"),
+        "{warnings}"
+    );
+    let robot = &import.recording.robots[0];
+    let (command, wheels) = (
+        robot.command.as_ref().unwrap(),
+        robot.wheels.as_ref().unwrap(),
+    );
+    assert_eq!(command.t_s[3], wheels.t_s[3]);
+}
