@@ -26,6 +26,8 @@ def diagnose(
     against: Union[Source, Sequence[Source]] = (),
     without: Sequence[str] = (),
     exclude_time: Sequence[Tuple[float, float]] = (),
+    topics: Optional[Union[str, "PathLike[str]"]] = None,
+    columns: Optional[Union[str, "PathLike[str]"]] = None,
     report: bool = False,
 ) -> Diagnosis:
     """Finds what a robot model lacks, from a recording.
@@ -34,14 +36,14 @@ def diagnose(
     of a robot.toml, a URDF or the YAML of a diff_drive_controller, a mapping with the tables of a robot.toml, or a mapping of such
     by the names of the robots; without it, the model of the recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
     and not what the model lacks. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
-    times (s). With `report`, the evidence of the page is computed as well.
+    times (s). `topics` is the path of a map of a bag's topics, `columns` of a map of the columns of CSV files. With `report`, the evidence of the page is computed as well.
 
     Raises `InputError` with `place`, `problem` and `remedy` when something cannot be used.
     """
     sources, before = _sources(recording), _sources(against)
     inner = _slipstream.diagnose(
-        [_read(own)._inner for own in sources],
-        [_read(own)._inner for own in before],
+        [_read(own, topics, columns)._inner for own in sources],
+        [_read(own, topics, columns)._inner for own in before],
         _models(robot),
         list(without),
         [(float(a), float(b)) for a, b in exclude_time],
@@ -55,8 +57,8 @@ def _sources(given: Union[Source, Sequence[Source]]) -> List[Source]:
     return [given] if isinstance(given, (str, PathLike, Recording)) else list(given)
 
 
-def _read(source: Source) -> Recording:
-    return source if isinstance(source, Recording) else Recording.read(source)
+def _read(source: Source, topics: Any, columns: Any) -> Recording:
+    return source if isinstance(source, Recording) else Recording.read(source, topics=topics, columns=columns)
 
 
 def _models(robot: Optional[Union[Robot, Mapping[str, Robot]]]) -> List[Tuple[Optional[str], str]]:

@@ -31,9 +31,16 @@ class Recording:
         self._inner = inner
 
     @classmethod
-    def read(cls, path: "Union[str, PathLike[str]]") -> "Recording":
-        """Reads a folder of CSV files, an MCAP file or a ROS 2 bag."""
-        return cls(_slipstream.Recording.read(fspath(path)))
+    def read(
+        cls,
+        path: "Union[str, PathLike[str]]",
+        *,
+        topics: "Optional[Union[str, PathLike[str]]]" = None,
+        columns: "Optional[Union[str, PathLike[str]]]" = None,
+    ) -> "Recording":
+        """Reads a folder of CSV files or a bag (MCAP, SQLite, ROS 1); with a map of its topics or columns, if it needs one."""
+        maps = [None if file is None else fspath(file) for file in (topics, columns)]
+        return cls(_slipstream.Recording.read(fspath(path), *maps))
 
     @classmethod
     def from_arrays(

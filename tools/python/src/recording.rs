@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipstream_bus::InputError;
 use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
-use slipstream_recording::{robot_file, robot_toml};
+use slipstream_recording::{ColumnMap, Map, TopicMap, robot_file, robot_toml};
 
 use crate::columns::{self, Columns};
 use crate::errors::{input, of_recording};
@@ -28,10 +28,22 @@ pub(crate) struct Recording {
 
 #[pymethods]
 impl Recording {
-    /// Reads a folder, an MCAP file or a ROS 2 bag.
+    /// Reads a folder of CSV files or a bag; with the path of a map of topics or columns, where one is needed.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let read = py.detach(|| slipstream_recording::read(&path));
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        topics: Option<PathBuf>,
+        columns: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let map = || -> slipstream_recording::Result<Map> {
+            Ok(match (&topics, &columns) {
+                (Some(file), _) => Map::Topics(TopicMap::read(file)?),
+                (_, Some(file)) => Map::Columns(ColumnMap::read(file)?),
+                (None, None) => Map::None,
+            })
+        };
+        let read = py.detach(|| slipstream_recording::read_mapped(&path, &map()?));
         let import = read.map_err(|error| of_recording(py, error))?;
         Ok(Self {
             inner: Arc::new(import.recording),

@@ -1,5 +1,7 @@
 //! CSV files of other programs, read with a map of their columns.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
 use std::path::Path;
 
 use slipstream_recording::recording::Wheels;

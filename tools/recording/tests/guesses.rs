@@ -1,5 +1,7 @@
 //! What a guess makes of the topics of typical robots.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+
 #[path = "external/python.rs"]
 mod python;
 

@@ -304,7 +304,7 @@ impl Machine<'_> {
 
     /// Fits the calibration and the drive.
     fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
-        (task.progress)("wheels against pose and gyro");
+        (task.progress)("comparing wheels with pose and gyro");
         let mut calibration = self.calibrated(&self.nominal, task);
         self.take_dense(&mut calibration);
         let compared = self.machine.has_pose() || self.machine.has_gyro();
@@ -316,7 +316,7 @@ impl Machine<'_> {
                 "record a run with turns both ways and some metres of way",
             ));
         }
-        (task.progress)("commands against wheels");
+        (task.progress)("comparing commands with wheels");
         let drive = self.driven(task);
         if self.drive.is_some() && drive.is_none() {
             warnings.push(self.warning(
@@ -332,7 +332,9 @@ impl Machine<'_> {
         }
         let neutral = self.neutral(&settled);
         if neutral != self.nominal {
-            (task.progress)("wheels against pose and gyro, with encoders as the drive shows them");
+            (task.progress)(
+                "comparing wheels with pose and gyro again, with what the drive tells of the encoders",
+            );
             calibration = self.calibrated(&neutral, task);
             self.take_dense(&mut calibration);
         }
@@ -362,7 +364,7 @@ impl Machine<'_> {
         warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
         let all = self.reading(&fits).fitted();
         let fitted = self.settled(&claims, &all);
-        (task.progress)("predictions over 5 s");
+        (task.progress)("predicting 5 s ahead, with and without the findings");
         let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);
         let errors = self.errors(&folds, &fitted);
         let deviations: Vec<[f64; 6]> = (0..self.machine.runs.len())
@@ -372,7 +374,7 @@ impl Machine<'_> {
             })
             .collect();
         let figures = task.illustrate.map(|first_finding| {
-            (task.progress)("figures");
+            (task.progress)("computing what the page shows");
             pictures::figures(&Scene {
                 robot: self.name,
                 machine: &self.machine,

@@ -126,7 +126,7 @@ impl Selection<'_> {
     }
 
     pub(crate) fn run(&mut self) -> Option<Selected> {
-        (self.progress)("nominal model");
+        (self.progress)("fitting the model as it is");
         let nominal = self.machine.nominal(self.known)?;
         let gain = match self.from(nominal.clone())? {
             Course::Found(selected) => return Some(*selected),
@@ -140,7 +140,7 @@ impl Selection<'_> {
         if nominal.deviance - selected.whole().deviance > gain {
             return Some(*selected);
         }
-        (self.progress)("gusts");
+        (self.progress)("looking for single pushes");
         let push = find("push").map(|info| info.parameters.len());
         let due = self.due_of(push.unwrap_or(1));
         let nominal = self.machine.mark_gusts(nominal, due)?;
@@ -197,7 +197,7 @@ impl Selection<'_> {
     /// A force outside of the catalogue beside `fit`, which loses the effects that are not needed
     /// beside it.
     fn outside(&self, fit: &mut Fit, less: &mut Vec<Option<Fit>>) -> Option<Unknown> {
-        (self.progress)("forces outside of the catalogue");
+        (self.progress)("looking for forces that no effect explains");
         let mut unknown = self.machine.unknown(fit)?;
         // rare gusts, each at a place of its own, look like a force that follows the place
         let gains = self.gains_by_block(fit, &unknown.fit);
@@ -242,7 +242,10 @@ impl Selection<'_> {
         earlier: &mut Vec<Hypothesis>,
     ) -> Option<(Fit, Vec<&'static str>)> {
         let names: Vec<&str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
-        (self.progress)(&format!("effects beside [{}]", names.join(", ")));
+        (self.progress)(&match names.is_empty() {
+            true => "trying every effect".to_owned(),
+            false => format!("trying effects beside {}", names.join(", ")),
+        });
         let mut candidates = self.machine.screened(fit, self.all);
         candidates.retain(|candidate| candidate.gain > GLANCE_GAIN);
         candidates.truncate(REFITTED);
