@@ -1,6 +1,6 @@
 //! What a guess makes of the topics of typical robots.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "external/python.rs"]
 mod python;
