@@ -94,7 +94,7 @@ fn text(described: &Described) -> String {
 
 /// Key, value, unit and source of each value.
 fn table(values: &[Taken]) -> String {
-    let cells = |own: &Taken| [own.key.clone(), own.value.to_string(), own.unit.clone()];
+    let cells = |own: &Taken| [own.key.clone(), short(own.value), own.unit.clone()];
     let rows: Vec<[String; 3]> = values.iter().map(cells).collect();
     let width = |column: usize| {
         let widths = rows.iter().map(|row| row[column].chars().count());
@@ -108,6 +108,12 @@ fn table(values: &[Taken]) -> String {
             format!("{a:key$}  {b:>value$} {c:unit$}  {}\n", own.from)
         })
         .collect()
+}
+
+/// A number with nine digits after the point, without zeros at its end.
+fn short(value: f64) -> String {
+    let text = format!("{value:.9}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// A heading and a list, if the list has any.

@@ -13,20 +13,24 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
+/// Copies a folder with all that is in it.
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+        }
+    }
+}
+
 /// A copy of tests/example in a new folder: recording and model.
 fn example() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let from = root().join("tests/example");
-    std::fs::create_dir_all(folder.path().join("recording/r1")).unwrap();
-    for file in [
-        "robot.toml",
-        "recording/recording.toml",
-        "recording/r1/command.csv",
-        "recording/r1/pose.csv",
-        "recording/r1/wheels.csv",
-    ] {
-        std::fs::copy(from.join(file), folder.path().join(file)).unwrap();
-    }
+    copy(&root().join("tests/example"), folder.path());
     folder
 }
 
@@ -41,32 +45,45 @@ fn words_and_numbers(text: &str) -> (Vec<String>, Vec<f64>) {
     (words, numbers.collect())
 }
 
+/// Runs the commands of a document in a folder, in their order, and compares what they print with what stands below them:
+/// the same words, and about the same numbers. Returns the number of commands.
+fn follow(document: &str, folder: &Path) -> usize {
+    let text = std::fs::read_to_string(root().join(document)).unwrap();
+    let mut commands = 0;
+    let blocks = text.split("```console\n").skip(1);
+    for block in blocks.map(|block| block.split("```").next().unwrap()) {
+        for part in block.split("$ slipstream ").skip(1) {
+            let (command, expected) = part.split_once('\n').unwrap();
+            let arguments: Vec<&str> = command.split(' ').collect();
+            let output = slipstream(folder, &arguments);
+            assert!(output.status.success(), "{command}");
+            let stdout = String::from_utf8(output.stdout).unwrap();
+            let (words, numbers) = words_and_numbers(&stdout);
+            let (expected_words, expected_numbers) = words_and_numbers(expected);
+            assert_eq!(words, expected_words, "{document}: {command}");
+            for (number, expected) in numbers.iter().zip(&expected_numbers) {
+                let is_close = (number - expected).abs() <= 0.05 * expected.abs() + 2e-4;
+                assert!(
+                    is_close,
+                    "{document}: {command}: {number} instead of {expected}"
+                );
+            }
+            commands += 1;
+        }
+    }
+    commands
+}
+
 #[test]
 fn readme_example_matches_the_output() {
-    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
-    let block = readme.split("```console\n").nth(1).unwrap();
-    let block = block.split("```").next().unwrap();
-    let folder = example();
-    let mut commands = 0;
-    for part in block.split("$ slipstream ").skip(1) {
-        let (command, expected) = part.split_once('\n').unwrap();
-        let arguments: Vec<&str> = command.split(' ').collect();
-        let output = slipstream(folder.path(), &arguments);
-        assert!(output.status.success(), "{command}");
-        let stdout = String::from_utf8(output.stdout).unwrap();
-        let (words, numbers) = words_and_numbers(&stdout);
-        let (expected_words, expected_numbers) = words_and_numbers(expected);
-        assert_eq!(words, expected_words, "{command}");
-        for (number, expected) in numbers.iter().zip(&expected_numbers) {
-            let is_close = (number - expected).abs() <= 0.05 * expected.abs() + 2e-4;
-            assert!(
-                is_close,
-                "{command}: {number} where README.md has {expected}"
-            );
-        }
-        commands += 1;
-    }
-    assert_eq!(commands, 4);
+    assert_eq!(follow("README.md", example().path()), 4);
+}
+
+#[test]
+fn the_tutorial_can_be_followed_word_by_word() {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&root().join("examples/cart"), folder.path());
+    assert_eq!(follow("docs/tutorial.md", folder.path()), 5);
 }
 
 type Row = Vec<String>;

@@ -69,7 +69,7 @@ fn an_existing_file_is_replaced_with_force_alone() {
     assert_refused(
         folder.path(),
         &command,
-        "slipstream: robot.toml: exists; give another file, or --force",
+        "slipstream: --out robot.toml: exists; give another name, or --force",
     );
     assert_eq!(std::fs::read_to_string(file("robot.toml")).unwrap(), "mine");
     printed(folder.path(), &[&command[..], &["--force"]].concat());

@@ -15,9 +15,9 @@ pub(super) fn verdict(answer: &Answer) -> String {
         };
     }
     let words = match answer.verdict {
-        Verdict::Match => "Match: the model predicts the recording to within sensor noise",
+        Verdict::Match => "Match: the model predicts the recording to within noise",
         Verdict::Explained => {
-            "Explained: with the findings below, the model predicts the recording to within sensor noise"
+            "Explained: with the findings below, the model predicts the recording to within noise"
         }
         Verdict::Unexplained => {
             "Unexplained: a difference remains that no effect of the catalogue explains"

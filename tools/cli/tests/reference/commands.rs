@@ -25,12 +25,12 @@ fn command(path: &[&str], page: &mut String) {
     }
     for paragraph in about
         .split("\n\n")
-        .map(str::trim)
+        .map(|own| own.split_whitespace().collect::<Vec<_>>().join(" "))
         .filter(|own| !own.is_empty())
     {
         let _ = match paragraph.strip_prefix("Example: ") {
             Some(example) => writeln!(page, "\n```console\n$ {example}\n```"),
-            None => writeln!(page, "\n{}", sentence(paragraph)),
+            None => writeln!(page, "\n{}", sentence(&paragraph)),
         };
     }
     let (usage, rest) = rest.split_once('\n').unwrap_or((rest, ""));
@@ -39,8 +39,11 @@ fn command(path: &[&str], page: &mut String) {
     for block in blocks(rest) {
         let (title, lines) = block;
         if title == "Commands" {
+            // Deeper lines go on about the command above them.
             below = lines
                 .iter()
+                .filter_map(|line| line.strip_prefix("  "))
+                .filter(|line| !line.starts_with(' '))
                 .filter_map(|line| line.split_whitespace().next())
                 .collect();
             below.retain(|name| *name != "help");
@@ -59,7 +62,7 @@ fn command(path: &[&str], page: &mut String) {
     }
 }
 
-/// What a command prints about itself.
+/// What a command prints about itself. How wide its lines are depends on how it was built.
 fn help(path: &[&str]) -> String {
     let mut program = Command::new(env!("CARGO_BIN_EXE_slipstream"));
     let output = program.args(path).arg("--help").output().unwrap();
