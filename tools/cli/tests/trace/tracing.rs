@@ -9,7 +9,14 @@ use crate::common::{self, read_json, slipstream};
 fn the_trace_changes_no_state() {
     let folder = tempfile::tempdir().unwrap();
     let run = |set: &str, filter: Option<&str>, mode: &[&str]| {
-        let mut arguments = vec!["run", "--json", "result.json", "--out", "run.mcap"];
+        let mut arguments = vec![
+            "run",
+            "--force",
+            "--json",
+            "result.json",
+            "--out",
+            "run.mcap",
+        ];
         arguments.extend([
             "--set",
             "duration_s=6",
