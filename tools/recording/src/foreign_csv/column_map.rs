@@ -20,7 +20,7 @@
 //! A cell becomes `cell * factor + offset`. Rows in which all columns of a stream are empty do not belong to it, so that
 //! one file may hold several streams.
 
-use std::path::Path;
+use std::path::{Component, Path};
 
 use slipstream_bus::InputError;
 
@@ -190,7 +190,15 @@ fn parse_stream(robot: &str, kind: StreamKind, entry: &Entry<'_>) -> Parsed<Stre
         kind,
         file: match section.get("file") {
             None => None,
-            Some(file) => Some(file.text()?.to_owned()),
+            Some(file) => {
+                let name = file.text()?;
+                let mut parts = Path::new(name).components();
+                if !parts.all(|part| matches!(part, Component::Normal(_))) {
+                    let remedy = "name a file in the folder of the recording";
+                    return Err(file.error("leads out of the folder", remedy));
+                }
+                Some(name.to_owned())
+            }
         },
         separator: match section.get("separator") {
             None => b',',
@@ -276,6 +284,10 @@ mod tests {
             (
                 "t_s = { column = 1, factor = 0 }\nx_m = 1\ny_m = 2",
                 "has the factor 0",
+            ),
+            (
+                "file = \"../x.csv\"\nt_s = 1\nx_m = 1\ny_m = 2",
+                "leads out of the folder",
             ),
             (
                 "separator = \";;\"\nt_s = 1\nx_m = 1\ny_m = 2",
