@@ -62,10 +62,15 @@ fn command(path: &[&str], page: &mut String) {
     }
 }
 
-/// What a command prints about itself. How wide its lines are depends on how it was built.
+/// What a command prints about itself.
 fn help(path: &[&str]) -> String {
     let mut program = Command::new(env!("CARGO_BIN_EXE_slipstream"));
-    let output = program.args(path).arg("--help").output().unwrap();
+    let output = program
+        .env_remove("COLUMNS")
+        .args(path)
+        .arg("--help")
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{path:?} --help");
     String::from_utf8(output.stdout).unwrap()
 }
@@ -96,7 +101,9 @@ fn entries(lines: &[&str]) -> Vec<Vec<String>> {
             continue;
         }
         if indent < TEXT_INDENT {
-            rows.push(vec![code(words), String::new()]);
+            // Of a command with little to say, the meaning stands in the same line.
+            let (name, meaning) = words.split_once("  ").unwrap_or((words, ""));
+            rows.push(vec![code(name), escaped(meaning.trim())]);
         } else if let Some(row) = rows.last_mut() {
             match words.strip_prefix("- ") {
                 Some(value) => {
