@@ -1,6 +1,6 @@
 //! Decompression of one chunk, with its checksum.
 
-use std::io::Read;
+use std::io::{self, Read};
 
 use mcap::McapError;
 use mcap::records::ChunkHeader;
@@ -8,28 +8,38 @@ use mcap::records::ChunkHeader;
 /// Largest chunk (compressed or not) and largest other record that is read (bytes).
 pub(super) const MAX_CHUNK_BYTES: u64 = 256 << 20;
 
-/// Decompresses what there is of a chunk whose end is missing.
-pub(super) fn unpack_as_far(compression: &[u8], data: &[u8], unpacked: &mut Vec<u8>) {
-    let decoder: Box<dyn Read> = match compression {
-        b"" => Box::new(data),
-        b"lz4" => match lz4::Decoder::new(data) {
-            Ok(decoder) => Box::new(decoder),
-            Err(_) => return,
-        },
-        b"zstd" => match zstd::Decoder::new(data) {
-            Ok(decoder) => Box::new(decoder),
-            Err(_) => return,
-        },
-        _ => return,
-    };
-    // What was decompressed before an error stays.
-    let _ = decoder.take(MAX_CHUNK_BYTES).read_to_end(unpacked);
+/// Decompresses `data`, by the name that a container gives to the compression.
+///
+/// # Errors
+/// If the compression is none of them, or the data do not begin like it.
+pub(super) fn decoder<'a>(compression: &[u8], data: &'a [u8]) -> io::Result<Box<dyn Read + 'a>> {
+    Ok(match compression {
+        b"" | b"none" => Box::new(data),
+        b"lz4" => Box::new(lz4::Decoder::new(data)?),
+        b"zstd" => Box::new(zstd::Decoder::new(data)?),
+        b"bz2" => Box::new(bzip2::read::BzDecoder::new(data)),
+        _ => return Err(io::ErrorKind::Unsupported.into()),
+    })
+}
+
+/// Decompresses a chunk as far as it goes: after an error, `unpacked` has what stands before the damage.
+///
+/// # Errors
+/// If the chunk is damaged, or compressed in an unknown way.
+pub(super) fn unpack_as_far(
+    compression: &[u8],
+    data: &[u8],
+    unpacked: &mut Vec<u8>,
+) -> io::Result<()> {
+    let decoder = decoder(compression, data)?;
+    decoder.take(MAX_CHUNK_BYTES).read_to_end(unpacked)?;
+    Ok(())
 }
 
 /// Decompresses a chunk into `unpacked` and verifies its size and checksum.
 ///
 /// # Errors
-/// If the chunk is damaged, too large or compressed in another way than LZ4 or Zstandard.
+/// If the chunk is damaged, too large or compressed in an unknown way.
 pub(super) fn unpack(
     header: &ChunkHeader,
     data: &[u8],
@@ -42,14 +52,12 @@ pub(super) fn unpack(
     unpacked.clear();
     // One byte more than the header claims is enough to detect a wrong claim.
     let limit = size + 1;
-    match header.compression.as_str() {
-        "" => data.take(limit).read_to_end(unpacked)?,
-        "lz4" => lz4::Decoder::new(data)?.take(limit).read_to_end(unpacked)?,
-        "zstd" => zstd::Decoder::new(data)?
-            .take(limit)
-            .read_to_end(unpacked)?,
-        other => return Err(McapError::UnsupportedCompression(other.to_owned())),
-    };
+    let decoder = decoder(header.compression.as_bytes(), data);
+    let unsupported = |_| McapError::UnsupportedCompression(header.compression.clone());
+    decoder
+        .map_err(unsupported)?
+        .take(limit)
+        .read_to_end(unpacked)?;
     if unpacked.len() as u64 != size {
         return Err(McapError::UnexpectedEoc);
     }

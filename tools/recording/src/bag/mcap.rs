@@ -180,8 +180,8 @@ impl BagReader<'_> {
             return;
         };
         let mut unpacked = Vec::new();
-        unpack_as_far(compression, data, &mut unpacked);
-        // It ends with an error, since the last record is not complete.
+        // Both end with an error, since the chunk and its last record are not complete.
+        let _ = unpack_as_far(compression, data, &mut unpacked);
         let _ = self.records(&unpacked);
     }
 

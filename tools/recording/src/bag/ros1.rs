@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
-use super::chunk::MAX_CHUNK_BYTES;
+use super::chunk::{MAX_CHUNK_BYTES, unpack_as_far};
 use super::item::{ChannelInfo, Item, Undecodable, Visit};
 use super::loss::Loss;
 
@@ -132,7 +132,7 @@ impl Ros1Reader<'_> {
     fn chunk(&mut self, header: &[u8], data: &[u8]) {
         let mut unpacked = Vec::new();
         let compression = field(header, b"compression").unwrap_or_default();
-        let is_unpacked = unpack(compression, data, &mut unpacked).is_ok();
+        let is_unpacked = unpack_as_far(compression, data, &mut unpacked).is_ok();
         // Reading from memory does not fail.
         let is_read = self.records(&mut &unpacked[..], Place::Chunk);
         let is_complete = is_unpacked && is_read.is_ok_and(|end| end == End::Complete);
@@ -222,18 +222,6 @@ fn field<'a>(mut header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
             return value;
         }
     }
-}
-
-/// Decompresses a chunk; after an error, `unpacked` has what stands before the damage.
-fn unpack(compression: &[u8], data: &[u8], unpacked: &mut Vec<u8>) -> io::Result<()> {
-    let decoder: Box<dyn Read> = match compression {
-        b"none" => Box::new(data),
-        b"lz4" => Box::new(lz4::Decoder::new(data)?),
-        b"bz2" => Box::new(bzip2::read::BzDecoder::new(data)),
-        _ => return Err(io::ErrorKind::Unsupported.into()),
-    };
-    decoder.take(MAX_CHUNK_BYTES).read_to_end(unpacked)?;
-    Ok(())
 }
 
 /// The name of a message type as ROS 2 writes it: `sensor_msgs/msg/Imu` for `sensor_msgs/Imu`.
