@@ -281,9 +281,12 @@ fn a_file_of_another_format_is_an_error_in_one_line() {
     let cases: [(&[u8], &str); 4] = [
         (
             b"",
-            "damage.mcap: the file is empty; give an MCAP file or a folder with recording.toml",
+            "damage.mcap: the file is empty; give a bag (MCAP, SQLite or ROS 1) or a folder with recording.toml",
         ),
-        (b"t_s,x_m\n0,1\n", "damage.mcap: is not an MCAP file"),
+        (
+            b"t_s,x_m\n0,1\n",
+            "damage.mcap: is not a bag of a known kind",
+        ),
         (b"\x89MCAP", "damage.mcap: is not a complete MCAP file"),
         (
             b"\x89MCAP0\r\n\x06\xff\xff\xff\xff\xff\xff\xff\x7f",

@@ -9,8 +9,9 @@ use slipstream_bus::InputError;
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name
 /// a wrong physics.
-const REFUSED: [&str; 7] = [
+const REFUSED: [&str; 8] = [
     "units",
+    "two_sources",
     "wheels_swapped",
     "wheel_reversed",
     "wheels_reversed",

@@ -118,12 +118,14 @@ impl BagReader<'_> {
     }
 
     fn not_a_bag(&self, size: u64, error: &McapError) -> InputError {
-        let remedy = "give an MCAP file or a folder with recording.toml";
+        let remedy = "give a bag (MCAP, SQLite or ROS 1) or a folder with recording.toml";
         if size == 0 {
             return InputError::file(self.path, "the file is empty", remedy);
         }
         match error {
-            McapError::BadMagic => InputError::file(self.path, "is not an MCAP file", remedy),
+            McapError::BadMagic => {
+                InputError::file(self.path, "is not a bag of a known kind", remedy)
+            }
             other => {
                 let problem = format!("is not a complete MCAP file ({other})");
                 InputError::file(self.path, problem, remedy)
