@@ -74,6 +74,25 @@ def driven(right=1.0, left=1.0, seconds=60.0):
 MODEL = {"robot": {"wheel_radius_m": 0.1, "half_track_m": 0.2}}
 
 
+def test_bags_and_foreign_csv_are_read_by_maps(tmp_path):
+    bag = ROOT / "examples" / "cart" / "bag"
+    guessed = slipstream.Recording.read(bag)
+    assert "right_wheel_joint" in guessed.warnings[0]
+    topics = tmp_path / "topics.toml"
+    topics.write_text('format = 1\n[robots.cart]\npose = "/mocap/cart/pose"\n')
+    assert slipstream.Recording.read(bag, topics=topics).warnings == []
+    (tmp_path / "log.csv").write_text("ms,l,r\n0,0,0\n100,0.1,0.2\n")
+    columns = tmp_path / "columns.toml"
+    columns.write_text(
+        'format = 1\n[robots.cart.wheels]\nt_s = { column = "ms", factor = 0.001 }\n'
+        'angle_right_rad = "r"\nangle_left_rad = "l"\n'
+    )
+    read = slipstream.Recording.read(tmp_path / "log.csv", columns=columns)
+    assert read.warnings == []
+    with pytest.raises(slipstream.InputError, match="--columns"):
+        slipstream.Recording.read(tmp_path / "log.csv")
+
+
 def test_the_answer_is_that_of_the_command(example, tmp_path):
     assert example.to_dict() == by_command(EXAMPLE / "recording", EXAMPLE / "robot.toml", tmp_path)
     assert example.verdict == "explained"
