@@ -50,6 +50,24 @@ pub struct Body {
     pub com_height_m: Option<f64>,
 }
 
+impl Body {
+    /// A robot of which wheel radius and half track (m) alone are known.
+    pub fn kinematic(wheel_radius_m: f64, half_track_m: f64) -> Self {
+        Self {
+            body_mass_kg: None,
+            body_yaw_inertia_kg_m2: None,
+            wheel_mass_kg: None,
+            wheel_spin_inertia_kg_m2: None,
+            wheel_yaw_inertia_kg_m2: None,
+            wheel_radius_m,
+            half_track_m,
+            com_to_axle_m: None,
+            com_to_caster_m: None,
+            com_height_m: None,
+        }
+    }
+}
+
 /// The DC motor of each wheel: τ = τ_stall V / V_nominal − (τ_stall / ω_0) ω.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -118,20 +118,8 @@ fn stream<T, V>(rows: &[(f64, T)], values: V) -> Stream<V> {
 
 /// A robot of which radius and half track (m) alone are known.
 pub fn kinematic(wheel_radius_m: f64, half_track_m: f64) -> RobotModel {
-    let body = Body {
-        body_mass_kg: None,
-        body_yaw_inertia_kg_m2: None,
-        wheel_mass_kg: None,
-        wheel_spin_inertia_kg_m2: None,
-        wheel_yaw_inertia_kg_m2: None,
-        wheel_radius_m,
-        half_track_m,
-        com_to_axle_m: None,
-        com_to_caster_m: None,
-        com_height_m: None,
-    };
     RobotModel {
-        robot: body,
+        robot: Body::kinematic(wheel_radius_m, half_track_m),
         motor: None,
         encoder: None,
         effects: Vec::new(),

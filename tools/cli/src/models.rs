@@ -6,7 +6,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::robot_file::{self, Kind};
 
 use crate::exit::Error;
-use crate::print::eprint_line;
+use crate::print::note_line;
 
 /// Models by robot name. A model without a name is for every robot that has none of its own.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub(crate) fn read_model(file: &Path) -> Result<RobotModel, Error> {
     let model = described.model()?;
     if described.kind != Kind::RobotToml {
         let body = &model.robot;
-        eprint_line!(
+        note_line!(
             "{}: wheel_radius_m = {}, half_track_m = {}",
             file.display(),
             body.wheel_radius_m,
@@ -48,7 +48,7 @@ pub(crate) fn read_model(file: &Path) -> Result<RobotModel, Error> {
         );
     }
     for note in &described.notes {
-        eprint_line!("{}: {note}", file.display());
+        note_line!("{}: {note}", file.display());
     }
     Ok(model)
 }

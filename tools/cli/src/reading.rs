@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_recording::{ColumnMap, Import, Map, Spooled, TopicMap};
+use slipstream_recording::{Import, Map, Spooled};
 
 use crate::exit::Error;
 use crate::print::note_line;
@@ -21,18 +21,10 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// The map that was given.
-    fn map(&self) -> Result<Map, Error> {
-        Ok(match (&self.topics, &self.columns) {
-            (Some(file), _) => Map::Topics(TopicMap::read(file)?),
-            (_, Some(file)) => Map::Columns(ColumnMap::read(file)?),
-            (None, None) => Map::None,
-        })
-    }
-
     /// Reads a recording whose rows stay on disk; what is odd about it is said.
     pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
-        let spooled = slipstream_recording::read_spooled(path, &self.map()?)?;
+        let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
+        let spooled = slipstream_recording::read_spooled(path, &map)?;
         for warning in &spooled.warnings {
             note_line!("{warning}");
         }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipstream_bus::InputError;
 use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
-use slipstream_recording::{ColumnMap, Map, TopicMap, robot_file, robot_toml};
+use slipstream_recording::{Map, robot_file, robot_toml};
 
 use crate::columns::{self, Columns};
 use crate::errors::{input, of_recording};
@@ -36,13 +36,7 @@ impl Recording {
         topics: Option<PathBuf>,
         columns: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let map = || -> slipstream_recording::Result<Map> {
-            Ok(match (&topics, &columns) {
-                (Some(file), _) => Map::Topics(TopicMap::read(file)?),
-                (_, Some(file)) => Map::Columns(ColumnMap::read(file)?),
-                (None, None) => Map::None,
-            })
-        };
+        let map = || Map::read(topics.as_deref(), columns.as_deref());
         let read = py.detach(|| slipstream_recording::read_mapped(&path, &map()?));
         let import = read.map_err(|error| of_recording(py, error))?;
         Ok(Self {

@@ -24,6 +24,20 @@ pub enum Map {
     Columns(ColumnMap),
 }
 
+impl Map {
+    /// Reads a map of topics or of columns; nothing, if neither file is given.
+    ///
+    /// # Errors
+    /// If the file cannot be read or violates its format.
+    pub fn read(topics: Option<&Path>, columns: Option<&Path>) -> Result<Self> {
+        Ok(match (topics, columns) {
+            (Some(file), _) => Self::Topics(TopicMap::read(file)?),
+            (_, Some(file)) => Self::Columns(ColumnMap::read(file)?),
+            (None, None) => Self::None,
+        })
+    }
+}
+
 /// What a path is.
 enum Form {
     /// A folder of CSV files with `recording.toml`.

@@ -55,9 +55,7 @@ impl BagFolder {
             missing,
         }))
     }
-}
 
-impl BagFolder {
     /// The file, if the bag has only one and should have no other; else the folder.
     pub(crate) fn into_only_part(mut self) -> Result<BagFile, Self> {
         match self.parts.pop() {

@@ -16,7 +16,7 @@ use super::item::{ChannelInfo, Item, Undecodable, Visit};
 use super::loss::Loss;
 
 /// First bytes of every bag of this format.
-pub(super) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 
 /// Kinds of records (field `op`).
 mod op {

@@ -24,7 +24,7 @@ use crate::decode::MessageSelector;
 use crate::error::Result;
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
-use crate::toml_files::{Entry, TomlFile, read_text};
+use crate::toml_files::{Entry, TomlFile, quoted, read_text};
 
 /// Which topic of a bag holds which stream of which robot.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -105,15 +105,8 @@ impl TopicMap {
             let mut keys = StreamKind::ALL.map(StreamKind::name).to_vec();
             keys.push(POSE_POINT);
             section.allow_only(&keys)?;
-            if let Some(point) = section.get(POSE_POINT) {
-                match point.text()? {
-                    "axle" => {}
-                    "centre_of_mass" => map.with_pose_of_mass.push(robot.to_owned()),
-                    _ => {
-                        let remedy = "write \"axle\" or \"centre_of_mass\"";
-                        return Err(point.error("is not valid", remedy));
-                    }
-                }
+            if section.is_pose_of_mass()? {
+                map.with_pose_of_mass.push(robot.to_owned());
             }
             for kind in StreamKind::ALL {
                 if let Some(entry) = section.get(kind.name()) {
@@ -147,11 +140,6 @@ impl TopicMap {
         }
         text
     }
-}
-
-/// A TOML string.
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }
 
 /// One name, or a list of names.

@@ -125,17 +125,7 @@ impl ColumnMap {
         section.allow_only(&keys)?;
         self.robots.push(RobotEntry {
             name: name.to_owned(),
-            is_pose_of_mass: match section.get("pose_point") {
-                None => false,
-                Some(point) => match point.text()? {
-                    "axle" => false,
-                    "centre_of_mass" => true,
-                    _ => {
-                        let remedy = "write \"axle\" or \"centre_of_mass\"";
-                        return Err(point.error("is not valid", remedy));
-                    }
-                },
-            },
+            is_pose_of_mass: section.is_pose_of_mass()?,
             encoder_counts_per_rev: section
                 .get("encoder_counts_per_rev")
                 .map(|counts| counts.counts_per_rev())

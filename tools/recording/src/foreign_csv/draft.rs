@@ -8,6 +8,7 @@ use slipstream_bus::InputError;
 use super::table::ForeignCsv;
 use crate::error::Result;
 use crate::table::StreamKind;
+use crate::toml_files::quoted;
 
 /// A set of columns, each with the words by which a name may mean it: `right enc` are two words of one name, in any
 /// order; ` or ` separates names.
@@ -218,10 +219,6 @@ fn words(name: &str) -> Vec<String> {
         .filter(|word| !word.is_empty())
         .map(str::to_lowercase)
         .collect()
-}
-
-fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
 }
 
 /// The CSV files of a folder, sorted by name; or the file itself.

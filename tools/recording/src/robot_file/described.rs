@@ -111,7 +111,7 @@ impl Described {
             wheel_joints: [Vec::new(), Vec::new()],
             path: path.to_owned(),
             draft: RobotModel {
-                robot: kinematic(f64::NAN, f64::NAN),
+                robot: Body::kinematic(f64::NAN, f64::NAN),
                 motor: None,
                 encoder: None,
                 effects: Vec::new(),
@@ -221,22 +221,6 @@ impl Described {
             self.path.display()
         );
         Err(InputError::file(&self.path, problem, remedy))
-    }
-}
-
-/// A model without masses.
-fn kinematic(wheel_radius_m: f64, half_track_m: f64) -> Body {
-    Body {
-        body_mass_kg: None,
-        body_yaw_inertia_kg_m2: None,
-        wheel_mass_kg: None,
-        wheel_spin_inertia_kg_m2: None,
-        wheel_yaw_inertia_kg_m2: None,
-        wheel_radius_m,
-        half_track_m,
-        com_to_axle_m: None,
-        com_to_caster_m: None,
-        com_height_m: None,
     }
 }
 

@@ -25,6 +25,11 @@ pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
     std::fs::read_to_string(path).map_err(|e| InputError::unreadable(path, &e))
 }
 
+/// A TOML string.
+pub(crate) fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
 /// The text of a file.
 pub(crate) struct TomlFile<'a> {
     /// Path of the file, for errors.
@@ -98,6 +103,24 @@ impl<'a> Section<'a> {
         remedy: impl Into<String>,
     ) -> InputError {
         InputError::file(self.file.path, problem, remedy).at(self.line)
+    }
+
+    /// Whether the robot's pose is that of its centre of mass (`pose_point`), and not that of the axle's middle.
+    ///
+    /// # Errors
+    /// If the point is neither.
+    pub(crate) fn is_pose_of_mass(&self) -> Result<bool, InputError> {
+        let Some(point) = self.get("pose_point") else {
+            return Ok(false);
+        };
+        match point.text()? {
+            "axle" => Ok(false),
+            "centre_of_mass" => Ok(true),
+            _ => {
+                let remedy = "write \"axle\" or \"centre_of_mass\"";
+                Err(point.error("is not valid", remedy))
+            }
+        }
     }
 
     /// An error about a dotted key below this table, at the line of the deepest part of it that
