@@ -78,13 +78,14 @@ impl JoinedRun {
         self.presence.wake_page()
     }
 
-    /// Waits until the plant has created the services, then opens them under the process name
+    /// Waits until the plant, or what stands for it on this host, has created the services, then opens them under the process name
     /// `name`.
     ///
     /// # Errors
     /// The run is stopped first, or the services cannot be opened.
     pub fn services(&self, name: &str) -> Result<Services, BusError> {
         self.presence.await_stage(Stage::Services)?;
-        Services::join(&self.directory, &self.experiment, name)
+        let services = Services::join(&self.directory, &self.experiment, name)?;
+        Ok(services.with_local(|robot| self.wake_page().is_local(robot)))
     }
 }

@@ -41,16 +41,65 @@ pub enum Entry<'a> {
 /// The sending side, in plant and agents.
 #[derive(Debug)]
 pub struct RecordSender {
-    publisher: Option<RecordPublisher>,
-    presence: Presence,
+    /// `None`: nothing is recorded.
+    port: Option<ChunkSender>,
     chunk: Vec<u8>,
     /// Number of bytes of the chunk in use.
     used: usize,
     /// Number of entries in the chunk.
     entries: u64,
     last_sent: Instant,
-    lockstep: bool,
     lost: u64,
+}
+
+/// Sends whole chunks to the recorder of this host.
+#[derive(Debug)]
+pub struct ChunkSender {
+    publisher: RecordPublisher,
+    presence: Presence,
+    lockstep: bool,
+}
+
+impl ChunkSender {
+    /// The sender for chunks of at most `chunk_bytes`.
+    ///
+    /// # Errors
+    /// The port cannot be created.
+    pub fn new(
+        services: &Services,
+        presence: Presence,
+        chunk_bytes: usize,
+    ) -> Result<Self, BusError> {
+        Ok(Self {
+            publisher: services.record_publisher(chunk_bytes)?,
+            presence,
+            lockstep: services.lockstep(),
+        })
+    }
+
+    /// Sends a chunk and returns whether the recorder received it. In lockstep it waits while the recorder's
+    /// queue is full; the launcher ends a recorder that hangs.
+    pub fn deliver(&self, chunk: &[u8]) -> bool {
+        loop {
+            let sent = self
+                .publisher
+                .loan_slice_uninit(chunk.len())
+                .map(|sample| sample.write_from_slice(chunk))
+                .map(|sample| sample.send());
+            match sent {
+                Ok(Ok(1..)) => return true,
+                Ok(Ok(0)) | Err(_) if self.lockstep && self.recorder_lives() => {
+                    self.presence.show();
+                    std::thread::sleep(RETRY_PERIOD);
+                }
+                _ => return false,
+            }
+        }
+    }
+
+    fn recorder_lives(&self) -> bool {
+        !self.presence.wake_page().recorder_gone() && self.presence.check_launcher().is_ok()
+    }
 }
 
 impl RecordSender {
@@ -66,19 +115,17 @@ impl RecordSender {
         chunk_bytes: usize,
         recording: bool,
     ) -> Result<Self, BusError> {
-        let publisher = recording
-            .then(|| services.record_publisher(chunk_bytes))
+        let port = recording
+            .then(|| ChunkSender::new(services, presence, chunk_bytes))
             .transpose()?;
         let mut chunk = vec![0; chunk_bytes];
         chunk[..SOURCE_BYTES].copy_from_slice(&source.to_le_bytes());
         Ok(Self {
-            publisher,
-            presence,
+            port,
             chunk,
             used: SOURCE_BYTES,
             entries: 0,
             last_sent: Instant::now(),
-            lockstep: services.lockstep(),
             lost: 0,
         })
     }
@@ -101,8 +148,10 @@ impl RecordSender {
 
     fn send(&mut self) {
         self.last_sent = Instant::now();
-        if self.entries > 0 && !self.deliver() {
-            self.lost += self.entries;
+        if self.entries > 0 {
+            let chunk = &self.chunk[..self.used];
+            let delivered = self.port.as_ref().is_none_or(|port| port.deliver(chunk));
+            self.lost += if delivered { 0 } else { self.entries };
         }
         self.used = SOURCE_BYTES;
         self.entries = 0;
@@ -127,37 +176,11 @@ impl RecordSender {
             Err(_) => self.lost += 1,
         }
     }
-
-    fn recorder_lives(&self) -> bool {
-        !self.presence.wake_page().recorder_gone() && self.presence.check_launcher().is_ok()
-    }
-
-    /// Publishes the chunk and returns whether the recorder received it. In lockstep it waits while
-    /// the recorder's queue is full; the launcher ends a recorder that hangs.
-    fn deliver(&self) -> bool {
-        let Some(publisher) = &self.publisher else {
-            return true;
-        };
-        loop {
-            let sent = publisher
-                .loan_slice_uninit(self.used)
-                .map(|sample| sample.write_from_slice(&self.chunk[..self.used]))
-                .map(|sample| sample.send());
-            match sent {
-                Ok(Ok(1..)) => return true,
-                Ok(Ok(0)) | Err(_) if self.lockstep && self.recorder_lives() => {
-                    self.presence.show();
-                    std::thread::sleep(RETRY_PERIOD);
-                }
-                _ => return false,
-            }
-        }
-    }
 }
 
 impl Recorder for RecordSender {
     fn record(&mut self, record: &Record) {
-        if self.publisher.is_none() {
+        if self.port.is_none() {
             return;
         }
         trace::trace_applied(record);
@@ -169,7 +192,7 @@ impl Recorder for RecordSender {
     }
 
     fn trace(&mut self, t_ns: i64, bytes: &[u8]) {
-        if self.publisher.is_some() {
+        if self.port.is_some() {
             let max_bytes = bytes.len() + MAX_RECORD_BYTES;
             self.append(&Entry::Trace { t_ns, bytes }, max_bytes);
         }
@@ -199,15 +222,20 @@ impl RecordReceiver {
     /// # Errors
     /// The transport failed, or the chunk does not decode.
     pub fn poll(&self, mut each: impl FnMut(u32, Entry<'_>)) -> Result<bool, BusError> {
-        let Some(sample) = self
+        let decoded = self.poll_chunk(|chunk| decode_chunk(chunk, &mut each))?;
+        Ok(decoded.transpose()?.is_some())
+    }
+
+    /// Receives one chunk if available and returns what `with` makes of it. Never blocks.
+    ///
+    /// # Errors
+    /// The transport failed.
+    pub fn poll_chunk<T>(&self, with: impl FnOnce(&[u8]) -> T) -> Result<Option<T>, BusError> {
+        let sample = self
             .subscriber
             .receive()
-            .map_err(|e| BusError::failed("records", e))?
-        else {
-            return Ok(false);
-        };
-        decode_chunk(sample.payload(), &mut each)?;
-        Ok(true)
+            .map_err(|e| BusError::failed("records", e))?;
+        Ok(sample.map(|sample| with(sample.payload())))
     }
 }
 

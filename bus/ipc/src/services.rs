@@ -44,6 +44,8 @@ pub(crate) type RecordSubscriber = Subscriber<Ipc, [u8], ()>;
 pub struct Services {
     node: Node<Ipc>,
     robots: usize,
+    /// Of each robot whether its agent takes part on this host.
+    local: Vec<bool>,
     lockstep: bool,
     topology: Topology,
 }
@@ -73,9 +75,22 @@ impl Services {
         Ok(Self {
             node,
             robots: experiment.robots.len(),
+            local: vec![true; experiment.robots.len()],
             lockstep: experiment.settings.clock == Clock::Virtual,
             topology: Topology::new(experiment),
         })
+    }
+
+    /// The same services where only the agents of some robots take part on this host.
+    #[must_use]
+    pub fn with_local(mut self, is_local: impl Fn(RobotIndex) -> bool) -> Self {
+        self.local = (0..).map(is_local).take(self.robots).collect();
+        self
+    }
+
+    /// Whether the agent of a robot takes part on this host.
+    pub(crate) fn is_local(&self, robot: RobotIndex) -> bool {
+        self.local.get(robot as usize) == Some(&true)
     }
 
     /// Plant: creates all services. They exist as long as the returned values or a port lives, so
@@ -111,20 +126,27 @@ impl Services {
         self.lockstep
     }
 
-    /// Number of robots.
-    pub(crate) fn robots(&self) -> usize {
-        self.robots
+    /// Number of agents that take part on this host.
+    pub(crate) fn agents(&self) -> usize {
+        self.local.iter().filter(|&&local| local).count()
     }
 
-    /// Number of processes that receive a position of `robot`: every robot whose predecessor is in
-    /// the same group.
+    /// The robots.
+    pub(crate) fn robots(&self) -> std::ops::Range<RobotIndex> {
+        0..u32::try_from(self.robots).unwrap_or(u32::MAX)
+    }
+
+    /// Number of ports on this host that receive a position of `robot`: one for every link from a robot of the same
+    /// group that ends or begins on this host.
     pub(crate) fn position_receivers(&self, robot: RobotIndex) -> usize {
         let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
         let first = robot / GROUP_SIZE * GROUP_SIZE;
         let group = first..(first + GROUP_SIZE).min(robots);
-        group
-            .filter(|&member| self.topology.successor(member).is_some())
-            .count()
+        let ends_here = |member: RobotIndex| {
+            let successor = self.topology.successor(member);
+            successor.is_some_and(|next| self.is_local(next) || self.is_local(member))
+        };
+        group.filter(|&member| ends_here(member)).count()
     }
 
     fn world(&self) -> Result<PortFactory<Ipc, [WireEncoders], WorldHeader>, BusError> {

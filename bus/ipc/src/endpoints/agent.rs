@@ -1,5 +1,7 @@
 //! Endpoint of an agent: receives encoders, sends torque commands, answers the lockstep.
 
+use std::time::Duration;
+
 use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
 
@@ -28,6 +30,17 @@ pub struct LockstepRound {
     pub now_ns: i64,
     /// The robot's encoders at that instant.
     pub encoders: Encoders,
+}
+
+/// What came of waiting for a round.
+#[derive(Debug, Clone, Copy)]
+pub enum Awaited {
+    /// A round.
+    Round(LockstepRound),
+    /// Nothing yet.
+    Nothing,
+    /// The run is over.
+    Over,
 }
 
 impl AgentEndpoint {
@@ -66,20 +79,29 @@ impl AgentEndpoint {
     /// [`BusError::Stopped`] if the launcher is gone; another error if the transport failed.
     pub fn next_round(&mut self) -> Result<Option<LockstepRound>, BusError> {
         loop {
-            let round = self
-                .presence
-                .wake_page()
-                .wait_round(self.epoch, POLL_INTERVAL);
-            self.presence.show();
-            if let Some(epoch) = round {
-                self.epoch = epoch;
-                break;
+            match self.await_round(POLL_INTERVAL)? {
+                Awaited::Round(round) => return Ok(Some(round)),
+                Awaited::Over => return Ok(None),
+                Awaited::Nothing => {}
             }
+        }
+    }
+
+    /// In lockstep: waits for the next round, at most for `timeout`.
+    ///
+    /// # Errors
+    /// As [`Self::next_round`].
+    pub fn await_round(&mut self, timeout: Duration) -> Result<Awaited, BusError> {
+        let round = self.presence.wake_page().wait_round(self.epoch, timeout);
+        self.presence.show();
+        let Some(epoch) = round else {
             if self.presence.wake_page().stage() >= Stage::Over {
-                return Ok(None);
+                return Ok(Awaited::Over);
             }
             self.presence.check_launcher()?;
-        }
+            return Ok(Awaited::Nothing);
+        };
+        self.epoch = epoch;
         let Some((header, encoders)) = self.poll_encoders()? else {
             return Err(BusError::failed("world", "a round without encoders"));
         };
@@ -87,7 +109,7 @@ impl AgentEndpoint {
             return Err(BusError::failed("world", "encoders of another round"));
         }
         self.links.set_virtual_time(header.now_ns);
-        Ok(Some(LockstepRound {
+        Ok(Awaited::Round(LockstepRound {
             now_ns: header.now_ns,
             encoders,
         }))

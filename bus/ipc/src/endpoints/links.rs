@@ -47,6 +47,25 @@ impl LinkEndpoints {
         })
     }
 
+    /// Sends a position to the successor with the time stamps that it has.
+    ///
+    /// # Errors
+    /// The transport failed, or the receiver's queue is full.
+    pub fn forward(&self, position: &Position) -> Result<(), BusError> {
+        let Some(publisher) = &self.successor else {
+            return Ok(());
+        };
+        let received = publisher
+            .send_copy((*position).into())
+            .map_err(|e| BusError::failed("position", e))?;
+        if received < self.required_receivers {
+            return Err(BusError::QueueFull {
+                what: "position".to_owned(),
+            });
+        }
+        Ok(())
+    }
+
     /// Stamps positions with the instant of a lockstep round (ns).
     pub(super) fn set_virtual_time(&mut self, now_ns: i64) {
         self.time = SendTime::Virtual(now_ns);
@@ -79,18 +98,11 @@ impl PositionLink for LinkEndpoints {
     }
 
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
-        let Some(publisher) = &self.successor else {
+        if self.successor.is_none() {
             return Ok(position.tick_ns);
-        };
-        position.sent_ns = self.time.now_ns();
-        let received = publisher
-            .send_copy((*position).into())
-            .map_err(|e| BusError::failed("position", e))?;
-        if received < self.required_receivers {
-            return Err(BusError::QueueFull {
-                what: "position".to_owned(),
-            });
         }
+        position.sent_ns = self.time.now_ns();
+        self.forward(position)?;
         Ok(self.time.now_ns())
     }
 

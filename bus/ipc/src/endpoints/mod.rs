@@ -2,9 +2,11 @@
 //! the wake-up page.
 
 mod agent;
+mod crossing;
 mod links;
 mod plant;
 
-pub use agent::{AgentEndpoint, LockstepRound};
+pub use agent::{AgentEndpoint, Awaited, LockstepRound};
+pub use crossing::CrossingLinks;
 pub use links::LinkEndpoints;
 pub use plant::PlantEndpoint;

@@ -21,7 +21,8 @@ pub struct PlantEndpoint {
     presence: Presence,
     world: WorldPublisher,
     commands: CommandSubscriber,
-    robots: usize,
+    /// Number of agents that take part on this host.
+    agents: usize,
     epoch: u32,
     answer_timeout: Duration,
 }
@@ -36,7 +37,7 @@ impl PlantEndpoint {
             presence,
             world: services.world_publisher()?,
             commands: services.command_subscriber()?,
-            robots: services.robots(),
+            agents: services.agents(),
             epoch: 0,
             answer_timeout: ANSWER_TIMEOUT,
         })
@@ -105,13 +106,55 @@ impl PlantEndpoint {
         self.presence.wake_page()
     }
 
-    fn await_answers(&self) -> Result<(), BusError> {
-        let begin = Instant::now();
-        while !self.wake_page().wait_answers(POLL_INTERVAL) {
-            self.check_running()?;
-            if begin.elapsed() > self.answer_timeout {
-                return Err(self.no_answer());
+    /// Begins a round: wakes every agent at `now_ns` with its encoders.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone; another error if the transport
+    /// failed.
+    pub fn begin_round(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {
+        if self.epoch.is_multiple_of(ROUNDS_PER_LAUNCHER_CHECK) {
+            self.presence.check_launcher()?;
+        }
+        if self.wake_page().stopping() {
+            return Err(BusError::Stopped);
+        }
+        self.presence.show();
+        self.epoch = self.epoch.wrapping_add(1).max(1);
+        if self.publish(now_ns, encoders)? < self.agents {
+            return Err(BusError::QueueFull {
+                what: "world".to_owned(),
+            });
+        }
+        self.wake_page().begin_round(self.epoch);
+        Ok(())
+    }
+
+    /// Waits until all agents have answered the round, at most for a moment. Returns whether they have.
+    ///
+    /// # Errors
+    /// [`BusError::Stopped`] if the run was asked to stop or the launcher is gone.
+    pub fn await_answers(&self) -> Result<bool, BusError> {
+        if self.wake_page().wait_answers(POLL_INTERVAL) {
+            return Ok(true);
+        }
+        self.check_running()?;
+        Ok(false)
+    }
+
+    /// Stores the answers of the round in `commands`, by robot.
+    ///
+    /// # Errors
+    /// An agent has not answered, or the transport failed.
+    pub fn take_answers(&self, commands: &mut [TorqueCommand]) -> Result<(), BusError> {
+        let mut answers = 0;
+        self.drain_commands(|command| {
+            if command.epoch == self.epoch {
+                commands[command.robot as usize] = *command;
+                answers += 1;
             }
+        })?;
+        if answers < self.agents {
+            return Err(self.no_answer());
         }
         Ok(())
     }
@@ -132,32 +175,14 @@ impl LockstepLink for PlantEndpoint {
         encoders: &[Encoders],
         commands: &mut [TorqueCommand],
     ) -> Result<(), BusError> {
-        if self.epoch.is_multiple_of(ROUNDS_PER_LAUNCHER_CHECK) {
-            self.presence.check_launcher()?;
-        }
-        if self.wake_page().stopping() {
-            return Err(BusError::Stopped);
-        }
-        self.presence.show();
-        self.epoch = self.epoch.wrapping_add(1).max(1);
-        if self.publish(now_ns, encoders)? < self.robots {
-            return Err(BusError::QueueFull {
-                what: "world".to_owned(),
-            });
-        }
-        self.wake_page().begin_round(self.epoch);
-        self.await_answers()?;
-        let mut answers = 0;
-        self.drain_commands(|command| {
-            if command.epoch == self.epoch {
-                commands[command.robot as usize] = *command;
-                answers += 1;
+        self.begin_round(now_ns, encoders)?;
+        let begin = Instant::now();
+        while !self.await_answers()? {
+            if begin.elapsed() > self.answer_timeout {
+                return Err(self.no_answer());
             }
-        })?;
-        if answers < self.robots {
-            return Err(self.no_answer());
         }
-        Ok(())
+        self.take_answers(commands)
     }
 
     fn publish_final(&mut self, now_ns: i64, encoders: &[Encoders]) -> Result<(), BusError> {

@@ -22,14 +22,16 @@ impl WakePage {
     /// Plant: waits for the answers of all agents, at most for `timeout`. Returns whether all have
     /// answered.
     pub fn wait_answers(&self, timeout: Duration) -> bool {
-        let all = u32::try_from(self.mapping.robots()).unwrap_or(u32::MAX);
-        wait_at_least(&self.header().answers.0, all, timeout)
+        wait_at_least(&self.header().answers.0, self.local_agents(), timeout)
     }
 
     /// Plant: the first robot that has not answered round `epoch`.
     pub fn first_unanswered(&self, epoch: u32) -> Option<usize> {
-        (0..self.mapping.robots())
-            .find(|&robot| self.mapping.slot(robot).answered.load(Ordering::Acquire) != epoch)
+        (0..self.mapping.robots()).find(|&robot| {
+            let slot = self.mapping.slot(robot);
+            slot.remote.load(Ordering::Acquire) == 0
+                && slot.answered.load(Ordering::Acquire) != epoch
+        })
     }
 
     /// Agent: waits for a round other than `last`, at most for `timeout`. Returns `None` if there
@@ -49,7 +51,7 @@ impl WakePage {
         let slot = self.mapping.slot(robot);
         slot.answered.store(epoch, Ordering::Release);
         let before = answers.fetch_add(1, Ordering::AcqRel);
-        if before as usize + 1 == self.mapping.robots() {
+        if before + 1 == self.local_agents() {
             wake_all(answers);
         }
     }
@@ -85,6 +87,22 @@ mod tests {
             }
             plant.advance(Stage::Over);
         });
+    }
+
+    #[test]
+    fn agents_on_other_hosts_are_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let page = WakePage::create(&folder.path().join("wake_page"), 3).unwrap();
+        page.set_local(&[1]);
+        assert_eq!(
+            [0, 1, 2].map(|robot| page.is_local(robot)),
+            [false, true, false]
+        );
+        page.begin_round(7);
+        assert_eq!(page.first_unanswered(7), Some(1));
+        page.answer(1, 7);
+        assert!(page.wait_answers(Duration::from_millis(5)));
+        assert_eq!(page.first_unanswered(7), None);
     }
 
     #[test]

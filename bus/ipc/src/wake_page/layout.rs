@@ -25,6 +25,8 @@ pub(super) struct Header {
     pub(super) robots: AtomicU32,
     pub(super) stop: AtomicU32,
     pub(super) recorder_gone: AtomicU32,
+    /// Number of robots whose agents run on another host.
+    pub(super) remote: AtomicU32,
     /// Number of deaths of the plant, at most one.
     pub(super) plant_deaths: AtomicU32,
     pub(super) now_ns: AtomicI64,
@@ -68,6 +70,8 @@ pub(super) struct Slot {
     pub(super) answered: AtomicU32,
     /// Version of the checkpoint: odd while a write is under way, 0 before the first.
     pub(super) version: AtomicU32,
+    /// 1 if the agent runs on another host, and nobody stands for it on this one.
+    pub(super) remote: AtomicU32,
     /// Number of deaths of the agent.
     pub(super) deaths: AtomicU32,
     /// Signs of life, and deadline counts of outer and inner loop.

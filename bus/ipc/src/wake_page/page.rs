@@ -4,6 +4,8 @@ use std::io;
 use std::path::Path;
 use std::time::Duration;
 
+use slipstream_bus::message::RobotIndex;
+
 #[cfg(feature = "loom")]
 use super::heap::Mapping;
 use super::layout::{Header, NO_MORE_ROUNDS};
@@ -39,6 +41,31 @@ impl WakePage {
     pub fn open(path: &Path) -> io::Result<Self> {
         let mapping = Mapping::open(path)?;
         Ok(Self { mapping })
+    }
+
+    /// Launcher, before it starts the processes: the agents of all robots but these run on other hosts.
+    /// They take no part in the rounds of this host.
+    pub fn set_local(&self, local: &[RobotIndex]) {
+        let mut remote = 0;
+        for robot in 0..self.mapping.robots() {
+            let is_remote = !local.iter().any(|&own| own as usize == robot);
+            let slot = self.mapping.slot(robot);
+            slot.remote.store(u32::from(is_remote), Ordering::Release);
+            remote += u32::from(is_remote);
+        }
+        self.header().remote.store(remote, Ordering::Release);
+    }
+
+    /// Whether the agent of a robot takes part in the rounds of this host.
+    pub fn is_local(&self, robot: RobotIndex) -> bool {
+        let slot = self.mapping.slot(robot as usize);
+        slot.remote.load(Ordering::Acquire) == 0
+    }
+
+    /// Number of agents that take part in the rounds of this host.
+    pub(super) fn local_agents(&self) -> u32 {
+        let robots = u32::try_from(self.mapping.robots()).unwrap_or(u32::MAX);
+        robots.saturating_sub(self.header().remote.load(Ordering::Acquire))
     }
 
     pub(super) fn header(&self) -> &Header {
