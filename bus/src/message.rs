@@ -13,7 +13,7 @@ pub fn robot_name(index: RobotIndex) -> String {
 }
 
 /// Encoder reading of one robot, plant → agent.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Encoders {
     /// When the counters were read (ns).
     pub sampled_ns: i64,
@@ -22,7 +22,7 @@ pub struct Encoders {
 }
 
 /// Wheel torques commanded by one controller, agent → plant.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct TorqueCommand {
     /// The robot.
     pub robot: RobotIndex,

@@ -53,6 +53,8 @@ pub const TIMEOUT_S: Range = [1e-6, 1e7];
 /// Times after which a silent process counts as hung (s): a busy machine may hold one up for less
 /// than half a second.
 pub const WATCHDOG_S: Range = [0.5, 1e7];
+/// Silences after which a host of a run counts as lost (s): frames come four times a second at least.
+pub const HOST_TIMEOUT_S: Range = [1.0, 1e7];
 /// Delays of messages (s): no network keeps one for three hours.
 pub const DELAY_S: Range = [0.0, 1e4];
 /// Mean lengths of loss bursts (messages): from single losses to a run's worth.

@@ -7,6 +7,7 @@
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::transport::BusError;
 
@@ -237,6 +238,12 @@ impl RecordReceiver {
             .map_err(|e| BusError::failed("records", e))?;
         Ok(sample.map(|sample| with(sample.payload())))
     }
+}
+
+/// The robot whose agent sent a chunk; `None` for a chunk of the plant, or one that is damaged.
+pub fn source_of(chunk: &[u8]) -> Option<RobotIndex> {
+    let source = chunk.first_chunk::<SOURCE_BYTES>()?;
+    u32::from_le_bytes(*source).checked_sub(1)
 }
 
 /// Calls `each` with the source and every entry of a chunk.

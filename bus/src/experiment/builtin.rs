@@ -32,6 +32,7 @@ impl Default for Settings {
             clock: Clock::Virtual,
             on_death: OnDeath::Stop,
             watchdog_s: 2.0,
+            host_timeout_s: 3.0,
             robots: Robots {
                 count: 3,
                 model: String::new(),

@@ -27,6 +27,8 @@ pub struct Settings {
     /// A process that shows no sign of life for this long hangs, and is ended as by a death (s of
     /// wall time, on both clocks).
     pub watchdog_s: f64,
+    /// In a run across hosts: a host from which nothing comes for this long ends the run (s of wall time).
+    pub host_timeout_s: f64,
     /// Number of robots and their model.
     pub robots: Robots,
     /// Coordination of the formation.

@@ -35,6 +35,7 @@ impl Settings {
             return invalid("robots.count", problem, format!("give 1 to {MAX_ROBOTS}"));
         }
         within("watchdog_s", self.watchdog_s, range::WATCHDOG_S)?;
+        within("host_timeout_s", self.host_timeout_s, range::HOST_TIMEOUT_S)?;
         if self.on_death != OnDeath::Stop && self.clock == Clock::Virtual {
             let problem = "needs the wall clock: in lockstep every process waits for all others";
             let remedy = "add --clock wall, or leave on_death = \"stop\"";

@@ -1,0 +1,307 @@
+//! Relay: the process on another host that takes the part of the plant and of the recorder.
+//!
+//! To the agents of its host it is what the plant is: it wakes them for every round and collects their answers. It
+//! sends home what they record, and in the end what they leave.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
+use slipstream_bus::transport::{BusError, LockstepLink};
+use slipstream_ipc::endpoints::{CrossingLinks, PlantEndpoint};
+use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::presence::Parent;
+use slipstream_ipc::record_pipe::RecordReceiver;
+use slipstream_ipc::services::Services;
+use slipstream_ipc::wake_page::{Member, Stage};
+
+use crate::carrier::HostCarrier;
+use crate::frame::{Answer, Down, Measured, Report, Round, Up, decode, encode};
+use crate::timing::{Contact, POLL_INTERVAL, RESEND};
+
+/// What the relay is started with.
+pub struct Relay<'a> {
+    /// The run directory of this host.
+    pub folder: &'a Path,
+    /// The launcher of this host.
+    pub launcher: Parent,
+    /// Number of the run that this host has joined.
+    pub run: u64,
+    /// The files that the agents left, with names and contents.
+    pub left: &'a dyn Fn() -> Vec<(String, Vec<u8>)>,
+    /// Why the launcher stopped the agents of this host, if it did.
+    pub failure: &'a dyn Fn() -> Option<String>,
+}
+
+/// How the relay ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RelayOutcome {
+    /// How it ended.
+    pub ended: ProcessStatus,
+}
+
+/// What the relay needs in a round.
+struct Play<'a> {
+    joined: &'a JoinedRun,
+    carrier: &'a mut dyn HostCarrier,
+    run: u64,
+    robots: Vec<RobotIndex>,
+    plant: PlantEndpoint,
+    crossing: CrossingLinks,
+    records: RecordReceiver,
+    /// Chunks of records that have not been sent yet.
+    chunks: Vec<Vec<u8>>,
+    contact: Contact,
+    timeout: Duration,
+    /// The last answer, encoded, and its round.
+    answered: (u64, Vec<u8>),
+    encoders: Vec<Encoders>,
+    commands: Vec<TorqueCommand>,
+}
+
+impl Relay<'_> {
+    /// Takes the part of the plant until the run is over and all has been sent home.
+    ///
+    /// # Errors
+    /// It cannot join the run of this host. Errors after that are in [`RelayOutcome::ended`].
+    pub fn run(self, carrier: &mut dyn HostCarrier) -> Result<RelayOutcome, BusError> {
+        let joined = JoinedRun::new(self.folder, Member::Plant, self.launcher)?;
+        let services = Services::join(&joined.directory, &joined.experiment, "relay")?;
+        let services = services.with_local(|robot| joined.wake_page().is_local(robot));
+        let kept = services.create_all()?;
+        joined.wake_page().advance(Stage::Services);
+        let mut play = Play::new(&joined, &services, carrier, self.run)?;
+        let ended = play
+            .await_agents()
+            .and_then(|()| {
+                drop(kept);
+                play.rounds()
+            })
+            .and_then(|()| play.send_report(self.left));
+        joined.wake_page().advance(Stage::Over);
+        if let Err(error) = &ended {
+            play.fail(error, self.failure);
+        }
+        Ok(RelayOutcome {
+            ended: ended.into(),
+        })
+    }
+}
+
+impl<'a> Play<'a> {
+    fn new(
+        joined: &'a JoinedRun,
+        services: &Services,
+        carrier: &'a mut dyn HostCarrier,
+        run: u64,
+    ) -> Result<Self, BusError> {
+        let experiment = &joined.experiment;
+        let all = experiment.robots.len();
+        let is_local = |&robot: &RobotIndex| joined.wake_page().is_local(robot);
+        Ok(Self {
+            joined,
+            carrier,
+            run,
+            robots: (0..experiment.settings.robots.count)
+                .filter(is_local)
+                .collect(),
+            plant: PlantEndpoint::new(services, joined.presence.clone())?,
+            crossing: CrossingLinks::new(services)?,
+            records: RecordReceiver::new(services)?,
+            chunks: Vec::new(),
+            contact: Contact::now(),
+            timeout: Duration::from_secs_f64(experiment.settings.host_timeout_s),
+            answered: (0, Vec::new()),
+            encoders: vec![Encoders::default(); all],
+            commands: vec![TorqueCommand::default(); all],
+        })
+    }
+
+    /// Waits until the agents of this host are connected.
+    fn await_agents(&mut self) -> Result<(), BusError> {
+        let agents = u32::try_from(self.robots.len()).unwrap_or(u32::MAX);
+        while !self.joined.wake_page().wait_ready(agents, POLL_INTERVAL) {
+            self.look()?;
+        }
+        Ok(())
+    }
+
+    /// Answers the rounds of the plant until the run is over.
+    fn rounds(&mut self) -> Result<(), BusError> {
+        self.send(&Up::Ready(self.run))?;
+        self.joined.wake_page().advance(Stage::Running);
+        loop {
+            match self.receive()? {
+                None if self.answered.0 == 0 && self.contact.resend_is_due() => {
+                    self.send(&Up::Ready(self.run))?;
+                }
+                None | Some(Down::Beat | Down::Received) => {}
+                Some(Down::Round(round)) => self.answer(&round)?,
+                Some(Down::Over(last)) => {
+                    self.measure(&last)?;
+                    self.plant.publish_final(last.now_ns, &self.encoders)?;
+                    self.joined.wake_page().advance(Stage::Over);
+                    return Ok(());
+                }
+                Some(Down::Stop(reason)) => return Err(stopped_by_plant(reason)),
+            }
+        }
+    }
+
+    /// Plays a round, or answers one that came again from memory.
+    fn answer(&mut self, round: &Round) -> Result<(), BusError> {
+        if round.number == self.answered.0 {
+            self.contact.sent();
+            return self.carrier.send(&self.answered.1);
+        }
+        if round.number < self.answered.0 {
+            return Ok(());
+        }
+        if round.number > self.answered.0 + 1 {
+            return Err(BusError::failed("network", "a round is missing"));
+        }
+        self.measure(&round.measured)?;
+        let now_ns = round.measured.now_ns;
+        for position in &round.positions {
+            self.crossing.deliver(position)?;
+        }
+        self.plant.begin_round(now_ns, &self.encoders)?;
+        while !self.plant.await_answers()? {
+            self.drain_records()?;
+            self.beat()?;
+        }
+        self.plant.take_answers(&mut self.commands)?;
+        self.joined.wake_page().publish_progress(now_ns, 0.0, 0.0);
+        let mut positions = Vec::new();
+        self.crossing.poll(|position| positions.push(position))?;
+        self.drain_records()?;
+        let commands = self.robots.iter().map(|&own| self.commands[own as usize]);
+        let answer = Up::Answer(Answer {
+            number: round.number,
+            commands: commands.collect(),
+            positions,
+            records: std::mem::take(&mut self.chunks),
+        });
+        self.answered = (round.number, encode(&answer)?);
+        self.contact.sent();
+        self.carrier.send(&self.answered.1)
+    }
+
+    /// Takes the encoders of the robots of this host.
+    fn measure(&mut self, measured: &Measured) -> Result<(), BusError> {
+        for &(robot, encoders) in &measured.encoders {
+            let slot = self.encoders.get_mut(robot as usize);
+            *slot.ok_or_else(|| BusError::failed("network", "encoders of no robot"))? = encoders;
+        }
+        Ok(())
+    }
+
+    /// Waits until all agents have ended, and sends home what they left until it has arrived.
+    fn send_report(&mut self, left: &dyn Fn() -> Vec<(String, Vec<u8>)>) -> Result<(), BusError> {
+        while self.joined.wake_page().stage() < Stage::Drained {
+            self.joined
+                .wake_page()
+                .wait_stage(Stage::Drained, POLL_INTERVAL);
+            self.look()?;
+        }
+        self.drain_records()?;
+        let report = encode(&Up::Report(Report {
+            files: left(),
+            records: std::mem::take(&mut self.chunks),
+        }))?;
+        let mut sent: Option<Instant> = None;
+        loop {
+            if sent.is_none_or(|since| since.elapsed() > RESEND) {
+                self.carrier.send(&report)?;
+                self.contact.sent();
+                sent = Some(Instant::now());
+            }
+            match self.receive()? {
+                Some(Down::Received) => return Ok(()),
+                Some(Down::Stop(reason)) => return Err(stopped_by_plant(reason)),
+                _ => {}
+            }
+        }
+    }
+
+    /// Shows what has come from the plant's host while this one does something else.
+    fn look(&mut self) -> Result<(), BusError> {
+        self.drain_records()?;
+        match self.receive_within(Duration::ZERO)? {
+            Some(Down::Stop(reason)) => Err(stopped_by_plant(reason)),
+            _ => Ok(()),
+        }
+    }
+
+    /// The next frame, if there is one within a moment.
+    fn receive(&mut self) -> Result<Option<Down>, BusError> {
+        self.receive_within(POLL_INTERVAL)
+    }
+
+    fn receive_within(&mut self, timeout: Duration) -> Result<Option<Down>, BusError> {
+        let frame = self.carrier.receive(timeout)?;
+        self.joined.presence.check()?;
+        if let Some(frame) = frame {
+            self.contact.heard();
+            return decode(&frame).map(Some);
+        }
+        let silence = self.contact.silence();
+        if silence > self.timeout {
+            return Err(BusError::Failed {
+                what: "the plant's host".to_owned(),
+                reason: format!(
+                    "it has been silent for {:.1} s: the network, its computer or its process stands still \
+                     (host_timeout_s = {})",
+                    silence.as_secs_f64(),
+                    self.timeout.as_secs_f64()
+                ),
+            });
+        }
+        self.drain_records()?;
+        self.beat()?;
+        Ok(None)
+    }
+
+    /// Shows the plant's host that this one lives.
+    fn beat(&mut self) -> Result<(), BusError> {
+        if self.contact.beat_is_due() {
+            self.send(&Up::Beat)?;
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, frame: &Up) -> Result<(), BusError> {
+        self.contact.sent();
+        self.carrier.send(&encode(frame)?)
+    }
+
+    /// Takes the chunks of records that wait, so that no agent waits for room.
+    fn drain_records(&mut self) -> Result<(), BusError> {
+        while let Some(chunk) = self.records.poll_chunk(<[u8]>::to_vec)? {
+            self.chunks.push(chunk);
+        }
+        Ok(())
+    }
+
+    /// Tells the plant's host why this one cannot go on, unless it knows.
+    fn fail(&mut self, error: &BusError, failure: &dyn Fn() -> Option<String>) {
+        let reason = match error {
+            BusError::Stopped => failure().unwrap_or_else(|| "it was stopped".to_owned()),
+            BusError::Failed { what, .. } if what == STOPPED_BY_PLANT => return,
+            other => other.to_string(),
+        };
+        // If the network is gone, the plant's host notices that.
+        let _ = self.send(&Up::Failed(reason));
+    }
+}
+
+/// The place of a failure that the plant's host has told.
+const STOPPED_BY_PLANT: &str = "the plant's host has ended the run";
+
+fn stopped_by_plant(reason: String) -> BusError {
+    BusError::Failed {
+        what: STOPPED_BY_PLANT.to_owned(),
+        reason,
+    }
+}

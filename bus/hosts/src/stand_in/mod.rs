@@ -1,0 +1,140 @@
+//! Stand-in: the process on the plant's host that takes the part of all agents on other hosts.
+//!
+//! It joins the run as each of these agents would, so that plant, recorder and the agents of this host notice no
+//! difference.
+
+mod hosts;
+mod robots;
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::transport::BusError;
+use slipstream_ipc::endpoints::Awaited;
+use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::presence::Parent;
+use slipstream_ipc::wake_page::Member;
+
+use self::hosts::Hosts;
+use self::robots::Robots;
+use crate::carrier::PlantCarrier;
+use crate::frame::{Down, Report};
+use crate::hello::{RemoteHost, Welcome};
+
+/// Longest wait for a round of the plant, between two looks at the network.
+const ROUND_WAIT: Duration = Duration::from_millis(100);
+/// Time that the hosts of a run that was stopped have to send what they have.
+const STOP_GRACE: Duration = Duration::from_millis(400);
+
+/// What the stand-in is started with.
+pub struct StandIn<'a> {
+    /// The run directory.
+    pub folder: &'a Path,
+    /// The launcher.
+    pub launcher: Parent,
+    /// The other hosts. Each has at least one robot, and no robot is on two.
+    pub hosts: &'a [RemoteHost],
+    /// Version and commit of this program.
+    pub version: &'a str,
+    /// Number of the run, drawn at its start.
+    pub run: u64,
+    /// The keys of the experiment as TOML.
+    pub keys: String,
+    /// The run is recorded.
+    pub recording: bool,
+    /// Keeps a file that a host left: the host, the name of the file and its content.
+    pub keep: &'a dyn Fn(&RemoteHost, &str, &[u8]),
+}
+
+/// How the stand-in ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StandInOutcome {
+    /// How it ended.
+    pub ended: ProcessStatus,
+    /// Chunks of records that did not reach the recorder.
+    pub lost_chunks: u64,
+}
+
+impl StandIn<'_> {
+    /// Waits for the hosts, and takes the part of their agents until the run is over.
+    ///
+    /// # Errors
+    /// It cannot join the run. Errors after that are in [`StandInOutcome::ended`].
+    pub fn run(self, carrier: &mut dyn PlantCarrier) -> Result<StandInOutcome, BusError> {
+        let first = self.hosts.iter().flat_map(|host| &host.robots).next();
+        let &first = first.ok_or_else(|| BusError::failed("hosts", "a stand-in for no robot"))?;
+        let joined = JoinedRun::new(self.folder, Member::Agent(first as usize), self.launcher)?;
+        let experiment = postcard::to_allocvec(&joined.experiment)
+            .map_err(|e| BusError::failed("experiment", e))?;
+        let welcome = Welcome {
+            run: self.run,
+            experiment,
+            keys: self.keys,
+            robots: Vec::new(),
+            recording: self.recording,
+        };
+        let mut hosts = Hosts::new(self.hosts, &joined, self.version, welcome, carrier);
+        let mut lost_chunks = 0;
+        let ended = hosts.await_all().and_then(|()| {
+            let mut robots = Robots::join(&joined, self.hosts, self.recording)?;
+            let ended = play(&mut robots, &mut hosts);
+            // A run that was stopped by a signal or a failure has no time for more than what is there.
+            let limit = ended.is_err().then_some(STOP_GRACE);
+            let left = farewell(&mut robots, &mut hosts, self.keep, limit);
+            lost_chunks = robots.lost_chunks();
+            ended.and(left)
+        });
+        if let Err(error) = &ended {
+            hosts.stop(&match error {
+                BusError::Stopped => "the run was stopped".to_owned(),
+                other => other.to_string(),
+            });
+        }
+        Ok(StandInOutcome {
+            ended: ended.into(),
+            lost_chunks,
+        })
+    }
+}
+
+/// Plays all rounds.
+fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
+    for number in 1.. {
+        loop {
+            match robots.await_round(ROUND_WAIT)? {
+                Awaited::Over => return Ok(()),
+                Awaited::Round(_) => break,
+                Awaited::Nothing => hosts.look()?,
+            }
+        }
+        robots.take_positions()?;
+        hosts.ask(|own| Down::Round(robots.round(number, own)))?;
+        for (own, answer) in hosts.await_answers(number)? {
+            robots.answer(&own, &answer)?;
+        }
+    }
+    Ok(())
+}
+
+/// Tells the hosts that the run is over, and keeps what their agents leave. `limit`: how long they have.
+fn farewell(
+    robots: &mut Robots,
+    hosts: &mut Hosts<'_>,
+    keep: &dyn Fn(&RemoteHost, &str, &[u8]),
+    limit: Option<Duration>,
+) -> Result<(), BusError> {
+    robots.take_last_encoders()?;
+    hosts.ask(|own: &[RobotIndex]| Down::Over(robots.measured(own)))?;
+    let begin = Instant::now();
+    while !hosts.all_have_reported() && limit.is_none_or(|limit| begin.elapsed() < limit) {
+        for (host, Report { files, records }) in hosts.take_reports(limit.is_some())? {
+            robots.record(&host.robots, &records);
+            for (name, content) in &files {
+                keep(&host, name, content);
+            }
+        }
+    }
+    Ok(())
+}
