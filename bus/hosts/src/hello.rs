@@ -1,5 +1,7 @@
 //! Joining: what a host says first, and what it is answered.
 
+use std::str::FromStr;
+
 use serde::{Deserialize, Serialize};
 use slipstream_bus::message::RobotIndex;
 
@@ -34,6 +36,21 @@ pub struct Welcome {
     pub robots: Vec<RobotIndex>,
     /// The run is recorded.
     pub recording: bool,
+}
+
+impl FromStr for RemoteHost {
+    type Err = String;
+
+    /// Reads `NAME=ROBOT,…`, with robots counted from 0.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, robots) = text.split_once('=').ok_or("has no =")?;
+        let robots: Result<Vec<RobotIndex>, _> = robots.split(',').map(str::parse).collect();
+        let robots = robots.map_err(|error| error.to_string())?;
+        Ok(Self {
+            name: name.to_owned(),
+            robots,
+        })
+    }
 }
 
 /// Whether a name can be that of a host: letters, digits, `-`, `_` and `.`.

@@ -8,9 +8,11 @@
 //! A frame that is lost is sent again, and a round that comes twice is answered from memory: a cut of the network that
 //! is shorter than `host_timeout_s` changes nothing but the wall time.
 
+pub mod address;
 pub mod carrier;
 pub mod frame;
 pub mod hello;
+pub mod network;
 pub mod relay;
 pub mod stand_in;
 mod timing;

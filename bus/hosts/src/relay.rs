@@ -28,8 +28,8 @@ pub struct Relay<'a> {
     pub launcher: Parent,
     /// Number of the run that this host has joined.
     pub run: u64,
-    /// The files that the agents left, with names and contents.
-    pub left: &'a dyn Fn() -> Vec<(String, Vec<u8>)>,
+    /// The files that the agents of these robots left, with names and contents.
+    pub left: &'a dyn Fn(&[RobotIndex]) -> Vec<(String, Vec<u8>)>,
     /// Why the launcher stopped the agents of this host, if it did.
     pub failure: &'a dyn Fn() -> Option<String>,
 }
@@ -198,7 +198,10 @@ impl<'a> Play<'a> {
     }
 
     /// Waits until all agents have ended, and sends home what they left until it has arrived.
-    fn send_report(&mut self, left: &dyn Fn() -> Vec<(String, Vec<u8>)>) -> Result<(), BusError> {
+    fn send_report(
+        &mut self,
+        left: &dyn Fn(&[RobotIndex]) -> Vec<(String, Vec<u8>)>,
+    ) -> Result<(), BusError> {
         while self.joined.wake_page().stage() < Stage::Drained {
             self.joined
                 .wake_page()
@@ -207,7 +210,7 @@ impl<'a> Play<'a> {
         }
         self.drain_records()?;
         let report = encode(&Up::Report(Report {
-            files: left(),
+            files: left(&self.robots),
             records: std::mem::take(&mut self.chunks),
         }))?;
         let mut sent: Option<Instant> = None;

@@ -11,6 +11,6 @@ mod run_files;
 pub mod summary;
 
 pub use in_process::{Reports, RunError};
-pub use processes::{LaunchError, Options, Serve};
+pub use processes::{Across, LaunchError, Options, Serve};
 pub use resolve::{Assumption, Request, Resolved, resolve};
 pub use summary::{RunStatus, RunSummary};

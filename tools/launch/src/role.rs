@@ -12,6 +12,10 @@ pub(crate) enum Role {
     Agent(RobotIndex),
     /// The writer of the recording.
     Recorder,
+    /// What stands for the agents on other hosts, the first of which is this robot's.
+    StandIn(RobotIndex),
+    /// On another host: what stands for the plant and the recorder.
+    Relay,
 }
 
 impl Role {
@@ -21,14 +25,16 @@ impl Role {
             Self::Plant => "plant",
             Self::Agent(_) => "agent",
             Self::Recorder => "recorder",
+            Self::StandIn(_) => "hosts",
+            Self::Relay => "relay",
         }
     }
 
     /// The process on the wake-up page.
     pub(crate) fn member(self) -> Member {
         match self {
-            Self::Plant => Member::Plant,
-            Self::Agent(robot) => Member::Agent(robot as usize),
+            Self::Plant | Self::Relay => Member::Plant,
+            Self::Agent(robot) | Self::StandIn(robot) => Member::Agent(robot as usize),
             Self::Recorder => Member::Recorder,
         }
     }
@@ -37,11 +43,21 @@ impl Role {
     pub(crate) fn robot(self) -> Option<RobotIndex> {
         match self {
             Self::Agent(robot) => Some(robot),
-            Self::Plant | Self::Recorder => None,
+            Self::Plant | Self::Recorder | Self::StandIn(_) | Self::Relay => None,
         }
     }
 
-    /// Name of the process: `plant`, `recorder`, or the robot's name.
+    /// Whether it leads the rounds of its host.
+    pub(crate) fn leads(self) -> bool {
+        matches!(self, Self::Plant | Self::Relay)
+    }
+
+    /// Whether it ends after all others, because it keeps what they leave.
+    pub(crate) fn ends_last(self) -> bool {
+        matches!(self, Self::Recorder | Self::Relay)
+    }
+
+    /// Name of the process: `plant`, `recorder`, `hosts`, `relay`, or the robot's name.
     pub(crate) fn name(self) -> String {
         self.robot()
             .map_or_else(|| self.argument().to_owned(), robot_name)

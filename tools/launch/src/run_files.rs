@@ -1,5 +1,6 @@
 //! Files that the launcher writes into the run directory for the other processes.
 
+use std::path::Path;
 use std::{fs, io};
 
 use slipstream_bus::Experiment;
@@ -22,6 +23,6 @@ pub(crate) fn write(
 }
 
 /// The resolved keys as TOML; empty if the file is missing.
-pub(crate) fn read_keys(directory: &RunDirectory) -> String {
-    fs::read_to_string(directory.folder().join("experiment.toml")).unwrap_or_default()
+pub(crate) fn read_keys(folder: &Path) -> String {
+    fs::read_to_string(folder.join("experiment.toml")).unwrap_or_default()
 }

@@ -1,19 +1,22 @@
 //! One child process of a run: how it is started, and why it ended.
 
+use std::ffi::OsString;
 use std::fs::File;
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use slipstream_agents::process::AgentOutcome;
+use slipstream_hosts::relay::RelayOutcome;
+use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_sim::run::process::PlantOutcome;
 
-use super::options::Options;
 use super::report;
 use super::silence::Silence;
 use crate::recorder::RecorderOutcome;
@@ -43,18 +46,23 @@ const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 /// What a child is started with.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Start<'a> {
-    pub(super) options: &'a Options,
+    /// The program that plays the roles.
+    pub(super) program: &'a Path,
     pub(super) directory: &'a RunDirectory,
+    /// The run is recorded.
+    pub(super) recording: bool,
     /// The recording holds a trace.
     pub(super) trace: bool,
-    /// The recording, open and locked.
-    pub(super) recording: Option<&'a File>,
+    /// Arguments of this role alone.
+    pub(super) arguments: &'a [OsString],
+    /// Its standard input: the recording, open and locked.
+    pub(super) input: Option<&'a File>,
 }
 
 impl ChildProcess {
     /// Starts a process in the given role. `restarts`: how often it was restarted, 0 at first.
     pub(super) fn spawn(start: Start<'_>, role: Role, restarts: u32) -> std::io::Result<Self> {
-        let mut command = Command::new(&start.options.program);
+        let mut command = Command::new(start.program);
         command
             .arg(role.argument())
             .arg("--run")
@@ -67,23 +75,12 @@ impl ChildProcess {
         if restarts > 0 {
             command.arg("--rejoins");
         }
-        if let Some(out) = &start.options.out {
-            command.arg("--recording");
-            if start.trace {
-                command.arg("--trace");
-            }
-            if role == Role::Recorder {
-                command.arg("--out").arg(out);
-                if let Some(serve) = &start.options.serve {
-                    command.arg("--serve").arg(&serve.address);
-                    command.args(serve.waits.then_some("--waits"));
-                }
-            }
-        }
-        // The recorder writes to the file that the launcher opened, and so shares its lock.
-        let stdin = match start.recording {
-            Some(file) if role == Role::Recorder => file.try_clone()?.into(),
-            _ => Stdio::null(),
+        command.args(start.recording.then_some("--recording"));
+        command.args((start.recording && start.trace).then_some("--trace"));
+        command.args(start.arguments);
+        let stdin = match start.input {
+            Some(file) => file.try_clone()?.into(),
+            None => Stdio::null(),
         };
         // A process group of its own: Ctrl-C reaches the launcher alone.
         command.process_group(0).stdin(stdin).stdout(Stdio::null());
@@ -172,7 +169,7 @@ impl ChildProcess {
     }
 
     /// Why its end counts as a failure; `None` if it ended as planned. `time_s` is the time of the run.
-    pub(super) fn failure(&self, directory: &RunDirectory, time_s: f64) -> Option<String> {
+    pub(super) fn failure(&self, folder: &Path, time_s: f64) -> Option<String> {
         let status = self.status?;
         let (name, pid) = (self.role.name(), self.child.id());
         if let Some((_, verb, details)) = &self.killed {
@@ -187,15 +184,17 @@ impl ChildProcess {
             ));
         }
         if !status.success() {
-            return Some(match report::read_failure(directory, &name) {
+            return Some(match report::read_failure(folder, &name) {
                 Some(reason) => format!("{name} (pid {pid}): {reason}"),
                 None => format!("{name} (pid {pid}) failed at {time_s:.3} s"),
             });
         }
         let ended = match self.role {
-            Role::Plant => report::read(directory, &name).map(|plant: PlantOutcome| plant.ended),
-            Role::Agent(_) => report::read(directory, &name).map(|agent: AgentOutcome| agent.ended),
-            Role::Recorder => report::read(directory, &name).map(|recorder: RecorderOutcome| {
+            Role::Plant => report::read(folder, &name).map(|plant: PlantOutcome| plant.ended),
+            Role::Agent(_) => report::read(folder, &name).map(|agent: AgentOutcome| agent.ended),
+            Role::StandIn(_) => report::read(folder, &name).map(|own: StandInOutcome| own.ended),
+            Role::Relay => report::read(folder, &name).map(|own: RelayOutcome| own.ended),
+            Role::Recorder => report::read(folder, &name).map(|recorder: RecorderOutcome| {
                 recorder
                     .failure
                     .map_or(ProcessStatus::Done, ProcessStatus::Failed)

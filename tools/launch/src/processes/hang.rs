@@ -54,7 +54,7 @@ impl Run<'_> {
     /// From when on, and after how much time, every process should have ended. `None` while the run
     /// goes on.
     fn end_timeout(&self) -> Option<(Instant, Duration)> {
-        let timeout = STOP_TIMEOUT + STOP_TIME * self.resolved.experiment.settings.robots.count;
+        let timeout = STOP_TIMEOUT + STOP_TIME * self.experiment.settings.robots.count;
         let stopped = self.stopped.map(|since| match self.drained {
             // The recorder gets twice the time.
             Some(_) => (since, 2 * timeout),
@@ -66,12 +66,12 @@ impl Run<'_> {
 
     /// How long a process may show no sign of life.
     fn longest_silence(&self, role: Role) -> Duration {
-        let settings = &self.resolved.experiment.settings;
+        let settings = &self.experiment.settings;
         let watchdog = Duration::from_secs_f64(settings.watchdog_s);
         match (self.wake_page.stage(), role) {
             (Stage::Starting | Stage::Services, _) => watchdog + START_TIME * settings.robots.count,
             // It writes what is left, without an end in between.
-            (Stage::Drained, Role::Recorder) => watchdog.max(END_TIMEOUT),
+            (Stage::Drained, role) if role.ends_last() => watchdog.max(END_TIMEOUT),
             _ => watchdog + TURN_TIME * settings.robots.count,
         }
     }

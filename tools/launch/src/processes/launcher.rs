@@ -8,18 +8,20 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use slipstream_bus::InputError;
 use slipstream_bus::experiment::{Clock, OnDeath};
 use slipstream_bus::time::s_from_ns;
+use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY, leftovers};
 use slipstream_ipc::trace;
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_recording::output::lock_recording;
 
+use super::away::{Away, HOST};
 use super::child::{ChildProcess, Start};
 use super::options::{LaunchError, Options};
+use super::part::Part;
 use super::progress_line::ProgressLine;
-use super::{preflight, signals};
+use super::{preflight, report, signals};
 use crate::recorder;
 use crate::recorder::trace_files::{self, save_trace};
 use crate::resolve::Resolved;
@@ -42,8 +44,8 @@ fn system(step: &'static str) -> impl FnOnce(std::io::Error) -> LaunchError {
 
 /// A run in progress. Dropping it kills every process and removes what they share.
 pub(super) struct Run<'a> {
-    pub(super) resolved: &'a Resolved,
-    pub(super) options: &'a Options,
+    pub(super) experiment: &'a Experiment,
+    part: Part<'a>,
     pub(super) directory: RunDirectory,
     pub(super) wake_page: WakePage,
     pub(super) children: Vec<ChildProcess>,
@@ -72,50 +74,51 @@ pub(super) struct Run<'a> {
 /// # Errors
 /// When the run cannot be started. Later failures are in the summary's status.
 pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchError> {
-    let settings = &resolved.experiment.settings;
-    preflight::check(settings.robots.count)?;
+    let experiment = &resolved.experiment;
+    preflight::check(experiment.settings.robots.count)?;
     let keys = resolved.to_toml();
     let begin_recording = |out: &PathBuf| {
-        let begun = recorder::begin(&resolved.experiment, &keys, out)?;
+        let begun = recorder::begin(experiment, &keys, out)?;
         lock_recording(out, &begun)
     };
     let recording = options.out.as_ref().map(begin_recording).transpose()?;
     let _tracing = match options.out {
-        Some(_) => trace_files::begin(&resolved.experiment, "launcher")?,
+        Some(_) => trace_files::begin(experiment, "launcher")?,
         None => None,
     };
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let begin = Instant::now();
-    let mut run = Run::prepare(resolved, &keys, options, recording)?;
-    run.start().map_err(system("start the processes"))?;
-    let progress = ProgressLine::new(options.live, settings);
-    while run.children.iter().any(is_awaited) {
-        run.wait(&mut signals)
-            .map_err(system("wait for the processes"))?;
-        for notice in run.notices.drain(..) {
-            progress.suspend(|| (options.notice)(&notice));
-        }
-        progress.draw(&run.wake_page);
-    }
-    progress.clear();
-    let mut summary = run.summarise();
-    if run.failures > MAX_NOTICES {
-        let more = run.failures - MAX_NOTICES;
-        run.notices
-            .push(format!("and {more} more processes failed"));
-    }
+    let mut run = Run::prepare(experiment, &keys, Part::Home(options), recording)?;
+    run.watch(options.live, &mut signals)?;
+    let mut summary = run.summarise(options);
     summary.wall_s = begin.elapsed().as_secs_f64();
-    run.notices
-        .drain(..)
-        .for_each(|notice| (options.notice)(&notice));
+    run.say_notices();
     Ok(summary)
+}
+
+/// Runs the agents of a host that has joined the run of another. Returns how it ended.
+///
+/// # Errors
+/// When they cannot be started.
+pub(super) fn run_away(
+    experiment: &Experiment,
+    keys: &str,
+    away: &Away,
+) -> Result<RunStatus, LaunchError> {
+    preflight::check(experiment.settings.robots.count)?;
+    let mut signals = signals::listen().map_err(system("listen for signals"))?;
+    let mut run = Run::prepare(experiment, keys, Part::Away(away), None)?;
+    run.wake_page.set_local(&away.robots);
+    run.watch(away.live, &mut signals)?;
+    run.say_notices();
+    Ok(run.status.clone())
 }
 
 impl<'a> Run<'a> {
     fn prepare(
-        resolved: &'a Resolved,
+        experiment: &'a Experiment,
         keys: &str,
-        options: &'a Options,
+        part: Part<'a>,
         recording: Option<File>,
     ) -> Result<Self, LaunchError> {
         let unwritable = |error: std::io::Error| {
@@ -124,8 +127,8 @@ impl<'a> Run<'a> {
         };
         remove_leftovers();
         let (directory, lock) = create_directory().map_err(unwritable)?;
-        let files = run_files::write(&directory, &resolved.experiment, keys);
-        let robots = resolved.experiment.robots.len();
+        let files = run_files::write(&directory, experiment, keys);
+        let robots = experiment.robots.len();
         let wake_page = files.and_then(|()| WakePage::create(&directory.wake_page(), robots));
         let wake_page = match wake_page {
             Ok(wake_page) => wake_page,
@@ -135,8 +138,8 @@ impl<'a> Run<'a> {
             }
         };
         Ok(Self {
-            resolved,
-            options,
+            experiment,
+            part,
             directory,
             wake_page,
             children: Vec::new(),
@@ -153,24 +156,45 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Starts the plant first: all others wait for its services.
-    fn start(&mut self) -> std::io::Result<()> {
-        self.spawn(Role::Plant, 0)?;
-        if self.options.out.is_some() {
-            self.spawn(Role::Recorder, 0)?;
+    /// Starts the processes and waits until they have ended.
+    fn watch(&mut self, live: bool, signals: &mut UnixStream) -> Result<(), LaunchError> {
+        let roles = self.part.roles(self.experiment);
+        let started = roles.into_iter().try_for_each(|role| self.spawn(role, 0));
+        started.map_err(system("start the processes"))?;
+        let progress = ProgressLine::new(live, &self.experiment.settings);
+        while self.children.iter().any(is_awaited) {
+            self.wait(signals)
+                .map_err(system("wait for the processes"))?;
+            for notice in self.notices.drain(..) {
+                progress.suspend(|| self.part.say(&notice));
+            }
+            progress.draw(&self.wake_page);
         }
-        for robot in 0..self.resolved.experiment.settings.robots.count {
-            self.spawn(Role::Agent(robot), 0)?;
-        }
+        progress.clear();
         Ok(())
+    }
+
+    /// Says what has not been said yet.
+    fn say_notices(&mut self) {
+        if self.failures > MAX_NOTICES {
+            let more = self.failures - MAX_NOTICES;
+            self.notices
+                .push(format!("and {more} more processes failed"));
+        }
+        for notice in self.notices.drain(..) {
+            self.part.say(&notice);
+        }
     }
 
     fn spawn(&mut self, role: Role, restarts: u32) -> std::io::Result<()> {
         let start = Start {
-            options: self.options,
+            program: self.part.program(),
             directory: &self.directory,
-            trace: self.resolved.experiment.settings.recording.trace,
-            recording: self.recording.as_ref(),
+            recording: self.part.is_recorded(),
+            trace: self.experiment.settings.recording.trace,
+            arguments: &self.part.arguments(role),
+            // The recorder writes to the file that the launcher opened, and so shares its lock.
+            input: self.recording.as_ref().filter(|_| role == Role::Recorder),
         };
         let child = ChildProcess::spawn(start, role, restarts)?;
         self.processes.push(child.describe());
@@ -196,7 +220,7 @@ impl<'a> Run<'a> {
             tracing::info!(name: "ended", role = role.argument(), robot = role.robot(), status = %status);
             self.after_end(index)?;
         }
-        let working = |child: &ChildProcess| child.role != Role::Recorder && is_awaited(child);
+        let working = |child: &ChildProcess| !child.role.ends_last() && is_awaited(child);
         if self.drained.is_none() && !self.children.iter().any(working) {
             self.drained = Some(Instant::now());
             save_trace(self.directory.folder(), "launcher");
@@ -242,7 +266,7 @@ impl<'a> Run<'a> {
             self.wake_page.set_recorder_gone();
         }
         let time_s = s_from_ns(self.wake_page.progress().0);
-        let Some(reason) = self.children[index].failure(&self.directory, time_s) else {
+        let Some(reason) = self.children[index].failure(self.directory.folder(), time_s) else {
             return Ok(());
         };
         // What fails because the run stops is not worth a sentence. What hangs is, unless it was still
@@ -251,19 +275,20 @@ impl<'a> Run<'a> {
         if self.stopped.is_none() || hung {
             self.fail(reason + &self.planted());
         }
-        if role != Role::Recorder {
-            let robot = role.robot().map(|robot| robot as usize);
-            self.wake_page.count_death(robot);
+        match role.member() {
+            Member::Agent(robot) => self.wake_page.count_death(Some(robot)),
+            Member::Plant => self.wake_page.count_death(None),
+            Member::Recorder => {}
         }
-        let settings = &self.resolved.experiment.settings;
+        let settings = &self.experiment.settings;
         let continues = settings.clock == Clock::Wall
             && settings.on_death != OnDeath::Stop
-            && role != Role::Plant
+            && !role.leads()
             && self.wake_page.stage() == Stage::Running
             && self.stopped.is_none();
         if !continues {
             self.stop();
-            if role == Role::Plant {
+            if role.leads() {
                 self.wake_page.advance(Stage::Over);
             }
             return Ok(());
@@ -283,6 +308,10 @@ impl<'a> Run<'a> {
             self.notices.push(reason.clone());
         }
         if self.status == RunStatus::Done {
+            if matches!(self.part, Part::Away(_)) {
+                // The relay sends it home. If it cannot be written, the plant's host hears less.
+                let _ = report::write_failure(self.directory.folder(), HOST, &reason);
+            }
             self.status = RunStatus::Failed(reason);
         }
     }
@@ -322,12 +351,13 @@ impl Drop for Run<'_> {
         for child in &mut self.children {
             if child.is_running() && !child.wait_killed() {
                 let name = child.role.name();
-                (self.options.notice)(&format!("{name} cannot be killed: {}", child.state()));
+                let state = child.state();
+                self.part.say(&format!("{name} cannot be killed: {state}"));
             }
         }
         if let Err(error) = self.directory.remove() {
             let folder = self.directory.folder().display();
-            (self.options.notice)(&format!(
+            self.part.say(&format!(
                 "{folder}: {error}; remove it with slipstream clean"
             ));
         }

@@ -1,10 +1,13 @@
 //! A run as processes: the launcher, and the roles that it starts.
 
+mod away;
+mod belongings;
 mod child;
 mod hang;
 mod launcher;
 mod options;
 mod outcome;
+mod part;
 mod preflight;
 mod progress_line;
 mod report;
@@ -12,5 +15,6 @@ pub mod roles;
 mod signals;
 mod silence;
 
+pub use away::{Joined, Joining, join};
 pub use launcher::run;
-pub use options::{LaunchError, Options, Serve};
+pub use options::{Across, LaunchError, Options, Serve};

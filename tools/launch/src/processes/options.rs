@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use slipstream_bus::InputError;
+use slipstream_hosts::address::{Address, Security};
+use slipstream_hosts::hello::RemoteHost;
 
 /// How a run is started.
 #[derive(Debug, Clone)]
@@ -15,8 +17,21 @@ pub struct Options {
     pub live: bool,
     /// Serve what is recorded to viewers, as it happens.
     pub serve: Option<Serve>,
+    /// The other hosts, if the agents of some robots run on them.
+    pub across: Option<Across>,
     /// Says what went wrong, as soon as it has.
     pub notice: fn(&str),
+}
+
+/// A run whose agents are on several hosts.
+#[derive(Debug, Clone)]
+pub struct Across {
+    /// Where this host listens.
+    pub address: Address,
+    /// How the connections are protected.
+    pub security: Security,
+    /// The other hosts and their robots.
+    pub hosts: Vec<RemoteHost>,
 }
 
 /// How a run is served to viewers.

@@ -8,18 +8,20 @@ use slipstream_ipc::clock::Deadlines;
 use slipstream_sim::run::process::PlantOutcome;
 
 use super::launcher::Run;
+use super::options::Options;
 use super::report;
 use crate::role::Role;
 use crate::summary::{DeadlineSummary, ProcessReports, RunStatus, RunSummary};
 
 impl Run<'_> {
     /// Assembles the summary from the final reports of the processes.
-    pub(super) fn summarise(&mut self) -> RunSummary {
-        let settings = &self.resolved.experiment.settings;
+    pub(super) fn summarise(&mut self, options: &Options) -> RunSummary {
+        let settings = &self.experiment.settings;
         let robots = settings.robots.count;
-        let plant: Option<PlantOutcome> = report::read(&self.directory, &Role::Plant.name());
+        let plant: Option<PlantOutcome> =
+            report::read(self.directory.folder(), &Role::Plant.name());
         let agents: Vec<Option<AgentOutcome>> = (0..robots)
-            .map(|robot| report::read(&self.directory, &robot_name(robot)))
+            .map(|robot| report::read(self.directory.folder(), &robot_name(robot)))
             .collect();
         let reports = ProcessReports {
             plant: plant.as_ref().map(|plant| plant.report.clone()),
@@ -28,9 +30,9 @@ impl Run<'_> {
                 .map(|agent| agent.as_ref().map(|a| a.report))
                 .collect(),
         };
-        let mut summary = RunSummary::new(&self.resolved.experiment, &reports);
+        let mut summary = RunSummary::new(self.experiment, &reports);
         summary.processes = std::mem::take(&mut self.processes);
-        summary.recording = self.options.out.clone().filter(|out| out.exists());
+        summary.recording = options.out.clone().filter(|out| out.exists());
         summary.status = self.status.clone();
         if plant.is_none() {
             summary.duration_s = s_from_ns(self.wake_page.progress().0);
@@ -58,7 +60,7 @@ impl Run<'_> {
         agents: &[Option<AgentOutcome>],
         end_s: f64,
     ) -> Vec<DeadlineSummary> {
-        let settings = &self.resolved.experiment.settings;
+        let settings = &self.experiment.settings;
         let schedule = settings.schedule();
         let step = ("step", ns_from_s(settings.plant.step_s));
         let loops = [("outer", schedule.outer_ns), ("inner", schedule.inner_ns)];

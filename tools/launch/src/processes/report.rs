@@ -6,7 +6,6 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::run_directory::RunDirectory;
 
 /// Writes the report of the process `name`. The file is complete as soon as it has its final name.
 ///
@@ -32,8 +31,8 @@ pub(super) fn write_failure(folder: &Path, name: &str, reason: &str) -> Result<(
 }
 
 /// Why the process `name` could not do its work, if it said so.
-pub(super) fn read_failure(directory: &RunDirectory, name: &str) -> Option<String> {
-    read(directory, &failure_of(name))
+pub(super) fn read_failure(folder: &Path, name: &str) -> Option<String> {
+    read(folder, &failure_of(name))
 }
 
 fn failure_of(name: &str) -> String {
@@ -41,7 +40,7 @@ fn failure_of(name: &str) -> String {
 }
 
 /// Reads the report of the process `name`; `None` if it ended without one.
-pub(super) fn read<T: DeserializeOwned>(directory: &RunDirectory, name: &str) -> Option<T> {
-    let bytes = std::fs::read(directory.folder().join(format!("report-{name}"))).ok()?;
+pub(super) fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
+    let bytes = std::fs::read(folder.join(format!("report-{name}"))).ok()?;
     postcard::from_bytes(&bytes).ok()
 }

@@ -8,14 +8,21 @@ use clap::{Args, Parser};
 use serde::Serialize;
 use slipstream_agents::process as agent;
 use slipstream_bus::transport::BusError;
+use slipstream_hosts::address::{Address, Security};
+use slipstream_hosts::hello::RemoteHost;
+use slipstream_hosts::network;
+use slipstream_hosts::relay::Relay;
+use slipstream_hosts::stand_in::StandIn;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
 
-use super::report;
+use super::away::HOST;
+use super::{belongings, report};
 use crate::recorder;
 use crate::recorder::trace_files::save_trace;
 use crate::role::Role;
+use crate::run_files::read_keys;
 
 /// Arguments of a process of a run.
 #[derive(Debug, Parser)]
@@ -51,6 +58,48 @@ enum RoleArguments {
         #[arg(long)]
         waits: bool,
     },
+    /// What stands for the agents on other hosts.
+    Hosts {
+        #[command(flatten)]
+        membership: Membership,
+        #[command(flatten)]
+        connection: Connection,
+        /// The other hosts: NAME=ROBOT,…, counted from 0.
+        #[arg(long)]
+        host: Vec<RemoteHost>,
+    },
+    /// On another host: what stands for the plant and the recorder.
+    Relay {
+        #[command(flatten)]
+        membership: Membership,
+        #[command(flatten)]
+        connection: Connection,
+        /// The name of this host.
+        #[arg(long)]
+        name: String,
+        /// Number of the run.
+        #[arg(long)]
+        number: u64,
+    },
+}
+
+#[derive(Debug, Clone, Args)]
+struct Connection {
+    /// Where the plant's host listens.
+    #[arg(long)]
+    address: Address,
+    /// Folder of the certificates.
+    #[arg(long)]
+    tls: Option<PathBuf>,
+    /// No protection.
+    #[arg(long)]
+    insecure: bool,
+}
+
+impl Connection {
+    fn security(&self) -> Security {
+        Security::new(self.tls.clone(), self.insecure)
+    }
 }
 
 #[derive(Debug, Clone, Args)]
@@ -77,15 +126,22 @@ impl Membership {
 
 /// Whether the arguments are those of a process of a run.
 pub fn is_role(arguments: &[OsString]) -> bool {
-    let roles = [Role::Plant, Role::Agent(0), Role::Recorder];
+    let roles = [
+        Role::Plant,
+        Role::Agent(0),
+        Role::Recorder,
+        Role::StandIn(0),
+        Role::Relay,
+    ];
     arguments
         .get(1)
         .and_then(|name| name.to_str())
         .is_some_and(|name| roles.iter().any(|role| role.argument() == name))
 }
 
-/// Runs the process that the arguments describe to its end. Returns whether it wrote a report.
-pub fn play(arguments: &[OsString]) -> bool {
+/// Runs the process that the arguments describe to its end. Returns whether it wrote a report. `version`: version and
+/// commit of this program, which is the same on all hosts of a run.
+pub fn play(arguments: &[OsString], version: &str) -> bool {
     let role = match RoleArguments::try_parse_from(arguments) {
         Ok(role) => role,
         // Prints the problem and exits with code 2.
@@ -105,7 +161,7 @@ pub fn play(arguments: &[OsString]) -> bool {
     };
     let _tracing = filter.map(|filter| trace::begin(&role.name(), filter));
     let process = tracing::info_span!("process").entered();
-    let played = role.play();
+    let played = role.play(version);
     drop(process);
     save_trace(&membership.run, &role.name());
     match played {
@@ -131,7 +187,7 @@ fn print_problem(role: &RoleArguments, problem: &str) {
 }
 
 impl RoleArguments {
-    fn play(&self) -> Result<(), BusError> {
+    fn play(&self, version: &str) -> Result<(), BusError> {
         let membership = self.membership();
         let (run, recording) = (&membership.run, membership.recording);
         let launcher = membership.launcher();
@@ -146,6 +202,39 @@ impl RoleArguments {
                 let serve = serve.as_deref().map(|address| (address, *waits));
                 self.report(&recorder::process::run(run, launcher, out, serve)?)
             }
+            Self::Hosts {
+                connection, host, ..
+            } => {
+                let mut carrier = network::listen(&connection.address, &connection.security())?;
+                let stand_in = StandIn {
+                    folder: run,
+                    launcher,
+                    hosts: host,
+                    version,
+                    run: rand::random(),
+                    keys: read_keys(run),
+                    recording,
+                    keep: &|host, name, content| belongings::keep(run, host, name, content),
+                };
+                self.report(&stand_in.run(&mut *carrier)?)
+            }
+            Self::Relay {
+                connection,
+                name,
+                number,
+                ..
+            } => {
+                let (address, security) = (&connection.address, connection.security());
+                let mut carrier = network::connect(address, &security, name)?;
+                let relay = Relay {
+                    folder: run,
+                    launcher,
+                    run: *number,
+                    left: &|robots| belongings::left(run, robots),
+                    failure: &|| report::read_failure(run, HOST),
+                };
+                self.report(&relay.run(&mut *carrier)?)
+            }
         }
     }
 
@@ -157,7 +246,9 @@ impl RoleArguments {
         match self {
             Self::Plant(membership)
             | Self::Agent { membership, .. }
-            | Self::Recorder { membership, .. } => membership,
+            | Self::Recorder { membership, .. }
+            | Self::Hosts { membership, .. }
+            | Self::Relay { membership, .. } => membership,
         }
     }
 
@@ -167,6 +258,8 @@ impl RoleArguments {
             Self::Plant(_) => Role::Plant.name(),
             Self::Agent { robot, .. } => Role::Agent(*robot).name(),
             Self::Recorder { .. } => Role::Recorder.name(),
+            Self::Hosts { .. } => Role::StandIn(0).name(),
+            Self::Relay { .. } => Role::Relay.name(),
         }
     }
 }

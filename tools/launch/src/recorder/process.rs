@@ -47,7 +47,7 @@ pub(crate) fn run(
     serve: Option<(&str, bool)>,
 ) -> Result<RecorderOutcome, BusError> {
     let joined = JoinedRun::new(folder, Member::Recorder, launcher)?;
-    let keys = read_keys(&joined.directory);
+    let keys = read_keys(joined.directory.folder());
     let file = std::io::stdin().as_fd().try_clone_to_owned();
     let file = File::from(file.map_err(|e| BusError::failed("recording", e))?);
     let mut sink = match McapSink::new(file, out, &joined.experiment, &keys) {

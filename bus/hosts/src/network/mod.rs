@@ -1,0 +1,63 @@
+//! The network between the hosts of a run: Zenoh, in builds with the feature `zenoh`.
+
+#[cfg(feature = "zenoh")]
+pub mod keys;
+#[cfg(feature = "zenoh")]
+mod zenoh;
+
+#[cfg(feature = "zenoh")]
+pub use self::zenoh::{ask, connect, listen};
+
+#[cfg(not(feature = "zenoh"))]
+pub use self::none::{ask, connect, listen};
+
+/// Whether this build has a network.
+pub const IS_BUILT: bool = cfg!(feature = "zenoh");
+
+#[cfg(not(feature = "zenoh"))]
+mod none {
+    use slipstream_bus::InputError;
+    use slipstream_bus::transport::BusError;
+
+    use crate::address::{Address, Security};
+    use crate::carrier::{HostCarrier, PlantCarrier};
+    use crate::hello::{Hello, Welcome};
+
+    const PROBLEM: &str = "this build runs on one host";
+    const REMEDY: &str = "build slipstream with --features hosts";
+
+    /// Listens at an address for other hosts.
+    ///
+    /// # Errors
+    /// Always, in this build.
+    pub fn listen(address: &Address, _: &Security) -> Result<Box<dyn PlantCarrier>, BusError> {
+        Err(missing(address))
+    }
+
+    /// Connects the relay of the host `name` to the plant's host.
+    ///
+    /// # Errors
+    /// Always, in this build.
+    pub fn connect(
+        address: &Address,
+        _: &Security,
+        _: &str,
+    ) -> Result<Box<dyn HostCarrier>, BusError> {
+        Err(missing(address))
+    }
+
+    /// Asks the plant's host to join its run.
+    ///
+    /// # Errors
+    /// Always, in this build.
+    pub fn ask(address: &Address, _: &Security, _: &Hello) -> Result<Welcome, InputError> {
+        Err(InputError::new(address.to_string(), PROBLEM, REMEDY))
+    }
+
+    fn missing(address: &Address) -> BusError {
+        BusError::Failed {
+            what: address.to_string(),
+            reason: format!("{PROBLEM}; {REMEDY}"),
+        }
+    }
+}

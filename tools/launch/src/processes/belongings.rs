@@ -1,0 +1,60 @@
+//! What an agent leaves at its end, its report and the rest of its trace, from one host to another.
+
+use std::fs;
+use std::path::Path;
+
+use slipstream_bus::message::{RobotIndex, robot_name};
+use slipstream_hosts::hello::RemoteHost;
+
+/// Begins of the names of the files that an agent leaves.
+const KINDS: [&str; 2] = ["report-", "trace-"];
+
+/// Names of the files that these robots may leave.
+fn names(robots: &[RobotIndex]) -> impl Iterator<Item = String> {
+    robots.iter().flat_map(|&robot| {
+        KINDS
+            .iter()
+            .map(move |kind| format!("{kind}{}", robot_name(robot)))
+    })
+}
+
+/// The files that the agents of these robots left in the run directory, with names and contents.
+pub(super) fn left(folder: &Path, robots: &[RobotIndex]) -> Vec<(String, Vec<u8>)> {
+    let read = |name: String| Some((name.clone(), fs::read(folder.join(&name)).ok()?));
+    names(robots).filter_map(read).collect()
+}
+
+/// Keeps a file that an agent of another host left, as if it had run here.
+pub(super) fn keep(folder: &Path, host: &RemoteHost, name: &str, content: &[u8]) {
+    if names(&host.robots).any(|own| own == name) {
+        // If the directory is gone, the run is over and nobody reads the file.
+        let _ = fs::write(folder.join(name), content);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_host_leaves_only_the_files_of_its_robots() {
+        let folder = tempfile::tempdir().unwrap();
+        let host = RemoteHost {
+            name: "b".to_owned(),
+            robots: vec![2],
+        };
+        for name in [
+            "report-r3",
+            "trace-r3",
+            "report-r1",
+            "../report-r3",
+            "report-plant",
+        ] {
+            keep(folder.path(), &host, name, b"x");
+        }
+        let kept = left(folder.path(), &[0, 1, 2]);
+        let kept: Vec<&str> = kept.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(kept, ["report-r3", "trace-r3"]);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+}

@@ -1,0 +1,111 @@
+//! The part of a run that a launcher has: plant and recorder with the agents of its host, or only agents.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use slipstream_bus::Experiment;
+use slipstream_bus::message::RobotIndex;
+
+use super::away::Away;
+use super::options::Options;
+use crate::role::Role;
+
+/// The part of a run on this host.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Part<'a> {
+    /// Plant and recorder, and the agents that no other host has.
+    Home(&'a Options),
+    /// Agents alone.
+    Away(&'a Away),
+}
+
+impl Part<'_> {
+    /// The processes in the order of their start. All wait for the services of the first one.
+    pub(super) fn roles(self, experiment: &Experiment) -> Vec<Role> {
+        let mut roles = Vec::new();
+        match self {
+            Self::Home(options) => {
+                let elsewhere = options.robots_elsewhere();
+                roles.push(Role::Plant);
+                roles.extend(options.out.as_ref().map(|_| Role::Recorder));
+                roles.extend(elsewhere.first().map(|&first| Role::StandIn(first)));
+                let robots = 0..experiment.settings.robots.count;
+                let here = robots.filter(|robot| !elsewhere.contains(robot));
+                roles.extend(here.map(Role::Agent));
+            }
+            Self::Away(away) => {
+                roles.push(Role::Relay);
+                roles.extend(away.robots.iter().map(|&robot| Role::Agent(robot)));
+            }
+        }
+        roles
+    }
+
+    /// The program that plays the roles.
+    pub(super) fn program(&self) -> &Path {
+        match self {
+            Self::Home(options) => &options.program,
+            Self::Away(away) => &away.program,
+        }
+    }
+
+    /// Whether the run is recorded.
+    pub(super) fn is_recorded(self) -> bool {
+        match self {
+            Self::Home(options) => options.out.is_some(),
+            Self::Away(away) => away.recording,
+        }
+    }
+
+    /// Arguments of one role alone.
+    pub(super) fn arguments(self, role: Role) -> Vec<OsString> {
+        match (self, role) {
+            (Self::Home(options), Role::Recorder) => options.recorder_arguments(),
+            (Self::Home(options), Role::StandIn(_)) => options.stand_in_arguments(),
+            (Self::Away(away), Role::Relay) => away.relay_arguments(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Says something to the user.
+    pub(super) fn say(self, text: &str) {
+        match self {
+            Self::Home(options) => (options.notice)(text),
+            Self::Away(away) => (away.notice)(text),
+        }
+    }
+}
+
+impl Options {
+    /// The robots whose agents run on other hosts.
+    fn robots_elsewhere(&self) -> Vec<RobotIndex> {
+        let hosts = self.across.iter().flat_map(|across| &across.hosts);
+        hosts.flat_map(|host| host.robots.iter().copied()).collect()
+    }
+
+    fn recorder_arguments(&self) -> Vec<OsString> {
+        let mut arguments = Vec::new();
+        if let Some(out) = &self.out {
+            arguments.extend(["--out".into(), out.into()]);
+        }
+        if let Some(serve) = &self.serve {
+            arguments.extend(["--serve".into(), OsString::from(&serve.address)]);
+            arguments.extend(serve.waits.then(|| "--waits".into()));
+        }
+        arguments
+    }
+
+    fn stand_in_arguments(&self) -> Vec<OsString> {
+        let Some(across) = &self.across else {
+            return Vec::new();
+        };
+        let mut arguments = vec!["--address".into(), across.address.to_string().into()];
+        arguments.extend(across.security.arguments());
+        for host in &across.hosts {
+            let robots: Vec<String> = host.robots.iter().map(ToString::to_string).collect();
+            arguments.push("--host".into());
+            arguments.push(format!("{}={}", host.name, robots.join(",")).into());
+        }
+        arguments
+    }
+}
