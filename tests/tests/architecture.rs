@@ -16,7 +16,7 @@ use slipstream_tests::structure::{self, Order};
 const FLOORS: [&[&str]; 10] = [
     &["slipstream-bus"],
     &["slipstream-ipc", "slipstream-trial-plant"],
-    &["slipstream-agents", "slipstream-sim"],
+    &["slipstream-agents", "slipstream-hosts", "slipstream-sim"],
     &["slipstream-recording"],
     &["slipstream-live", "slipstream-testkit"],
     &[

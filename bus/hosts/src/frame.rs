@@ -13,9 +13,9 @@ pub const MAX_BYTES: usize = 64 << 20;
 pub enum Down {
     /// A round of the lockstep.
     Round(Round),
-    /// The run is over: the last encoders.
-    Over(Measured),
-    /// The run ends early, for this reason.
+    /// The run is over. The host reports what its agents leave.
+    Over(End),
+    /// The run ends at once, for this reason. The host reports nothing.
     Stop(String),
     /// What the host had to report has arrived: it may end.
     Received,
@@ -32,6 +32,15 @@ pub struct Round {
     pub measured: Measured,
     /// Positions from other hosts for robots of this host, in the order of their sending.
     pub positions: Vec<Position>,
+}
+
+/// The end of a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct End {
+    /// The last encoders.
+    pub measured: Measured,
+    /// Why the run ends early; `None` if it is complete.
+    pub stopped: Option<String>,
 }
 
 /// Encoders at one instant.

@@ -17,7 +17,7 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Member, Stage};
 
 use crate::carrier::HostCarrier;
-use crate::frame::{Answer, Down, Measured, Report, Round, Up, decode, encode};
+use crate::frame::{Answer, Down, End, Measured, Report, Round, Up, decode, encode};
 use crate::timing::{Contact, POLL_INTERVAL, RESEND};
 
 /// What the relay is started with.
@@ -78,7 +78,10 @@ impl Relay<'_> {
                 drop(kept);
                 play.rounds()
             })
-            .and_then(|()| play.send_report(self.left));
+            .and_then(|stopped| {
+                play.send_report(self.left)?;
+                stopped.map_or(Ok(()), |reason| Err(stopped_by_plant(reason)))
+            });
         joined.wake_page().advance(Stage::Over);
         if let Err(error) = &ended {
             play.fail(error, self.failure);
@@ -127,8 +130,8 @@ impl<'a> Play<'a> {
         Ok(())
     }
 
-    /// Answers the rounds of the plant until the run is over.
-    fn rounds(&mut self) -> Result<(), BusError> {
+    /// Answers the rounds of the plant until the run is over. Returns why it ended early, if it did.
+    fn rounds(&mut self) -> Result<Option<String>, BusError> {
         self.send(&Up::Ready(self.run))?;
         self.joined.wake_page().advance(Stage::Running);
         loop {
@@ -138,11 +141,11 @@ impl<'a> Play<'a> {
                 }
                 None | Some(Down::Beat | Down::Received) => {}
                 Some(Down::Round(round)) => self.answer(&round)?,
-                Some(Down::Over(last)) => {
-                    self.measure(&last)?;
-                    self.plant.publish_final(last.now_ns, &self.encoders)?;
+                Some(Down::Over(End { measured, stopped })) => {
+                    self.measure(&measured)?;
+                    self.plant.publish_final(measured.now_ns, &self.encoders)?;
                     self.joined.wake_page().advance(Stage::Over);
-                    return Ok(());
+                    return Ok(stopped);
                 }
                 Some(Down::Stop(reason)) => return Err(stopped_by_plant(reason)),
             }

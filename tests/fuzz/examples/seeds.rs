@@ -13,9 +13,12 @@ use std::path::Path;
 use mcap::{MessageStream, WriteOptions};
 use serde::Serialize;
 use slipstream_agents::process::AgentOutcome;
+use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::{Parameter, RobotModel};
 use slipstream_fuzz::{FILES, MAP, SEPARATOR};
+use slipstream_hosts::frame::{Answer, Down, End, Measured, Report, Round, Up};
+use slipstream_hosts::hello::{Hello, Welcome};
 use slipstream_ipc::clock::RealTime;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::record_pipe::Entry;
@@ -269,6 +272,7 @@ fn processes(resolved: &Resolved, run: &Path) {
         start_up_s: 0.1,
         loop_s: 0.2,
     };
+    host_frames(resolved, &chunk);
     seed("reports", "plant", &[&[0], &encode(&plant)[..]].concat());
     let agent = AgentOutcome {
         report: reports.agents.into_iter().next().unwrap(),
@@ -287,6 +291,55 @@ fn processes(resolved: &Resolved, run: &Path) {
         "recorder",
         &[&[2], &encode(&recorder)[..]].concat(),
     );
+}
+
+fn host_frames(resolved: &Resolved, chunk: &[u8]) {
+    let measured = Measured {
+        now_ns: 20_000_000,
+        encoders: vec![(1, Encoders::default())],
+    };
+    let end = End {
+        measured: measured.clone(),
+        stopped: Some("it was stopped".to_owned()),
+    };
+    let round = Down::Round(Round {
+        number: 2,
+        measured,
+        positions: vec![Position::default()],
+    });
+    let answer = Up::Answer(Answer {
+        number: 2,
+        commands: vec![TorqueCommand::default()],
+        positions: vec![Position::default()],
+        records: vec![chunk.to_vec()],
+    });
+    let report = Up::Report(Report {
+        files: vec![("report-r2".to_owned(), vec![1, 2, 3])],
+        records: Vec::new(),
+    });
+    let hello = Hello {
+        version: "0.1.0".to_owned(),
+        name: "b".to_owned(),
+    };
+    let welcome = Welcome {
+        run: 7,
+        experiment: encode(&resolved.experiment),
+        keys: resolved.to_toml(),
+        robots: vec![1],
+        recording: true,
+    };
+    for (name, kind, bytes) in [
+        ("round", 0, encode(&round)),
+        ("over", 0, encode(&Down::Over(end))),
+        ("stop", 0, encode(&Down::Stop("r1 died".to_owned()))),
+        ("ready", 1, encode(&Up::Ready(7))),
+        ("answer", 1, encode(&answer)),
+        ("report", 1, encode(&report)),
+        ("hello", 2, encode(&hello)),
+        ("welcome", 3, encode(&welcome)),
+    ] {
+        seed("host_frame", name, &[&[kind], &bytes[..]].concat());
+    }
 }
 
 fn encode(value: &impl Serialize) -> Vec<u8> {

@@ -32,7 +32,7 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 20] = [
+pub const TARGETS: [Target; 21] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
@@ -51,6 +51,7 @@ pub const TARGETS: [Target; 20] = [
     target("experiment", postcard_data::experiment),
     target("record_chunk", postcard_data::record_chunk),
     target("reports", postcard_data::reports),
+    target("host_frame", postcard_data::host_frame),
     target("trace_chunk", postcard_data::trace_chunk),
     target("trace_buffer", postcard_data::trace_buffer),
 ];

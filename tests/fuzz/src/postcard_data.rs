@@ -5,6 +5,8 @@ use serde::de::DeserializeOwned;
 use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::Experiment;
 use slipstream_bus::trace::{self, CallSite, FORMAT, RecordData, TraceRecord};
+use slipstream_hosts::frame::{Down, Up};
+use slipstream_hosts::hello::{Hello, Welcome};
 use slipstream_ipc::record_pipe::{Entry, decode_chunk};
 use slipstream_launch::recorder::RecorderOutcome;
 use slipstream_sim::run::process::PlantOutcome;
@@ -43,6 +45,29 @@ pub(crate) fn reports(bytes: &[u8]) {
         0 => drop(round_trip::<PlantOutcome>(bytes)),
         1 => drop(round_trip::<AgentOutcome>(bytes)),
         _ => drop(round_trip::<RecorderOutcome>(bytes)),
+    }
+}
+
+/// A frame between hosts, or what a host says first. The first byte says which.
+pub(crate) fn host_frame(bytes: &[u8]) {
+    let Some((kind, bytes)) = bytes.split_first() else {
+        return;
+    };
+    match kind % 4 {
+        0 => frame::<Down>(bytes),
+        1 => frame::<Up>(bytes),
+        2 => frame::<Hello>(bytes),
+        _ => frame::<Welcome>(bytes),
+    }
+}
+
+fn frame<T: Serialize + DeserializeOwned>(bytes: &[u8]) {
+    match slipstream_hosts::frame::decode::<T>(bytes) {
+        Ok(value) => {
+            let again = round_trip::<T>(&encode(&value));
+            assert!(again.is_some());
+        }
+        Err(error) => assert_one_line(&error),
     }
 }
 

@@ -1,5 +1,6 @@
 //! The command line `slipstream`: parses arguments, calls the packages, prints results, sets the exit code.
 
+mod across;
 mod check;
 mod clean;
 mod command_line;
@@ -12,6 +13,8 @@ mod export;
 mod habits;
 mod import;
 mod interrupt;
+mod join;
+mod keys;
 mod man;
 mod models;
 mod output_file;
@@ -54,6 +57,8 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Arguments),
+    Join(join::Arguments),
+    Keys(keys::Arguments),
     Check(check::Arguments),
     Compare(compare::Arguments),
     Import(import::Arguments),
@@ -85,7 +90,7 @@ fn run() -> Result<Exit, Error> {
     interrupt::catch_file_size_limit()?;
     let arguments: Vec<OsString> = std::env::args_os().collect();
     if roles::is_role(&arguments) {
-        let report_written = roles::play(&arguments);
+        let report_written = roles::play(&arguments, env!("SLIPSTREAM_VERSION"));
         return Ok(if report_written {
             Exit::Done
         } else {
@@ -104,6 +109,8 @@ fn run() -> Result<Exit, Error> {
     }
     match command {
         Command::Run(arguments) => run::run(&arguments, is_alone),
+        Command::Join(arguments) => join::run(&arguments),
+        Command::Keys(arguments) => keys::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
@@ -127,7 +134,7 @@ impl Command {
     fn finishes_after_a_signal(&self) -> bool {
         match self {
             Self::Run(arguments) => !arguments.in_process(),
-            Self::Study(_) | Self::Trial(_) => true,
+            Self::Study(_) | Self::Trial(_) | Self::Join(_) => true,
             _ => false,
         }
     }

@@ -9,6 +9,7 @@ use slipstream_launch::{
     Options, Request, Resolved, RunStatus, RunSummary, Serve, in_process, processes, resolve,
 };
 
+use crate::across::Listening;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;
@@ -57,6 +58,8 @@ pub(crate) struct Arguments {
     /// With --live: begin once a viewer has subscribed
     #[arg(long, requires = "live")]
     live_wait: bool,
+    #[command(flatten)]
+    listening: Listening,
     /// Write a page: paths, spacing, slip, messages and deadlines, from the recording
     #[arg(long, value_name = "FILE.html", conflicts_with = "no_recording")]
     report: Option<PathBuf>,
@@ -203,6 +206,7 @@ impl Arguments {
             out: self.out(resolved),
             live: std::io::stderr().is_terminal(),
             serve: self.serve(resolved)?,
+            across: self.listening.across(resolved)?,
             notice: |text| eprint_line!("slipstream: {text}"),
         };
         Ok(processes::run(resolved, &options)?)

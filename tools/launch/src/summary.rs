@@ -7,7 +7,7 @@ use slipstream_agents::NodeReport;
 use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::Clock;
-use slipstream_bus::message::robot_name;
+use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_ipc::clock::{Deadlines, RealTime};
 use slipstream_sim::run::PlantReport;
 use slipstream_sim::run::process::PlantOutcome;
@@ -67,13 +67,16 @@ pub struct RunSummary {
 /// A process of a run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Process {
-    /// `plant`, `agent` or `recorder`.
+    /// `plant`, `agent`, `recorder`, or `hosts`: what stands for the agents on other hosts.
     pub role: String,
     /// An agent's robot.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub robot: Option<String>,
     /// Process id.
     pub pid: u32,
+    /// The host that it ran on, if that is not the plant's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub host: Option<String>,
 }
 
 /// Result for one robot.
@@ -188,6 +191,15 @@ impl Process {
             role: role.argument().to_owned(),
             robot: role.robot().map(robot_name),
             pid,
+            host: None,
+        }
+    }
+
+    /// The agent of a robot that ran on another host.
+    pub(crate) fn on_host(host: &str, robot: RobotIndex, pid: u32) -> Self {
+        Self {
+            host: Some(host.to_owned()),
+            ..Self::new(Role::Agent(robot), pid)
         }
     }
 }

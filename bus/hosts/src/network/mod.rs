@@ -1,21 +1,25 @@
 //! The network between the hosts of a run: Zenoh, in builds with the feature `zenoh`.
 
 #[cfg(feature = "zenoh")]
-pub mod keys;
+mod keys;
 #[cfg(feature = "zenoh")]
 mod zenoh;
 
 #[cfg(feature = "zenoh")]
+pub use self::keys::{check as check_certificates, make as make_certificates};
+#[cfg(feature = "zenoh")]
 pub use self::zenoh::{ask, connect, listen};
 
 #[cfg(not(feature = "zenoh"))]
-pub use self::none::{ask, connect, listen};
+pub use self::none::{ask, check_certificates, connect, listen, make_certificates};
 
 /// Whether this build has a network.
 pub const IS_BUILT: bool = cfg!(feature = "zenoh");
 
 #[cfg(not(feature = "zenoh"))]
 mod none {
+    use std::path::Path;
+
     use slipstream_bus::InputError;
     use slipstream_bus::transport::BusError;
 
@@ -30,7 +34,10 @@ mod none {
     ///
     /// # Errors
     /// Always, in this build.
-    pub fn listen(address: &Address, _: &Security) -> Result<Box<dyn PlantCarrier>, BusError> {
+    pub fn listen(
+        address: &Address,
+        _: &Security,
+    ) -> Result<Box<dyn PlantCarrier + Send>, BusError> {
         Err(missing(address))
     }
 
@@ -42,7 +49,7 @@ mod none {
         address: &Address,
         _: &Security,
         _: &str,
-    ) -> Result<Box<dyn HostCarrier>, BusError> {
+    ) -> Result<Box<dyn HostCarrier + Send>, BusError> {
         Err(missing(address))
     }
 
@@ -52,6 +59,23 @@ mod none {
     /// Always, in this build.
     pub fn ask(address: &Address, _: &Security, _: &Hello) -> Result<Welcome, InputError> {
         Err(InputError::new(address.to_string(), PROBLEM, REMEDY))
+    }
+
+    /// Makes certificates in a new folder.
+    ///
+    /// # Errors
+    /// Always, in this build.
+    pub fn make_certificates(folder: &Path, _: u32) -> Result<(), InputError> {
+        let place = folder.display().to_string();
+        Err(InputError::new(place, PROBLEM, REMEDY))
+    }
+
+    /// Checks the certificates in a folder.
+    ///
+    /// # Errors
+    /// Always, in this build.
+    pub fn check_certificates(folder: &Path) -> Result<(), InputError> {
+        make_certificates(folder, 0)
     }
 
     fn missing(address: &Address) -> BusError {

@@ -39,7 +39,10 @@ const PLANT_ALIVE: &str = "slipstream/plant";
 ///
 /// # Errors
 /// It cannot be listened there, or the certificates cannot be used.
-pub fn listen(address: &Address, security: &Security) -> Result<Box<dyn PlantCarrier>, BusError> {
+pub fn listen(
+    address: &Address,
+    security: &Security,
+) -> Result<Box<dyn PlantCarrier + Send>, BusError> {
     let failed = failed(address);
     let endpoint = endpoint(address, security);
     let mut config = config(security).map_err(&failed)?;
@@ -66,7 +69,7 @@ pub fn connect(
     address: &Address,
     security: &Security,
     name: &str,
-) -> Result<Box<dyn HostCarrier>, BusError> {
+) -> Result<Box<dyn HostCarrier + Send>, BusError> {
     let failed = failed(address);
     let session = open_to(address, security).map_err(&failed)?;
     let (sender, events) = channel();

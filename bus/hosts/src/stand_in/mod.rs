@@ -20,12 +20,12 @@ use slipstream_ipc::wake_page::Member;
 use self::hosts::Hosts;
 use self::robots::Robots;
 use crate::carrier::PlantCarrier;
-use crate::frame::{Down, Report};
+use crate::frame::{Down, End, Report};
 use crate::hello::{RemoteHost, Welcome};
 
 /// Longest wait for a round of the plant, between two looks at the network.
 const ROUND_WAIT: Duration = Duration::from_millis(100);
-/// Time that the hosts of a run that was stopped have to send what they have.
+/// Time that the hosts of a run that ends early have to report.
 const STOP_GRACE: Duration = Duration::from_millis(400);
 
 /// What the stand-in is started with.
@@ -80,22 +80,26 @@ impl StandIn<'_> {
         let ended = hosts.await_all().and_then(|()| {
             let mut robots = Robots::join(&joined, self.hosts, self.recording)?;
             let ended = play(&mut robots, &mut hosts);
-            // A run that was stopped by a signal or a failure has no time for more than what is there.
-            let limit = ended.is_err().then_some(STOP_GRACE);
-            let left = farewell(&mut robots, &mut hosts, self.keep, limit);
+            let stopped = ended.as_ref().err().map(told);
+            let left = farewell(&mut robots, &mut hosts, self.keep, stopped);
             lost_chunks = robots.lost_chunks();
             ended.and(left)
         });
         if let Err(error) = &ended {
-            hosts.stop(&match error {
-                BusError::Stopped => "the run was stopped".to_owned(),
-                other => other.to_string(),
-            });
+            hosts.stop(&told(error));
         }
         Ok(StandInOutcome {
             ended: ended.into(),
             lost_chunks,
         })
+    }
+}
+
+/// What other hosts are told of why the run ends early.
+fn told(error: &BusError) -> String {
+    match error {
+        BusError::Stopped => "it was stopped".to_owned(),
+        other => other.to_string(),
     }
 }
 
@@ -118,15 +122,22 @@ fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
     Ok(())
 }
 
-/// Tells the hosts that the run is over, and keeps what their agents leave. `limit`: how long they have.
+/// Tells the hosts that the run is over, and keeps what their agents leave. `stopped`: why the run ends early; then
+/// there is little time.
 fn farewell(
     robots: &mut Robots,
     hosts: &mut Hosts<'_>,
     keep: &dyn Fn(&RemoteHost, &str, &[u8]),
-    limit: Option<Duration>,
+    stopped: Option<String>,
 ) -> Result<(), BusError> {
     robots.take_last_encoders()?;
-    hosts.ask(|own: &[RobotIndex]| Down::Over(robots.measured(own)))?;
+    hosts.ask(|own: &[RobotIndex]| {
+        Down::Over(End {
+            measured: robots.measured(own),
+            stopped: stopped.clone(),
+        })
+    })?;
+    let limit = stopped.map(|_| STOP_GRACE);
     let begin = Instant::now();
     while !hosts.all_have_reported() && limit.is_none_or(|limit| begin.elapsed() < limit) {
         for (host, Report { files, records }) in hosts.take_reports(limit.is_some())? {

@@ -1,4 +1,4 @@
-//! What an agent leaves at its end, its report and the rest of its trace, from one host to another.
+//! What an agent leaves, its process id, its report and the rest of its trace, from one host to another.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,9 @@ use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_hosts::hello::RemoteHost;
 
 /// Begins of the names of the files that an agent leaves.
-const KINDS: [&str; 2] = ["report-", "trace-"];
+const KINDS: [&str; 3] = ["report-", "trace-", PID];
+/// Begin of the name of the file with the process id.
+const PID: &str = "pid-";
 
 /// Names of the files that these robots may leave.
 fn names(robots: &[RobotIndex]) -> impl Iterator<Item = String> {
@@ -30,6 +32,21 @@ pub(super) fn keep(folder: &Path, host: &RemoteHost, name: &str, content: &[u8])
         // If the directory is gone, the run is over and nobody reads the file.
         let _ = fs::write(folder.join(name), content);
     }
+}
+
+/// Notes the process id of the agent of a robot.
+pub(super) fn note_pid(folder: &Path, robot: RobotIndex, pid: u32) {
+    // Without it, the summary of the run has one process less.
+    let _ = fs::write(
+        folder.join(format!("{PID}{}", robot_name(robot))),
+        pid.to_string(),
+    );
+}
+
+/// The process id of the agent of a robot, if it was noted.
+pub(super) fn pid(folder: &Path, robot: RobotIndex) -> Option<u32> {
+    let text = fs::read_to_string(folder.join(format!("{PID}{}", robot_name(robot)))).ok()?;
+    text.parse().ok()
 }
 
 #[cfg(test)]

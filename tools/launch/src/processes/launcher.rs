@@ -21,7 +21,7 @@ use super::child::{ChildProcess, Start};
 use super::options::{LaunchError, Options};
 use super::part::Part;
 use super::progress_line::ProgressLine;
-use super::{preflight, report, signals};
+use super::{belongings, preflight, report, signals};
 use crate::recorder;
 use crate::recorder::trace_files::{self, save_trace};
 use crate::resolve::Resolved;
@@ -197,7 +197,11 @@ impl<'a> Run<'a> {
             input: self.recording.as_ref().filter(|_| role == Role::Recorder),
         };
         let child = ChildProcess::spawn(start, role, restarts)?;
-        self.processes.push(child.describe());
+        let process = child.describe();
+        if let (Part::Away(_), Role::Agent(robot)) = (self.part, role) {
+            belongings::note_pid(self.directory.folder(), robot, process.pid);
+        }
+        self.processes.push(process);
         self.children.push(child);
         Ok(())
     }

@@ -4,14 +4,15 @@ use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::experiment::Clock;
 use slipstream_bus::message::robot_name;
 use slipstream_bus::time::{ns_from_s, s_from_ns};
+use slipstream_hosts::hello::RemoteHost;
 use slipstream_ipc::clock::Deadlines;
 use slipstream_sim::run::process::PlantOutcome;
 
 use super::launcher::Run;
 use super::options::Options;
-use super::report;
+use super::{belongings, report};
 use crate::role::Role;
-use crate::summary::{DeadlineSummary, ProcessReports, RunStatus, RunSummary};
+use crate::summary::{DeadlineSummary, Process, ProcessReports, RunStatus, RunSummary};
 
 impl Run<'_> {
     /// Assembles the summary from the final reports of the processes.
@@ -32,6 +33,7 @@ impl Run<'_> {
         };
         let mut summary = RunSummary::new(self.experiment, &reports);
         summary.processes = std::mem::take(&mut self.processes);
+        summary.processes.extend(self.processes_elsewhere(options));
         summary.recording = options.out.clone().filter(|out| out.exists());
         summary.status = self.status.clone();
         if plant.is_none() {
@@ -50,6 +52,18 @@ impl Run<'_> {
             summary.status = self.status.clone();
         }
         summary
+    }
+
+    /// The agents on other hosts.
+    fn processes_elsewhere(&self, options: &Options) -> Vec<Process> {
+        let folder = self.directory.folder();
+        let hosts = options.across.iter().flat_map(|across| &across.hosts);
+        let robots = hosts.flat_map(|host| host.robots.iter().map(move |&robot| (host, robot)));
+        let process = |(host, robot): (&RemoteHost, _)| {
+            let pid = belongings::pid(folder, robot)?;
+            Some(Process::on_host(&host.name, robot, pid))
+        };
+        robots.filter_map(process).collect()
     }
 
     /// The deadline counts of the loops of plant and agents: what they report, or, of those that left

@@ -1,0 +1,169 @@
+//! A run across hosts in one process: each host has shared memory of its own, and threads take the parts of its
+//! processes.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread::{self, Scope, ScopedJoinHandle};
+
+use slipstream_agents::NodeReport;
+use slipstream_agents::process as agent;
+use slipstream_bus::message::RobotIndex;
+use slipstream_bus::{Experiment, RobotModel, Settings};
+use slipstream_hosts::carrier::{HostCarrier, PlantCarrier};
+use slipstream_hosts::hello::RemoteHost;
+use slipstream_hosts::relay::Relay;
+use slipstream_hosts::stand_in::{StandIn, StandInOutcome};
+use slipstream_ipc::join::ProcessStatus;
+use slipstream_ipc::presence::Parent;
+use slipstream_ipc::run_directory::{RunDirectory, RunLock};
+use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_sim::run::process::{self as plant, PlantOutcome};
+
+pub(crate) const VERSION: &str = "0.1.0 (test)";
+/// Number of the run.
+pub(crate) const RUN: u64 = 7;
+
+/// The shared memory of a host.
+pub(crate) struct Host {
+    directory: RunDirectory,
+    pub(crate) page: WakePage,
+    _lock: RunLock,
+}
+
+impl Host {
+    pub(crate) fn new(experiment: &Experiment, local: Option<&[RobotIndex]>) -> Self {
+        static HOSTS: AtomicU32 = AtomicU32::new(0);
+        let number = HOSTS.fetch_add(1, Ordering::Relaxed);
+        let identity = 0xd000_0000 | (std::process::id() & 0xf_ffff) << 8 | number;
+        let (directory, lock) = RunDirectory::create(identity).unwrap();
+        let bytes = postcard::to_allocvec(experiment).unwrap();
+        std::fs::write(directory.experiment(), bytes).unwrap();
+        let page = WakePage::create(&directory.wake_page(), experiment.robots.len()).unwrap();
+        if let Some(local) = local {
+            page.set_local(local);
+        }
+        Self {
+            directory,
+            page,
+            _lock: lock,
+        }
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.directory.folder()
+    }
+
+    /// Starts the agents of these robots.
+    fn agents<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        robots: &[RobotIndex],
+    ) -> Vec<(RobotIndex, ScopedJoinHandle<'scope, NodeReport>)> {
+        let start = |&robot: &RobotIndex| {
+            let folder = self.folder();
+            let run = move || agent::run(folder, Parent::now(), robot, false, false).unwrap();
+            (robot, scope.spawn(move || run().report))
+        };
+        robots.iter().map(start).collect()
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // If a test fails in one thread, the others end.
+        self.page.stop();
+        self.page.advance(Stage::Over);
+        let _ = self.directory.remove();
+    }
+}
+
+/// A platoon on slippery wheels for 4 s.
+pub(crate) fn experiment(robots: u32, change: impl Fn(&mut Settings)) -> Experiment {
+    let mut settings = Settings {
+        duration_s: 4.0,
+        ..Settings::default()
+    };
+    settings.robots.count = robots;
+    change(&mut settings);
+    settings.validate().unwrap();
+    Experiment::new(settings, &RobotModel::paper_with_slip())
+}
+
+/// Runs an experiment with the agents of `remote` on other hosts, over these networks. Returns the plant's outcome and
+/// the reports of all agents.
+pub(crate) fn run_across(
+    experiment: &Experiment,
+    remote: &[RemoteHost],
+    home: Box<dyn PlantCarrier + Send>,
+    carriers: Vec<Box<dyn HostCarrier + Send>>,
+) -> (PlantOutcome, Vec<NodeReport>) {
+    let elsewhere = |robot: &RobotIndex| remote.iter().any(|host| host.robots.contains(robot));
+    let all = 0..experiment.settings.robots.count;
+    let here: Vec<RobotIndex> = all.filter(|robot| !elsewhere(robot)).collect();
+    let at_home = Host::new(experiment, None);
+    let away: Vec<Host> = remote
+        .iter()
+        .map(|host| Host::new(experiment, Some(&host.robots)))
+        .collect();
+    thread::scope(|scope| {
+        let folder = at_home.folder();
+        let plant = scope.spawn(move || plant::run(folder, Parent::now(), false).unwrap());
+        let stand_in = scope.spawn(move || stand_in(folder, remote, home));
+        let mut agents = at_home.agents(scope, &here);
+        let mut relays = Vec::new();
+        for ((host, mut carrier), remote) in away.iter().zip(carriers).zip(remote) {
+            relays.push(scope.spawn(move || {
+                let relay = Relay {
+                    folder: host.folder(),
+                    launcher: Parent::now(),
+                    run: RUN,
+                    left: &|_| Vec::new(),
+                    failure: &|| None,
+                };
+                relay.run(&mut *carrier).unwrap()
+            }));
+            agents.extend(host.agents(scope, &remote.robots));
+        }
+        agents.sort_by_key(|(robot, _)| *robot);
+        let reports = agents.into_iter().map(|(_, agent)| agent.join().unwrap());
+        let reports: Vec<NodeReport> = reports.collect();
+        // What the launcher of a host does once its agents have ended.
+        away.iter()
+            .for_each(|host| host.page.advance(Stage::Drained));
+        let outcome = plant.join().unwrap();
+        assert_eq!(outcome.ended, ProcessStatus::Done);
+        assert_eq!(stand_in.join().unwrap().ended, ProcessStatus::Done);
+        for relay in relays {
+            assert_eq!(relay.join().unwrap().ended, ProcessStatus::Done);
+        }
+        (outcome, reports)
+    })
+}
+
+/// Runs a stand-in to its end.
+pub(crate) fn stand_in(
+    folder: &Path,
+    hosts: &[RemoteHost],
+    mut home: Box<dyn PlantCarrier + Send>,
+) -> StandInOutcome {
+    let stand_in = StandIn {
+        folder,
+        launcher: Parent::now(),
+        hosts,
+        version: VERSION,
+        run: RUN,
+        keys: String::new(),
+        recording: false,
+        keep: &|_, _, _| {},
+    };
+    stand_in.run(&mut *home).unwrap()
+}
+
+/// Hosts with these names and robots.
+pub(crate) fn remote(hosts: &[(&str, &[RobotIndex])]) -> Vec<RemoteHost> {
+    let host = |&(name, robots): &(&str, &[RobotIndex])| RemoteHost {
+        name: name.to_owned(),
+        robots: robots.to_vec(),
+    };
+    hosts.iter().map(host).collect()
+}
