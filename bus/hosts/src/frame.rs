@@ -63,6 +63,8 @@ pub enum Up {
     Report(Report),
     /// The host cannot go on, for this reason.
     Failed(String),
+    /// The host knows that its report has arrived, and ends.
+    Bye,
     /// Nothing new: the host lives.
     Beat,
 }

@@ -224,7 +224,7 @@ impl<'a> Play<'a> {
                 sent = Some(Instant::now());
             }
             match self.receive()? {
-                Some(Down::Received) => return Ok(()),
+                Some(Down::Received) => return self.send(&Up::Bye),
                 Some(Down::Stop(reason)) => return Err(stopped_by_plant(reason)),
                 _ => {}
             }

@@ -17,6 +17,7 @@ use zenoh::query::Query;
 use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
 
+use super::keys::{AUTHORITY, CERTIFICATE, KEY};
 use crate::address::{Address, Security};
 use crate::carrier::{Event, HostCarrier, PlantCarrier};
 use crate::frame::{MAX_BYTES, decode, encode};
@@ -45,11 +46,8 @@ pub fn listen(
 ) -> Result<Box<dyn PlantCarrier + Send>, BusError> {
     let failed = failed(address);
     let endpoint = endpoint(address, security);
-    let mut config = config(security).map_err(&failed)?;
-    let set = |config: &mut Config, key, value: &str| config.insert_json5(key, value);
-    set(&mut config, "listen/endpoints", &format!("[{endpoint:?}]")).map_err(&failed)?;
-    set(&mut config, "listen/exit_on_failure", "true").map_err(&failed)?;
-    let session = zenoh::open(config).wait().map_err(&failed)?;
+    let listen = format!("listen: {{ endpoints: [{endpoint:?}], exit_on_failure: true }}");
+    let session = open(&listen, security).map_err(&failed)?;
     let (sender, events) = channel();
     declare_all(&session, &sender).map_err(&failed)?;
     let token = session.liveliness().declare_token(PLANT_ALIVE).wait();
@@ -109,13 +107,14 @@ pub fn ask(address: &Address, security: &Security, hello: &Hello) -> Result<Welc
     let session = open_to(address, security).map_err(|error| match security {
         Security::Tls(folder) => invalid(
             format!(
-                "does not answer with the certificates in {}: {error}",
-                folder.display()
+                "does not answer with the certificates in {}: {}",
+                folder.display(),
+                cause(&error)
             ),
             "give both hosts the same folder of slipstream keys, and check the address",
         ),
         _ => invalid(
-            format!("nobody listens there: {error}"),
+            format!("nobody listens there: {}", cause(&error)),
             "start slipstream run --listen there first, and check address and firewall",
         ),
     })?;
@@ -146,14 +145,14 @@ pub fn ask(address: &Address, security: &Security, hello: &Hello) -> Result<Welc
 
 /// The session of a host other than the plant's.
 fn open_to(address: &Address, security: &Security) -> zenoh::Result<Session> {
-    let mut config = config(security)?;
     let endpoint = endpoint(address, security);
-    let timeout = CONNECT_TIMEOUT.as_millis().to_string();
-    config.insert_json5("connect/endpoints", &format!("[{endpoint:?}]"))?;
-    config.insert_json5("connect/timeout_ms", &timeout)?;
-    config.insert_json5("connect/exit_on_failure", "true")?;
-    config.insert_json5("listen/endpoints", "[]")?;
-    zenoh::open(config).wait()
+    let timeout_ms = CONNECT_TIMEOUT.as_millis();
+    let connect = format!(
+        "connect: {{ endpoints: [{endpoint:?}], timeout_ms: {timeout_ms}, exit_on_failure: true, \
+         retry: {{ period_init_ms: 200, period_max_ms: 200, period_increase_factor: 1 }} }}, \
+         listen: {{ endpoints: [] }}"
+    );
+    open(&connect, security)
 }
 
 fn endpoint(address: &Address, security: &Security) -> String {
@@ -164,34 +163,27 @@ fn endpoint(address: &Address, security: &Security) -> String {
     format!("{protocol}/{}", address.place())
 }
 
-/// What both sides are configured with.
-fn config(security: &Security) -> zenoh::Result<Config> {
-    let mut config = Config::default();
-    for (key, value) in [
-        ("mode", "\"peer\""),
-        ("scouting/multicast/enabled", "false"),
-        ("scouting/gossip/enabled", "false"),
-        ("connect/retry/period_init_ms", "200"),
-        ("connect/retry/period_max_ms", "200"),
-    ] {
-        config.insert_json5(key, value)?;
-    }
-    if let Security::Tls(folder) = security {
-        for (key, file) in [
-            ("root_ca_certificate", super::keys::AUTHORITY),
-            ("listen_private_key", super::keys::KEY),
-            ("listen_certificate", super::keys::CERTIFICATE),
-            ("connect_private_key", super::keys::KEY),
-            ("connect_certificate", super::keys::CERTIFICATE),
-        ] {
-            let path = folder.join(file).display().to_string();
-            config.insert_json5(&format!("transport/link/tls/{key}"), &format!("{path:?}"))?;
+/// Opens a session. `ends`: where it listens or connects to, as a part of its configuration.
+fn open(ends: &str, security: &Security) -> zenoh::Result<Session> {
+    let tls = match security {
+        Security::Tls(folder) => {
+            let file = |name: &str| folder.join(name).display().to_string();
+            let (authority, certificate, key) = (file(AUTHORITY), file(CERTIFICATE), file(KEY));
+            // One certificate serves all hosts of a run, whatever their addresses.
+            format!(
+                ", transport: {{ link: {{ tls: {{ root_ca_certificate: {authority:?}, \
+                 listen_private_key: {key:?}, listen_certificate: {certificate:?}, \
+                 connect_private_key: {key:?}, connect_certificate: {certificate:?}, \
+                 enable_mtls: true, verify_name_on_connect: false }} }} }}"
+            )
         }
-        config.insert_json5("transport/link/tls/enable_mtls", "true")?;
-        // One certificate serves all hosts of a run, whatever their addresses.
-        config.insert_json5("transport/link/tls/verify_name_on_connect", "false")?;
-    }
-    Ok(config)
+        Security::Loopback | Security::Insecure => String::new(),
+    };
+    let config = Config::from_json5(&format!(
+        "{{ mode: \"peer\", scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
+         {ends}{tls} }}"
+    ))?;
+    zenoh::open(config).wait()
 }
 
 /// A publisher for frames: at once, in order, and never dropped for want of room.
@@ -208,8 +200,15 @@ fn failed(address: &Address) -> impl Fn(zenoh::Error) -> BusError {
     let what = address.to_string();
     move |error| BusError::Failed {
         what: what.clone(),
-        reason: error.to_string(),
+        reason: cause(&error),
     }
+}
+
+/// The text of an error without the place in the library's source.
+fn cause(error: &zenoh::Error) -> String {
+    let text = error.to_string();
+    let end = text.find(" at /").unwrap_or(text.len());
+    text[..end].to_owned()
 }
 
 /// Declares what the plant's host listens to.

@@ -51,6 +51,8 @@ enum Stage {
     Ready,
     /// It has reported what its agents left.
     Reported,
+    /// It knows that this has arrived, or is gone after it.
+    Left,
 }
 
 impl<'a> Hosts<'a> {
@@ -127,10 +129,13 @@ impl<'a> Hosts<'a> {
         Ok(answers.collect())
     }
 
-    /// Whether all hosts have reported what their agents left.
-    pub(super) fn all_have_reported(&self) -> bool {
-        let reported = |host: &Host| host.stage == Stage::Reported;
-        self.hosts.iter().all(reported)
+    /// Whether all hosts have reported what their agents left, and know that it has arrived or are silent since.
+    pub(super) fn all_have_left(&self) -> bool {
+        let left = |host: &Host| match host.stage {
+            Stage::Reported => host.contact.silence() > self.timeout,
+            stage => stage == Stage::Left,
+        };
+        self.hosts.iter().all(left)
     }
 
     /// Waits for reports for a moment. Returns those that came. `stopped`: the run ends early, and nobody has to
@@ -181,7 +186,10 @@ impl<'a> Hosts<'a> {
                 Event::Frame { host, bytes } => self.take_frame(&host, &bytes)?,
                 Event::Gone { host } => {
                     if let Some(host) = find(&mut self.hosts, &host) {
-                        host.gone = Some(Instant::now());
+                        match host.stage {
+                            Stage::Reported => host.stage = Stage::Left,
+                            _ => host.gone = Some(Instant::now()),
+                        }
                     }
                 }
             }
@@ -246,6 +254,10 @@ impl<'a> Hosts<'a> {
                 Some(Down::Received)
             }
             Up::Failed(reason) => return Err(host.failed(&reason)),
+            Up::Bye => {
+                host.stage = Stage::Left;
+                None
+            }
             Up::Beat => None,
         };
         reply.map_or(Ok(()), |reply| send(self.carrier, host, &reply))

@@ -139,7 +139,7 @@ fn farewell(
     })?;
     let limit = stopped.map(|_| STOP_GRACE);
     let begin = Instant::now();
-    while !hosts.all_have_reported() && limit.is_none_or(|limit| begin.elapsed() < limit) {
+    while !hosts.all_have_left() && limit.is_none_or(|limit| begin.elapsed() < limit) {
         for (host, Report { files, records }) in hosts.take_reports(limit.is_some())? {
             robots.record(&host.robots, &records);
             for (name, content) in &files {
