@@ -1,5 +1,7 @@
 //! The network between the hosts of a run: Zenoh, in builds with the feature `zenoh`.
 
+use std::time::Duration;
+
 #[cfg(feature = "zenoh")]
 mod keys;
 #[cfg(feature = "zenoh")]
@@ -12,6 +14,20 @@ pub use self::zenoh::{ask, connect, listen};
 
 #[cfg(not(feature = "zenoh"))]
 pub use self::none::{ask, check_certificates, connect, listen, make_certificates};
+
+/// Time for the last frames to leave.
+const FLUSH: Duration = Duration::from_millis(100);
+
+/// Ends a connection. If the other side may be unreachable, without taking leave of it, which can take ten seconds: to
+/// be called just before the process ends.
+pub fn leave<C: ?Sized>(carrier: Box<C>, is_reachable: bool) {
+    if is_reachable {
+        drop(carrier);
+    } else {
+        std::thread::sleep(FLUSH);
+        std::mem::forget(carrier);
+    }
+}
 
 /// Whether this build has a network.
 pub const IS_BUILT: bool = cfg!(feature = "zenoh");

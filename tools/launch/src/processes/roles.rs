@@ -13,6 +13,7 @@ use slipstream_hosts::hello::RemoteHost;
 use slipstream_hosts::network;
 use slipstream_hosts::relay::Relay;
 use slipstream_hosts::stand_in::StandIn;
+use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::trace;
 use slipstream_sim::run::process as plant;
@@ -216,7 +217,10 @@ impl RoleArguments {
                     recording,
                     keep: &|host, name, content| belongings::keep(run, host, name, content),
                 };
-                self.report(&stand_in.run(&mut *carrier)?)
+                let outcome = stand_in.run(&mut *carrier)?;
+                self.report(&outcome)?;
+                network::leave(carrier, outcome.ended == ProcessStatus::Done);
+                Ok(())
             }
             Self::Relay {
                 connection,
@@ -233,7 +237,10 @@ impl RoleArguments {
                     left: &|robots| belongings::left(run, robots),
                     failure: &|| report::read_failure(run, HOST),
                 };
-                self.report(&relay.run(&mut *carrier)?)
+                let outcome = relay.run(&mut *carrier)?;
+                self.report(&outcome)?;
+                network::leave(carrier, outcome.ended == ProcessStatus::Done);
+                Ok(())
             }
         }
     }
