@@ -6,6 +6,7 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::clock::Times;
+use super::rigid::{self, Rigid};
 use crate::bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
 use crate::decode::{JointState, MessageSelector, NoSample, Sample};
 use crate::ros::Encoding;
@@ -23,10 +24,21 @@ pub(super) struct Topic {
     pub(super) times: Times,
     /// The joints of joint states, by name.
     pub(super) joints: BTreeMap<String, Joint>,
-    /// Number of transforms from a parent frame to a child frame.
-    pub(super) frames: BTreeMap<[String; 2], u64>,
+    /// The transforms from a parent frame to a child frame.
+    pub(super) frames: BTreeMap<[String; 2], Seen>,
     /// The frame of the first message's header.
     pub(super) frame: Option<String>,
+}
+
+/// What was seen of a transform.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Number of messages.
+    pub(super) count: u64,
+    /// The last place that could be read.
+    pub(super) place: Option<Rigid>,
+    /// Whether a place differed from the one before it.
+    pub(super) varies: bool,
 }
 
 /// Which lists of a joint state have values for a joint.
@@ -102,6 +114,11 @@ impl Topic {
         self.channel.schema.rsplit('/').next().unwrap_or_default()
     }
 
+    /// Whether its messages are lists of transforms.
+    pub(super) fn has_transforms(&self) -> bool {
+        matches!(self.type_name(), "TFMessage" | "tfMessage")
+    }
+
     fn add(&mut self, log_ns: i64, data: &[u8]) -> VisitResult {
         self.messages += 1;
         let Some(encoding) = Encoding::of(&self.channel.encoding) else {
@@ -143,9 +160,13 @@ impl Topic {
         let transforms = encoding.decode_transforms(data).map_err(|_| Undecodable)?;
         let stamp_ns = transforms.first().map(|first| first.header.stamp.ns());
         for transform in transforms {
+            let place = rigid::of_message(&transform);
             let frames = [transform.header.frame_id, transform.child_frame_id];
             if self.frames.len() < MOST_NAMES || self.frames.contains_key(&frames) {
-                *self.frames.entry(frames).or_default() += 1;
+                let seen = self.frames.entry(frames).or_default();
+                seen.count += 1;
+                seen.varies |= seen.place.is_some() && place.is_some() && seen.place != place;
+                seen.place = place.or(seen.place);
             }
         }
         Ok(stamp_ns)
