@@ -17,5 +17,5 @@ pub(crate) use folder::BagFolder;
 pub(crate) use item::{ChannelInfo, Item, Undecodable, VisitResult};
 pub use loss::Loss;
 pub(crate) use mcap::read_bag;
-pub(crate) use source::{Bag, BagBytes, BagFile, Container};
+pub(crate) use source::{Bag, BagBytes, BagFile, Container, is_bag};
 pub(crate) use writer::{BagWriter, Channel, announce};

@@ -53,6 +53,18 @@ impl Container {
     }
 }
 
+/// Whether a file begins like a bag.
+///
+/// # Errors
+/// If the operating system does not read it.
+pub(crate) fn is_bag(path: &Path) -> Result<bool, InputError> {
+    let (file, _) = open_file(path)?;
+    let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
+    let magics = [&mcap::MAGIC[..], ZSTD_MAGIC];
+    let begins = magics.iter().any(|magic| head.starts_with(magic));
+    Ok(begins || Container::of(&head) != Container::Mcap)
+}
+
 /// A file with a bag.
 #[derive(Debug)]
 pub(crate) struct BagFile {

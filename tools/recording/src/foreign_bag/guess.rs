@@ -1,6 +1,7 @@
 //! Guess of a topic map from the types, names and contents of the topics.
 
 use super::candidate::{Candidate, has_word, is_of_reference, robot_of_topic};
+use super::description::WheelJoints;
 use super::joints;
 use super::survey::{Joint, Topic};
 use super::topic_map::{Quantity, Source, TopicMap};
@@ -29,13 +30,13 @@ pub(super) struct Guess {
 }
 
 /// The most likely stream of each topic. Of several topics for one stream, the one of highest rank, then the one with
-/// most messages.
-pub(super) fn guess(topics: &[Topic]) -> Guess {
+/// most messages. `described` are wheels that descriptions of robots name.
+pub(super) fn guess(topics: &[Topic], described: &[WheelJoints]) -> Guess {
     let mut notes = Vec::new();
     let mut candidates = Vec::new();
     for topic in topics {
-        candidates.extend(candidate(topic));
-        notes.extend(without_values(topic));
+        candidates.extend(candidate(topic, described));
+        notes.extend(without_values(topic, described));
         candidates.extend(transforms::poses(topic, topics));
     }
     give_to_robots(&mut candidates, &mut notes);
@@ -64,7 +65,7 @@ pub(super) fn guess(topics: &[Topic]) -> Guess {
 }
 
 /// The most likely stream of a topic, if any.
-fn candidate(topic: &Topic) -> Option<Candidate> {
+fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
     Encoding::of(&topic.channel.encoding)?;
     let name = topic.channel.topic.to_lowercase();
     let contains = |words: &[&str]| words.iter().any(|word| name.contains(word));
@@ -95,7 +96,7 @@ fn candidate(topic: &Topic) -> Option<Candidate> {
         "WheelVoltage" => StreamKind::Command,
         "MotorState" => StreamKind::Motor,
         "JointState" => {
-            selector = joints::wheels(&topic.joints)?;
+            selector = joints::wheels(&topic.joints, described)?;
             let (kind, list) = list_of(topic, &selector, is_command)?;
             quantity = Some(list);
             kind
@@ -201,8 +202,8 @@ fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
 }
 
 /// What to say of joint states whose wheels have no values.
-fn without_values(topic: &Topic) -> Option<String> {
-    let wheels = joints::wheels(&topic.joints)?;
+fn without_values(topic: &Topic, described: &[WheelJoints]) -> Option<String> {
+    let wheels = joints::wheels(&topic.joints, described)?;
     let names: Vec<&str> = wheels.joints.iter().flatten().map(String::as_str).collect();
     let has_none = |name: &&str| {
         topic

@@ -4,6 +4,7 @@ mod candidate;
 mod chain;
 mod clock;
 mod composed;
+mod description;
 mod guess;
 mod joints;
 mod reader;
@@ -12,5 +13,6 @@ mod survey;
 mod topic_map;
 mod transforms;
 
-pub(crate) use reader::{draft_topics, read_foreign};
+pub(crate) use description::InBag;
+pub(crate) use reader::{descriptions_in, draft_topics, read_foreign};
 pub use topic_map::TopicMap;

@@ -9,6 +9,7 @@ use slipstream_bus::InputError;
 use super::chain::Chain;
 use super::clock::Clock;
 use super::composed::Composed;
+use super::description::{InBag, WheelJoints, WheelsOf, descriptions};
 use super::guess::{Guess, guess};
 use super::survey::{Topic, survey};
 use super::topic_map::{Source, TopicMap};
@@ -54,20 +55,26 @@ impl Reading {
     }
 }
 
-/// Reads a bag of another robot. Without a map, one is guessed and given in the warnings. Times count from the first
-/// message of the mapped topics.
+/// Reads a bag of another robot, and the descriptions of robots in it. Without a map, one is guessed and given in the
+/// warnings; `wheels_of` tells it the wheels of a description. Times count from the first message of the mapped topics.
 ///
 /// # Errors
 /// If it is not a bag, if a topic of the map does not exist or cannot provide its stream, if a stream of the map
 /// would be empty, or if the guess finds no stream of a robot.
-pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
+pub(crate) fn read_foreign(
+    bag: &dyn Bag,
+    path: &Path,
+    map: Option<&TopicMap>,
+    wheels_of: &WheelsOf<'_>,
+) -> Result<(Spooled, Vec<InBag>)> {
     let (topics, loss) = survey(bag)?;
+    let described = descriptions(&topics);
     let mut warnings = Vec::new();
     let guessed;
     let chosen = match map {
         Some(map) => map,
         None => {
-            let guess = guess(&topics);
+            let guess = guess(&topics, &wheels_in(&described, wheels_of));
             let text = guess.map.to_text();
             warnings.push(format!("{}: guessed topics:\n{text}", path.display()));
             warnings.extend(guess.notes);
@@ -130,21 +137,40 @@ pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -
         }
     }
     recording.disk.check()?;
-    Ok(Spooled {
+    for own in &described {
+        left_out.remove(&own.topic);
+    }
+    let spooled = Spooled {
         recording,
         warnings,
+        on_model: Vec::new(),
         loss: Some(loss),
         left_out,
-    })
+    };
+    Ok((spooled, described))
+}
+
+/// The descriptions of robots in a bag.
+///
+/// # Errors
+/// If it is not a bag, or cannot be read.
+pub(crate) fn descriptions_in(bag: &dyn Bag) -> Result<Vec<InBag>> {
+    Ok(descriptions(&survey(bag)?.0))
+}
+
+/// The wheels that descriptions name.
+fn wheels_in(described: &[InBag], wheels_of: &WheelsOf<'_>) -> Vec<WheelJoints> {
+    described.iter().filter_map(wheels_of).collect()
 }
 
 /// The guess of a map as text, with comments on the topics that it leaves out.
 ///
 /// # Errors
 /// If it is not a bag, or cannot be read.
-pub(crate) fn draft_topics(bag: &dyn Bag) -> Result<String> {
+pub(crate) fn draft_topics(bag: &dyn Bag, wheels_of: &WheelsOf<'_>) -> Result<String> {
     let (topics, _) = survey(bag)?;
-    let Guess { map, notes } = guess(&topics);
+    let wheels = wheels_in(&descriptions(&topics), wheels_of);
+    let Guess { map, notes } = guess(&topics, &wheels);
     let mut text = String::from(
         "# Which topic is which stream of which robot, as guessed. Correct it, then give it with --topics.\n",
     );

@@ -15,6 +15,9 @@ use crate::ros::messages::Header;
 /// So many joints or frames of one topic are told apart. A damaged bag may claim any number of names.
 const MOST_NAMES: usize = 1000;
 
+/// Larger descriptions (bytes) are none of a robot.
+const MOST_DESCRIPTION_BYTES: usize = 4 << 20;
+
 /// A topic of the bag.
 pub(super) struct Topic {
     pub(super) channel: Arc<ChannelInfo>,
@@ -26,6 +29,8 @@ pub(super) struct Topic {
     pub(super) joints: BTreeMap<String, Joint>,
     /// The transforms from a parent frame to a child frame.
     pub(super) frames: BTreeMap<[String; 2], Seen>,
+    /// The last description of a robot (URDF).
+    pub(super) description: Option<String>,
     /// The frame of the first message's header.
     pub(super) frame: Option<String>,
 }
@@ -105,6 +110,7 @@ impl Topic {
             times: Times::default(),
             joints: BTreeMap::new(),
             frames: BTreeMap::new(),
+            description: None,
             frame: None,
         }
     }
@@ -127,6 +133,10 @@ impl Topic {
         let stamp_ns = match self.type_name() {
             "JointState" => self.add_joints(encoding, data)?,
             "TFMessage" | "tfMessage" => self.add_frames(encoding, data)?,
+            "String" if self.has_description() => {
+                self.add_description(encoding, data)?;
+                None
+            }
             _ => match Sample::decode(&self.channel, &MessageSelector::default(), data) {
                 Ok(sample) => sample.t_ns,
                 Err(NoSample::NotSelected) => return Ok(()),
@@ -138,6 +148,19 @@ impl Topic {
             self.frame = header.ok().map(|header| header.frame_id);
         }
         self.times.add(stamp_ns, log_ns);
+        Ok(())
+    }
+
+    /// Whether its texts describe a robot.
+    fn has_description(&self) -> bool {
+        self.channel.topic.ends_with("robot_description")
+    }
+
+    fn add_description(&mut self, encoding: Encoding, data: &[u8]) -> VisitResult {
+        if data.len() <= MOST_DESCRIPTION_BYTES {
+            let text: String = encoding.decode(data).map_err(|_| Undecodable)?;
+            self.description = Some(text);
+        }
         Ok(())
     }
 

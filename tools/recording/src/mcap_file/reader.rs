@@ -244,6 +244,7 @@ impl Loader {
         Ok(Spooled {
             recording,
             warnings,
+            on_model: Vec::new(),
             loss: Some(loss),
             left_out: self.left_out,
         })
