@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::foreign_bag::TopicMap;
 use crate::foreign_csv::{ColumnMap, draft, read_columns};
 use crate::import::{Import, Spooled};
-use crate::mcap_file::read_own;
+use crate::mcap_file::{is_own, read_own};
 use crate::robot_file::{self, Described};
 
 /// What a user says about recordings that other programs wrote.
@@ -187,7 +187,9 @@ pub fn describe_robot(path: &Path) -> Result<Described> {
 
 /// Reads a file: one of our own, or a bag of another robot.
 fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
-    if bag.container == Container::Mcap && topics.is_none() {
+    let may_be_own = bag.container == Container::Mcap && topics.is_none();
+    // A file without an index is read as one of our own first.
+    if may_be_own && bag.summary().is_none_or(|summary| is_own(&summary)) {
         let (source, size) = bag.source()?;
         if let Some(import) = read_own(source, size, bag.path())? {
             return Ok(import);

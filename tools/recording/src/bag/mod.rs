@@ -7,9 +7,11 @@ mod item;
 mod lengths;
 mod loss;
 mod mcap;
+mod records;
 mod ros1;
 mod source;
 mod sqlite;
+mod summary;
 mod writer;
 
 pub(crate) use file::open_file;
@@ -18,4 +20,5 @@ pub(crate) use item::{ChannelInfo, Item, Undecodable, VisitResult};
 pub use loss::Loss;
 pub(crate) use mcap::read_bag;
 pub(crate) use source::{Bag, BagBytes, BagFile, Container, is_bag};
+pub(crate) use summary::Summary;
 pub(crate) use writer::{BagWriter, Channel, announce};

@@ -193,6 +193,12 @@ impl Sample {
         })
     }
 
+    /// Whether messages of a channel can give a sample. No message of a known type is empty.
+    pub(crate) fn can_be_of(channel: &ChannelInfo) -> bool {
+        let decoded = Self::decode(channel, &MessageSelector::default(), &[]);
+        !matches!(decoded, Err(NoSample::NotSelected))
+    }
+
     fn of_transform(transform: &ros::TransformStamped<String>) -> Self {
         let pose = Pose {
             position: transform.translation,

@@ -1,6 +1,6 @@
 //! The way from one frame to another along transforms, where no single one leads there.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use super::rigid::Rigid;
 use super::survey::Topic;
@@ -84,10 +84,15 @@ impl Chain {
         })
     }
 
-    /// The topics that it needs for the times at which it moves.
-    pub(super) fn moving_topics(&self) -> BTreeSet<&str> {
+    /// The topics of its transforms.
+    pub(super) fn topics(&self) -> Vec<String> {
+        self.links.iter().map(|link| link.topic.clone()).collect()
+    }
+
+    /// The topics of those that move.
+    pub(super) fn moving_topics(&self) -> Vec<String> {
         let moving = self.links.iter().filter(|link| link.fixed.is_none());
-        moving.map(|link| link.topic.as_str()).collect()
+        moving.map(|link| link.topic.clone()).collect()
     }
 }
 

@@ -62,29 +62,24 @@ impl Composed {
         &self.chain
     }
 
-    /// Takes what a message has of the links that move. `None` if it is of another topic.
+    /// Takes what a message has of the links that move.
     pub(super) fn push(
         &mut self,
         channel: &ChannelInfo,
         data: &[u8],
         clock: Clock,
         log_ns: i64,
-    ) -> Option<VisitResult> {
-        let is_here = |link: &Link| link.topic == channel.topic;
-        if !self.chain.links.iter().any(is_here) {
-            return None;
+    ) -> VisitResult {
+        let mut moving = self.moving.iter();
+        if !moving.any(|moving| moving.link.topic == channel.topic) {
+            return Ok(());
         }
-        if !self.moving.iter().any(|moving| is_here(&moving.link)) {
-            return Some(Ok(()));
-        }
-        let encoding = Encoding::of(&channel.encoding)?;
-        let Ok(transforms) = encoding.decode_transforms(data) else {
-            return Some(Err(Undecodable));
-        };
+        let encoding = Encoding::of(&channel.encoding).ok_or(Undecodable)?;
+        let transforms = encoding.decode_transforms(data).map_err(|_| Undecodable)?;
         for transform in &transforms {
             self.push_transform(&channel.topic, transform, clock, log_ns);
         }
-        Some(Ok(()))
+        Ok(())
     }
 
     fn push_transform(

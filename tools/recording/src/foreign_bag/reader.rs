@@ -30,27 +30,29 @@ struct Reading {
 }
 
 impl Reading {
-    /// Takes what a message has of the stream. `None` if it is of another topic.
+    /// Takes what a message has of the stream.
     fn push(
         &mut self,
         channel: &ChannelInfo,
         data: &[u8],
         clock: Clock,
         log_ns: i64,
-    ) -> Option<VisitResult> {
+    ) -> VisitResult {
         if let Some(composed) = &mut self.composed {
             return composed.push(channel, data, clock, log_ns);
         }
         let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
-        let is_here = self.source.topic == channel.topic;
-        is_here.then(|| self.stream.push_message(channel, data, t_s))
+        match self.source.topic == channel.topic {
+            true => self.stream.push_message(channel, data, t_s),
+            false => Ok(()),
+        }
     }
 
-    /// Whether it has its times from a topic.
-    fn is_timed_by(&self, topic: &str) -> bool {
+    /// The topics that it reads, and has its times from.
+    fn topics(&self) -> Vec<String> {
         match &self.composed {
-            Some(composed) => composed.chain().moving_topics().contains(topic),
-            None => self.source.topic == topic,
+            Some(composed) => composed.chain().moving_topics(),
+            None => vec![self.source.topic.clone()],
         }
     }
 }
@@ -89,30 +91,31 @@ pub(crate) fn read_foreign(
     let mut streams = open_streams(&disk, path, chosen, &topics)?;
     let clock = clock(chosen, &streams, &topics, &mut warnings);
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let loss = bag.scan(&mut |item| {
-        let Item::Message {
+    let composed = streams.iter().filter_map(|own| own.composed.as_ref());
+    let fixed: Vec<String> = composed.flat_map(|own| own.chain().topics()).collect();
+    let timing: BTreeSet<String> = streams.iter().flat_map(Reading::topics).collect();
+    let wanted = |channel: &ChannelInfo| timing.contains(&channel.topic);
+    let loss = bag.scan(&wanted, &mut |item| match item {
+        Item::Message {
             channel,
             log_time_ns,
             data,
             ..
-        } = item
-        else {
-            return Ok(());
-        };
-        let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
-        let mut visited: Option<VisitResult> = None;
-        for reading in &mut streams {
-            if let Some(pushed) = reading.push(channel, data, clock, log_ns) {
-                visited = Some(visited.unwrap_or(Ok(())).and(pushed));
-            }
+        } => {
+            let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
+            let readings = streams.iter_mut();
+            let pushed = readings.map(|reading| reading.push(channel, data, clock, log_ns));
+            // All of them, even after one that fails.
+            pushed.fold(Ok(()), VisitResult::and)
         }
-        visited.unwrap_or_else(|| {
+        Item::Unwanted { channel, messages } => {
             match left_out.get_mut(&channel.topic) {
-                Some(count) => *count += 1,
-                None => drop(left_out.insert(channel.topic.clone(), 1)),
+                Some(count) => *count += messages,
+                None => drop(left_out.insert(channel.topic.clone(), messages)),
             }
             Ok(())
-        })
+        }
+        _ => Ok(()),
     })?;
     if loss.any() {
         warnings.push(format!("{}: {loss}", path.display()));
@@ -137,8 +140,8 @@ pub(crate) fn read_foreign(
         }
     }
     recording.disk.check()?;
-    for own in &described {
-        left_out.remove(&own.topic);
+    for used in described.iter().map(|own| &own.topic).chain(&fixed) {
+        left_out.remove(used);
     }
     let spooled = Spooled {
         recording,
@@ -220,7 +223,9 @@ fn clock(
 ) -> Clock {
     let is_mapped = |topic: &&Topic| {
         let name = &topic.channel.topic;
-        streams.iter().any(|reading| reading.is_timed_by(name))
+        streams
+            .iter()
+            .any(|reading| reading.topics().contains(name))
     };
     let mapped = || topics.iter().filter(is_mapped);
     for topic in mapped().filter(|topic| topic.times.zero > 0 && !map.log_times) {

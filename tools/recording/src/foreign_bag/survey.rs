@@ -81,14 +81,8 @@ impl Values {
 /// If it is not a bag, or cannot be read.
 pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-    let loss = bag.scan(&mut |item| {
-        let Item::Message {
-            channel,
-            log_time_ns,
-            data,
-            ..
-        } = item
-        else {
+    let loss = bag.scan(&is_of_interest, &mut |item| {
+        let (Item::Message { channel, .. } | Item::Unwanted { channel, .. }) = item else {
             return Ok(());
         };
         let topic = match topics.get_mut(&channel.topic) {
@@ -97,9 +91,28 @@ pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
                 .entry(channel.topic.clone())
                 .or_insert_with(|| Topic::new(channel)),
         };
-        topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data)
+        match item {
+            Item::Message {
+                log_time_ns, data, ..
+            } => topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data),
+            Item::Unwanted { messages, .. } => {
+                topic.messages += messages;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
     })?;
     Ok((topics.into_values().collect(), loss))
+}
+
+/// Whether messages of a topic say anything about a robot; of others, such as images, only the number counts.
+fn is_of_interest(channel: &ChannelInfo) -> bool {
+    Sample::can_be_of(channel) || has_description(channel)
+}
+
+/// Whether the texts of a topic describe a robot.
+fn has_description(channel: &ChannelInfo) -> bool {
+    channel.topic.ends_with("robot_description") && channel.schema.ends_with("/String")
 }
 
 impl Topic {
@@ -133,7 +146,7 @@ impl Topic {
         let stamp_ns = match self.type_name() {
             "JointState" => self.add_joints(encoding, data)?,
             "TFMessage" | "tfMessage" => self.add_frames(encoding, data)?,
-            "String" if self.has_description() => {
+            "String" if has_description(&self.channel) => {
                 self.add_description(encoding, data)?;
                 None
             }
@@ -149,11 +162,6 @@ impl Topic {
         }
         self.times.add(stamp_ns, log_ns);
         Ok(())
-    }
-
-    /// Whether its texts describe a robot.
-    fn has_description(&self) -> bool {
-        self.channel.topic.ends_with("robot_description")
     }
 
     fn add_description(&mut self, encoding: Encoding, data: &[u8]) -> VisitResult {
