@@ -67,6 +67,7 @@ fn a_localisation_is_composed_where_it_changes() {
     for import in [
         with_pose(&out.join("localised"), map).unwrap(),
         read(&out.join("localised")).unwrap(),
+        read(&out.join("with_world")).unwrap(),
     ] {
         let times = &pose(&import).t_s;
         assert_eq!(times.len(), 10, "{:?}", import.warnings);

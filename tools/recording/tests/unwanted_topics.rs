@@ -1,6 +1,6 @@
 //! Topics that say nothing about a robot are counted and not read.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "helpers of tests")]
 
 #[path = "external/python.rs"]
 mod python;

@@ -61,7 +61,7 @@ impl Container {
 pub(crate) fn is_bag(path: &Path) -> Result<bool, InputError> {
     let (file, _) = open_file(path)?;
     let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
-    let magics = [&mcap::MAGIC[..], ZSTD_MAGIC];
+    let magics = [mcap::MAGIC, ZSTD_MAGIC];
     let begins = magics.iter().any(|magic| head.starts_with(magic));
     Ok(begins || Container::of(&head) != Container::Mcap)
 }

@@ -96,8 +96,8 @@ impl Chain {
     }
 }
 
-/// All transforms by their frames. What a `tf_static` has never moves, nor does what has one value alone.
-fn links(topics: &[Topic], preferred: &str) -> BTreeMap<[String; 2], Link> {
+/// All transforms by their frames; where several topics have one, that of `preferred` counts. What a `tf_static` has never moves, nor does what has one value alone.
+pub(super) fn links(topics: &[Topic], preferred: &str) -> BTreeMap<[String; 2], Link> {
     let mut links = BTreeMap::new();
     let (first, others): (Vec<&Topic>, _) = topics
         .iter()

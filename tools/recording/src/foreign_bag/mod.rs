@@ -8,6 +8,7 @@ mod description;
 mod guess;
 mod joints;
 mod reader;
+mod reading;
 mod rigid;
 mod survey;
 mod topic_map;

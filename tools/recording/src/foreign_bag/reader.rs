@@ -1,6 +1,6 @@
 //! Reader of bags of other robots.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -11,51 +11,16 @@ use super::clock::Clock;
 use super::composed::Composed;
 use super::description::{InBag, WheelJoints, WheelsOf, descriptions};
 use super::guess::{Guess, guess};
+use super::reading::{Reading, read_streams};
 use super::survey::{Topic, survey};
 use super::topic_map::{Source, TopicMap};
-use crate::bag::{Bag, ChannelInfo, Item, Loss, VisitResult};
+use crate::bag::{Bag, Loss};
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{PosePoint, Recording, Robot};
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
-
-/// A stream being read.
-struct Reading {
-    source: Source,
-    stream: StreamBuilder,
-    /// For a pose along several transforms.
-    composed: Option<Composed>,
-}
-
-impl Reading {
-    /// Takes what a message has of the stream.
-    fn push(
-        &mut self,
-        channel: &ChannelInfo,
-        data: &[u8],
-        clock: Clock,
-        log_ns: i64,
-    ) -> VisitResult {
-        if let Some(composed) = &mut self.composed {
-            return composed.push(channel, data, clock, log_ns);
-        }
-        let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
-        match self.source.topic == channel.topic {
-            true => self.stream.push_message(channel, data, t_s),
-            false => Ok(()),
-        }
-    }
-
-    /// The topics that it reads, and has its times from.
-    fn topics(&self) -> Vec<String> {
-        match &self.composed {
-            Some(composed) => composed.chain().moving_topics(),
-            None => vec![self.source.topic.clone()],
-        }
-    }
-}
 
 /// Reads a bag of another robot, and the descriptions of robots in it. Without a map, one is guessed and given in the
 /// warnings; `wheels_of` tells it the wheels of a description. Times count from the first message of the mapped topics.
@@ -90,33 +55,10 @@ pub(crate) fn read_foreign(
     let disk = Disk::default();
     let mut streams = open_streams(&disk, path, chosen, &topics)?;
     let clock = clock(chosen, &streams, &topics, &mut warnings);
-    let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let composed = streams.iter().filter_map(|own| own.composed.as_ref());
-    let fixed: Vec<String> = composed.flat_map(|own| own.chain().topics()).collect();
-    let timing: BTreeSet<String> = streams.iter().flat_map(Reading::topics).collect();
-    let wanted = |channel: &ChannelInfo| timing.contains(&channel.topic);
-    let loss = bag.scan(&wanted, &mut |item| match item {
-        Item::Message {
-            channel,
-            log_time_ns,
-            data,
-            ..
-        } => {
-            let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
-            let readings = streams.iter_mut();
-            let pushed = readings.map(|reading| reading.push(channel, data, clock, log_ns));
-            // All of them, even after one that fails.
-            pushed.fold(Ok(()), VisitResult::and)
-        }
-        Item::Unwanted { channel, messages } => {
-            match left_out.get_mut(&channel.topic) {
-                Some(count) => *count += messages,
-                None => drop(left_out.insert(channel.topic.clone(), messages)),
-            }
-            Ok(())
-        }
-        _ => Ok(()),
-    })?;
+    let (loss, mut left_out) = read_streams(bag, &mut streams, clock)?;
+    for own in &described {
+        left_out.remove(&own.topic);
+    }
     if loss.any() {
         warnings.push(format!("{}: {loss}", path.display()));
     }
@@ -140,9 +82,6 @@ pub(crate) fn read_foreign(
         }
     }
     recording.disk.check()?;
-    for used in described.iter().map(|own| &own.topic).chain(&fixed) {
-        left_out.remove(used);
-    }
     let spooled = Spooled {
         recording,
         warnings,

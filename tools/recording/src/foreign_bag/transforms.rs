@@ -1,7 +1,9 @@
 //! The poses that a guess finds among transforms.
 
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
 use super::candidate::{Candidate, is_of_reference, robot_of_topic};
-use super::chain::Chain;
+use super::chain::links;
 use super::survey::{Seen, Topic};
 use super::topic_map::Source;
 use crate::decode::MessageSelector;
@@ -10,14 +12,16 @@ use crate::table::StreamKind;
 /// Transforms from a frame of the world to a robot's, where a reference measures them.
 pub(super) fn poses(topic: &Topic, topics: &[Topic]) -> Vec<Candidate> {
     let mut poses = Vec::new();
+    let carried = carried(topic, topics);
+    // What never moves, such as `world` to `map`, is the pose of no robot.
     let of_world = |([parent, _], seen): &(&[String; 2], &Seen)| {
-        seen.count > 1 && is_of_reference(&parent.to_lowercase())
+        seen.varies && is_of_reference(&parent.to_lowercase())
     };
     for ([parent, child], seen) in topic.frames.iter().filter(of_world) {
         if !is_odometry(child) {
-            let frame = carried_base(topic, [parent, child], topics);
-            poses.push(candidate(topic, [parent, &frame], seen, 1));
-        } else if seen.varies {
+            let frame = base_of(child, &carried);
+            poses.push(candidate(topic, [parent, frame], seen, 1));
+        } else {
             // Of `map` and `odom`, localisation computes the first from the second: a correction, which becomes a pose
             // together with the odometry. One that never changes leaves odometry alone.
             for frame in moving_children(child, topics) {
@@ -50,27 +54,37 @@ fn candidate(topic: &Topic, [parent, frame]: [&str; 2], seen: &Seen, rank: u32) 
     }
 }
 
-/// The base of the robot, if `child` is a marker or sensor that is fixed to it; else `child`.
-fn carried_base(topic: &Topic, [parent, child]: [&String; 2], topics: &[Topic]) -> String {
-    let is_base = |frame: &&String| {
+/// Frames that never move, by the frame in which they do not.
+type Carried = BTreeMap<String, Vec<String>>;
+
+fn carried(topic: &Topic, topics: &[Topic]) -> Carried {
+    let mut carried = Carried::new();
+    for (frames, link) in links(topics, &topic.channel.topic) {
+        let [parent, child] = frames;
+        if link.fixed.is_some() {
+            carried.entry(parent).or_default().push(child);
+        }
+    }
+    carried
+}
+
+/// The base of the robot, if `frame` is a marker or sensor that is fixed to it; else `frame`.
+fn base_of<'a>(frame: &'a str, carried: &'a Carried) -> &'a str {
+    let is_base = |frame: &str| {
         let name = frame.rsplit('/').next().unwrap_or_default();
         name == "base_link" || name == "base_footprint"
     };
-    if is_base(&child) {
-        return child.clone();
+    let mut reached = BTreeSet::from([frame]);
+    let mut waiting = VecDeque::from([frame]);
+    while let Some(here) = waiting.pop_front() {
+        if is_base(here) {
+            return here;
+        }
+        let children = carried.get(here).into_iter().flatten();
+        let new = children.map(String::as_str);
+        waiting.extend(new.filter(|child| reached.insert(child)));
     }
-    let children = topics.iter().flat_map(|topic| topic.frames.keys());
-    let mut bases = children.map(|[_, child]| child).filter(is_base);
-    let is_carried = |base: &&String| {
-        let chain = Chain::find(topics, &topic.channel.topic, parent, base);
-        let links = chain.map(|chain| chain.links).unwrap_or_default();
-        let carried = links.split_first().is_some_and(|(first, others)| {
-            first.frames.each_ref() == [parent, child]
-                && others.iter().all(|link| link.fixed.is_some())
-        });
-        carried && links.len() > 1
-    };
-    bases.find(is_carried).unwrap_or(child).clone()
+    frame
 }
 
 /// The frames that move in this one, such as a robot's base in that of its odometry.

@@ -67,6 +67,14 @@ def localised(ahead_ns):
         yield t_ns + (0 if ahead_ns else 5_000_000), "/tf", tf(t_ns + ahead_ns, "map", "odom", *correction(k // 10))
 
 
+def with_world():
+    """As localised, and where the map lies in the world: again and again, as ROS 1 does."""
+    yield from localised(0)
+    for k in range(200):
+        t_ns = START_NS + k * 50_000_000
+        yield t_ns, "/tf", tf(t_ns, "world", "map", 5.0, 5.0, 0.0)
+
+
 def captured():
     """A marker on a circle, at 100 Hz; where it is on the robot is said at the end, with a stamp of 0."""
     for k in range(1001):
@@ -84,6 +92,7 @@ def constant():
 
 BAGS = {
     "localised": lambda: localised(0),
+    "with_world": with_world,
     "ahead": lambda: localised(900_000_000),
     "captured": captured,
     "constant": constant,
