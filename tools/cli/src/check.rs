@@ -41,7 +41,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         print_line!("{}", file.display());
         return Ok(Exit::Done);
     }
-    let spooled = arguments.reading.spool(&arguments.recording)?;
+    let spooled = arguments
+        .reading
+        .spool_for(&arguments.recording, arguments.robot.is_some())?;
     let model = arguments.robot.as_deref().map(read_model).transpose()?;
     let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));

@@ -21,14 +21,25 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// Reads a recording whose rows stay on disk; what is odd about it is said.
-    pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
+    /// Reads a recording whose rows stay on disk; what is odd about it is said, and what about its model, unless another
+    /// is given.
+    pub(crate) fn spool_for(&self, path: &Path, model_is_given: bool) -> Result<Spooled, Error> {
         let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
         let spooled = slipstream_recording::read_spooled(path, &map)?;
         for warning in &spooled.warnings {
             note_line!("{warning}");
         }
+        if !model_is_given {
+            for note in &spooled.on_model {
+                note_line!("{note}");
+            }
+        }
         Ok(spooled)
+    }
+
+    /// As [`Self::spool_for`], without another model.
+    pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
+        self.spool_for(path, false)
     }
 
     /// Reads a recording into memory; what is odd about it is said.

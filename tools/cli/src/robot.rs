@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use slipstream_recording::robot_file::{self, Described, Kind, Missing, Taken};
+use slipstream_recording::describe_robot;
+use slipstream_recording::robot_file::{Described, Kind, Missing, Taken};
 
 use crate::exit::{Error, Exit};
 use crate::output_file;
@@ -18,7 +19,7 @@ use crate::print::{self, print_line};
 /// Example: slipstream robot husky.urdf --out robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// URDF, diff_drive_controller YAML or robot.toml
+    /// URDF, diff_drive_controller YAML, robot.toml, or a bag with a topic robot_description
     file: PathBuf,
     /// Write a robot.toml, with a comment where something must be filled in
     #[arg(long, value_name = "FILE.toml")]
@@ -47,7 +48,7 @@ struct Answer<'a> {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let described = robot_file::read(&arguments.file)?;
+    let described = describe_robot(&arguments.file)?;
     print::out(format_args!("{}", text(&described)));
     if let Some(path) = &arguments.json {
         let answer = Answer {

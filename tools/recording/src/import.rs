@@ -14,6 +14,8 @@ pub struct Import {
     pub recording: Recording,
     /// What was ignored, guessed or lost, one entry each.
     pub warnings: Vec<String>,
+    /// What the user should know about the model that came with it; of no interest where another is given.
+    pub on_model: Vec<String>,
     /// Parts of an MCAP file that could not be read; `None` for a folder of CSV files.
     pub loss: Option<Loss>,
     /// Number of messages of an MCAP file that [`Recording`] cannot represent, by topic.
@@ -32,6 +34,8 @@ pub struct Spooled {
     pub(crate) recording: SpooledRecording,
     /// What was ignored, guessed or lost, one entry each.
     pub warnings: Vec<String>,
+    /// What the user should know about the model that came with it; of no interest where another is given.
+    pub on_model: Vec<String>,
     /// Parts of an MCAP file that could not be read; `None` for a folder of CSV files.
     pub loss: Option<Loss>,
     /// Number of messages of an MCAP file that [`Recording`] cannot represent, by topic.
@@ -47,6 +51,7 @@ impl Spooled {
         Ok(Import {
             recording: self.recording.load()?,
             warnings: self.warnings,
+            on_model: self.on_model,
             loss: self.loss,
             left_out: self.left_out,
         })

@@ -57,6 +57,7 @@
 //! to the left, yaw is counter-clockwise. Pairs are [right, left].
 
 mod bag;
+mod carried;
 mod check;
 mod compare;
 mod csv_folder;
@@ -93,7 +94,7 @@ pub use listener::{Announced, Listener};
 pub use mcap_file::{
     TraceFile, read_mcap_from, read_messages, read_trace, write_mcap, write_mcap_to,
 };
-pub use open::{Map, draft_map, read, read_mapped, read_mapped_from, read_spooled};
+pub use open::{Map, describe_robot, draft_map, read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;

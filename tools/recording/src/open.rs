@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
-use crate::bag::{Bag, BagBytes, BagFile, BagFolder, Container};
+use crate::bag::{Bag, BagBytes, BagFile, BagFolder, Container, is_bag};
+use crate::carried::{description_in, draft_with_model, read_with_model};
 use crate::csv_folder::spool_folder;
 use crate::error::Result;
-use crate::foreign_bag::{TopicMap, draft_topics, read_foreign};
+use crate::foreign_bag::TopicMap;
 use crate::foreign_csv::{ColumnMap, draft, read_columns};
 use crate::import::{Import, Spooled};
-use crate::mcap_file::read_own;
+use crate::mcap_file::{is_own, read_own};
+use crate::robot_file::{self, Described};
 
 /// What a user says about recordings that other programs wrote.
 #[derive(Debug, Clone, Default)]
@@ -120,7 +122,7 @@ pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
             _ => return Err(not_mapped(path)),
         },
         Form::Bag(bag) => read_file(&bag, topics)?,
-        Form::Bags(bags) => read_foreign(&bags, path, topics)?,
+        Form::Bags(bags) => read_with_model(&bags, path, topics)?,
     };
     if let Some(reason) = unused {
         let path = path.display();
@@ -144,7 +146,7 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
     {
         return import.load();
     }
-    read_foreign(&bag, path, map)?.load()
+    read_with_model(&bag, path, map)?.load()
 }
 
 /// The text of a map for a recording that another program wrote, to be completed by a person: of topics for a bag, of
@@ -155,8 +157,8 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
 pub fn draft_map(path: &Path) -> Result<String> {
     match Form::of(path)? {
         Form::Csv => draft(path),
-        Form::Bag(bag) => draft_topics(&bag),
-        Form::Bags(bags) => draft_topics(&bags),
+        Form::Bag(bag) => draft_with_model(&bag, path),
+        Form::Bags(bags) => draft_with_model(&bags, path),
         Form::Folder => {
             let problem = "has recording.toml, and needs no map";
             Err(InputError::file(path, problem, "give it without a map").into())
@@ -164,15 +166,36 @@ pub fn draft_map(path: &Path) -> Result<String> {
     }
 }
 
+/// Reads the description of a robot: a file, or a bag with a topic `robot_description`.
+///
+/// # Errors
+/// As [`robot_file::read`], or if the bag has no description.
+pub fn describe_robot(path: &Path) -> Result<Described> {
+    if !path.is_dir() && !is_bag(path)? {
+        return robot_file::read(path);
+    }
+    match Form::of(path)? {
+        Form::Bag(bag) => description_in(&bag, path),
+        Form::Bags(bags) => description_in(&bags, path),
+        Form::Folder | Form::Csv => {
+            let problem = "is a folder without a bag";
+            let remedy = "give a URDF, the YAML of a diff_drive_controller or a robot.toml";
+            Err(InputError::file(path, problem, remedy).into())
+        }
+    }
+}
+
 /// Reads a file: one of our own, or a bag of another robot.
 fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
-    if bag.container == Container::Mcap && topics.is_none() {
+    let may_be_own = bag.container == Container::Mcap && topics.is_none();
+    // A file without an index is read as one of our own first.
+    if may_be_own && bag.summary().is_none_or(|summary| is_own(&summary)) {
         let (source, size) = bag.source()?;
         if let Some(import) = read_own(source, size, bag.path())? {
             return Ok(import);
         }
     }
-    read_foreign(bag as &dyn Bag, bag.path(), topics)
+    read_with_model(bag as &dyn Bag, bag.path(), topics)
 }
 
 /// CSV files cannot be read without a map; a folder may have none.

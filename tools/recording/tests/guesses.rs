@@ -5,7 +5,7 @@
 #[path = "external/python.rs"]
 mod python;
 
-use slipstream_recording::read;
+use slipstream_recording::{describe_robot, read};
 
 /// The lines of the guessed map of a bag, and its other warnings.
 fn guessed(path: &std::path::Path) -> (Vec<String>, Vec<String>) {
@@ -120,4 +120,56 @@ fn messages_without_a_stamp_are_moved_onto_the_clock_of_the_others() {
         robot.wheels.as_ref().unwrap(),
     );
     assert_eq!(command.t_s[3], wheels.t_s[3]);
+}
+
+#[test]
+fn a_description_in_the_bag_gives_the_model_and_the_wheels() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("bags");
+    if python::script("write_guesses.py", &[&out]).is_none() {
+        return;
+    }
+    let (lines, _) = guessed(&out.join("described"));
+    let wheels = "wheels = { topic = \"/joint_states\", right = [\"motor_2\", \"motor_4\"], \
+        left = [\"motor_1\", \"motor_3\"], quantity = \"angle\" }";
+    assert!(lines.contains(&wheels.to_owned()), "{lines:?}");
+    let import = read(&out.join("described")).unwrap();
+    let body = import.recording.model.unwrap().robot;
+    assert_eq!([body.wheel_radius_m, body.half_track_m], [0.1, 0.25]);
+    let note =
+        "robot model from /robot_description in the bag: wheel_radius_m = 0.1, half_track_m = 0.25";
+    assert_eq!(import.on_model[0], note);
+    assert!(!import.left_out.contains_key("/robot_description"));
+    let described = describe_robot(&out.join("described")).unwrap();
+    assert_eq!(described.wheel_joints[1], ["motor_1", "motor_3"]);
+
+    let import = read(&out.join("without_radius")).unwrap();
+    assert!(import.recording.model.is_none());
+    let note = "no robot model from /robot_description in the bag: it gives no wheel_radius_m";
+    assert!(
+        import.on_model[0].starts_with(note),
+        "{:?}",
+        import.on_model
+    );
+
+    let import = read(&out.join("two_robots")).unwrap();
+    assert!(import.recording.model.is_none());
+    let both = "/a/robot_description, /b/robot_description describe different robots";
+    assert!(
+        import.on_model[0].starts_with(both),
+        "{:?}",
+        import.on_model
+    );
+    let error = describe_robot(&out.join("two_robots"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("describes different robots in /a/"),
+        "{error}"
+    );
+    let none = describe_robot(&out.join("skid")).unwrap_err().to_string();
+    assert!(
+        none.contains("is a bag without a robot_description"),
+        "{none}"
+    );
 }

@@ -79,7 +79,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         }
     }
     let read_all = |paths: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        let read = |path: &PathBuf| Ok(arguments.reading.read(path)?.recording);
+        let is_given = !arguments.robot.is_empty();
+        let read = |path: &PathBuf| {
+            let spooled = arguments.reading.spool_for(path, is_given)?;
+            Ok(spooled.load()?.recording)
+        };
         paths.iter().map(read).collect()
     };
     let recordings = read_all(&arguments.recording)?;

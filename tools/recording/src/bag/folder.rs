@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
-use super::item::Visit;
+use super::item::{Visit, Wanted};
 use super::loss::Loss;
 use super::source::{Bag, BagFile};
 use crate::toml_files::read_text;
@@ -69,13 +69,13 @@ impl BagFolder {
 }
 
 impl Bag for BagFolder {
-    fn scan(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
+    fn scan(&self, wanted: &Wanted<'_>, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
         let mut loss = Loss {
             missing_files: self.missing.clone(),
             ..Loss::default()
         };
         for part in &self.parts {
-            match part.scan(visit) {
+            match part.scan(wanted, visit) {
                 Ok(more) => loss.add(&more),
                 // A part that cannot be read costs its messages, not those of the others.
                 Err(error) if loss.unreadable_files.len() + 1 < self.parts.len() => {

@@ -18,6 +18,22 @@ pub(crate) struct ChannelInfo {
     pub(crate) metadata: BTreeMap<String, String>,
 }
 
+/// The type of a channel: its name, and its definition with its encoding.
+pub(super) type Schema = (String, Arc<(String, Vec<u8>)>);
+
+impl ChannelInfo {
+    /// A channel of an MCAP file.
+    pub(super) fn new(channel: mcap::records::Channel, (schema, definition): Schema) -> Self {
+        Self {
+            topic: channel.topic,
+            schema,
+            definition,
+            encoding: channel.message_encoding,
+            metadata: channel.metadata,
+        }
+    }
+}
+
 /// An item of a file, in file order.
 pub(crate) enum Item<'a> {
     /// A channel, before its messages.
@@ -31,6 +47,11 @@ pub(crate) enum Item<'a> {
         channel: &'a Arc<ChannelInfo>,
         log_time_ns: u64,
         data: &'a [u8],
+    },
+    /// Messages of a channel that is not wanted.
+    Unwanted {
+        channel: &'a Arc<ChannelInfo>,
+        messages: u64,
     },
     /// An attached file.
     Attachment { name: &'a str, data: &'a [u8] },
@@ -47,3 +68,6 @@ pub(crate) struct Undecodable;
 
 /// Whoever wants the items of a bag.
 pub(crate) type Visit<'a> = dyn FnMut(Item<'_>) -> VisitResult + 'a;
+
+/// Whether the messages of a topic are wanted.
+pub(crate) type Wanted<'a> = dyn Fn(&ChannelInfo) -> bool + 'a;

@@ -1,26 +1,26 @@
 //! Damage-tolerant sequential MCAP reader: returns everything intact and counts what is lost.
 //!
-//! Memory is bounded by the largest chunk (at most [`MAX_CHUNK_BYTES`]), never by what a damaged
+//! Chunks that have no message of a wanted topic are passed over where the index at the end tells so.
+//! Memory is bounded by the largest chunk (at most `MAX_CHUNK_BYTES`), never by what a damaged
 //! length field claims. A chunk is used only if its checksum is right; of a chunk whose end is missing, which has none, the
 //! records before the end of the file.
 
-use std::collections::BTreeMap;
-use std::io::Read;
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
 use mcap::McapError;
 use mcap::records::{Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use slipstream_bus::InputError;
 
-use super::chunk::{MAX_CHUNK_BYTES, unpack, unpack_as_far};
-use super::item::{ChannelInfo, Item, Undecodable, Visit};
+use super::chunk::{unpack, unpack_as_far};
+use super::file::open_file;
+use super::item::{ChannelInfo, Item, Schema, Undecodable, Visit, Wanted};
 use super::lengths;
 use super::loss::Loss;
-
-/// A schema: the name of a type, and its definition with its encoding.
-type Schema = (String, Arc<(String, Vec<u8>)>);
+use super::records::{Next, Records, split_record};
+use super::summary::Summary;
 
 /// Reads all of `source`, which has `size` bytes, and calls `visit` with each item.
 ///
@@ -32,87 +32,145 @@ pub(crate) fn read_bag(
     path: &Path,
     visit: &mut Visit<'_>,
 ) -> Result<Loss, InputError> {
-    let limit = usize::try_from(size.clamp(64, MAX_CHUNK_BYTES)).unwrap_or(usize::MAX);
-    let options = LinearReaderOptions::default()
-        .with_emit_chunks(true)
-        .with_record_length_limit(limit);
-    BagReader {
-        path,
-        visit,
-        loss: Loss::default(),
-        schemas: BTreeMap::new(),
-        channels: Vec::new(),
-        unpacked: Vec::new(),
-        in_damaged_chunk: false,
+    read_wanted(source, size, path, &|_| true, visit)
+}
+
+/// As [`read_bag`]; of topics that are not wanted, the messages are only counted.
+///
+/// # Errors
+/// As [`read_bag`].
+pub(super) fn read_wanted(
+    source: impl Read,
+    size: u64,
+    path: &Path,
+    wanted: &Wanted<'_>,
+    visit: &mut Visit<'_>,
+) -> Result<Loss, InputError> {
+    let reader = BagReader::new(path, wanted, visit);
+    reader.run(Records::new(source, size, |source, bytes| {
+        std::io::copy(&mut source.by_ref().take(bytes), &mut std::io::sink()).map(drop)
+    }))
+}
+
+/// As [`read_wanted`], from a file: chunks without wanted messages are not read, where its index tells.
+///
+/// # Errors
+/// As [`read_bag`].
+pub(super) fn read_file(
+    path: &Path,
+    wanted: &Wanted<'_>,
+    visit: &mut Visit<'_>,
+) -> Result<Loss, InputError> {
+    let (mut file, size) = open_file(path)?;
+    let summary = Summary::read(&mut file);
+    file.rewind()
+        .map_err(|e| InputError::unreadable(path, &e))?;
+    let mut reader = BagReader::new(path, wanted, visit);
+    if let Some(summary) = summary {
+        reader.use_summary(summary);
     }
-    .run(source, size, LinearReader::new_with_options(options))
+    reader.run(Records::new(file, size, |file, bytes| {
+        file.seek_relative(i64::try_from(bytes).unwrap_or(i64::MAX))
+    }))
 }
 
 /// The state of reading one file.
 struct BagReader<'a> {
     path: &'a Path,
+    wanted: &'a Wanted<'a>,
     visit: &'a mut Visit<'a>,
     loss: Loss,
     /// Names of the message types, by schema id.
     schemas: BTreeMap<u16, Schema>,
     /// Channels, by channel id.
-    channels: Vec<Option<Arc<ChannelInfo>>>,
+    channels: Vec<Option<Known>>,
+    /// Where chunks begin that have no wanted message.
+    unwanted_chunks: BTreeSet<u64>,
     /// The decompressed records of the current chunk; kept to save allocations.
     unpacked: Vec<u8>,
-    /// The last chunk was damaged; the message indexes after it say how many messages it had.
-    in_damaged_chunk: bool,
+    /// What became of the last chunk: the message indexes after it say how many messages it had.
+    last_chunk: LastChunk,
 }
 
-/// Size of the pieces in which a chunk is passed to the parser (bytes).
-const FEED_BYTES: usize = 16 << 10;
+/// A channel, and whether its messages are wanted.
+#[derive(Clone)]
+struct Known {
+    channel: Arc<ChannelInfo>,
+    is_wanted: bool,
+}
 
-impl BagReader<'_> {
-    fn run(
-        mut self,
-        mut source: impl Read,
-        size: u64,
-        mut reader: LinearReader,
-    ) -> Result<Loss, InputError> {
-        // Bytes of all complete records, including the magic bytes at the start.
-        let mut bytes_done = mcap::MAGIC.len() as u64;
-        let mut started = false;
-        let mut data_ended = false;
-        // What was read of the record that is not complete yet.
-        let mut unread = Vec::new();
-        while let Some(event) = reader.next_event() {
-            match event {
-                Ok(LinearReadEvent::ReadRequest(need)) => {
-                    let room = reader.insert(need);
-                    let read = source
-                        .read(room)
-                        .map_err(|e| InputError::unreadable(self.path, &e))?;
-                    unread.extend_from_slice(room.get(..read).unwrap_or_default());
-                    reader.notify_read(read);
-                }
-                Ok(LinearReadEvent::Record { opcode, data }) => {
-                    let magic = if started { 0 } else { mcap::MAGIC.len() };
-                    unread.drain(..(magic + 9 + data.len()).min(unread.len()));
-                    started = true;
-                    bytes_done += 9 + data.len() as u64;
-                    data_ended |= opcode == op::DATA_END;
-                    self.record(opcode, data);
-                }
-                Err(error) => {
-                    if !started {
-                        return Err(self.not_a_bag(size, &error));
-                    }
-                    self.loss.truncated = true;
-                    self.loss.index_only = data_ended;
-                    self.loss.bytes_at_end = size.saturating_sub(bytes_done);
-                    // A record that claims more than the file has is not read by the parser.
-                    let _ = source
-                        .by_ref()
-                        .take(MAX_CHUNK_BYTES)
-                        .read_to_end(&mut unread);
-                    self.cut_chunk(&unread);
-                    break;
-                }
+/// What became of a chunk.
+#[derive(Clone, Copy, PartialEq)]
+enum LastChunk {
+    Read,
+    Damaged,
+    PassedOver,
+}
+
+impl<'a> BagReader<'a> {
+    fn new(path: &'a Path, wanted: &'a Wanted<'a>, visit: &'a mut Visit<'a>) -> Self {
+        Self {
+            path,
+            wanted,
+            visit,
+            loss: Loss::default(),
+            schemas: BTreeMap::new(),
+            channels: Vec::new(),
+            unwanted_chunks: BTreeSet::new(),
+            unpacked: Vec::new(),
+            last_chunk: LastChunk::Read,
+        }
+    }
+
+    /// Takes the channels of the index, whose own records may stand in a chunk that is passed over.
+    fn use_summary(&mut self, summary: Summary) {
+        for (id, channel) in summary.channels {
+            self.add_channel(id, channel);
+        }
+        for (start, ids) in summary.chunks {
+            let is_unwanted = |id: &u16| {
+                let known = self.channels.get(usize::from(*id));
+                known
+                    .and_then(Option::as_ref)
+                    .is_some_and(|known| !known.is_wanted)
+            };
+            if ids.iter().all(is_unwanted) {
+                self.unwanted_chunks.insert(start);
             }
+        }
+    }
+
+    fn run<S: Read>(mut self, mut records: Records<S>) -> Result<Loss, InputError> {
+        let mut data_ended = false;
+        let mut started = false;
+        let unreadable = |e| InputError::unreadable(self.path, &e);
+        let error = loop {
+            let start = records.offset();
+            let (opcode, length) = match records.next_head().map_err(unreadable)? {
+                Next::Record { opcode, length } => (opcode, length),
+                Next::End => return Ok(self.loss),
+                Next::Damage(error) => break error,
+            };
+            if opcode == op::CHUNK && self.unwanted_chunks.contains(&start) {
+                records.pass_over(length).map_err(unreadable)?;
+                self.last_chunk = LastChunk::PassedOver;
+                continue;
+            }
+            if !records.read(length).map_err(unreadable)? {
+                break McapError::UnexpectedEof;
+            }
+            started = true;
+            data_ended |= opcode == op::DATA_END;
+            self.record(opcode, records.record());
+        };
+        if !started {
+            return Err(self.not_a_bag(records.size(), &error));
+        }
+        self.loss.truncated = true;
+        self.loss.index_only = data_ended;
+        self.loss.bytes_at_end = records.size().saturating_sub(records.offset());
+        if records.last_opcode() == op::CHUNK {
+            self.cut_chunk(records.record());
         }
         Ok(self.loss)
     }
@@ -137,18 +195,36 @@ impl BagReader<'_> {
     fn record(&mut self, opcode: u8, data: &[u8]) {
         match opcode {
             op::CHUNK => {
-                self.in_damaged_chunk = self.read_chunk(data).is_err();
-                self.loss.damaged_chunks += u64::from(self.in_damaged_chunk);
+                self.last_chunk = match self.read_chunk(data) {
+                    Ok(()) => LastChunk::Read,
+                    Err(_) => LastChunk::Damaged,
+                };
+                self.loss.damaged_chunks += u64::from(self.last_chunk == LastChunk::Damaged);
             }
-            op::MESSAGE_INDEX if self.in_damaged_chunk => {
+            op::MESSAGE_INDEX if self.last_chunk != LastChunk::Read => {
                 if let Ok(Record::MessageIndex(index)) = mcap::parse_record(opcode, data) {
-                    self.loss.messages_in_damaged_chunks += index.records.len() as u64;
+                    self.not_read(index.channel_id, index.records.len() as u64);
                 }
             }
             op::SCHEMA | op::CHANNEL | op::MESSAGE | op::ATTACHMENT | op::METADATA => {
                 self.inner_record(opcode, data);
             }
             _ => {}
+        }
+    }
+
+    /// Counts messages of a chunk that was not read.
+    fn not_read(&mut self, channel_id: u16, messages: u64) {
+        if self.last_chunk == LastChunk::Damaged {
+            self.loss.messages_in_damaged_chunks += messages;
+            return;
+        }
+        let known = self.channels.get(usize::from(channel_id));
+        if let Some(known) = known.and_then(Option::as_ref) {
+            self.loss.messages_read += messages;
+            let channel = &known.channel;
+            // Nothing is decoded.
+            let _ = (self.visit)(Item::Unwanted { channel, messages });
         }
     }
 
@@ -168,11 +244,9 @@ impl BagReader<'_> {
 
     /// Processes the records of a chunk whose end is missing, as far as they can be decompressed.
     fn cut_chunk(&mut self, record: &[u8]) {
-        // Opcode and length of the record; times and size of the chunk, its checksum, the name of its compression with
-        // its length, the length of the records.
-        let rest = record
-            .strip_prefix(&[op::CHUNK])
-            .and_then(|r| r.get(8 + 28..));
+        // Times and size of the chunk, its checksum, the name of its compression with its length, the length of the
+        // records.
+        let rest = record.get(28..);
         let named = rest.and_then(|rest| {
             let (length, rest) = rest.split_first_chunk()?;
             rest.split_at_checked(u32::from_le_bytes(*length) as usize)
@@ -189,22 +263,10 @@ impl BagReader<'_> {
 
     /// Processes the records of a decompressed chunk.
     fn records(&mut self, mut unread: &[u8]) -> Result<(), McapError> {
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_emit_chunks(true)
-            .with_record_length_limit(unread.len());
-        let mut reader = LinearReader::new_with_options(options);
-        while let Some(event) = reader.next_event() {
-            match event? {
-                LinearReadEvent::Record { opcode, data } => self.inner_record(opcode, data),
-                LinearReadEvent::ReadRequest(need) => {
-                    let (now, later) = unread.split_at(need.max(FEED_BYTES).min(unread.len()));
-                    reader.insert(now.len()).copy_from_slice(now);
-                    reader.notify_read(now.len());
-                    unread = later;
-                }
-            }
+        while !unread.is_empty() {
+            let (opcode, data, rest) = split_record(unread)?;
+            self.inner_record(opcode, data);
+            unread = rest;
         }
         Ok(())
     }
@@ -226,11 +288,17 @@ impl BagReader<'_> {
             Record::Message { header, data } => {
                 let known = self.channels.get(usize::from(header.channel_id));
                 let visited = match known.and_then(Option::as_ref) {
-                    Some(channel) => (self.visit)(Item::Message {
-                        id: header.channel_id.into(),
-                        channel,
-                        log_time_ns: header.log_time,
-                        data: &data,
+                    Some(Known { channel, is_wanted }) => (self.visit)(match is_wanted {
+                        true => Item::Message {
+                            id: header.channel_id.into(),
+                            channel,
+                            log_time_ns: header.log_time,
+                            data: &data,
+                        },
+                        false => Item::Unwanted {
+                            channel,
+                            messages: 1,
+                        },
                     }),
                     None => Err(Undecodable),
                 };
@@ -258,25 +326,28 @@ impl BagReader<'_> {
 
     /// Registers a channel; of several with the same id, the first one.
     fn channel(&mut self, channel: mcap::records::Channel) {
-        let id = usize::from(channel.id);
-        if self.channels.len() <= id {
-            self.channels.resize(id + 1, None);
-        }
-        if let Some(place @ None) = self.channels.get_mut(id) {
+        let id = channel.id;
+        let known = self.channels.get(usize::from(id));
+        if known.is_none_or(Option::is_none) {
             let schema = self.schemas.get(&channel.schema_id).cloned();
-            let (schema, definition) = schema.unwrap_or_default();
-            let info = place.insert(Arc::new(ChannelInfo {
-                topic: channel.topic,
-                schema,
-                definition,
-                encoding: channel.message_encoding,
-                metadata: channel.metadata,
-            }));
-            let item = Item::Channel {
-                id: channel.id.into(),
-                channel: info,
-            };
-            self.loss.damaged_records += u64::from((self.visit)(item).is_err());
+            let info = ChannelInfo::new(channel, schema.unwrap_or_default());
+            self.add_channel(id, Arc::new(info));
+        }
+    }
+
+    fn add_channel(&mut self, id: u16, channel: Arc<ChannelInfo>) {
+        let place = usize::from(id);
+        if self.channels.len() <= place {
+            self.channels.resize(place + 1, None);
+        }
+        let item = Item::Channel {
+            id: id.into(),
+            channel: &channel,
+        };
+        self.loss.damaged_records += u64::from((self.visit)(item).is_err());
+        let is_wanted = (self.wanted)(&channel);
+        if let Some(slot) = self.channels.get_mut(place) {
+            *slot = Some(Known { channel, is_wanted });
         }
     }
 }

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::chunk::{MAX_CHUNK_BYTES, unpack_as_far};
-use super::item::{ChannelInfo, Item, Undecodable, Visit};
+use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted};
 use super::loss::Loss;
 
 /// First bytes of every bag of this format.
@@ -33,6 +33,7 @@ pub(super) fn read_ros1(
     source: &mut dyn Read,
     size: u64,
     path: &Path,
+    wanted: &Wanted<'_>,
     visit: &mut Visit<'_>,
 ) -> Result<Loss, InputError> {
     let unreadable = |e: io::Error| InputError::unreadable(path, &e);
@@ -51,23 +52,18 @@ pub(super) fn read_ros1(
         ));
     }
     let mut reader = Ros1Reader {
+        wanted,
         visit,
         loss: Loss::default(),
+        unpacked: Vec::new(),
         connections: BTreeMap::new(),
     };
-    let read = reader.records(source, Place::File).map_err(unreadable)?;
+    let read = reader.records(source).map_err(unreadable)?;
     if let End::Damaged { bytes_read } = read {
         reader.loss.truncated = true;
         reader.loss.bytes_at_end = size.saturating_sub(start + bytes_read);
     }
     Ok(reader.loss)
-}
-
-/// Where a record stands. Chunks stand in the file only.
-#[derive(Clone, Copy, PartialEq)]
-enum Place {
-    File,
-    Chunk,
 }
 
 /// How a sequence of records ended.
@@ -81,15 +77,18 @@ enum End {
 }
 
 struct Ros1Reader<'a> {
+    wanted: &'a Wanted<'a>,
     visit: &'a mut Visit<'a>,
     loss: Loss,
-    /// Topics by the number of their connection.
-    connections: BTreeMap<u32, Arc<ChannelInfo>>,
+    /// The decompressed records of the current chunk; kept to save allocations.
+    unpacked: Vec<u8>,
+    /// Topics by the number of their connection, and whether their messages are wanted.
+    connections: BTreeMap<u32, (Arc<ChannelInfo>, bool)>,
 }
 
 impl Ros1Reader<'_> {
-    /// Reads all records of a file or of a decompressed chunk.
-    fn records(&mut self, source: &mut dyn Read, place: Place) -> io::Result<End> {
+    /// Reads all records of a file.
+    fn records(&mut self, source: &mut dyn Read) -> io::Result<End> {
         let (mut header, mut data) = (Vec::new(), Vec::new());
         let mut bytes_read = 0;
         loop {
@@ -99,9 +98,12 @@ impl Ros1Reader<'_> {
                 Block::Cut => return Ok(End::Damaged { bytes_read }),
             }
             let is_whole = read_block(source, &mut data)? == Block::Whole;
+            let is_chunk = field(&header, b"op") == Some(&[op::CHUNK]);
             // A chunk whose end is missing still has messages.
-            if is_whole || field(&header, b"op") == Some(&[op::CHUNK]) {
-                self.record(&header, &data, place);
+            if is_chunk {
+                self.chunk(&header, &data);
+            } else if is_whole {
+                self.record(&header, &data);
             }
             if !is_whole {
                 return Ok(End::Damaged { bytes_read });
@@ -110,33 +112,46 @@ impl Ros1Reader<'_> {
         }
     }
 
-    fn record(&mut self, header: &[u8], data: &[u8], place: Place) {
-        let [kind] = field(header, b"op").unwrap_or_default() else {
-            self.loss.damaged_records += 1;
-            return;
-        };
-        match (*kind, place) {
-            (op::CHUNK, Place::File) => self.chunk(header, data),
-            (op::CONNECTION, _) => {
+    /// Processes a record that is no chunk.
+    fn record(&mut self, header: &[u8], data: &[u8]) {
+        match field(header, b"op").unwrap_or_default() {
+            [op::CONNECTION] => {
                 let added = self.connection(header, data);
                 self.loss.damaged_records += u64::from(added.is_none());
             }
-            (op::MESSAGE, _) => match self.message(header, data) {
+            [op::MESSAGE] => match self.message(header, data) {
                 Ok(()) => self.loss.messages_read += 1,
                 Err(Undecodable) => self.loss.undecodable_messages += 1,
             },
-            _ => {}
+            [_] => {}
+            _ => self.loss.damaged_records += 1,
         }
     }
 
     fn chunk(&mut self, header: &[u8], data: &[u8]) {
-        let mut unpacked = Vec::new();
         let compression = field(header, b"compression").unwrap_or_default();
-        let is_unpacked = unpack_as_far(compression, data, &mut unpacked).is_ok();
-        // Reading from memory does not fail.
-        let is_read = self.records(&mut &unpacked[..], Place::Chunk);
-        let is_complete = is_unpacked && is_read.is_ok_and(|end| end == End::Complete);
+        let is_complete = if compression == b"none" {
+            self.inner_records(data).is_some()
+        } else {
+            let mut unpacked = std::mem::take(&mut self.unpacked);
+            unpacked.clear();
+            let is_unpacked = unpack_as_far(compression, data, &mut unpacked).is_ok();
+            let is_read = self.inner_records(&unpacked).is_some();
+            self.unpacked = unpacked;
+            is_unpacked && is_read
+        };
         self.loss.damaged_chunks += u64::from(!is_complete);
+    }
+
+    /// Processes the records of a chunk. `None` if the last one is not complete.
+    fn inner_records(&mut self, mut unread: &[u8]) -> Option<()> {
+        while !unread.is_empty() {
+            let (header, rest) = split_block(unread)?;
+            let (data, rest) = split_block(rest)?;
+            self.record(header, data);
+            unread = rest;
+        }
+        Some(())
     }
 
     /// Registers a connection; of several with the same number, the first one.
@@ -159,7 +174,8 @@ impl Ros1Reader<'_> {
             channel: &channel,
         };
         let visited = (self.visit)(item);
-        self.connections.insert(id, channel);
+        let is_wanted = (self.wanted)(&channel);
+        self.connections.insert(id, (channel, is_wanted));
         visited.ok()
     }
 
@@ -167,7 +183,13 @@ impl Ros1Reader<'_> {
         let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes).ok();
         let id = field(header, b"conn").and_then(number);
         let id = id.ok_or(Undecodable)?;
-        let channel = self.connections.get(&id).ok_or(Undecodable)?;
+        let (channel, is_wanted) = self.connections.get(&id).ok_or(Undecodable)?;
+        if !is_wanted {
+            return (self.visit)(Item::Unwanted {
+                channel,
+                messages: 1,
+            });
+        }
         let time = field(header, b"time").and_then(|time| time.split_at_checked(4));
         let (sec, nanosec) = time.ok_or(Undecodable)?;
         let (sec, nanosec) = number(sec).zip(number(nanosec)).ok_or(Undecodable)?;
@@ -208,6 +230,12 @@ fn read_block(source: &mut dyn Read, block: &mut Vec<u8>) -> io::Result<Block> {
     source.take(length).read_to_end(block)?;
     let is_whole = block.len() as u64 == length;
     Ok(if is_whole { Block::Whole } else { Block::Cut })
+}
+
+/// The block at the beginning, and what follows it.
+fn split_block(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
 }
 
 /// The value of a field: each field is `NAME=VALUE`, with its length before it.

@@ -8,19 +8,20 @@ use slipstream_bus::InputError;
 
 use super::chunk::MAX_CHUNK_BYTES;
 use super::file::open_file;
-use super::item::{Item, Undecodable, Visit, VisitResult};
+use super::item::{Item, Undecodable, Visit, VisitResult, Wanted};
 use super::loss::Loss;
-use super::mcap::read_bag;
-use super::{ros1, sqlite};
+use super::summary::Summary;
+use super::{mcap as mcap_file, ros1, sqlite};
 use crate::output::temporary_file;
 
 /// A bag that can be read from its beginning as often as needed.
 pub(crate) trait Bag {
-    /// Reads the whole bag and calls `visit` with each item. Returns what could not be read.
+    /// Reads the whole bag and calls `visit` with each item; of topics that are not wanted, messages are only counted.
+    /// Returns what could not be read.
     ///
     /// # Errors
     /// If it is not a bag, or the operating system does not read it.
-    fn scan(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError>;
+    fn scan(&self, wanted: &Wanted<'_>, visit: &mut Visit<'_>) -> Result<Loss, InputError>;
 }
 
 /// What holds the messages of a bag.
@@ -51,6 +52,18 @@ impl Container {
             Self::Mcap
         }
     }
+}
+
+/// Whether a file begins like a bag.
+///
+/// # Errors
+/// If the operating system does not read it.
+pub(crate) fn is_bag(path: &Path) -> Result<bool, InputError> {
+    let (file, _) = open_file(path)?;
+    let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
+    let magics = [mcap::MAGIC, ZSTD_MAGIC];
+    let begins = magics.iter().any(|magic| head.starts_with(magic));
+    Ok(begins || Container::of(&head) != Container::Mcap)
 }
 
 /// A file with a bag.
@@ -100,9 +113,21 @@ impl BagFile {
         Ok((Box::new(UntilDamage(decoder)), size))
     }
 
-    fn scan_database(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
+    /// The index of an MCAP file; `None` if it has none.
+    pub(crate) fn summary(&self) -> Option<Summary> {
+        let (mut file, _) = open_file(&self.path).ok()?;
+        (self.container == Container::Mcap && !self.is_compressed)
+            .then(|| Summary::read(&mut file))
+            .flatten()
+    }
+
+    fn scan_database(
+        &self,
+        wanted: &Wanted<'_>,
+        visit: &mut Visit<'_>,
+    ) -> Result<Loss, InputError> {
         if !self.is_compressed {
-            return sqlite::read_database(&sqlite::open(&self.path)?, &self.path, visit);
+            return sqlite::read_database(&sqlite::open(&self.path)?, &self.path, wanted, visit);
         }
         let unreadable = |e: std::io::Error| InputError::unreadable(&self.path, &e);
         let (mut whole, name) = temporary_file().map_err(unreadable)?;
@@ -110,20 +135,23 @@ impl BagFile {
         let database = sqlite::open(name.path())?;
         // The open database needs no name any more.
         drop(name);
-        sqlite::read_database(&database, &self.path, visit)
+        sqlite::read_database(&database, &self.path, wanted, visit)
     }
 }
 
 impl Bag for BagFile {
-    fn scan(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
+    fn scan(&self, wanted: &Wanted<'_>, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
         if self.container == Container::Sqlite {
-            return self.scan_database(&mut unpacked(visit));
+            return self.scan_database(wanted, &mut unpacked(visit));
+        }
+        if self.container == Container::Mcap && !self.is_compressed {
+            return mcap_file::read_file(&self.path, wanted, &mut unpacked(visit));
         }
         let (mut source, size) = self.source()?;
         let visit = &mut unpacked(visit);
         match self.container {
-            Container::Ros1 => ros1::read_ros1(&mut source, size, &self.path, visit),
-            _ => read_bag(source, size, &self.path, visit),
+            Container::Ros1 => ros1::read_ros1(&mut source, size, &self.path, wanted, visit),
+            _ => mcap_file::read_wanted(source, size, &self.path, wanted, visit),
         }
     }
 }
@@ -143,15 +171,15 @@ impl BagBytes<'_> {
 }
 
 impl Bag for BagBytes<'_> {
-    fn scan(&self, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
+    fn scan(&self, wanted: &Wanted<'_>, visit: &mut Visit<'_>) -> Result<Loss, InputError> {
         let Self { mut content, path } = *self;
         let size = content.len() as u64;
         let visit = &mut unpacked(visit);
         match self.container() {
-            Container::Mcap => read_bag(content, size, path, visit),
-            Container::Ros1 => ros1::read_ros1(&mut content, size, path, visit),
+            Container::Mcap => mcap_file::read_wanted(content, size, path, wanted, visit),
+            Container::Ros1 => ros1::read_ros1(&mut content, size, path, wanted, visit),
             Container::Sqlite => {
-                sqlite::read_database(&sqlite::from_bytes(content, path)?, path, visit)
+                sqlite::read_database(&sqlite::from_bytes(content, path)?, path, wanted, visit)
             }
         }
     }

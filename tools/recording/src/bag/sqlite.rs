@@ -13,7 +13,7 @@ use rusqlite::{Connection, OpenFlags};
 use slipstream_bus::InputError;
 
 use super::chunk::MAX_CHUNK_BYTES;
-use super::item::{ChannelInfo, Item, Undecodable, Visit};
+use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted};
 use super::loss::Loss;
 
 /// First bytes of every database.
@@ -50,13 +50,14 @@ pub(super) fn from_bytes(content: &[u8], path: &Path) -> Result<Connection, Inpu
     open().map_err(|error| unusable(path, &error))
 }
 
-/// Reads all messages and calls `visit` with each item. `path` is used in errors only.
+/// Reads all messages and calls `visit` with each item; of topics that are not wanted, rows are only counted. `path` is used in errors only.
 ///
 /// # Errors
 /// If the database is not a ROS 2 bag. Damage is not an error but a [`Loss`].
 pub(super) fn read_database(
     database: &Connection,
     path: &Path,
+    wanted: &Wanted<'_>,
     visit: &mut Visit<'_>,
 ) -> Result<Loss, InputError> {
     let unusable = |error: rusqlite::Error| unusable(path, &error);
@@ -74,15 +75,16 @@ pub(super) fn read_database(
             "give the database that rosbag2 wrote",
         ));
     }
-    let topics = topics(database).map_err(unusable)?;
-    for (&id, channel) in &topics {
+    let topics = topics(database, wanted).map_err(unusable)?;
+    for (&id, (channel, _)) in &topics {
         // Whoever does not want a topic says so of its messages.
         let _ = visit(Item::Channel { id, channel });
     }
+    let query = query(&topics);
     let mut loss = Loss::default();
     let mut last = i64::MIN;
     while !matches!(
-        messages_after(database, &mut last, &topics, visit, &mut loss),
+        messages_after(database, &query, &mut last, &topics, visit, &mut loss),
         Ok(End::Complete)
     ) {
         let Some(next) = first_readable_after(database, last) else {
@@ -115,8 +117,11 @@ fn restrict(database: &Connection) -> rusqlite::Result<()> {
     )
 }
 
-/// The topics by their number.
-fn topics(database: &Connection) -> rusqlite::Result<BTreeMap<u32, Arc<ChannelInfo>>> {
+/// The topics by their number, and whether their messages are wanted.
+type Topics = BTreeMap<u32, (Arc<ChannelInfo>, bool)>;
+
+/// The topics of a database.
+fn topics(database: &Connection, wanted: &Wanted<'_>) -> rusqlite::Result<Topics> {
     let mut statement =
         database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let rows = statement.query_map([], |row| {
@@ -127,9 +132,21 @@ fn topics(database: &Connection) -> rusqlite::Result<BTreeMap<u32, Arc<ChannelIn
             definition: Arc::default(),
             metadata: BTreeMap::new(),
         };
-        Ok((row.get(0)?, Arc::new(channel)))
+        let is_wanted = wanted(&channel);
+        Ok((row.get(0)?, (Arc::new(channel), is_wanted)))
     })?;
     rows.collect()
+}
+
+/// The query for all rows after one. The data of unwanted topics, which may be long, stay on the disk.
+fn query(topics: &Topics) -> String {
+    let unwanted = topics.iter().filter(|(_, (_, is_wanted))| !is_wanted);
+    let unwanted: Vec<String> = unwanted.map(|(id, _)| id.to_string()).collect();
+    let unwanted = unwanted.join(", ");
+    format!(
+        "SELECT rowid, topic_id, timestamp, CASE WHEN topic_id IN ({unwanted}) THEN 0 ELSE data END FROM messages \
+         WHERE rowid > ? ORDER BY rowid"
+    )
 }
 
 /// How the rows ended.
@@ -141,13 +158,12 @@ enum End {
 /// Visits the messages after row `last`, and keeps in `last` the row that was visited last.
 fn messages_after(
     database: &Connection,
+    query: &str,
     last: &mut i64,
-    topics: &BTreeMap<u32, Arc<ChannelInfo>>,
+    topics: &Topics,
     visit: &mut Visit<'_>,
     loss: &mut Loss,
 ) -> rusqlite::Result<End> {
-    let query =
-        "SELECT rowid, topic_id, timestamp, data FROM messages WHERE rowid > ? ORDER BY rowid";
     let mut statement = database.prepare(query)?;
     let mut rows = statement.query([*last])?;
     while let Some(row) = rows.next()? {
@@ -161,12 +177,22 @@ fn messages_after(
                 let id = u32::try_from(topic).map_err(|_| Undecodable);
                 let time_ns = u64::try_from(time_ns).map_err(|_| Undecodable);
                 id.and_then(|id| {
-                    let channel = topics.get(&id).ok_or(Undecodable)?;
+                    let (channel, _) = topics.get(&id).ok_or(Undecodable)?;
                     visit(Item::Message {
                         id,
                         channel,
                         log_time_ns: time_ns?,
                         data,
+                    })
+                })
+            }
+            (ValueRef::Integer(topic), _, ValueRef::Integer(_)) => {
+                let channel = u32::try_from(topic).ok().and_then(|id| topics.get(&id));
+                let unwanted = channel.filter(|(_, is_wanted)| !is_wanted);
+                unwanted.ok_or(Undecodable).and_then(|(channel, _)| {
+                    visit(Item::Unwanted {
+                        channel,
+                        messages: 1,
                     })
                 })
             }

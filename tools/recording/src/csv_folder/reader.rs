@@ -42,6 +42,7 @@ pub(crate) fn spool_folder(folder: &Path) -> Result<Spooled> {
     Ok(Spooled {
         recording,
         warnings,
+        on_model: Vec::new(),
         loss: None,
         left_out: BTreeMap::new(),
     })

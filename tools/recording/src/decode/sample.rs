@@ -34,7 +34,7 @@ pub(crate) struct Sample {
     /// Encoder counts.
     pub(crate) ticks: [Option<i64>; 2],
     /// x (m), y (m), yaw (rad).
-    pose: [f64; 3],
+    pub(super) pose: [f64; 3],
     /// Forward speed (m/s), yaw rate (rad/s).
     twist: [f64; 2],
     /// Wheel angles (rad).
@@ -70,7 +70,7 @@ impl From<String> for NoSample {
 
 impl Sample {
     /// A sample without quantities.
-    fn empty(t_ns: Option<i64>) -> Self {
+    pub(super) fn empty(t_ns: Option<i64>) -> Self {
         const NAN: f64 = f64::NAN;
         Self {
             t_ns,
@@ -191,6 +191,12 @@ impl Sample {
             "slipstream_msgs/msg/MotorState" => motor_state(encoding, data)?,
             _ => return Err(NoSample::NotSelected),
         })
+    }
+
+    /// Whether messages of a channel can give a sample. No message of a known type is empty.
+    pub(crate) fn can_be_of(channel: &ChannelInfo) -> bool {
+        let decoded = Self::decode(channel, &MessageSelector::default(), &[]);
+        !matches!(decoded, Err(NoSample::NotSelected))
     }
 
     fn of_transform(transform: &ros::TransformStamped<String>) -> Self {

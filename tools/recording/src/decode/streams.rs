@@ -75,8 +75,13 @@ impl StreamBuilder {
             Err(NoSample::NotSelected) => return Ok(()),
             Err(NoSample::Undecodable) => return Err(Undecodable),
         };
+        self.push_sample(t_s(sample.t_ns), &sample);
+        Ok(())
+    }
+
+    fn push_sample(&mut self, t_s: f64, sample: &Sample) {
         let table = self.spool.tail();
-        table.t_s.push(t_s(sample.t_ns));
+        table.t_s.push(t_s);
         for ((name, cells), has_values) in table.columns.iter_mut().zip(&mut self.has_values) {
             match cells {
                 Cells::Numbers(cells) => {
@@ -95,7 +100,13 @@ impl StreamBuilder {
         let unknown = table.unknown.iter_mut();
         unknown.for_each(|column| column.cells.push(String::new()));
         self.spool.end_row();
-        Ok(())
+    }
+
+    /// Appends a row of a pose: x (m), y (m), yaw (rad).
+    pub(crate) fn push_pose(&mut self, t_s: f64, pose: [f64; 3]) {
+        let mut sample = Sample::empty(None);
+        sample.pose = pose;
+        self.push_sample(t_s, &sample);
     }
 
     /// Appends a row from a lossless row message.

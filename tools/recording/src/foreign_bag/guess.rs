@@ -1,43 +1,15 @@
 //! Guess of a topic map from the types, names and contents of the topics.
 
+use super::candidate::{Candidate, has_word, is_of_reference, robot_of_topic};
+use super::description::WheelJoints;
 use super::joints;
 use super::survey::{Joint, Topic};
 use super::topic_map::{Quantity, Source, TopicMap};
+use super::transforms;
 use crate::decode::MessageSelector;
-use crate::recording::is_robot_name;
 use crate::ros::Encoding;
 use crate::table::StreamKind;
 
-/// First parts of a topic that name a sensor or driver, not a robot.
-const NOT_ROBOTS: [&str; 13] = [
-    "imu",
-    "odom",
-    "odometry",
-    "camera",
-    "vicon",
-    "mocap",
-    "optitrack",
-    "cmd_vel",
-    "sensors",
-    "joint_states",
-    "diff_drive_controller",
-    "platform",
-    "ground_truth",
-];
-
-/// Words in topics and frames of references outside of the robot.
-const REFERENCE: [&str; 10] = [
-    "truth",
-    "mocap",
-    "vicon",
-    "optitrack",
-    "qualisys",
-    "natnet",
-    "vrpn",
-    "gt",
-    "world",
-    "map",
-];
 /// Words in topics of poses that are no measurement of a reference: goals, and estimates from the wheels themselves.
 const NOT_MEASURED: [&str; 9] = [
     "goal",
@@ -51,14 +23,6 @@ const NOT_MEASURED: [&str; 9] = [
     "setpoint",
 ];
 
-/// A stream that a topic may hold.
-struct Candidate {
-    source: Source,
-    /// Higher for a better source of the same stream.
-    rank: u32,
-    messages: u64,
-}
-
 /// The guess of a map, and what a person should know about it, one entry each.
 pub(super) struct Guess {
     pub(super) map: TopicMap,
@@ -66,14 +30,14 @@ pub(super) struct Guess {
 }
 
 /// The most likely stream of each topic. Of several topics for one stream, the one of highest rank, then the one with
-/// most messages.
-pub(super) fn guess(topics: &[Topic]) -> Guess {
+/// most messages. `described` are wheels that descriptions of robots name.
+pub(super) fn guess(topics: &[Topic], described: &[WheelJoints]) -> Guess {
     let mut notes = Vec::new();
     let mut candidates = Vec::new();
     for topic in topics {
-        candidates.extend(candidate(topic));
-        notes.extend(without_values(topic));
-        candidates.extend(transforms(topic));
+        candidates.extend(candidate(topic, described));
+        notes.extend(without_values(topic, described));
+        candidates.extend(transforms::poses(topic, topics));
     }
     give_to_robots(&mut candidates, &mut notes);
     let mut best: Vec<Candidate> = Vec::new();
@@ -101,7 +65,7 @@ pub(super) fn guess(topics: &[Topic]) -> Guess {
 }
 
 /// The most likely stream of a topic, if any.
-fn candidate(topic: &Topic) -> Option<Candidate> {
+fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
     Encoding::of(&topic.channel.encoding)?;
     let name = topic.channel.topic.to_lowercase();
     let contains = |words: &[&str]| words.iter().any(|word| name.contains(word));
@@ -132,7 +96,7 @@ fn candidate(topic: &Topic) -> Option<Candidate> {
         "WheelVoltage" => StreamKind::Command,
         "MotorState" => StreamKind::Motor,
         "JointState" => {
-            selector = joints::wheels(&topic.joints)?;
+            selector = joints::wheels(&topic.joints, described)?;
             let (kind, list) = list_of(topic, &selector, is_command)?;
             quantity = Some(list);
             kind
@@ -178,41 +142,12 @@ fn list_of(
     }
 }
 
-/// Transforms from a frame of the world to a robot's, where a reference measures them.
-fn transforms(topic: &Topic) -> Vec<Candidate> {
-    // Of `map` and `odom`, localisation computes the first from the second: a correction, no pose.
-    let is_pose = |frames: &[String; 2]| {
-        let [parent, child] = frames.each_ref().map(|frame| frame.to_lowercase());
-        REFERENCE.iter().any(|word| has_word(&parent, word)) && !child.contains("odom")
-    };
-    let poses = topic
-        .frames
-        .iter()
-        .filter(|(frames, count)| is_pose(frames) && **count > 1);
-    let candidate = |([parent, child], count): (&[String; 2], &u64)| Candidate {
-        source: Source {
-            robot: robot_of_topic(&format!("/{}", child.trim_start_matches('/'))),
-            kind: StreamKind::Pose,
-            topic: topic.channel.topic.clone(),
-            selector: MessageSelector {
-                parent: Some(parent.clone()),
-                frame: Some(child.clone()),
-                ..MessageSelector::default()
-            },
-            quantity: None,
-        },
-        rank: 1,
-        messages: *count,
-    };
-    poses.map(candidate).collect()
-}
-
 /// Whether an odometry message is a reference, and not the robot's own estimate.
 fn is_reference(topic: &Topic) -> bool {
     let frame = topic.frame.as_deref().unwrap_or_default();
     [&topic.channel.topic, frame].iter().any(|name| {
         let name = name.to_lowercase();
-        !name.contains("odom_combined") && REFERENCE.iter().any(|word| has_word(&name, word))
+        !name.contains("odom_combined") && is_of_reference(&name)
     })
 }
 
@@ -222,14 +157,7 @@ fn pose_rank(topic: &Topic) -> u32 {
     if ["amcl", "slam"].iter().any(|word| name.contains(word)) {
         return 1;
     }
-    let is_capture = REFERENCE.iter().any(|word| has_word(&name, word));
-    if is_capture { 3 } else { 2 }
-}
-
-/// Whether one of a name's words begins with `word`.
-fn has_word(name: &str, word: &str) -> bool {
-    let mut words = name.split(|c: char| !c.is_ascii_alphanumeric());
-    words.any(|own| own == word || (word.len() > 3 && own.starts_with(word)))
+    if is_of_reference(&name) { 3 } else { 2 }
 }
 
 /// Gives the streams of sensors outside of a robot, such as a camera's poses, to the robot that has wheels.
@@ -274,8 +202,8 @@ fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
 }
 
 /// What to say of joint states whose wheels have no values.
-fn without_values(topic: &Topic) -> Option<String> {
-    let wheels = joints::wheels(&topic.joints)?;
+fn without_values(topic: &Topic, described: &[WheelJoints]) -> Option<String> {
+    let wheels = joints::wheels(&topic.joints, described)?;
     let names: Vec<&str> = wheels.joints.iter().flatten().map(String::as_str).collect();
     let has_none = |name: &&str| {
         topic
@@ -301,16 +229,4 @@ fn several_wheels(source: &Source) -> Option<String> {
             left.join(" and ")
         )
     })
-}
-
-/// The robot of a topic: the first of several parts, such as `r1` in `/r1/odom`, unless it names a
-/// sensor.
-fn robot_of_topic(topic: &str) -> String {
-    let mut parts = topic.split('/').filter(|part| !part.is_empty());
-    match (parts.next(), parts.next()) {
-        (Some(robot), Some(_)) if !NOT_ROBOTS.contains(&robot) && is_robot_name(robot) => {
-            robot.to_owned()
-        }
-        _ => "robot".to_owned(),
-    }
 }

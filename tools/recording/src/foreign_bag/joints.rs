@@ -1,7 +1,8 @@
-//! The wheels among the joints of a joint state, by their names.
+//! The wheels among the joints of a joint state, by their names or by a description of the robot.
 
 use std::collections::BTreeMap;
 
+use super::description::WheelJoints;
 use super::survey::Joint;
 use crate::decode::MessageSelector;
 
@@ -28,8 +29,26 @@ const SIDES: [Side; 2] = [
     },
 ];
 
-/// The joints of the driven wheels; several on one side for skid steering. `None` if the names do not tell.
-pub(super) fn wheels(joints: &BTreeMap<String, Joint>) -> Option<MessageSelector> {
+/// The joints of the driven wheels; several on one side for skid steering. Where the names do not tell, those that a
+/// description of the robot has. `None` if neither does.
+pub(super) fn wheels(
+    joints: &BTreeMap<String, Joint>,
+    described: &[WheelJoints],
+) -> Option<MessageSelector> {
+    named_wheels(joints).or_else(|| {
+        let is_here = |sides: &&WheelJoints| {
+            let mut names = sides.iter().flatten();
+            names.all(|name| joints.contains_key(name)) && sides.iter().all(|own| !own.is_empty())
+        };
+        described.iter().find(is_here).map(|own| MessageSelector {
+            joints: own.clone(),
+            ..MessageSelector::default()
+        })
+    })
+}
+
+/// The joints of the driven wheels, if the names tell.
+fn named_wheels(joints: &BTreeMap<String, Joint>) -> Option<MessageSelector> {
     let driven = |name: &&String| {
         let name = name.to_lowercase();
         !NOT_DRIVEN
@@ -86,7 +105,7 @@ mod tests {
         let joints = names
             .iter()
             .map(|name| ((*name).to_owned(), Joint::default()));
-        wheels(&joints.collect()).map(|selector| selector.joints)
+        wheels(&joints.collect(), &[]).map(|selector| selector.joints)
     }
 
     #[test]
@@ -105,6 +124,19 @@ mod tests {
         let [fl, fr, rl, rr] = four.clone();
         let names: Vec<&str> = four.iter().map(String::as_str).collect();
         assert_eq!(sides(&names), Some([vec![fr, rr], vec![fl, rl]]));
+    }
+
+    #[test]
+    fn a_description_tells_the_sides_where_names_do_not() {
+        let joints =
+            ["motor_1", "motor_2", "motor_3"].map(|name| (name.to_owned(), Joint::default()));
+        let joints = BTreeMap::from(joints);
+        let side = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        let sides: WheelJoints = [side(&["motor_2"]), side(&["motor_1"])];
+        let others: WheelJoints = [side(&["motor_7"]), side(&["motor_1"])];
+        let found = wheels(&joints, &[others.clone(), sides.clone()]);
+        assert_eq!(found.map(|own| own.joints), Some(sides));
+        assert!(wheels(&joints, &[others]).is_none());
     }
 
     #[test]

@@ -1,16 +1,20 @@
 //! Reader of bags of other robots.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use slipstream_bus::InputError;
 
+use super::chain::Chain;
 use super::clock::Clock;
+use super::composed::Composed;
+use super::description::{InBag, WheelJoints, WheelsOf, descriptions};
 use super::guess::{Guess, guess};
+use super::reading::{Reading, read_streams};
 use super::survey::{Topic, survey};
 use super::topic_map::{Source, TopicMap};
-use crate::bag::{Bag, Item, Loss, VisitResult};
+use crate::bag::{Bag, Loss};
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
@@ -18,20 +22,26 @@ use crate::recording::{PosePoint, Recording, Robot};
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 
-/// Reads a bag of another robot. Without a map, one is guessed and given in the warnings. Times count from the first
-/// message of the mapped topics.
+/// Reads a bag of another robot, and the descriptions of robots in it. Without a map, one is guessed and given in the
+/// warnings; `wheels_of` tells it the wheels of a description. Times count from the first message of the mapped topics.
 ///
 /// # Errors
 /// If it is not a bag, if a topic of the map does not exist or cannot provide its stream, if a stream of the map
 /// would be empty, or if the guess finds no stream of a robot.
-pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -> Result<Spooled> {
+pub(crate) fn read_foreign(
+    bag: &dyn Bag,
+    path: &Path,
+    map: Option<&TopicMap>,
+    wheels_of: &WheelsOf<'_>,
+) -> Result<(Spooled, Vec<InBag>)> {
     let (topics, loss) = survey(bag)?;
+    let described = descriptions(&topics);
     let mut warnings = Vec::new();
     let guessed;
     let chosen = match map {
         Some(map) => map,
         None => {
-            let guess = guess(&topics);
+            let guess = guess(&topics, &wheels_in(&described, wheels_of));
             let text = guess.map.to_text();
             warnings.push(format!("{}: guessed topics:\n{text}", path.display()));
             warnings.extend(guess.notes);
@@ -44,42 +54,27 @@ pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -
     }
     let disk = Disk::default();
     let mut streams = open_streams(&disk, path, chosen, &topics)?;
-    let clock = clock(chosen, &topics, &mut warnings);
-    let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let loss = bag.scan(&mut |item| {
-        let Item::Message {
-            channel,
-            log_time_ns,
-            data,
-            ..
-        } = item
-        else {
-            return Ok(());
-        };
-        let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
-        let mut visited: Option<VisitResult> = None;
-        for (source, stream) in &mut streams {
-            if source.topic == channel.topic {
-                let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
-                let pushed = stream.push_message(channel, data, t_s);
-                visited = Some(visited.unwrap_or(Ok(())).and(pushed));
-            }
-        }
-        visited.unwrap_or_else(|| {
-            match left_out.get_mut(&channel.topic) {
-                Some(count) => *count += 1,
-                None => drop(left_out.insert(channel.topic.clone(), 1)),
-            }
-            Ok(())
-        })
-    })?;
+    let clock = clock(chosen, &streams, &topics, &mut warnings);
+    let (loss, mut left_out) = read_streams(bag, &mut streams, clock)?;
+    for own in &described {
+        left_out.remove(&own.topic);
+    }
     if loss.any() {
         warnings.push(format!("{}: {loss}", path.display()));
     }
     let mut recording = SpooledRecording::new(description(path, chosen, clock), disk);
-    for (source, stream) in streams {
+    for Reading {
+        source,
+        mut stream,
+        composed,
+    } in streams
+    {
+        let note = composed.map(|composed| composed.finish(&mut stream));
         match problem(&source, &stream, &topics) {
-            None => stream.finish(&mut recording, &mut warnings),
+            None => {
+                warnings.extend(note);
+                stream.finish(&mut recording, &mut warnings);
+            }
             Some((problem, remedy)) if map.is_some() => {
                 return Err(InputError::file(path, problem, remedy).into());
             }
@@ -87,26 +82,50 @@ pub(crate) fn read_foreign(bag: &dyn Bag, path: &Path, map: Option<&TopicMap>) -
         }
     }
     recording.disk.check()?;
-    Ok(Spooled {
+    let spooled = Spooled {
         recording,
         warnings,
+        on_model: Vec::new(),
         loss: Some(loss),
         left_out,
-    })
+    };
+    Ok((spooled, described))
+}
+
+/// The descriptions of robots in a bag.
+///
+/// # Errors
+/// If it is not a bag, or cannot be read.
+pub(crate) fn descriptions_in(bag: &dyn Bag) -> Result<Vec<InBag>> {
+    Ok(descriptions(&survey(bag)?.0))
+}
+
+/// The wheels that descriptions name.
+fn wheels_in(described: &[InBag], wheels_of: &WheelsOf<'_>) -> Vec<WheelJoints> {
+    described.iter().filter_map(wheels_of).collect()
 }
 
 /// The guess of a map as text, with comments on the topics that it leaves out.
 ///
 /// # Errors
 /// If it is not a bag, or cannot be read.
-pub(crate) fn draft_topics(bag: &dyn Bag) -> Result<String> {
+pub(crate) fn draft_topics(bag: &dyn Bag, wheels_of: &WheelsOf<'_>) -> Result<String> {
     let (topics, _) = survey(bag)?;
-    let Guess { map, notes } = guess(&topics);
+    let wheels = wheels_in(&descriptions(&topics), wheels_of);
+    let Guess { map, notes } = guess(&topics, &wheels);
     let mut text = String::from(
         "# Which topic is which stream of which robot, as guessed. Correct it, then give it with --topics.\n",
     );
     for note in notes {
         let _ = writeln!(text, "# {note}");
+    }
+    for source in &map.sources {
+        let mut same = topics.iter();
+        let topic = same.find(|topic| topic.channel.topic == source.topic);
+        if let Some(chain) = topic.and_then(|topic| chain(source, topic, &topics)) {
+            let (kind, name) = (source.kind.name(), chain.name());
+            let _ = writeln!(text, "# {}/{kind}: composed of {name}", source.robot);
+        }
     }
     text.push_str(&map.to_text());
     let mut others = String::new();
@@ -135,10 +154,17 @@ pub(crate) fn draft_topics(bag: &dyn Bag) -> Result<String> {
 }
 
 /// The clock of the mapped topics.
-fn clock(map: &TopicMap, topics: &[Topic], warnings: &mut Vec<String>) -> Clock {
+fn clock(
+    map: &TopicMap,
+    streams: &[Reading],
+    topics: &[Topic],
+    warnings: &mut Vec<String>,
+) -> Clock {
     let is_mapped = |topic: &&Topic| {
-        let mut sources = map.sources.iter();
-        sources.any(|source| source.topic == topic.channel.topic)
+        let name = &topic.channel.topic;
+        streams
+            .iter()
+            .any(|reading| reading.topics().contains(name))
     };
     let mapped = || topics.iter().filter(is_mapped);
     for topic in mapped().filter(|topic| topic.times.zero > 0 && !map.log_times) {
@@ -181,7 +207,7 @@ fn open_streams(
     path: &Path,
     map: &TopicMap,
     topics: &[Topic],
-) -> std::result::Result<Vec<(Source, StreamBuilder)>, InputError> {
+) -> std::result::Result<Vec<Reading>, InputError> {
     let mut streams = Vec::new();
     for source in &map.sources {
         let topic = topics
@@ -208,9 +234,27 @@ fn open_streams(
         let stream = StreamBuilder::new(disk, &source.robot, source.kind, &columns, &[]);
         let mut stream = stream.map_err(|e| InputError::file(path, e, "map another topic"))?;
         stream.selector = source.selector.clone();
-        streams.push((source.clone(), stream));
+        let chain = chain(source, topic, topics);
+        streams.push(Reading {
+            source: source.clone(),
+            stream,
+            composed: chain.map(|chain| Composed::new(chain, disk)),
+        });
     }
     Ok(streams)
+}
+
+/// The transforms that lead to a pose, if none of the topic does alone.
+fn chain(source: &Source, topic: &Topic, topics: &[Topic]) -> Option<Chain> {
+    let frames = [
+        source.selector.parent.clone()?,
+        source.selector.frame.clone()?,
+    ];
+    if !topic.has_transforms() || topic.frames.contains_key(&frames) {
+        return None;
+    }
+    let [parent, frame] = &frames;
+    Chain::find(topics, &source.topic, parent, frame)
 }
 
 /// Why the guess finds nothing.
@@ -248,17 +292,8 @@ fn problem(source: &Source, stream: &StreamBuilder, topics: &[Topic]) -> Option<
         let problem = format!("{name} has no joint {}", missing.join(", "));
         return Some((problem, format!("name one of: {}", known.join(", "))));
     }
-    if stream.is_empty() && !topic.frames.is_empty() {
-        let frames = topic
-            .frames
-            .keys()
-            .map(|[parent, child]| format!("{parent} to {child}"));
-        let frames: Vec<String> = frames.collect();
-        let problem = format!("{name} has no such transform for {kind}");
-        return Some((
-            problem,
-            format!("name the parent and frame of one of: {}", frames.join(", ")),
-        ));
+    if stream.is_empty() && topic.has_transforms() {
+        return Some(no_transform(source, topics));
     }
     let empty = stream.empty_columns();
     if empty.is_empty() {
@@ -267,6 +302,34 @@ fn problem(source: &Source, stream: &StreamBuilder, topics: &[Topic]) -> Option<
     let problem = format!("{name} gives no value for {} of {kind}", empty.join(", "));
     let remedy = "map another topic or quantity, or leave the stream out";
     Some((problem, remedy.to_owned()))
+}
+
+/// Why no transforms give a pose, and the remedy.
+fn no_transform(source: &Source, topics: &[Topic]) -> (String, String) {
+    let (name, kind) = (&source.topic, source.kind.name());
+    let all = topics.iter().flat_map(|topic| topic.frames.keys());
+    let all: BTreeSet<String> = all
+        .map(|[parent, child]| format!("{parent} to {child}"))
+        .collect();
+    let all: Vec<&str> = all.iter().map(String::as_str).collect();
+    let remedy = format!(
+        "name a parent and a frame between which these lead: {}",
+        all.join(", ")
+    );
+    let ends = source.selector.parent.as_ref();
+    let Some((parent, frame)) = ends.zip(source.selector.frame.as_ref()) else {
+        return (format!("{name} has no such transform for {kind}"), remedy);
+    };
+    let problem = match Chain::find(topics, name, parent, frame) {
+        None => format!("{name} has no transforms that lead from {parent} to {frame} for {kind}"),
+        Some(chain) if chain.moving_topics().is_empty() => {
+            format!("{name}: nothing moves between {parent} and {frame}")
+        }
+        Some(_) => format!(
+            "{name}: the transforms that lead from {parent} to {frame} have no time in common"
+        ),
+    };
+    (problem, remedy)
 }
 
 /// The joints of a map that the topic does not have.

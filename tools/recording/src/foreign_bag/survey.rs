@@ -6,6 +6,7 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::clock::Times;
+use super::rigid::{self, Rigid};
 use crate::bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
 use crate::decode::{JointState, MessageSelector, NoSample, Sample};
 use crate::ros::Encoding;
@@ -13,6 +14,9 @@ use crate::ros::messages::Header;
 
 /// So many joints or frames of one topic are told apart. A damaged bag may claim any number of names.
 const MOST_NAMES: usize = 1000;
+
+/// Larger descriptions (bytes) are none of a robot.
+const MOST_DESCRIPTION_BYTES: usize = 4 << 20;
 
 /// A topic of the bag.
 pub(super) struct Topic {
@@ -23,10 +27,23 @@ pub(super) struct Topic {
     pub(super) times: Times,
     /// The joints of joint states, by name.
     pub(super) joints: BTreeMap<String, Joint>,
-    /// Number of transforms from a parent frame to a child frame.
-    pub(super) frames: BTreeMap<[String; 2], u64>,
+    /// The transforms from a parent frame to a child frame.
+    pub(super) frames: BTreeMap<[String; 2], Seen>,
+    /// The last description of a robot (URDF).
+    pub(super) description: Option<String>,
     /// The frame of the first message's header.
     pub(super) frame: Option<String>,
+}
+
+/// What was seen of a transform.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Number of messages.
+    pub(super) count: u64,
+    /// The last place that could be read.
+    pub(super) place: Option<Rigid>,
+    /// Whether a place differed from the one before it.
+    pub(super) varies: bool,
 }
 
 /// Which lists of a joint state have values for a joint.
@@ -64,14 +81,8 @@ impl Values {
 /// If it is not a bag, or cannot be read.
 pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
-    let loss = bag.scan(&mut |item| {
-        let Item::Message {
-            channel,
-            log_time_ns,
-            data,
-            ..
-        } = item
-        else {
+    let loss = bag.scan(&is_of_interest, &mut |item| {
+        let (Item::Message { channel, .. } | Item::Unwanted { channel, .. }) = item else {
             return Ok(());
         };
         let topic = match topics.get_mut(&channel.topic) {
@@ -80,9 +91,28 @@ pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
                 .entry(channel.topic.clone())
                 .or_insert_with(|| Topic::new(channel)),
         };
-        topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data)
+        match item {
+            Item::Message {
+                log_time_ns, data, ..
+            } => topic.add(i64::try_from(log_time_ns).unwrap_or(i64::MAX), data),
+            Item::Unwanted { messages, .. } => {
+                topic.messages += messages;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
     })?;
     Ok((topics.into_values().collect(), loss))
+}
+
+/// Whether messages of a topic say anything about a robot; of others, such as images, only the number counts.
+fn is_of_interest(channel: &ChannelInfo) -> bool {
+    Sample::can_be_of(channel) || has_description(channel)
+}
+
+/// Whether the texts of a topic describe a robot.
+fn has_description(channel: &ChannelInfo) -> bool {
+    channel.topic.ends_with("robot_description") && channel.schema.ends_with("/String")
 }
 
 impl Topic {
@@ -93,6 +123,7 @@ impl Topic {
             times: Times::default(),
             joints: BTreeMap::new(),
             frames: BTreeMap::new(),
+            description: None,
             frame: None,
         }
     }
@@ -100,6 +131,11 @@ impl Topic {
     /// Name of the message type without its package.
     pub(super) fn type_name(&self) -> &str {
         self.channel.schema.rsplit('/').next().unwrap_or_default()
+    }
+
+    /// Whether its messages are lists of transforms.
+    pub(super) fn has_transforms(&self) -> bool {
+        matches!(self.type_name(), "TFMessage" | "tfMessage")
     }
 
     fn add(&mut self, log_ns: i64, data: &[u8]) -> VisitResult {
@@ -110,6 +146,10 @@ impl Topic {
         let stamp_ns = match self.type_name() {
             "JointState" => self.add_joints(encoding, data)?,
             "TFMessage" | "tfMessage" => self.add_frames(encoding, data)?,
+            "String" if has_description(&self.channel) => {
+                self.add_description(encoding, data)?;
+                None
+            }
             _ => match Sample::decode(&self.channel, &MessageSelector::default(), data) {
                 Ok(sample) => sample.t_ns,
                 Err(NoSample::NotSelected) => return Ok(()),
@@ -121,6 +161,14 @@ impl Topic {
             self.frame = header.ok().map(|header| header.frame_id);
         }
         self.times.add(stamp_ns, log_ns);
+        Ok(())
+    }
+
+    fn add_description(&mut self, encoding: Encoding, data: &[u8]) -> VisitResult {
+        if data.len() <= MOST_DESCRIPTION_BYTES {
+            let text: String = encoding.decode(data).map_err(|_| Undecodable)?;
+            self.description = Some(text);
+        }
         Ok(())
     }
 
@@ -143,9 +191,13 @@ impl Topic {
         let transforms = encoding.decode_transforms(data).map_err(|_| Undecodable)?;
         let stamp_ns = transforms.first().map(|first| first.header.stamp.ns());
         for transform in transforms {
+            let place = rigid::of_message(&transform);
             let frames = [transform.header.frame_id, transform.child_frame_id];
             if self.frames.len() < MOST_NAMES || self.frames.contains_key(&frames) {
-                *self.frames.entry(frames).or_default() += 1;
+                let seen = self.frames.entry(frames).or_default();
+                seen.count += 1;
+                seen.varies |= seen.place.is_some() && place.is_some() && seen.place != place;
+                seen.place = place.or(seen.place);
             }
         }
         Ok(stamp_ns)

@@ -53,6 +53,7 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     Ok(Spooled {
         recording,
         warnings,
+        on_model: Vec::new(),
         loss: None,
         left_out: BTreeMap::new(),
     })

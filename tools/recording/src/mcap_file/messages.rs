@@ -27,7 +27,7 @@ pub fn read_messages(path: &Path, listener: &mut dyn Listener) -> Result<Loss> {
                 data,
                 ..
             } => listener.message(&channel.topic, log_time_ns, data),
-            Item::Attachment { .. } | Item::Metadata { .. } => {}
+            Item::Unwanted { .. } | Item::Attachment { .. } | Item::Metadata { .. } => {}
         }
         Ok(())
     })?;

@@ -9,6 +9,6 @@ mod writer;
 
 pub use messages::read_messages;
 pub use reader::read_mcap_from;
-pub(crate) use reader::read_own;
+pub(crate) use reader::{is_own, read_own};
 pub use trace::{TraceFile, read_trace};
 pub use writer::{write_mcap, write_mcap_to};

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use slipstream_bus::InputError;
 
-use crate::bag::{ChannelInfo, Item, Loss, VisitResult, read_bag};
+use crate::bag::{ChannelInfo, Item, Loss, Summary, VisitResult, read_bag};
 use crate::decode::{LinksBuilder, RoundTripsBuilder, StreamBuilder};
 use crate::error::Result;
 use crate::import::{Import, Spooled};
@@ -41,6 +41,15 @@ pub(crate) fn read_own(source: impl Read, size: u64, path: &Path) -> Result<Opti
         return Ok(None);
     }
     loader.finish(loss, path).map(Some)
+}
+
+/// Whether the index of a file says that slipstream wrote it.
+pub(crate) fn is_own(summary: &Summary) -> bool {
+    let is_stream = |channel: &Arc<ChannelInfo>| {
+        topics::is_view(&channel.metadata) || StreamMetadata::from_map(&channel.metadata).is_some()
+    };
+    let is_named = |name: &String| name == topics::FILE_METADATA;
+    summary.metadata.iter().any(is_named) || summary.channels.values().any(is_stream)
 }
 
 /// Where the messages of a channel go. `rows` tells lossless rows from standard messages.
@@ -95,6 +104,7 @@ impl Loader {
             Item::Message {
                 id, channel, data, ..
             } => return self.message(id, channel, data),
+            Item::Unwanted { .. } => {}
             Item::Attachment { name, data } => {
                 let text = || String::from_utf8_lossy(data).into_owned();
                 match name {
@@ -244,6 +254,7 @@ impl Loader {
         Ok(Spooled {
             recording,
             warnings,
+            on_model: Vec::new(),
             loss: Some(loss),
             left_out: self.left_out,
         })

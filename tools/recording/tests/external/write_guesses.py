@@ -94,6 +94,24 @@ def command():
     return "geometry_msgs/msg/Twist", lambda t_ns, k: twist(k)
 
 
+def description(text):
+    """A description of the robot, sent once."""
+    return "std_msgs/msg/String", lambda t_ns, k: TYPES["std_msgs/msg/String"](text) if k == 0 else None
+
+
+def urdf(radius):
+    """Four wheels whose names tell no side: 1 and 3 are left; 3 and 4 at the rear."""
+    parts = ['<link name="base_link"/>']
+    for k, (x, y) in enumerate([(0.3, 0.25), (0.3, -0.25), (-0.3, 0.25), (-0.3, -0.25)], 1):
+        geometry = f'<collision><geometry><cylinder radius="{radius}" length="0.1"/></geometry></collision>' if radius else ""
+        parts.append(f'<link name="wheel_{k}">{geometry}</link>')
+        parts.append(
+            f'<joint name="motor_{k}" type="continuous"><parent link="base_link"/><child link="wheel_{k}"/>'
+            f'<origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'
+        )
+    return f'<robot name="four">{"".join(parts)}</robot>'
+
+
 WHEELS = joint_state("wheel_left_joint", "wheel_right_joint")
 # Topics of each bag, and the offset of its stamps (ns).
 BAGS = {
@@ -138,6 +156,23 @@ BAGS = {
         },
         0,
     ),
+    "described": (
+        {
+            "/joint_states": joint_state("motor_1", "motor_2", "motor_3", "motor_4"),
+            "/mocap/pose": pose_stamped(),
+            "/robot_description": description(urdf(0.1)),
+        },
+        0,
+    ),
+    "without_radius": ({"/mocap/pose": pose_stamped(), "/robot_description": description(urdf(None))}, 0),
+    "two_robots": (
+        {
+            "/mocap/pose": pose_stamped(),
+            "/a/robot_description": description(urdf(0.1)),
+            "/b/robot_description": description(urdf(0.2)),
+        },
+        0,
+    ),
     "skid": (
         {
             "/husky/joint_states": joint_state(
@@ -161,8 +196,9 @@ def main(out):
             for k in range(40):
                 t_ns = START_NS + k * 50_000_000
                 for topic, (kind, make) in topics.items():
-                    data = STORE.serialize_cdr(make(t_ns + offset_ns, k), kind)
-                    writer.write(connections[topic], t_ns + 2_000_000, data)
+                    message = make(t_ns + offset_ns, k)
+                    if message is not None:
+                        writer.write(connections[topic], t_ns + 2_000_000, STORE.serialize_cdr(message, kind))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,97 @@
+//! The robot that a bag describes itself: a URDF in a topic `robot_description`.
+
+use std::path::Path;
+
+use slipstream_bus::InputError;
+
+use crate::bag::Bag;
+use crate::error::Result;
+use crate::foreign_bag::{InBag, TopicMap, descriptions_in, draft_topics, read_foreign};
+use crate::import::Spooled;
+use crate::robot_file::{self, Described};
+
+/// Reads a bag of another robot, with the model that it carries.
+///
+/// # Errors
+/// If it cannot be read, or does not fit its map.
+pub(crate) fn read_with_model(
+    bag: &dyn Bag,
+    path: &Path,
+    map: Option<&TopicMap>,
+) -> Result<Spooled> {
+    let wheels_of = |own: &InBag| parse(own, path).ok().map(|own| own.wheel_joints);
+    let (mut spooled, described) = read_foreign(bag, path, map, &wheels_of)?;
+    match described.as_slice() {
+        [] => {}
+        [only] => take_model(only, path, &mut spooled),
+        several => {
+            let names = names(several);
+            spooled.on_model.push(format!(
+                "{names} describe different robots: no model is taken from them"
+            ));
+        }
+    }
+    Ok(spooled)
+}
+
+/// The text of a map of a bag's topics, to be completed by a person.
+///
+/// # Errors
+/// If it is not a bag, or cannot be read.
+pub(crate) fn draft_with_model(bag: &dyn Bag, path: &Path) -> Result<String> {
+    let wheels_of = |own: &InBag| parse(own, path).ok().map(|own| own.wheel_joints);
+    draft_topics(bag, &wheels_of)
+}
+
+/// The description of the robot in a bag.
+///
+/// # Errors
+/// If the bag cannot be read, has no description or several, or one that is malformed.
+pub(crate) fn description_in(bag: &dyn Bag, path: &Path) -> Result<Described> {
+    let remedy = "give a URDF, the YAML of a diff_drive_controller or a robot.toml";
+    match descriptions_in(bag)?.as_slice() {
+        [only] => Ok(parse(only, path)?),
+        [] => {
+            let problem = "is a bag without a robot_description";
+            Err(InputError::file(path, problem, remedy).into())
+        }
+        several => {
+            let problem = format!("describes different robots in {}", names(several));
+            Err(InputError::file(path, problem, remedy).into())
+        }
+    }
+}
+
+fn names(described: &[InBag]) -> String {
+    let names: Vec<&str> = described.iter().map(|own| own.topic.as_str()).collect();
+    names.join(", ")
+}
+
+/// In errors, the topic is named as a file inside the bag.
+fn parse(own: &InBag, path: &Path) -> std::result::Result<Described, InputError> {
+    let place = path.join(own.topic.trim_start_matches('/'));
+    robot_file::parse(&own.text, &place)
+}
+
+/// Takes the model of a description, or says why not.
+fn take_model(own: &InBag, path: &Path, spooled: &mut Spooled) {
+    let topic = &own.topic;
+    let model = parse(own, path).and_then(|described| Ok((described.model()?, described.notes)));
+    match model {
+        Ok((model, notes)) => {
+            let body = &model.robot;
+            spooled.on_model.push(format!(
+                "robot model from {topic} in the bag: wheel_radius_m = {}, half_track_m = {}",
+                body.wheel_radius_m, body.half_track_m
+            ));
+            let notes = notes.iter().map(|note| format!("{topic}: {note}"));
+            spooled.on_model.extend(notes);
+            spooled.recording.description.model = Some(model);
+        }
+        Err(error) => spooled.on_model.push(format!(
+            "no robot model from {topic} in the bag: it {}; `slipstream robot {} --out robot.toml` writes one to be completed",
+            error.problem,
+            path.display()
+        )),
+    }
+}

@@ -1,0 +1,66 @@
+//! What a guess may choose: a stream that a topic may hold, of which robot.
+
+use super::topic_map::Source;
+use crate::recording::is_robot_name;
+
+/// First parts of a topic that name a sensor or driver, not a robot.
+const NOT_ROBOTS: [&str; 13] = [
+    "imu",
+    "odom",
+    "odometry",
+    "camera",
+    "vicon",
+    "mocap",
+    "optitrack",
+    "cmd_vel",
+    "sensors",
+    "joint_states",
+    "diff_drive_controller",
+    "platform",
+    "ground_truth",
+];
+
+/// Words in topics and frames of references outside of the robot.
+const REFERENCE: [&str; 10] = [
+    "truth",
+    "mocap",
+    "vicon",
+    "optitrack",
+    "qualisys",
+    "natnet",
+    "vrpn",
+    "gt",
+    "world",
+    "map",
+];
+
+/// A stream that a topic may hold.
+pub(super) struct Candidate {
+    pub(super) source: Source,
+    /// Higher for a better source of the same stream.
+    pub(super) rank: u32,
+    pub(super) messages: u64,
+}
+
+/// Whether a name has the word of a reference outside of the robot. It is in lower case.
+pub(super) fn is_of_reference(name: &str) -> bool {
+    REFERENCE.iter().any(|word| has_word(name, word))
+}
+
+/// Whether one of a name's words begins with `word`.
+pub(super) fn has_word(name: &str, word: &str) -> bool {
+    let mut words = name.split(|c: char| !c.is_ascii_alphanumeric());
+    words.any(|own| own == word || (word.len() > 3 && own.starts_with(word)))
+}
+
+/// The robot of a topic: the first of several parts, such as `r1` in `/r1/odom`, unless it names a
+/// sensor.
+pub(super) fn robot_of_topic(topic: &str) -> String {
+    let mut parts = topic.split('/').filter(|part| !part.is_empty());
+    match (parts.next(), parts.next()) {
+        (Some(robot), Some(_)) if !NOT_ROBOTS.contains(&robot) && is_robot_name(robot) => {
+            robot.to_owned()
+        }
+        _ => "robot".to_owned(),
+    }
+}

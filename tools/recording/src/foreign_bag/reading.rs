@@ -1,0 +1,91 @@
+//! The second pass over a bag: messages of the mapped topics become streams.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use slipstream_bus::InputError;
+
+use super::clock::Clock;
+use super::composed::Composed;
+use super::topic_map::Source;
+use crate::bag::{Bag, ChannelInfo, Item, Loss, VisitResult};
+use crate::decode::StreamBuilder;
+use crate::ros::time::s_from_ns;
+
+/// A stream being read.
+pub(super) struct Reading {
+    pub(super) source: Source,
+    pub(super) stream: StreamBuilder,
+    /// For a pose along several transforms.
+    pub(super) composed: Option<Composed>,
+}
+
+impl Reading {
+    /// Takes what a message has of the stream.
+    fn push(
+        &mut self,
+        channel: &ChannelInfo,
+        data: &[u8],
+        clock: Clock,
+        log_ns: i64,
+    ) -> VisitResult {
+        if let Some(composed) = &mut self.composed {
+            return composed.push(channel, data, clock, log_ns);
+        }
+        let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
+        match self.source.topic == channel.topic {
+            true => self.stream.push_message(channel, data, t_s),
+            false => Ok(()),
+        }
+    }
+
+    /// The topics that it reads, and has its times from.
+    pub(super) fn topics(&self) -> Vec<String> {
+        match &self.composed {
+            Some(composed) => composed.chain().moving_topics(),
+            None => vec![self.source.topic.clone()],
+        }
+    }
+}
+
+/// Reads all streams. Returns what could not be read, and the number of messages of topics that no stream needs.
+///
+/// # Errors
+/// If the bag cannot be read.
+pub(super) fn read_streams(
+    bag: &dyn Bag,
+    streams: &mut [Reading],
+    clock: Clock,
+) -> Result<(Loss, BTreeMap<String, u64>), InputError> {
+    let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
+    let composed = streams.iter().filter_map(|own| own.composed.as_ref());
+    let of_chains: Vec<String> = composed.flat_map(|own| own.chain().topics()).collect();
+    let needed: BTreeSet<String> = streams.iter().flat_map(Reading::topics).collect();
+    let wanted = |channel: &ChannelInfo| needed.contains(&channel.topic);
+    let loss = bag.scan(&wanted, &mut |item| match item {
+        Item::Message {
+            channel,
+            log_time_ns,
+            data,
+            ..
+        } => {
+            let log_ns = i64::try_from(log_time_ns).unwrap_or(i64::MAX);
+            let readings = streams.iter_mut();
+            let pushed = readings.map(|reading| reading.push(channel, data, clock, log_ns));
+            // All of them, even after one that fails.
+            pushed.fold(Ok(()), VisitResult::and)
+        }
+        Item::Unwanted { channel, messages } => {
+            match left_out.get_mut(&channel.topic) {
+                Some(count) => *count += messages,
+                None => drop(left_out.insert(channel.topic.clone(), messages)),
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    })?;
+    for topic in of_chains {
+        // Also those of transforms that never move, which the survey has read.
+        left_out.remove(&topic);
+    }
+    Ok((loss, left_out))
+}
