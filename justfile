@@ -71,3 +71,7 @@ package:
 # Build the archives of a release and their hashes into target/dist, from a clean checkout.
 release:
     .ci/release
+
+# Tests of runs across hosts, with network namespaces (needs root; compiles Zenoh, some ten minutes the first time).
+hosts:
+    cargo test --release -p slipstream --features hosts --test hosts -- --nocapture

@@ -144,6 +144,7 @@ fn the_table_of_rooms_is_true() {
 fn the_operating_system_is_used_by_transport_and_launcher_alone() {
     let system = ["iceoryx2", "memmap2", "rustix", "thread-priority"];
     let may = [
+        "slipstream-hosts",
         "slipstream-ipc",
         "slipstream-launch",
         "slipstream",

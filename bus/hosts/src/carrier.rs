@@ -19,6 +19,9 @@ pub trait PlantCarrier {
     fn receive(&mut self, timeout: Duration) -> Result<Option<Event>, BusError>;
 }
 
+/// Sends the answer to a host, or why it is refused.
+pub type Reply = Box<dyn FnOnce(Result<&[u8], &str>) + Send>;
+
 /// What happens on the network of the plant's host.
 pub enum Event {
     /// A host asks to join.
@@ -26,7 +29,7 @@ pub enum Event {
         /// What it says ([`crate::hello::Hello`], encoded).
         hello: Vec<u8>,
         /// Sends it the answer, or why it is refused.
-        answer: Box<dyn FnOnce(Result<&[u8], &str>) + Send>,
+        answer: Reply,
     },
     /// A frame from a host.
     Frame {

@@ -85,10 +85,19 @@ pub struct Answer {
 /// What the agents of a host leave.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Report {
-    /// Names and contents of the files that they left in the run directory.
-    pub files: Vec<(String, Vec<u8>)>,
+    /// The files that they left in the run directory.
+    pub files: Vec<LeftFile>,
     /// Chunks of records since the last answer.
     pub records: Vec<Vec<u8>>,
+}
+
+/// A file that an agent left.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftFile {
+    /// Its name.
+    pub name: String,
+    /// Its content.
+    pub content: Vec<u8>,
 }
 
 /// Encodes a frame.

@@ -17,7 +17,7 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Member, Stage};
 
 use crate::carrier::HostCarrier;
-use crate::frame::{Answer, Down, End, Measured, Report, Round, Up, decode, encode};
+use crate::frame::{Answer, Down, End, LeftFile, Measured, Report, Round, Up, decode, encode};
 use crate::timing::{Contact, POLL_INTERVAL, RESEND};
 
 /// What the relay is started with.
@@ -28,8 +28,8 @@ pub struct Relay<'a> {
     pub launcher: Parent,
     /// Number of the run that this host has joined.
     pub run: u64,
-    /// The files that the agents of these robots left, with names and contents.
-    pub left: &'a dyn Fn(&[RobotIndex]) -> Vec<(String, Vec<u8>)>,
+    /// The files that the agents of these robots left, in the run directory.
+    pub left: &'a dyn Fn(&[RobotIndex]) -> Vec<LeftFile>,
     /// Why the launcher stopped the agents of this host, if it did.
     pub failure: &'a dyn Fn() -> Option<String>,
 }
@@ -203,7 +203,7 @@ impl<'a> Play<'a> {
     /// Waits until all agents have ended, and sends home what they left until it has arrived.
     fn send_report(
         &mut self,
-        left: &dyn Fn(&[RobotIndex]) -> Vec<(String, Vec<u8>)>,
+        left: &dyn Fn(&[RobotIndex]) -> Vec<LeftFile>,
     ) -> Result<(), BusError> {
         while self.joined.wake_page().stage() < Stage::Drained {
             self.joined

@@ -17,7 +17,7 @@ use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::{Parameter, RobotModel};
 use slipstream_fuzz::{FILES, MAP, SEPARATOR};
-use slipstream_hosts::frame::{Answer, Down, End, Measured, Report, Round, Up};
+use slipstream_hosts::frame::{Answer, Down, End, LeftFile, Measured, Report, Round, Up};
 use slipstream_hosts::hello::{Hello, Welcome};
 use slipstream_ipc::clock::RealTime;
 use slipstream_ipc::join::ProcessStatus;
@@ -314,7 +314,10 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         records: vec![chunk.to_vec()],
     });
     let report = Up::Report(Report {
-        files: vec![("report-r2".to_owned(), vec![1, 2, 3])],
+        files: vec![LeftFile {
+            name: "report-r2".to_owned(),
+            content: vec![1, 2, 3],
+        }],
         records: Vec::new(),
     });
     let hello = Hello {

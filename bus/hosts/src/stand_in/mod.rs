@@ -20,7 +20,7 @@ use slipstream_ipc::wake_page::Member;
 use self::hosts::Hosts;
 use self::robots::Robots;
 use crate::carrier::PlantCarrier;
-use crate::frame::{Down, End, Report};
+use crate::frame::{Down, End, LeftFile, Report};
 use crate::hello::{RemoteHost, Welcome};
 
 /// Longest wait for a round of the plant, between two looks at the network.
@@ -44,8 +44,8 @@ pub struct StandIn<'a> {
     pub keys: String,
     /// The run is recorded.
     pub recording: bool,
-    /// Keeps a file that a host left: the host, the name of the file and its content.
-    pub keep: &'a dyn Fn(&RemoteHost, &str, &[u8]),
+    /// Keeps a file that an agent of a host left.
+    pub keep: &'a dyn Fn(&RemoteHost, &LeftFile),
 }
 
 /// How the stand-in ended.
@@ -127,7 +127,7 @@ fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
 fn farewell(
     robots: &mut Robots,
     hosts: &mut Hosts<'_>,
-    keep: &dyn Fn(&RemoteHost, &str, &[u8]),
+    keep: &dyn Fn(&RemoteHost, &LeftFile),
     stopped: Option<String>,
 ) -> Result<(), BusError> {
     robots.take_last_encoders()?;
@@ -142,8 +142,8 @@ fn farewell(
     while !hosts.all_have_left() && limit.is_none_or(|limit| begin.elapsed() < limit) {
         for (host, Report { files, records }) in hosts.take_reports(limit.is_some())? {
             robots.record(&host.robots, &records);
-            for (name, content) in &files {
-                keep(&host, name, content);
+            for file in &files {
+                keep(&host, file);
             }
         }
     }

@@ -1,17 +1,10 @@
-//! A host that joins the run of another: it asks the plant's host for its part and runs the agents.
+//! The part of a host that has joined the run of another.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::{Experiment, InputError};
 use slipstream_hosts::address::{Address, Security};
-use slipstream_hosts::hello::Hello;
-use slipstream_hosts::network;
-
-use super::launcher;
-use super::options::LaunchError;
-use crate::summary::RunStatus;
 
 /// The name under which the launcher of such a host leaves why it stopped its agents.
 pub(super) const HOST: &str = "host";
@@ -48,74 +41,4 @@ impl Away {
         arguments.extend(self.security.arguments());
         arguments
     }
-}
-
-/// How a host joins the run of another.
-#[derive(Debug, Clone)]
-pub struct Joining {
-    /// The program that plays the roles: this executable.
-    pub program: PathBuf,
-    /// Version and commit of this program.
-    pub version: &'static str,
-    /// Where the plant's host listens.
-    pub address: Address,
-    /// How the connection is protected.
-    pub security: Security,
-    /// The name of this host.
-    pub name: String,
-    /// Draw a progress line on standard error.
-    pub live: bool,
-    /// Says what went wrong, as soon as it has.
-    pub notice: fn(&str),
-}
-
-/// What a host did in the run of another.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joined {
-    /// The experiment.
-    pub experiment: Experiment,
-    /// The robots whose agents ran on this host.
-    pub robots: Vec<RobotIndex>,
-    /// How it ended.
-    pub status: RunStatus,
-}
-
-/// Joins the run of another host and runs its part of the agents to the end.
-///
-/// # Errors
-/// The run cannot be joined, or the processes cannot be started.
-pub fn join(joining: &Joining) -> Result<Joined, LaunchError> {
-    let hello = Hello {
-        version: joining.version.to_owned(),
-        name: joining.name.clone(),
-    };
-    let welcome = network::ask(&joining.address, &joining.security, &hello)?;
-    let place = joining.address.to_string();
-    let unusable = |problem: &str| {
-        let remedy = "use the same build on both hosts";
-        InputError::new(place.clone(), problem, remedy)
-    };
-    let experiment: Experiment = postcard::from_bytes(&welcome.experiment)
-        .map_err(|_| unusable("sends an experiment that this build cannot read"))?;
-    let robots = experiment.settings.robots.count;
-    if welcome.robots.is_empty() || welcome.robots.iter().any(|&robot| robot >= robots) {
-        return Err(unusable("names robots that its experiment does not have").into());
-    }
-    let away = Away {
-        program: joining.program.clone(),
-        address: joining.address.clone(),
-        security: joining.security.clone(),
-        name: joining.name.clone(),
-        run: welcome.run,
-        robots: welcome.robots,
-        recording: welcome.recording,
-        live: joining.live,
-        notice: joining.notice,
-    };
-    let status = launcher::run_away(&experiment, &welcome.keys, &away)?;
-    Ok(Joined {
-        experiment,
-        robots: away.robots,
-        status,
-    })
 }

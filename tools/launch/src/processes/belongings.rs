@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use slipstream_bus::message::{RobotIndex, robot_name};
+use slipstream_hosts::frame::LeftFile;
 use slipstream_hosts::hello::RemoteHost;
 
 /// Begins of the names of the files that an agent leaves.
@@ -20,17 +21,20 @@ fn names(robots: &[RobotIndex]) -> impl Iterator<Item = String> {
     })
 }
 
-/// The files that the agents of these robots left in the run directory, with names and contents.
-pub(super) fn left(folder: &Path, robots: &[RobotIndex]) -> Vec<(String, Vec<u8>)> {
-    let read = |name: String| Some((name.clone(), fs::read(folder.join(&name)).ok()?));
+/// The files that the agents of these robots left in the run directory.
+pub(super) fn left(folder: &Path, robots: &[RobotIndex]) -> Vec<LeftFile> {
+    let read = |name: String| {
+        let content = fs::read(folder.join(&name)).ok()?;
+        Some(LeftFile { name, content })
+    };
     names(robots).filter_map(read).collect()
 }
 
 /// Keeps a file that an agent of another host left, as if it had run here.
-pub(super) fn keep(folder: &Path, host: &RemoteHost, name: &str, content: &[u8]) {
-    if names(&host.robots).any(|own| own == name) {
+pub(super) fn keep(folder: &Path, host: &RemoteHost, file: &LeftFile) {
+    if names(&host.robots).any(|own| own == file.name) {
         // If the directory is gone, the run is over and nobody reads the file.
-        let _ = fs::write(folder.join(name), content);
+        let _ = fs::write(folder.join(&file.name), &file.content);
     }
 }
 
@@ -67,10 +71,12 @@ mod tests {
             "../report-r3",
             "report-plant",
         ] {
-            keep(folder.path(), &host, name, b"x");
+            let name = name.to_owned();
+            let content = b"x".to_vec();
+            keep(folder.path(), &host, &LeftFile { name, content });
         }
         let kept = left(folder.path(), &[0, 1, 2]);
-        let kept: Vec<&str> = kept.iter().map(|(name, _)| name.as_str()).collect();
+        let kept: Vec<&str> = kept.iter().map(|file| file.name.as_str()).collect();
         assert_eq!(kept, ["report-r3", "trace-r3"]);
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }

@@ -4,6 +4,7 @@ mod away;
 mod belongings;
 mod child;
 mod hang;
+mod joining;
 mod launcher;
 mod options;
 mod outcome;
@@ -15,6 +16,6 @@ pub mod roles;
 mod signals;
 mod silence;
 
-pub use away::{Joined, Joining, join};
+pub use joining::{Joined, Joining, join};
 pub use launcher::run;
 pub use options::{Across, LaunchError, Options, Serve};

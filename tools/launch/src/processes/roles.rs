@@ -215,7 +215,7 @@ impl RoleArguments {
                     run: rand::random(),
                     keys: read_keys(run),
                     recording,
-                    keep: &|host, name, content| belongings::keep(run, host, name, content),
+                    keep: &|host, file| belongings::keep(run, host, file),
                 };
                 let outcome = stand_in.run(&mut *carrier)?;
                 self.report(&outcome)?;

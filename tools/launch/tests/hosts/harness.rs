@@ -154,7 +154,7 @@ pub(crate) fn stand_in(
         run: RUN,
         keys: String::new(),
         recording: false,
-        keep: &|_, _, _| {},
+        keep: &|_, _| {},
     };
     stand_in.run(&mut *home).unwrap()
 }
