@@ -24,19 +24,23 @@ pub(crate) struct Sample {
     pub(crate) range_s: [f64; 2],
 }
 
-/// Measures `work` on the pieces in turn. None begins after `time`.
+/// Measures `work` on the pieces in turn: `least` of them, and more until `time` has passed.
 ///
 /// # Errors
 /// The error of `work`; a system without /proc.
 pub(crate) fn sample(
     pieces: impl Iterator<Item = usize>,
+    least: usize,
     time: Duration,
     mut work: impl FnMut(usize) -> Result<(), Error>,
 ) -> Result<Sample, Error> {
     let (start, first) = (Instant::now(), core_seconds()?);
     let (mut count, mut last) = (0, first);
     let mut range_s = [f64::INFINITY, 0.0];
-    for piece in pieces.take_while(|_| start.elapsed() < time) {
+    for piece in pieces {
+        if count >= least && start.elapsed() >= time {
+            break;
+        }
         work(piece)?;
         count += 1;
         let now = core_seconds()?;
@@ -196,7 +200,7 @@ mod tests {
             }
             Ok(())
         };
-        let sample = sample(0..3, Duration::from_secs(60), busy).unwrap();
+        let sample = sample(0..9, 3, Duration::from_millis(1), busy).unwrap();
         assert_eq!(sample.pieces, 3);
         // Other processes may take the core meanwhile; other tests may run in this one.
         assert!(sample.core_s > 0.005, "{sample:?}");

@@ -151,7 +151,7 @@ impl Delay {
         interrupt::end_at_once()?;
         let cells = grid.cells();
         let order = spread(cells.len()).into_iter().cycle();
-        let sample = sample(order, SAMPLE_TIME, |at| {
+        let sample = sample(order, 1, SAMPLE_TIME, |at| {
             delay::run_points(&cells[at..=at], 1, 1)?;
             Ok(())
         })?;

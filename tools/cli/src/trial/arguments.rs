@@ -76,7 +76,7 @@ pub(crate) struct Arguments {
     /// Diagnose nothing if the JSON file holds the scores of the same cases of the same trial already
     #[arg(long, requires = "json")]
     pub(super) resume: bool,
-    /// Make and diagnose cases for ten seconds, at least one, print core hours and a number of shards, and write nothing
+    /// Make and diagnose a few of the cases, print core hours and a number of shards, and write nothing
     #[arg(long, conflicts_with = "make_only")]
     pub(super) dry_run: bool,
     #[command(flatten)]

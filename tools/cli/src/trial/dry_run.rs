@@ -15,7 +15,8 @@ use crate::estimate::{self, Work, sample, spread};
 use crate::exit::{Error, Exit};
 use crate::print::print_line;
 
-/// After this time no further case is begun. A diagnosis takes seconds to a minute.
+/// So many cases are diagnosed, as one takes ten times as long as another, and more until this time has passed.
+const SAMPLE_CASES: usize = 4;
 const SAMPLE_TIME: Duration = Duration::from_secs(10);
 
 /// Runs the command.
@@ -29,7 +30,12 @@ pub(super) fn run(arguments: &Arguments, cases: &Cases, stop: &AtomicBool) -> Re
     let temporary = temporary_folder()?;
     let without = &arguments.without;
     let diagnose = |at: usize| score_one(cases, at, without, temporary.path(), &program);
-    let sample = sample(spread(cases.count()).into_iter(), SAMPLE_TIME, diagnose)?;
+    let sample = sample(
+        spread(cases.count()).into_iter(),
+        SAMPLE_CASES,
+        SAMPLE_TIME,
+        diagnose,
+    )?;
     let work = Work {
         pieces: cases.count(),
         name: "cases",
