@@ -1,15 +1,22 @@
 //! `slipstream study`: parameter studies, many runs on all cores.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
-use slipstream_study::delay::{self, Grid, Shard, Study};
+use slipstream_bus::Shard;
+use slipstream_study::delay::{self, Grid, Study};
 
 use crate::command_line::command_line;
+use crate::estimate::{self, Work, sample, spread};
 use crate::exit::{Error, Exit};
 use crate::interrupt;
 use crate::output_file::{write, write_json};
 use crate::print::print_line;
+use crate::shard_files;
+
+/// Time for the runs of an estimate.
+const SAMPLE_TIME: Duration = Duration::from_secs(2);
 
 /// Run a parameter study: many runs on all cores
 ///
@@ -63,6 +70,12 @@ struct Delay {
     /// Compute only part I of N of the points, for the array jobs of a cluster
     #[arg(long, value_name = "I/N")]
     shard: Option<String>,
+    /// Compute nothing if the JSON file holds the same points of the same study already, all of them
+    #[arg(long, requires = "json")]
+    resume: bool,
+    /// Run a few of the runs for two seconds, print core hours and a number of shards, and write nothing
+    #[arg(long)]
+    dry_run: bool,
     #[command(flatten)]
     output: Output,
 }
@@ -92,20 +105,25 @@ struct Output {
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
     match &arguments.question {
+        Question::Delay(delay) if delay.dry_run => delay.estimate(),
         Question::Delay(delay) => {
             let shard = delay
                 .shard
                 .as_deref()
                 .map_or(Ok(Shard::WHOLE), str::parse)?;
+            let grid = delay.grid();
+            let file = delay.output.json.as_deref().filter(|_| delay.resume);
+            let is_it = |own: &Study| own.grid == grid && own.shard == shard && !own.interrupted;
             let stop = interrupt::stop_flag(None)?;
-            let study = delay::study(&delay.grid(), shard, delay.output.threads(), &stop)?;
+            let study = match shard_files::kept(file, is_it) {
+                Some(study) => study,
+                None => delay::study(&grid, shard, delay.output.threads(), &stop)?,
+            };
             delay.output.write(&study)
         }
         Question::Merge(merge) => {
-            let read =
-                |path: &PathBuf| delay::read(path).map(|study| (path.display().to_string(), study));
-            let shards: Vec<(String, Study)> =
-                merge.files.iter().map(read).collect::<Result<_, _>>()?;
+            let command = "slipstream study delay --json";
+            let shards = shard_files::read(&merge.files, "a study", command)?;
             let study = delay::merge(&shards, merge.output.threads())?;
             merge.output.write(&study)
         }
@@ -124,6 +142,28 @@ impl Delay {
             torque_limit: self.torque_limit.clone(),
             protocol: self.protocol.clone(),
         }
+    }
+
+    /// Prints what the study costs.
+    fn estimate(&self) -> Result<Exit, Error> {
+        let grid = self.grid();
+        grid.validate(Shard::WHOLE)?;
+        interrupt::end_at_once()?;
+        let cells = grid.cells();
+        let order = spread(cells.len()).into_iter().cycle();
+        let sample = sample(order, 1, SAMPLE_TIME, |at| {
+            delay::run_points(&cells[at..=at], 1, 1)?;
+            Ok(())
+        })?;
+        let work = Work {
+            pieces: cells.len() * grid.runs as usize,
+            name: "runs",
+            divisible_by: cells.len(),
+            threads: self.output.threads.unwrap_or(1),
+        };
+        print_line!("{} points, {} runs", cells.len(), work.pieces);
+        estimate::print(work, sample, &format!(" --threads {}", work.threads.max(1)));
+        Ok(Exit::Done)
     }
 }
 

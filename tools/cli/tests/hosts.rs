@@ -432,59 +432,60 @@ fn certificates_of_the_run_are_accepted_and_all_others_refused() {
     );
 }
 
+/// Asserts that slipstream refuses arguments with exit code 2 and a sentence.
+#[track_caller]
+fn assert_refused(folder: &Path, arguments: &[&str], said: &str) {
+    let begin = Instant::now();
+    let output = slipstream(folder, arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+    assert!(text.contains(said), "{arguments:?}: {said}: {text}");
+    assert!(begin.elapsed() < Duration::from_secs(10), "{arguments:?}");
+}
+
 #[test]
 fn what_cannot_be_joined_or_listened_at_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let refused = |arguments: &[&str], said: &str| {
-        let begin = Instant::now();
-        let output = slipstream(folder, arguments);
-        let text = stderr(&output);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
-        assert!(text.contains(said), "{arguments:?}: {said}: {text}");
-        assert!(begin.elapsed() < Duration::from_secs(10), "{arguments:?}");
-    };
     let free = format!("tcp/127.0.0.1:{}", port());
-    refused(&["join", "nowhere", "--name", "b"], "is not an address");
-    refused(
-        &["join", &free, "--name", "b c"],
+    assert_refused(folder, &["join", "nowhere", "--name", "b"], "is not an address");
+    assert_refused(folder, &["join", &free, "--name", "b c"],
         "is not the name of a host",
     );
-    refused(&["join", &free, "--name", "b"], "nobody listens there");
-    refused(
-        &["join", "tcp/192.0.2.1:7447", "--name", "b"],
+    assert_refused(folder, &["join", &free, "--name", "b"], "nobody listens there");
+    assert_refused(folder, &["join", "tcp/192.0.2.1:7447", "--name", "b"],
         "leaves this computer",
     );
-    refused(
-        &["run", "--listen", &free, "--host", "b=r9"],
+    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r9"],
         "has no robot \"r9\"",
     );
-    refused(
-        &["run", "--listen", &free, "--host", "b=r2", "--host", "c=r2"],
+    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--host", "c=r2"],
         "names r2 again",
     );
-    refused(
-        &["run", "--listen", &free, "--host", "b=r2", "--host", "b=r3"],
+    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--host", "b=r3"],
         "names b again",
     );
-    refused(
-        &["run", "--listen", &free, "--host", "r2"],
+    assert_refused(folder, &["run", "--listen", &free, "--host", "r2"],
         "is not a host with its robots",
     );
-    refused(
-        &[
+    assert_refused(folder, &[
             "run", "--listen", &free, "--host", "b=r2", "--clock", "wall",
         ],
         "virtual clock only",
     );
-    refused(
-        &["run", "--listen", "tcp/0.0.0.0:1", "--host", "b=r2"],
+    assert_refused(folder, &["run", "--listen", "tcp/0.0.0.0:1", "--host", "b=r2"],
         "leaves this computer",
     );
-    refused(
-        &["run", "--listen", &free, "--host", "b=r2", "--tls", "none"],
+    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--tls", "none"],
         "has no authority.pem",
     );
+}
+
+#[test]
+fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_assert_refused(folder, ) {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let free = format!("tcp/127.0.0.1:{}", port());
     // A port that somebody else listens at, and a run that waits for others.
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("tcp/{}", taken.local_addr().unwrap());
@@ -513,16 +514,14 @@ fn what_cannot_be_joined_or_listened_at_is_said() {
     ];
     let mut plant = command(folder, &run).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(700));
-    refused(
-        &["join", &free, "--name", "d"],
+    assert_refused(folder, &["join", &free, "--name", "d"],
         "the run waits for no host d, but for b",
     );
     let mut other = command(folder, &["join", &free, "--name", "b"])
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(1500));
-    refused(
-        &["join", &free, "--name", "b"],
+    assert_refused(folder, &["join", &free, "--name", "b"],
         "a host b has joined already",
     );
     signal(plant.id(), "-INT");

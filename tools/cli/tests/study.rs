@@ -1,4 +1,4 @@
-//! `slipstream study` on the command line: points, shards, interruption, job arrays, invalid input.
+//! `slipstream study` on the command line: points, shards, interruption, costs, invalid input.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
@@ -101,6 +101,54 @@ fn shards_merge_to_the_whole() {
     ]);
     let read = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert!(read("merged.json") == read("whole.json"));
+    // A shard that is there is kept, one of another study is not.
+    let text = String::from_utf8(read("a.json")).unwrap();
+    let marked = text.replace("\"runs\": 1,\n      \"max", "\"runs\": 9,\n      \"max");
+    assert_ne!(text, marked);
+    std::fs::write(folder.path().join("a.json"), &marked).unwrap();
+    delay("--shard 1/2 --json a.json --resume");
+    assert_eq!(String::from_utf8(read("a.json")).unwrap(), marked);
+    delay("--shard 2/2 --json a.json --resume");
+    assert!(read("a.json") == read("b.json"));
+}
+
+#[test]
+fn a_dry_run_prints_costs_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "study delay --dry-run --runs 20000 --delay 0,0.1 --threads 2 --json a.json --report a.html";
+    let output = slipstream(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        text.starts_with("144 points, 2880000 runs\nAbout "),
+        "{text}"
+    );
+    let number = |before: &str, after: &str| -> f64 {
+        let rest = text.split(before).nth(1).unwrap();
+        rest.split(after).next().unwrap().trim().parse().unwrap()
+    };
+    let (hours, run_s) = (
+        number("About ", " core hours"),
+        number("of the runs,", " s each"),
+    );
+    // Both are rounded to two digits.
+    assert!(
+        (hours * 3600.0 / (run_s * 2_880_000.0) - 1.0).abs() < 0.11,
+        "{text}"
+    );
+    let shards = number("this machine.\n", " shards of about ");
+    let minutes = number("shards of about ", " minutes each on 2 cores");
+    assert!(
+        (shards * minutes * 2.0 / 60.0 / hours - 1.0).abs() < 0.11,
+        "{text}"
+    );
+    assert!((13.0..16.0).contains(&minutes) || shards == 144.0, "{text}");
+    let expected = format!(
+        "slipstream study delay --runs 20000 --delay 0,0.1 --threads 2 --shard 1/{shards} --json shard-1.json"
+    );
+    assert_eq!(text.lines().last().unwrap(), expected);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 /// Ctrl-C keeps the finished points in a valid file, with exit code 130.
@@ -152,50 +200,6 @@ fn an_interrupted_study_keeps_its_points() {
         "{stderr}"
     );
     assert!(merge("whole.json").status.success());
-}
-
-/// The example for Slurm, run without Slurm: the test sets the scheduler's variables. The array is as long as
-/// the study has points, so that each job has one.
-#[test]
-fn the_slurm_array_example_works() {
-    let folder = tempfile::tempdir().unwrap();
-    let script =
-        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/study-delay.sbatch");
-    let text = std::fs::read_to_string(&script).unwrap();
-    let directives = text
-        .lines()
-        .take_while(|line| line.is_empty() || line.starts_with('#'));
-    assert_eq!(
-        directives
-            .filter(|line| line.starts_with("#SBATCH --"))
-            .count(),
-        5
-    );
-    let program = std::path::Path::new(env!("CARGO_BIN_EXE_slipstream"));
-    let path = std::env::var("PATH").unwrap();
-    let path = format!("{}:{path}", program.parent().unwrap().display());
-    let job = |task: &str| {
-        let output = std::process::Command::new("bash")
-            .arg(&script)
-            .current_dir(folder.path())
-            .env("PATH", &path)
-            .env("SLURM_ARRAY_TASK_ID", task)
-            .env("SLURM_ARRAY_TASK_COUNT", "5632")
-            .env("SLURM_CPUS_PER_TASK", "2")
-            .output()
-            .unwrap();
-        let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.code(), stderr)
-    };
-    assert_eq!(job("2").0, Some(0));
-    let shard = read_json(&folder.path().join("shard-2.json"));
-    assert_eq!(shard["points"].as_array().unwrap().len(), 1);
-    assert_eq!(shard["points"][0]["runs"], 100);
-    let merged = slipstream(folder.path(), &["study", "merge", "shard-2.json"]);
-    let stderr = String::from_utf8_lossy(&merged.stderr).into_owned();
-    assert!(stderr.contains("shard 1/5632 is missing"), "{stderr}");
-    let (code, stderr) = job("5633");
-    assert_eq!(code, Some(2), "{stderr}");
 }
 
 #[test]

@@ -254,3 +254,200 @@ fn an_interruption_while_making_cases_leaves_no_files() {
     let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
 }
+
+/// As `write_program`, with seven cases.
+fn write_seven(folder: &Path, answer: &str) {
+    write_program(folder, answer);
+    let one = std::fs::read_to_string(folder.join("labels.toml")).unwrap();
+    let names = (1..=7).map(|number| format!("case-{number}"));
+    let labels = names
+        .clone()
+        .map(|name| one.replace("[case]", &format!("[{name}]")));
+    std::fs::write(folder.join("labels.toml"), labels.collect::<String>()).unwrap();
+    for name in names {
+        let case = folder.join(name);
+        std::fs::create_dir_all(&case).unwrap();
+        std::fs::copy(
+            folder.join("case/recording.toml"),
+            case.join("recording.toml"),
+        )
+        .unwrap();
+    }
+}
+
+const MATCH: &str = "echo '{\"verdict\": \"match\"}' > \"$6\"";
+
+/// Runs a command line, which must succeed.
+fn done(folder: &Path, line: &str) -> String {
+    let output = slipstream(folder, &line.split_whitespace().collect::<Vec<_>>());
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{line}: {stderr}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn shards_of_labelled_cases_merge_to_the_whole_or_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_seven(folder, MATCH);
+    let trial = "trial --labels labels.toml --with program";
+    done(folder, &format!("{trial} --json whole.json"));
+    for index in 1..=3 {
+        done(
+            folder,
+            &format!("{trial} --shard {index}/3 --json {index}.json"),
+        );
+    }
+    done(
+        folder,
+        "trial merge 3.json 1.json 2.json --json merged.json --report merged.html",
+    );
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    assert!(read("merged.json") == read("whole.json"));
+    assert_eq!(
+        read_json(&folder.join("whole.json"))["each"]
+            .as_array()
+            .unwrap()
+            .len(),
+        7
+    );
+    assert!(read("merged.html").contains("7 cases"));
+
+    done(
+        folder,
+        &format!("{trial} --shard 3/3 --json limit.json --limit-s 7"),
+    );
+    let cut = read("3.json");
+    std::fs::write(folder.join("cut.json"), &cut[..cut.len() / 2]).unwrap();
+    let mut fewer = read_json(&folder.join("3.json"));
+    fewer["each"].as_array_mut().unwrap().pop();
+    std::fs::write(folder.join("fewer.json"), fewer.to_string()).unwrap();
+    let mut own = read_json(&folder.join("3.json"));
+    own.as_object_mut().unwrap().remove("part");
+    std::fs::write(folder.join("own.json"), own.to_string()).unwrap();
+    std::fs::write(folder.join("no.json"), "{}\n").unwrap();
+    for (third, words) in [
+        (
+            "",
+            "FILE: shard 3/3 is missing; run it with --shard 3/3 and give its file too",
+        ),
+        (
+            "2.json",
+            "2.json: is shard 2/3 a second time; give each shard once",
+        ),
+        (
+            "limit.json",
+            "limit.json: is of another trial than 1.json; merge shards of one command line",
+        ),
+        ("cut.json", "cut.json:"),
+        (
+            "fewer.json",
+            "fewer.json: shard 3/3 lacks a case; run it again",
+        ),
+        (
+            "own.json",
+            "own.json: is no shard of a trial; give files that",
+        ),
+        ("no.json", "no.json:1: is not a trial: missing field"),
+        ("absent.json", "absent.json: cannot be read"),
+    ] {
+        let line = format!("merge 1.json 2.json {third} --json never.json");
+        let arguments: Vec<&str> = line.split_whitespace().collect();
+        assert_refused(folder, &arguments, words);
+    }
+    assert!(!folder.join("never.json").exists());
+    assert_refused(
+        folder,
+        &["--cases", "3", "--shard", "1/4"],
+        "--shard 1/4: there are 3 cases; give at most 3",
+    );
+    assert_refused(
+        folder,
+        &["--cases", "3", "--shard", "4"],
+        "--shard 4: is not a valid shard",
+    );
+}
+
+/// A shard of new cases commits itself to their labels before anything is diagnosed; the shards together make
+/// what one process makes.
+#[test]
+fn shards_of_new_cases_are_sealed_and_merge_to_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // The program finds the commitments beside the recordings of the trial, and no label.
+    let answer = format!(
+        "cd {} && for out in whole 1 2; do [ -e $out ] || continue; [ -s $out/commitments.txt ] || exit 4; \
+         [ -e $out/done ] || [ ! -e $out/labels.toml ] || exit 5; done; \
+         cd \"$OLDPWD\"; echo '{{\"verdict\": \"match\"}}' > \"$6\"",
+        folder.display()
+    );
+    write_program(folder, &answer);
+    let trial = "trial --cases 3 --seed 5 --with program";
+    for (shard, out) in [("", "whole"), ("--shard 1/2", "1"), ("--shard 2/2", "2")] {
+        done(
+            folder,
+            &format!("{trial} {shard} --out {out} --json {out}.json"),
+        );
+        std::fs::write(folder.join(out).join("done"), "").unwrap();
+    }
+    done(folder, "trial merge 1.json 2.json --json merged.json");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    assert!(read("merged.json") == read("whole.json"));
+    let whole = read_json(&folder.join("whole.json"));
+    assert_eq!(whole["failed"], 0, "{whole}");
+    assert_eq!(whole["commitments"].as_array().unwrap().len(), 3);
+    let [one, two] = ["1", "2"].map(|name| files(&folder.join(name)));
+    let whole = files(&folder.join("whole"));
+    assert!(!one.contains_key("case-0002/recording.toml"));
+    for (name, bytes) in &whole {
+        if name.starts_with("case") || name.starts_with("sealed") || name.starts_with("robots") {
+            assert!(one.get(name).or(two.get(name)) == Some(bytes), "{name}");
+        }
+    }
+    let commitments = |files: &BTreeMap<String, Vec<u8>>| {
+        let text = String::from_utf8(files["commitments.txt"].clone()).unwrap();
+        text.lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let mut both = [commitments(&one), commitments(&two)].concat();
+    both.sort_by_key(|line| line.split_once("  ").unwrap().1.to_owned());
+    assert_eq!(both, commitments(&whole));
+}
+
+#[test]
+fn a_shard_that_is_there_is_not_diagnosed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_seven(folder, MATCH);
+    let trial = "trial --labels labels.toml --with program --resume --json a.json";
+    done(folder, &format!("{trial} --shard 1/3"));
+    let first = std::fs::read(folder.join("a.json")).unwrap();
+    write_seven(folder, "exit 1");
+    done(folder, &format!("{trial} --shard 1/3 --report a.html"));
+    assert!(std::fs::read(folder.join("a.json")).unwrap() == first);
+    assert!(folder.join("a.html").exists());
+    // Another shard is.
+    done(folder, &format!("{trial} --shard 2/3"));
+    assert_eq!(read_json(&folder.join("a.json"))["failed"], 2);
+}
+
+#[test]
+fn a_dry_run_prints_costs_and_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    write_seven(folder, MATCH);
+    let before = files(folder);
+    let text = done(
+        folder,
+        "trial --labels labels.toml --with program --dry-run --json t.json --report t.html --shard 2/3",
+    );
+    assert!(files(folder) == before);
+    assert!(text.starts_with("7 cases\nAbout 0.000"), "{text}");
+    assert!(text.contains("an estimate from 7 of the cases"), "{text}");
+    let line = text.lines().last().unwrap();
+    assert_eq!(
+        line,
+        "slipstream trial --labels labels.toml --with program --shard 1/1 --json shard-1.json"
+    );
+    done(folder, line.strip_prefix("slipstream ").unwrap());
+    assert_refused(folder, &["--cases", "1", "--on", "x", "--dry-run"], "");
+}

@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use slipstream_bus::InputError;
+use slipstream_bus::{InputError, Shard};
 use slipstream_launch::{Request, in_process, resolve};
 use slipstream_sim::effects::CATALOGUE;
 use slipstream_study::StudyError;
-use slipstream_study::delay::{Grid, Shard, study as delay_study};
+use slipstream_study::delay::{Grid, study as delay_study};
 
 use crate::errors::{failed, input, of_recording};
 use crate::interruptible::interruptible;

@@ -28,10 +28,8 @@ pub fn page(report: &TrialReport, command_line: &str) -> String {
         report.nulls,
         report.commitments.len()
     );
-    let [median, longest] = report.seconds;
     let lead = html! {
-        (report.missed) " missed, " (report.failed) " without an answer. A diagnosis took " b { (short(median)) " s" }
-        " in the median and " b { (short(longest)) " s" } " at most."
+        (report.missed) " missed, " (report.failed) " without an answer." (durations(report))
     };
     let body = html! {
         (verdict(tone, icon, &chip, &facts, &sentence, &lead))
@@ -75,10 +73,9 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
         _ => (Tone::Bad, Icon::Half, format!("{bad} false")),
     };
     let facts = format!("{} copies of {}", trial.cases, report.on);
-    let [median, longest] = trial.seconds;
     let lead = html! {
         "Known changes were put into copies of the recording, none into " (trial.nulls) " of them; each copy was diagnosed against the "
-        "original. A diagnosis took " b { (short(median)) " s" } " in the median and " b { (short(longest)) " s" } " at most."
+        "original." (durations(trial))
     };
     let body = html! {
         (verdict(tone, icon, &chip, &facts, &found, &lead))
@@ -107,6 +104,15 @@ pub fn own_page(report: &OwnReport, command_line: &str) -> String {
         ..Page::default()
     };
     page.html()
+}
+
+/// How long the diagnoses took; nothing if they ran elsewhere.
+fn durations(report: &TrialReport) -> Markup {
+    html! {
+        @if let Some([median, longest]) = report.seconds {
+            " A diagnosis took " b { (short(median)) " s" } " in the median and " b { (short(longest)) " s" } " at most."
+        }
+    }
 }
 
 fn own_sentence(report: &OwnReport) -> String {
@@ -366,7 +372,10 @@ fn every_case(report: &TrialReport) -> Markup {
                     || Cell::text(""),
                     |[a, b]| Cell::text(format!("{} → {}", fixed(a, 2), fixed(b, 2))),
                 ),
-                Cell::number(own.seconds, fixed(own.seconds, 1)),
+                own.seconds.map_or_else(
+                    || Cell::text(""),
+                    |seconds| Cell::number(seconds, fixed(seconds, 1)),
+                ),
             ]
         })
         .collect();

@@ -4,8 +4,9 @@
 
 use std::sync::atomic::AtomicBool;
 
+use slipstream_bus::Shard;
 use slipstream_launch::in_process;
-use slipstream_study::delay::{Form, Grid, Point, Shard, Study, merge, study};
+use slipstream_study::delay::{Form, Grid, Point, Study, merge, study};
 
 /// Never set: the study is not interrupted.
 static NEVER: AtomicBool = AtomicBool::new(false);

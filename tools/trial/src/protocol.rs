@@ -70,7 +70,7 @@ pub fn score(
                 Err(why) => no_answer(label, why),
             },
             label: label.clone(),
-            seconds: run.seconds,
+            seconds: Some(run.seconds),
         })
     };
     both.filter_map(entry).collect()

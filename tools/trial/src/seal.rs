@@ -16,18 +16,19 @@ pub struct Sealed {
 impl Sealed {
     /// SHA-256 of the nonce, a line feed and the text, in hexadecimal digits.
     pub fn commitment(&self) -> String {
-        let mut hash = Sha256::new();
-        hash.update(self.nonce.as_bytes());
-        hash.update(b"\n");
-        hash.update(self.text.as_bytes());
-        hash.finalize()
-            .iter()
-            .fold(String::new(), |mut digits, byte| {
-                // Writing to a string cannot fail.
-                let _ = write!(digits, "{byte:02x}");
-                digits
-            })
+        sha256(&format!("{}\n{}", self.nonce, self.text))
     }
+}
+
+/// SHA-256 of a text, in hexadecimal digits.
+pub fn sha256(text: &str) -> String {
+    Sha256::digest(text.as_bytes())
+        .iter()
+        .fold(String::new(), |mut digits, byte| {
+            // Writing to a string cannot fail.
+            let _ = write!(digits, "{byte:02x}");
+            digits
+        })
 }
 
 #[cfg(test)]

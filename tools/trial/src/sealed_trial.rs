@@ -16,7 +16,7 @@ use slipstream_recording::{robot_toml, write_folder};
 use crate::TrialError;
 use crate::in_order::for_each_in_order;
 use crate::label::{self, Label, Labels};
-use crate::maker::{MadeCase, Plan, PlannedCase};
+use crate::maker::{MadeCase, PlannedCase};
 use crate::protocol::Question;
 use crate::seal::Sealed;
 
@@ -36,13 +36,13 @@ struct SealedCase {
 }
 
 impl SealedTrial {
-    /// Makes all cases of a plan in a new or empty folder, which appears complete or not at all. `done` is
+    /// Makes cases of a plan in a new or empty folder, which appears complete or not at all. `done` is
     /// called after each case and can end the work.
     ///
     /// # Errors
     /// A folder that is not empty, a file that cannot be written, an interruption.
     pub fn make(
-        plan: &Plan,
+        planned: &[PlannedCase],
         folder: &Path,
         mut done: impl FnMut() -> Result<(), TrialError> + Send,
     ) -> Result<Self, TrialError> {
@@ -50,8 +50,7 @@ impl SealedTrial {
         let robots = making.path().join("robots");
         std::fs::create_dir(&robots).map_err(TrialError::system(robots.display()))?;
         let mut cases = Vec::new();
-        let planned: Vec<PlannedCase> = plan.cases().collect();
-        for_each_in_order(&planned, PlannedCase::make, |planned, made| {
+        for_each_in_order(planned, PlannedCase::make, |planned, made| {
             let fault = |why| {
                 TrialError::input(
                     &planned.name,

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::grade::{CaseScore, ParameterScore, TrialGrade};
 use crate::label::Label;
+use crate::part::TrialPart;
 
 /// The result of a trial (`--json`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,8 +54,12 @@ pub struct TrialReport {
     pub held_out_ratio: Option<f64>,
     /// Identified and missed effects by size.
     pub detection: Vec<DetectionRate>,
-    /// Median and largest duration of a diagnosis (s).
-    pub seconds: [f64; 2],
+    /// Median and largest duration of a diagnosis (s). Not in the JSON, which is the same on every machine.
+    #[serde(skip)]
+    pub seconds: Option<[f64; 2]>,
+    /// Which part of which trial this is; absent with `--on`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<TrialPart>,
     /// Commitment of each case: SHA-256 of nonce and label.
     pub commitments: Vec<String>,
     /// All cases.
@@ -112,8 +117,9 @@ pub struct ScoredCase {
     pub score: CaseScore,
     /// Its label.
     pub label: Label,
-    /// Duration of the diagnosis (s).
-    pub seconds: f64,
+    /// Duration of the diagnosis (s); not in the JSON.
+    #[serde(skip)]
+    pub seconds: Option<f64>,
 }
 
 /// Detection of the effects of one size, by the expected gain of the true model.
@@ -131,8 +137,12 @@ pub struct DetectionRate {
     pub missed: usize,
 }
 
-/// Sums up the cases of a trial.
-pub fn tally(each: Vec<ScoredCase>, commitments: Vec<String>) -> TrialReport {
+/// Sums up the cases of a trial, or of a part of it.
+pub fn tally(
+    each: Vec<ScoredCase>,
+    commitments: Vec<String>,
+    part: Option<TrialPart>,
+) -> TrialReport {
     let count = |outcome| {
         each.iter()
             .filter(|entry| entry.score.grade == outcome)
@@ -148,8 +158,7 @@ pub fn tally(each: Vec<ScoredCase>, commitments: Vec<String>) -> TrialReport {
         .filter(|entry| entry.score.pairs.iter().any(|[_, said]| said != "none"));
     let ratio =
         named.filter_map(|entry| entry.score.held_out.map(|[before, after]| after / before));
-    let mut seconds: Vec<f64> = each.iter().map(|entry| entry.seconds).collect();
-    seconds.sort_by(f64::total_cmp);
+    let seconds = || each.iter().filter_map(|entry| entry.seconds);
     let nothing =
         |entry: &&ScoredCase| entry.label.effects.is_empty() && entry.label.unknown.is_none();
     TrialReport {
@@ -173,10 +182,10 @@ pub fn tally(each: Vec<ScoredCase>, commitments: Vec<String>) -> TrialReport {
         median_relative_error: median(parameters().filter_map(relative)),
         held_out_ratio: median(ratio),
         detection: detection(&each),
-        seconds: [
-            median(seconds.iter().copied()).unwrap_or(0.0),
-            seconds.last().copied().unwrap_or(0.0),
-        ],
+        seconds: median(seconds())
+            .zip(seconds().reduce(f64::max))
+            .map(Into::into),
+        part,
         commitments,
         each,
     }

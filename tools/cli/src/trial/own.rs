@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use slipstream_bus::InputError;
-use slipstream_recording::output::OutputFolder;
 use slipstream_trial::diagnosis_process::{DiagnosisInput, DiagnosisProgram};
 use slipstream_trial::own::{OwnReport, make, score};
 
+use super::temporary_folder::temporary_folder;
 use super::text;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
@@ -46,8 +46,7 @@ pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
         let remedy = "give one with --robot robot.toml";
         InputError::new(path.display().to_string(), "has no model", remedy)
     })?;
-    let name = format!("slipstream-trial-{}", std::process::id());
-    let temporary = OutputFolder::create(&std::env::temp_dir().join(name))?;
+    let temporary = temporary_folder()?;
     let folder = match asked.out {
         Some(folder) => {
             let made = std::fs::create_dir_all(folder);

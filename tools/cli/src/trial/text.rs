@@ -67,8 +67,9 @@ pub(super) fn print_report(report: &TrialReport) {
         "prediction error after / before (median):",
         report.held_out_ratio,
     );
-    let [median, max] = report.seconds;
-    print_line!("time for one diagnosis: {median:.1} s (median), {max:.1} s (maximum)");
+    if let Some([median, max]) = report.seconds {
+        print_line!("time for one diagnosis: {median:.1} s (median), {max:.1} s (maximum)");
+    }
     if !report.detection.is_empty() {
         print_line!("\nsize (nats)      effects   named   look-alike   missed");
         for step in &report.detection {

@@ -1,7 +1,7 @@
-//! The grid of a study, and its division into shards.
+//! The grid of a study.
 
 use serde::{Deserialize, Serialize};
-use slipstream_bus::{Experiment, InputError};
+use slipstream_bus::{Experiment, InputError, Shard};
 use slipstream_launch::{Request, resolve};
 
 /// Lists of values of each key; every combination is a point.
@@ -42,15 +42,6 @@ pub struct Cell {
     pub protocol: String,
     /// `robots.count`.
     pub robots: u32,
-}
-
-/// Part `index` of `of`: every `of`-th point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Shard {
-    /// Counted from 1.
-    pub index: usize,
-    /// Number of shards.
-    pub of: usize,
 }
 
 impl Default for Grid {
@@ -103,13 +94,7 @@ impl Grid {
     pub fn validate(&self, shard: Shard) -> Result<(), InputError> {
         let lists = [&self.delay_s, &self.jitter_s, &self.loss, &self.k_x].map(Vec::len);
         let cells = lists.iter().product::<usize>() * self.torque_limit.len() * self.protocol.len();
-        if shard.index < 1 || shard.index > shard.of || shard.of > cells {
-            return Err(InputError::new(
-                format!("--shard {}/{}", shard.index, shard.of),
-                format!("the grid has {cells} points"),
-                format!("give at most {cells} shards, counted from 1"),
-            ));
-        }
+        shard.validate(cells, "points")?;
         if self.robots < 2 {
             return Err(InputError::new(
                 "--robots",
@@ -121,38 +106,6 @@ impl Grid {
             return Err(InputError::new("--runs", "is 0", "give at least 1"));
         }
         Ok(())
-    }
-}
-
-impl Shard {
-    /// The whole study.
-    pub const WHOLE: Self = Self { index: 1, of: 1 };
-
-    /// Whether the point with this index in the grid belongs to this shard.
-    pub fn has(self, index: usize) -> bool {
-        index % self.of == self.index - 1
-    }
-}
-
-impl std::str::FromStr for Shard {
-    type Err = InputError;
-
-    fn from_str(text: &str) -> Result<Self, InputError> {
-        let parsed = text.split_once('/').and_then(|(index, of)| {
-            Some(Self {
-                index: index.parse().ok()?,
-                of: of.parse().ok()?,
-            })
-        });
-        parsed
-            .filter(|shard| shard.index >= 1 && shard.index <= shard.of)
-            .ok_or_else(|| {
-                InputError::new(
-                    format!("--shard {text}"),
-                    "is not a valid shard",
-                    "give I/N with I from 1 to N, such as --shard 1/8",
-                )
-            })
     }
 }
 
@@ -189,25 +142,6 @@ impl Cell {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_point_belongs_to_one_shard() {
-        let cells = Grid::default().cells().len();
-        for of in 1..7 {
-            for point in 0..cells {
-                let owners = (1..=of).filter(|&index| Shard { index, of }.has(point));
-                assert_eq!(owners.count(), 1);
-            }
-        }
-    }
-
-    #[test]
-    fn an_invalid_shard_is_refused() {
-        for text in ["0/3", "4/3", "1", "a/b", "1/0", ""] {
-            assert!(text.parse::<Shard>().is_err(), "{text}");
-        }
-        assert_eq!("2/3".parse(), Ok(Shard { index: 2, of: 3 }));
-    }
 
     #[test]
     fn the_keys_are_those_of_run() {

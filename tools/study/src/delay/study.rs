@@ -3,9 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
+use slipstream_bus::Shard;
 
 use super::answers::{Answer, answers};
-use super::grid::{Cell, Grid, Shard};
+use super::grid::Grid;
 use super::point::Point;
 use super::run_points::run_points_until;
 use crate::StudyError;
@@ -40,10 +41,7 @@ pub fn study(
     stop: &AtomicBool,
 ) -> Result<Study, StudyError> {
     grid.validate(shard)?;
-    let cells: Vec<Cell> = (0..)
-        .zip(grid.cells())
-        .filter_map(|(index, cell)| shard.has(index).then_some(cell))
-        .collect();
+    let cells = shard.pick(grid.cells());
     let points = run_points_until(&cells, grid.runs, threads, stop)?;
     let interrupted = points.len() < cells.len();
     let answers = if shard == Shard::WHOLE && !interrupted {

@@ -72,12 +72,12 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
                 Err(why) => no_answer(&case.label, why),
             },
             label: case.label.clone(),
-            seconds: run.seconds,
+            seconds: Some(run.seconds),
         })
         .collect();
     let detectable = detectable(cases, &each);
     OwnReport {
-        trial: tally(each, Vec::new()),
+        trial: tally(each, Vec::new(), None),
         on: on.to_owned(),
         detectable,
         out_of_sight,
