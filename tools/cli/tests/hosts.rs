@@ -448,41 +448,67 @@ fn what_cannot_be_joined_or_listened_at_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let free = format!("tcp/127.0.0.1:{}", port());
-    assert_refused(folder, &["join", "nowhere", "--name", "b"], "is not an address");
-    assert_refused(folder, &["join", &free, "--name", "b c"],
+    assert_refused(
+        folder,
+        &["join", "nowhere", "--name", "b"],
+        "is not an address",
+    );
+    assert_refused(
+        folder,
+        &["join", &free, "--name", "b c"],
         "is not the name of a host",
     );
-    assert_refused(folder, &["join", &free, "--name", "b"], "nobody listens there");
-    assert_refused(folder, &["join", "tcp/192.0.2.1:7447", "--name", "b"],
+    assert_refused(
+        folder,
+        &["join", &free, "--name", "b"],
+        "nobody listens there",
+    );
+    assert_refused(
+        folder,
+        &["join", "tcp/192.0.2.1:7447", "--name", "b"],
         "leaves this computer",
     );
-    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r9"],
+    assert_refused(
+        folder,
+        &["run", "--listen", &free, "--host", "b=r9"],
         "has no robot \"r9\"",
     );
-    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--host", "c=r2"],
+    assert_refused(
+        folder,
+        &["run", "--listen", &free, "--host", "b=r2", "--host", "c=r2"],
         "names r2 again",
     );
-    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--host", "b=r3"],
+    assert_refused(
+        folder,
+        &["run", "--listen", &free, "--host", "b=r2", "--host", "b=r3"],
         "names b again",
     );
-    assert_refused(folder, &["run", "--listen", &free, "--host", "r2"],
+    assert_refused(
+        folder,
+        &["run", "--listen", &free, "--host", "r2"],
         "is not a host with its robots",
     );
-    assert_refused(folder, &[
+    assert_refused(
+        folder,
+        &[
             "run", "--listen", &free, "--host", "b=r2", "--clock", "wall",
         ],
         "virtual clock only",
     );
-    assert_refused(folder, &["run", "--listen", "tcp/0.0.0.0:1", "--host", "b=r2"],
+    assert_refused(
+        folder,
+        &["run", "--listen", "tcp/0.0.0.0:1", "--host", "b=r2"],
         "leaves this computer",
     );
-    assert_refused(folder, &["run", "--listen", &free, "--host", "b=r2", "--tls", "none"],
+    assert_refused(
+        folder,
+        &["run", "--listen", &free, "--host", "b=r2", "--tls", "none"],
         "has no authority.pem",
     );
 }
 
 #[test]
-fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_assert_refused(folder, ) {
+fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let free = format!("tcp/127.0.0.1:{}", port());
@@ -514,14 +540,18 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_assert_refused(fol
     ];
     let mut plant = command(folder, &run).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(700));
-    assert_refused(folder, &["join", &free, "--name", "d"],
+    assert_refused(
+        folder,
+        &["join", &free, "--name", "d"],
         "the run waits for no host d, but for b",
     );
     let mut other = command(folder, &["join", &free, "--name", "b"])
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(1500));
-    assert_refused(folder, &["join", &free, "--name", "b"],
+    assert_refused(
+        folder,
+        &["join", &free, "--name", "b"],
         "a host b has joined already",
     );
     signal(plant.id(), "-INT");
