@@ -10,10 +10,12 @@ use slipstream_hosts::hello::{RemoteHost, is_host_name};
 use slipstream_hosts::network;
 use slipstream_launch::{Across, Resolved};
 
+use crate::print::eprint_line;
+
 /// Where the plant's host listens for others.
 #[derive(Debug, Default, Args)]
 pub(crate) struct Listening {
-    /// Wait at this address for other hosts, which take part by slipstream join
+    /// Wait at this address for other hosts, which take part by slipstream join [default: a port of this computer alone]
     #[arg(
         long,
         value_name = "tcp/ADDRESS:PORT",
@@ -22,8 +24,16 @@ pub(crate) struct Listening {
     )]
     listen: Option<String>,
     /// Run the controllers of these robots on the host that joins as NAME; may be repeated
-    #[arg(long, value_name = "NAME=r2,r3", requires = "listen")]
+    #[arg(long, value_name = "NAME=r2,r3", conflicts_with = "in_process")]
     host: Vec<String>,
+    /// Start slipstream join on the host NAME over ssh, whose tunnel carries the connection; may be repeated
+    #[arg(
+        long,
+        value_name = "NAME=USER@HOST",
+        requires = "host",
+        conflicts_with = "tls"
+    )]
+    ssh: Vec<String>,
     #[command(flatten)]
     protection: Protection,
 }
@@ -51,6 +61,32 @@ impl Protection {
     }
 }
 
+/// An address of this computer alone, with a port that is free.
+fn free_address() -> Result<Address, InputError> {
+    let bound = std::net::TcpListener::bind("127.0.0.1:0").and_then(|own| own.local_addr());
+    let unusable = |error| {
+        let problem = format!("there is no free port: {error}");
+        InputError::new("--host", problem, "give one with --listen")
+    };
+    bound.map_err(unusable)?.to_string().parse()
+}
+
+/// Says what to type on the hosts that are waited for.
+fn invite(across: &Across) {
+    let protection = match &across.security {
+        Security::Loopback => String::new(),
+        Security::Insecure => " --insecure".to_owned(),
+        Security::Tls(folder) => format!(" --tls {}", folder.display()),
+    };
+    let is_started = |host: &&RemoteHost| across.ssh.iter().any(|(name, _)| *name == host.name);
+    for host in across.hosts.iter().filter(|host| !is_started(host)) {
+        let (address, name) = (&across.address, &host.name);
+        eprint_line!(
+            "slipstream: waits for host {name}: slipstream join {address} --name {name}{protection}"
+        );
+    }
+}
+
 /// Refuses in a build that has no network for hosts.
 pub(crate) fn require_network(argument: &str) -> Result<(), InputError> {
     if network::IS_BUILT {
@@ -67,24 +103,57 @@ pub(crate) fn require_network(argument: &str) -> Result<(), InputError> {
 impl Listening {
     /// The other hosts of a run, if there are any.
     pub(crate) fn across(&self, resolved: &Resolved) -> Result<Option<Across>, InputError> {
-        let Some(listen) = &self.listen else {
+        if self.host.is_empty() {
             return Ok(None);
+        }
+        require_network("--host")?;
+        let address: Address = match &self.listen {
+            Some(listen) => listen.parse()?,
+            None => free_address()?,
         };
-        require_network("--listen")?;
-        let address: Address = listen.parse()?;
         let security = self.protection.of(&address, "--listen")?;
         if resolved.experiment.settings.clock == Clock::Wall {
             return Err(InputError::new(
-                "--listen",
+                "--host",
                 "runs on the virtual clock only: across hosts every round waits for all robots",
                 "drop --clock wall",
             ));
         }
-        Ok(Some(Across {
+        let hosts = self.hosts(resolved)?;
+        let across = Across {
+            ssh: self.ssh(&hosts)?,
             address,
             security,
-            hosts: self.hosts(resolved)?,
-        }))
+            hosts,
+        };
+        invite(&across);
+        Ok(Some(across))
+    }
+
+    /// The hosts that are started over ssh, with their destinations.
+    fn ssh(&self, hosts: &[RemoteHost]) -> Result<Vec<(String, String)>, InputError> {
+        let mut all: Vec<(String, String)> = Vec::new();
+        for text in &self.ssh {
+            let invalid =
+                |problem, remedy| Err(InputError::new(format!("--ssh {text}"), problem, remedy));
+            let Some((name, target)) = text.split_once('=') else {
+                return invalid("has no =", "give --ssh NAME=USER@HOST");
+            };
+            if !hosts.iter().any(|host| host.name == name) {
+                return invalid(
+                    "names no host of the run",
+                    "give its robots with --host NAME=r2,r3",
+                );
+            }
+            if target.is_empty() || target.starts_with('-') {
+                return invalid("is no destination of ssh", "give --ssh NAME=USER@HOST");
+            }
+            if all.iter().any(|(known, _)| known == name) {
+                return invalid("starts a host again", "give each host once");
+            }
+            all.push((name.to_owned(), target.to_owned()));
+        }
+        Ok(all)
     }
 
     fn hosts(&self, resolved: &Resolved) -> Result<Vec<RemoteHost>, InputError> {

@@ -7,6 +7,7 @@
 
 mod common;
 
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -441,6 +442,65 @@ fn assert_refused(folder: &Path, arguments: &[&str], said: &str) {
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
     assert!(text.contains(said), "{arguments:?}: {said}: {text}");
     assert!(begin.elapsed() < Duration::from_secs(10), "{arguments:?}");
+}
+
+/// A stand-in for ssh that runs the command here: it keeps the arguments, and lets the tunnel be.
+const SSH: &str = "#!/bin/sh\necho \"$@\" >> ssh-arguments\nfor last; do :; done\nPATH=$JOIN_PATH exec sh -c \"$last\"\n";
+
+/// Runs with `slipstream join` started over ssh, which finds slipstream in `path`.
+fn run_over_ssh(folder: &Path, path: &Path) -> Output {
+    let bin = folder.join("bin");
+    std::fs::create_dir_all(&bin).unwrap();
+    std::fs::write(bin.join("ssh"), SSH).unwrap();
+    std::fs::set_permissions(bin.join("ssh"), std::fs::Permissions::from_mode(0o755)).unwrap();
+    let paths = |first: &Path| format!("{}:/usr/bin:/bin", first.display());
+    command(
+        folder,
+        &[
+            "run",
+            "--host",
+            "b=r2,r3",
+            "--ssh",
+            "b=robot@lab-2",
+            "--json",
+            "run.json",
+            "--no-recording",
+        ],
+    )
+    .env("PATH", paths(&bin))
+    .env("JOIN_PATH", paths(path))
+    .output()
+    .unwrap()
+}
+
+#[test]
+fn a_host_is_started_over_ssh() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let program = Path::new(env!("CARGO_BIN_EXE_slipstream"));
+    assert_done(&run_over_ssh(folder, program.parent().unwrap()));
+    let run = read_json(&folder.join("run.json"));
+    assert_eq!(run["state_hash"], hash_alone(folder, &[]));
+    let arguments = std::fs::read_to_string(folder.join("ssh-arguments")).unwrap();
+    assert!(
+        arguments.contains("ExitOnForwardFailure=yes -R "),
+        "{arguments}"
+    );
+    assert!(arguments.contains(":127.0.0.1:"), "{arguments}");
+    assert!(
+        arguments.contains("robot@lab-2 slipstream join tcp/127.0.0.1:"),
+        "{arguments}"
+    );
+    let begin = Instant::now();
+    let output = run_over_ssh(folder, Path::new("/nowhere"));
+    assert_eq!(output.status.code(), Some(1));
+    let text = stderr(&output);
+    assert!(
+        text.contains("host b: ssh robot@lab-2: ")
+            && text.contains("slipstream must be in the PATH"),
+        "{text}"
+    );
+    assert!(begin.elapsed() < LIMIT);
 }
 
 #[test]

@@ -257,3 +257,22 @@ fn json_goes_to_standard_output_alone() {
     assert!(quiet.stdout.is_empty() && quiet.status.success());
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+/// Without the feature `hosts`, runs across hosts are refused with what to build.
+#[cfg(not(feature = "hosts"))]
+#[test]
+fn a_build_for_one_host_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["run", "--host", "b=r2"][..],
+        &["join", "tcp/127.0.0.1:7447", "--name", "b"],
+        &["keys", "lab-keys"],
+    ] {
+        let output = common::slipstream(folder.path(), arguments);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
+        assert!(text.contains("--features hosts"), "{arguments:?}: {text}");
+        assert_eq!(text.lines().count(), 1, "{text}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}

@@ -18,6 +18,7 @@ use slipstream_recording::output::lock_recording;
 
 use super::away::{Away, HOST};
 use super::child::{ChildProcess, Start};
+use super::guests::Guests;
 use super::options::{LaunchError, Options};
 use super::part::Part;
 use super::progress_line::ProgressLine;
@@ -64,6 +65,8 @@ pub(super) struct Run<'a> {
     pub(super) over: Option<Instant>,
     /// When the last process but the recorder ended.
     pub(super) drained: Option<Instant>,
+    /// Hosts that were started over ssh.
+    guests: Guests,
     /// The recording, locked while it is open.
     recording: Option<File>,
     _lock: RunLock,
@@ -151,6 +154,7 @@ impl<'a> Run<'a> {
             stopped_running: false,
             over: None,
             drained: None,
+            guests: Guests::default(),
             recording,
             _lock: lock,
         })
@@ -161,6 +165,9 @@ impl<'a> Run<'a> {
         let roles = self.part.roles(self.experiment);
         let started = roles.into_iter().try_for_each(|role| self.spawn(role, 0));
         started.map_err(system("start the processes"))?;
+        if let Some(across) = self.part.across() {
+            self.guests = Guests::start(across).map_err(system("start ssh"))?;
+        }
         let progress = ProgressLine::new(live, &self.experiment.settings);
         while self.children.iter().any(is_awaited) {
             self.wait(signals)
@@ -232,6 +239,13 @@ impl<'a> Run<'a> {
         }
         if self.over.is_none() && self.wake_page.stage() >= Stage::Over {
             self.over = Some(Instant::now());
+        }
+        for reason in self.guests.failures()? {
+            // What follows from a run that ends is not worth a sentence.
+            if self.stopped.is_none() && self.over.is_none() {
+                self.fail(reason);
+                self.stop();
+            }
         }
         self.kill_hanging();
         Ok(())

@@ -3,6 +3,7 @@
 mod away;
 mod belongings;
 mod child;
+mod guests;
 mod hang;
 mod joining;
 mod launcher;

@@ -32,6 +32,8 @@ pub struct Across {
     pub security: Security,
     /// The other hosts and their robots.
     pub hosts: Vec<RemoteHost>,
+    /// Names of hosts that are started over ssh, each with the destination.
+    pub ssh: Vec<(String, String)>,
 }
 
 /// How a run is served to viewers.

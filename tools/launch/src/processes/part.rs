@@ -7,7 +7,7 @@ use slipstream_bus::Experiment;
 use slipstream_bus::message::RobotIndex;
 
 use super::away::Away;
-use super::options::Options;
+use super::options::{Across, Options};
 use crate::role::Role;
 
 /// The part of a run on this host.
@@ -46,6 +46,14 @@ impl Part<'_> {
         match self {
             Self::Home(options) => &options.program,
             Self::Away(away) => &away.program,
+        }
+    }
+
+    /// The other hosts of the run, if this is the plant's.
+    pub(super) fn across(&self) -> Option<&Across> {
+        match self {
+            Self::Home(options) => options.across.as_ref(),
+            Self::Away(_) => None,
         }
     }
 
