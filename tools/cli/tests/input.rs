@@ -268,7 +268,7 @@ fn a_build_for_one_host_says_so() {
         &["join", "tcp/127.0.0.1:7447", "--name", "b"],
         &["keys", "lab-keys"],
     ] {
-        let output = common::slipstream(folder.path(), arguments);
+        let output = slipstream(folder.path(), arguments);
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {text}");
         assert!(text.contains("--features hosts"), "{arguments:?}: {text}");
