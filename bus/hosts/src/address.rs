@@ -33,11 +33,6 @@ impl Address {
         format!("{}:{}", self.host, self.port)
     }
 
-    /// The port.
-    pub fn port(&self) -> u16 {
-        self.port
-    }
-
     /// Whether it is an address of this computer that no other one reaches.
     pub fn is_loopback(&self) -> bool {
         let bare = self.host.trim_start_matches('[').trim_end_matches(']');

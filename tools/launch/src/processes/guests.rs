@@ -1,12 +1,22 @@
 //! Hosts that the launcher starts over ssh. A tunnel carries the connection, so that nothing listens beyond loopback.
 
 use std::io::Read as _;
+use std::ops::Range;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
+use rand::RngExt as _;
+use rustix::io::ioctl_fionbio;
 use slipstream_hosts::address::Address;
 
 use super::options::Across;
+
+/// Time that the hosts have to end after the run.
+const END_TIMEOUT: Duration = Duration::from_millis(800);
+const POLL_INTERVAL: Duration = Duration::from_millis(10);
+/// Ports of the other host at which its end of the tunnel may listen: below those that systems give to connections.
+const TUNNEL_PORTS: Range<u16> = 20_000..32_000;
 
 /// The ssh processes of a run.
 #[derive(Debug, Default)]
@@ -58,11 +68,13 @@ impl Guests {
 
 impl Guest {
     fn failure(&mut self, code: Option<i32>) -> String {
-        let mut said = String::new();
+        let mut said = Vec::new();
         if let Some(stderr) = &mut self.child.stderr {
-            // What cannot be read is not said.
-            let _ = stderr.read_to_string(&mut said);
+            // A shared connection of ssh keeps it open: only what is there is read.
+            let is_ready = ioctl_fionbio(&*stderr, true).is_ok();
+            let _ = is_ready.then(|| stderr.read_to_end(&mut said));
         }
+        let said = String::from_utf8_lossy(&said);
         let said: Vec<&str> = said
             .lines()
             .map(str::trim)
@@ -79,9 +91,13 @@ impl Guest {
 }
 
 impl Drop for Guests {
+    /// Waits until the hosts have ended, but not for long. A tunnel ends with its ssh, and the host with the tunnel.
     fn drop(&mut self) {
+        let begin = Instant::now();
         for guest in &mut self.running {
-            // Its tunnel ends with it, and the host with the tunnel.
+            while matches!(guest.child.try_wait(), Ok(None)) && begin.elapsed() < END_TIMEOUT {
+                std::thread::sleep(POLL_INTERVAL);
+            }
             let _ = guest.child.kill();
             let _ = guest.child.wait();
         }
@@ -91,7 +107,7 @@ impl Drop for Guests {
 /// The command that joins the run from a host.
 fn command(address: &Address, host: &str, target: &str) -> Command {
     let place = address.place();
-    let port = address.port();
+    let port = rand::rng().random_range(TUNNEL_PORTS);
     let mut command = Command::new("ssh");
     command
         .args([
