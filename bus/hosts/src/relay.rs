@@ -231,7 +231,7 @@ impl<'a> Play<'a> {
         }
     }
 
-    /// Shows what has come from the plant's host while this one does something else.
+    /// Looks whether the plant's host has ended the run, and shows it that this one lives.
     fn look(&mut self) -> Result<(), BusError> {
         self.drain_records()?;
         match self.receive_within(Duration::ZERO)? {

@@ -598,7 +598,7 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
         "--set",
         "duration_s=100000",
     ];
-    let mut plant = command(folder, &run).spawn().unwrap();
+    let plant = command(folder, &run).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(700));
     assert_refused(
         folder,
@@ -615,7 +615,15 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
         "a host b has joined already",
     );
     signal(plant.id(), "-INT");
-    assert_eq!(plant.wait().unwrap().code(), Some(130));
+    let output = plant.wait_with_output().unwrap();
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(130), "{text}");
+    for said in [
+        "refused a host that asked to join: the run waits for no host d",
+        "refused a host that asked to join: a host b has joined already",
+    ] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
     let begin = Instant::now();
     assert_eq!(other.wait().unwrap().code(), Some(1));
     assert!(begin.elapsed() < LIMIT);

@@ -21,6 +21,7 @@ pub(super) struct Hosts<'a> {
     carrier: &'a mut dyn PlantCarrier,
     presence: Presence,
     version: &'a str,
+    notice: &'a dyn Fn(&str),
     /// What a host is told when it joins, but for its robots.
     welcome: Welcome,
     timeout: Duration,
@@ -61,6 +62,7 @@ impl<'a> Hosts<'a> {
         remote: &[RemoteHost],
         joined: &JoinedRun,
         version: &'a str,
+        notice: &'a dyn Fn(&str),
         welcome: Welcome,
         carrier: &'a mut dyn PlantCarrier,
     ) -> Self {
@@ -77,6 +79,7 @@ impl<'a> Hosts<'a> {
             carrier,
             presence: joined.presence.clone(),
             version,
+            notice,
             welcome,
             timeout: Duration::from_secs_f64(joined.experiment.settings.host_timeout_s),
             hosts: remote.iter().map(host).collect(),
@@ -181,7 +184,10 @@ impl<'a> Hosts<'a> {
             match event {
                 Event::Hello { hello, answer } => match self.greet(&hello) {
                     Ok(welcome) => answer(Ok(&welcome)),
-                    Err(refusal) => answer(Err(&refusal)),
+                    Err(refusal) => {
+                        (self.notice)(&format!("refused a host that asked to join: {refusal}"));
+                        answer(Err(&refusal));
+                    }
                 },
                 Event::Frame { host, bytes } => self.take_frame(&host, &bytes)?,
                 Event::Gone { host } => {

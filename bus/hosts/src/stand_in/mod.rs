@@ -46,6 +46,8 @@ pub struct StandIn<'a> {
     pub recording: bool,
     /// Keeps a file that an agent of a host left.
     pub keep: &'a dyn Fn(&RemoteHost, &LeftFile),
+    /// Says something to the user.
+    pub notice: &'a dyn Fn(&str),
 }
 
 /// How the stand-in ended.
@@ -75,7 +77,14 @@ impl StandIn<'_> {
             robots: Vec::new(),
             recording: self.recording,
         };
-        let mut hosts = Hosts::new(self.hosts, &joined, self.version, welcome, carrier);
+        let mut hosts = Hosts::new(
+            self.hosts,
+            &joined,
+            self.version,
+            self.notice,
+            welcome,
+            carrier,
+        );
         let mut lost_chunks = 0;
         let ended = hosts.await_all().and_then(|()| {
             let mut robots = Robots::join(&joined, self.hosts, self.recording)?;

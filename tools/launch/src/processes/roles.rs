@@ -216,6 +216,7 @@ impl RoleArguments {
                     keys: read_keys(run),
                     recording,
                     keep: &|host, file| belongings::keep(run, host, file),
+                    notice: &|text| print_problem(self, text),
                 };
                 let outcome = stand_in.run(&mut *carrier)?;
                 self.report(&outcome)?;

@@ -155,6 +155,7 @@ pub(crate) fn stand_in(
         keys: String::new(),
         recording: false,
         keep: &|_, _| {},
+        notice: &|_| {},
     };
     stand_in.run(&mut *home).unwrap()
 }
