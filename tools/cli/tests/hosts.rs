@@ -11,6 +11,7 @@ use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use common::{command, read_json, run_json, slipstream, wait_for};
@@ -29,6 +30,12 @@ fn is_root() -> bool {
 fn ip(arguments: &str) {
     let status = Command::new("ip").args(arguments.split(' ')).status();
     assert!(status.unwrap().success(), "ip {arguments}");
+}
+
+/// The tests run one after the other: one of them kills processes that it finds by name.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A free port of this computer.
@@ -175,6 +182,7 @@ fn assert_same(arguments: &[&str], hosts: &[&str], cut: Option<Duration>) {
 
 #[test]
 fn on_one_computer_the_recording_is_that_of_a_run_without_hosts() {
+    let _one = alone();
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let address = format!("tcp/127.0.0.1:{}", port());
@@ -221,6 +229,7 @@ fn on_one_computer_the_recording_is_that_of_a_run_without_hosts() {
 
 #[test]
 fn states_are_those_of_one_process() {
+    let _one = alone();
     if !is_root() {
         return;
     }
@@ -246,6 +255,7 @@ fn states_are_those_of_one_process() {
 
 #[test]
 fn a_hundred_robots_on_three_hosts_have_the_states_of_one_process() {
+    let _one = alone();
     if !is_root() {
         return;
     }
@@ -270,6 +280,7 @@ fn a_hundred_robots_on_three_hosts_have_the_states_of_one_process() {
 
 #[test]
 fn a_cable_that_is_cut_for_a_second_changes_nothing() {
+    let _one = alone();
     if !is_root() {
         return;
     }
@@ -332,17 +343,12 @@ fn assert_fails(child: Child, since: Instant, said: &[&str]) {
     }
 }
 
-/// Tests that look for processes by name run one after the other.
-static ONE_AT_A_TIME: std::sync::Mutex<()> = std::sync::Mutex::new(());
-
 #[test]
 fn a_host_that_dies_or_stands_still_ends_the_run_in_words_on_both_sides() {
+    let _one = alone();
     if !is_root() {
         return;
     }
-    let _one = ONE_AT_A_TIME
-        .lock()
-        .unwrap_or_else(std::sync::PoisonError::into_inner);
     type Harm = fn(&Cable);
     let cases: [(Harm, &[&str], &[&str]); 5] = [
         (
@@ -384,6 +390,7 @@ fn a_host_that_dies_or_stands_still_ends_the_run_in_words_on_both_sides() {
 
 #[test]
 fn certificates_of_the_run_are_accepted_and_all_others_refused() {
+    let _one = alone();
     if !is_root() {
         return;
     }
@@ -444,8 +451,15 @@ fn assert_refused(folder: &Path, arguments: &[&str], said: &str) {
     assert!(begin.elapsed() < Duration::from_secs(10), "{arguments:?}");
 }
 
-/// A stand-in for ssh that runs the command here: it keeps the arguments, and lets the tunnel be.
-const SSH: &str = "#!/bin/sh\necho \"$@\" >> ssh-arguments\nfor last; do :; done\nPATH=$JOIN_PATH exec sh -c \"$last\"\n";
+/// A stand-in for ssh that runs the command here: it keeps the arguments, and in place of a tunnel puts the address where
+/// the tunnel would lead.
+const SSH: &str = r#"#!/bin/sh
+echo "$@" >> ssh-arguments
+for last; do :; done
+tunnel=$(echo "$*" | sed 's/.* -R \([0-9]*\):\([^ ]*\) .*/s#127.0.0.1:\1#\2#/')
+command=$(echo "$last" | sed "$tunnel")
+PATH=$JOIN_PATH exec sh -c "$command"
+"#;
 
 /// Runs with `slipstream join` started over ssh, which finds slipstream in `path`.
 fn run_over_ssh(folder: &Path, path: &Path) -> Output {
@@ -475,6 +489,7 @@ fn run_over_ssh(folder: &Path, path: &Path) -> Output {
 
 #[test]
 fn a_host_is_started_over_ssh() {
+    let _one = alone();
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let program = Path::new(env!("CARGO_BIN_EXE_slipstream"));
@@ -505,6 +520,7 @@ fn a_host_is_started_over_ssh() {
 
 #[test]
 fn what_cannot_be_joined_or_listened_at_is_said() {
+    let _one = alone();
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let free = format!("tcp/127.0.0.1:{}", port());
@@ -569,6 +585,7 @@ fn what_cannot_be_joined_or_listened_at_is_said() {
 
 #[test]
 fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
+    let _one = alone();
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let free = format!("tcp/127.0.0.1:{}", port());
