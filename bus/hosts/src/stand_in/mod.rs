@@ -88,7 +88,15 @@ impl StandIn<'_> {
         let mut lost_chunks = 0;
         let ended = hosts.await_all().and_then(|()| {
             let mut robots = Robots::join(&joined, self.hosts, self.recording)?;
-            let ended = play(&mut robots, &mut hosts);
+            let ended = play(&mut robots, &mut hosts).and_then(|()| {
+                // The plant may have ended first: a run that was stopped is not complete.
+                let stopped = joined.wake_page().stopping();
+                if stopped {
+                    Err(BusError::Stopped)
+                } else {
+                    Ok(())
+                }
+            });
             let stopped = ended.as_ref().err().map(told);
             let left = farewell(&mut robots, &mut hosts, self.keep, stopped);
             lost_chunks = robots.lost_chunks();
