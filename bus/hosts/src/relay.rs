@@ -205,10 +205,8 @@ impl<'a> Play<'a> {
         &mut self,
         left: &dyn Fn(&[RobotIndex]) -> Vec<LeftFile>,
     ) -> Result<(), BusError> {
-        while self.joined.wake_page().stage() < Stage::Drained {
-            self.joined
-                .wake_page()
-                .wait_stage(Stage::Drained, POLL_INTERVAL);
+        let wake_page = self.joined.wake_page();
+        while !wake_page.wait_stage(Stage::Drained, POLL_INTERVAL) {
             self.look()?;
         }
         self.drain_records()?;
@@ -252,16 +250,10 @@ impl<'a> Play<'a> {
             self.contact.heard();
             return decode(&frame).map(Some);
         }
-        let silence = self.contact.silence();
-        if silence > self.timeout {
+        if let Some(reason) = self.contact.too_silent(self.timeout) {
             return Err(BusError::Failed {
                 what: "the plant's host".to_owned(),
-                reason: format!(
-                    "it has been silent for {:.1} s: the network, its computer or its process stands still \
-                     (host_timeout_s = {})",
-                    silence.as_secs_f64(),
-                    self.timeout.as_secs_f64()
-                ),
+                reason,
             });
         }
         self.drain_records()?;

@@ -41,6 +41,19 @@ impl Contact {
         self.heard.elapsed()
     }
 
+    /// What is wrong if the other side has been silent for longer than `timeout` (`host_timeout_s`).
+    pub(crate) fn too_silent(&self, timeout: Duration) -> Option<String> {
+        let silence = self.silence();
+        (silence > timeout).then(|| {
+            format!(
+                "it has been silent for {:.1} s: the network, its computer or its process stands still \
+                 (host_timeout_s = {})",
+                silence.as_secs_f64(),
+                timeout.as_secs_f64()
+            )
+        })
+    }
+
     /// Whether it is time to show that this side lives.
     pub(crate) fn beat_is_due(&self) -> bool {
         self.sent.elapsed() >= BEAT_INTERVAL

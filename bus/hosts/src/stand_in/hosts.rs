@@ -307,14 +307,8 @@ impl<'a> Hosts<'a> {
             if host.gone.is_some_and(|since| since.elapsed() > GONE_GRACE) {
                 return Err(host.failed("its process is gone: killed, or its computer is down"));
             }
-            let silence = host.contact.silence();
-            if silence > self.timeout {
-                return Err(host.failed(&format!(
-                    "it has been silent for {:.1} s: the network, its computer or its process stands still \
-                     (host_timeout_s = {})",
-                    silence.as_secs_f64(),
-                    self.timeout.as_secs_f64()
-                )));
+            if let Some(problem) = host.contact.too_silent(self.timeout) {
+                return Err(host.failed(&problem));
             }
         }
         Ok(())
