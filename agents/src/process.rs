@@ -116,9 +116,7 @@ impl Process {
     fn run_wall_clock(&mut self, rejoins: bool) -> Result<AgentOutcome, BusError> {
         let real_time = RealTime::request(PRIORITY);
         self.joined.presence.await_stage(Stage::Running)?;
-        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page().start_ns()));
-        self.endpoint.use_clock(clock);
-        trace::use_clock(clock);
+        let clock = self.clock();
         if rejoins {
             let (t_ns, robot) = (clock.now_ns(), Some(self.robot));
             self.records.record(&Record::Event {
@@ -128,8 +126,17 @@ impl Process {
             });
         }
         let mut deadlines = self.deadlines(rejoins.then(|| clock.now_ns()));
-        let ended = self.run_ticks(clock, &mut deadlines);
+        let ended = self.run_ticks(&mut deadlines);
         self.finish(ended, Some(deadlines), real_time)
+    }
+
+    /// The clock of the run. On another host than the plant's it is corrected while the run goes on, so it is asked
+    /// for at every tick.
+    fn clock(&mut self) -> WallClock {
+        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page().start_ns()));
+        self.endpoint.use_clock(clock);
+        trace::use_clock(clock);
+        clock
     }
 
     /// The deadline counts at the start. For an agent that replaces another at `rejoins_ns`, those that
@@ -146,12 +153,9 @@ impl Process {
     }
 
     /// Runs every tick at its deadline until the run is over.
-    fn run_ticks(
-        &mut self,
-        clock: WallClock,
-        deadlines: &mut [Deadlines; 2],
-    ) -> Result<(), BusError> {
+    fn run_ticks(&mut self, deadlines: &mut [Deadlines; 2]) -> Result<(), BusError> {
         let schedule = self.joined.experiment.settings.schedule();
+        let clock = self.clock();
         let mut encoders = Encoders::default();
         let starts_late = clock.now_ns() > schedule.inner_ns;
         let mut tick_ns = if starts_late {
@@ -160,6 +164,7 @@ impl Process {
             0
         };
         for ticks in 0u64.. {
+            let clock = self.clock();
             self.joined.presence.sleep_until(clock, tick_ns);
             let began_ns = clock.now_ns();
             if self.joined.wake_page().stage() >= Stage::Over {

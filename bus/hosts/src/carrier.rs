@@ -12,6 +12,14 @@ pub trait PlantCarrier {
     /// The network failed for good.
     fn send(&mut self, host: &str, frame: &[u8]) -> Result<(), BusError>;
 
+    /// Sends a frame that is worth nothing later: it is lost rather than waited for while the network is congested.
+    ///
+    /// # Errors
+    /// The network failed for good.
+    fn offer(&mut self, host: &str, frame: &[u8]) -> Result<(), BusError> {
+        self.send(host, frame)
+    }
+
     /// The next event, if there is one within `timeout`.
     ///
     /// # Errors
@@ -52,6 +60,14 @@ pub trait HostCarrier {
     /// # Errors
     /// The network failed for good.
     fn send(&mut self, frame: &[u8]) -> Result<(), BusError>;
+
+    /// Sends a frame that is worth nothing later: it is lost rather than waited for while the network is congested.
+    ///
+    /// # Errors
+    /// The network failed for good.
+    fn offer(&mut self, frame: &[u8]) -> Result<(), BusError> {
+        self.send(frame)
+    }
 
     /// The next frame from the plant's host, if there is one within `timeout`.
     ///

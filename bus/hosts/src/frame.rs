@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
 
+use crate::clock::{ClockReport, Stamps};
+
 /// Largest size of a frame (bytes). A larger one is refused before it is decoded.
 pub const MAX_BYTES: usize = 64 << 20;
 
@@ -13,6 +15,12 @@ pub const MAX_BYTES: usize = 64 << 20;
 pub enum Down {
     /// A round of the lockstep.
     Round(Round),
+    /// On the wall clock: what is new.
+    News(News),
+    /// The answer to [`Up::Time`].
+    Time(Stamps),
+    /// The records up to the batch with this number have arrived.
+    Kept(u64),
     /// The run is over. The host reports what its agents leave.
     Over(End),
     /// The run ends at once, for this reason. The host reports nothing.
@@ -29,6 +37,17 @@ pub struct Round {
     /// Its number, from 1.
     pub number: u64,
     /// What the robots of the host measured.
+    pub measured: Measured,
+    /// Positions from other hosts for robots of this host, in the order of their sending.
+    pub positions: Vec<Position>,
+}
+
+/// On the wall clock: what is new on the plant's host. It may be lost.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct News {
+    /// Time 0 of the run on the clock of the plant's host (ns).
+    pub start_ns: i64,
+    /// What the robots of the host measured last.
     pub measured: Measured,
     /// Positions from other hosts for robots of this host, in the order of their sending.
     pub positions: Vec<Position>,
@@ -59,6 +78,16 @@ pub enum Up {
     Ready(u64),
     /// The answer to a round.
     Answer(Answer),
+    /// On the wall clock: torques and positions for robots of other hosts since the last ones. They may be lost.
+    Sent(Sent),
+    /// On the wall clock: records, sent again until they have arrived.
+    Records(Batch),
+    /// On the wall clock: asks for the time. The number is the time here (ns).
+    Time(i64),
+    /// On the wall clock: what is known of the clock of this host.
+    Clock(ClockReport),
+    /// On the wall clock: how often the agents of these robots have died.
+    Deaths(Vec<(RobotIndex, u32)>),
     /// All agents of the host have ended: what they leave.
     Report(Report),
     /// The host cannot go on, for this reason.
@@ -82,6 +111,24 @@ pub struct Answer {
     pub records: Vec<Vec<u8>>,
 }
 
+/// On the wall clock: what the agents of a host have sent.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Sent {
+    /// Torques, in the order of their sending.
+    pub commands: Vec<TorqueCommand>,
+    /// Positions for robots of other hosts.
+    pub positions: Vec<Position>,
+}
+
+/// On the wall clock: records of the agents of a host.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Batch {
+    /// Its number, from 1.
+    pub number: u64,
+    /// Chunks of records since the last batch.
+    pub records: Vec<Vec<u8>>,
+}
+
 /// What the agents of a host leave.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Report {
@@ -89,6 +136,8 @@ pub struct Report {
     pub files: Vec<LeftFile>,
     /// Chunks of records since the last answer.
     pub records: Vec<Vec<u8>>,
+    /// What went wrong on the host although the run went on.
+    pub failure: Option<String>,
 }
 
 /// A file that an agent left.

@@ -319,6 +319,7 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
             content: vec![1, 2, 3],
         }],
         records: Vec::new(),
+        failure: None,
     });
     let hello = Hello {
         version: "0.1.0".to_owned(),

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slipstream_bus::InputError;
-use slipstream_bus::experiment::Clock;
 use slipstream_hosts::address::{Address, Security};
 use slipstream_hosts::hello::{RemoteHost, is_host_name};
 use slipstream_hosts::network;
@@ -112,13 +111,6 @@ impl Listening {
             None => free_address()?,
         };
         let security = self.protection.of(&address, "--listen")?;
-        if resolved.experiment.settings.clock == Clock::Wall {
-            return Err(InputError::new(
-                "--host",
-                "runs on the virtual clock only: across hosts every round waits for all robots",
-                "drop --clock wall",
-            ));
-        }
         let hosts = self.hosts(resolved)?;
         let across = Across {
             ssh: self.ssh(&hosts)?,

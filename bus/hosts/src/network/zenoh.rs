@@ -87,12 +87,12 @@ pub fn connect(
             }
         });
     watched.background().wait().map_err(&failed)?;
-    let publisher = publisher(&session, format!("{UP}{name}")).map_err(&failed)?;
+    let publishers = Publishers::new(&session, format!("{UP}{name}")).map_err(&failed)?;
     let token = session.liveliness().declare_token(format!("{ALIVE}{name}"));
     Ok(Box::new(HostSide {
         _token: token.wait().map_err(&failed)?,
         _session: session,
-        publisher,
+        publishers,
         events,
     }))
 }
@@ -186,14 +186,29 @@ fn open(ends: &str, security: &Security) -> zenoh::Result<Session> {
     zenoh::open(config).wait()
 }
 
-/// A publisher for frames: at once, in order, and never dropped for want of room.
-fn publisher(session: &Session, key: String) -> zenoh::Result<Publisher<'static>> {
-    let publisher = session
-        .declare_publisher(key)
-        .express(true)
-        .priority(Priority::RealTime)
-        .congestion_control(CongestionControl::Block);
-    publisher.wait()
+/// Publishers for frames to one host: at once and in order.
+struct Publishers {
+    /// Waits for room.
+    sure: Publisher<'static>,
+    /// Drops what there is no room for.
+    fresh: Publisher<'static>,
+}
+
+impl Publishers {
+    fn new(session: &Session, key: String) -> zenoh::Result<Self> {
+        let publisher = |congestion: CongestionControl| {
+            let publisher = session
+                .declare_publisher(key.clone())
+                .express(true)
+                .priority(Priority::RealTime)
+                .congestion_control(congestion);
+            publisher.wait()
+        };
+        Ok(Self {
+            sure: publisher(CongestionControl::Block)?,
+            fresh: publisher(CongestionControl::Drop)?,
+        })
+    }
 }
 
 fn failed(address: &Address) -> impl Fn(zenoh::Error) -> BusError {
@@ -263,22 +278,33 @@ fn host_of(key: &KeyExpr<'_>, begin: &str) -> Option<String> {
 /// The plant's host.
 struct PlantSide {
     events: Receiver<Event>,
-    publishers: BTreeMap<String, Publisher<'static>>,
+    publishers: BTreeMap<String, Publishers>,
     _token: LivelinessToken,
     session: Session,
 }
 
+impl PlantSide {
+    fn publishers(&mut self, host: &str) -> zenoh::Result<&Publishers> {
+        if !self.publishers.contains_key(host) {
+            let publishers = Publishers::new(&self.session, format!("{DOWN}{host}"))?;
+            self.publishers.insert(host.to_owned(), publishers);
+        }
+        let known = self.publishers.get(host);
+        known.ok_or_else(|| format!("no publisher for {host}").into())
+    }
+}
+
 impl PlantCarrier for PlantSide {
     fn send(&mut self, host: &str, frame: &[u8]) -> Result<(), BusError> {
-        let failed = |error| BusError::failed(format!("host {host}"), error);
-        if !self.publishers.contains_key(host) {
-            let publisher = publisher(&self.session, format!("{DOWN}{host}")).map_err(failed)?;
-            self.publishers.insert(host.to_owned(), publisher);
-        }
-        match self.publishers.get(host) {
-            Some(publisher) => publisher.put(frame).wait().map_err(failed),
-            None => Ok(()),
-        }
+        let publishers = self.publishers(host);
+        let sent = publishers.and_then(|own| own.sure.put(frame).wait());
+        sent.map_err(|error| BusError::failed(format!("host {host}"), error))
+    }
+
+    fn offer(&mut self, host: &str, frame: &[u8]) -> Result<(), BusError> {
+        let publishers = self.publishers(host);
+        let sent = publishers.and_then(|own| own.fresh.put(frame).wait());
+        sent.map_err(|error| BusError::failed(format!("host {host}"), error))
     }
 
     fn receive(&mut self, timeout: Duration) -> Result<Option<Event>, BusError> {
@@ -295,15 +321,20 @@ enum HostEvent {
 /// Another host.
 struct HostSide {
     events: Receiver<HostEvent>,
-    publisher: Publisher<'static>,
+    publishers: Publishers,
     _token: LivelinessToken,
     _session: Session,
 }
 
 impl HostCarrier for HostSide {
     fn send(&mut self, frame: &[u8]) -> Result<(), BusError> {
-        let failed = |error| BusError::failed("the plant's host", error);
-        self.publisher.put(frame).wait().map_err(failed)
+        let sent = self.publishers.sure.put(frame).wait();
+        sent.map_err(|error| BusError::failed("the plant's host", error))
+    }
+
+    fn offer(&mut self, frame: &[u8]) -> Result<(), BusError> {
+        let sent = self.publishers.fresh.put(frame).wait();
+        sent.map_err(|error| BusError::failed("the plant's host", error))
     }
 
     fn receive(&mut self, timeout: Duration) -> Result<Option<Vec<u8>>, BusError> {

@@ -5,16 +5,16 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::clock::Monotonic;
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::presence::Presence;
 
+use super::host::{Arrived, Host, Stage};
 use crate::carrier::{Event, PlantCarrier};
+use crate::clock::Stamps;
 use crate::frame::{Answer, Down, Report, Up, decode, encode};
 use crate::hello::{Hello, RemoteHost, Welcome};
-use crate::timing::{Contact, POLL_INTERVAL, RESEND};
-
-/// Time that the last frame of a host whose process is gone has to arrive.
-const GONE_GRACE: Duration = Duration::from_millis(200);
+use crate::timing::{Contact, NEWS_INTERVAL, POLL_INTERVAL, RESEND};
 
 /// All other hosts and the network to them.
 pub(super) struct Hosts<'a> {
@@ -26,34 +26,10 @@ pub(super) struct Hosts<'a> {
     welcome: Welcome,
     timeout: Duration,
     hosts: Vec<Host>,
-}
-
-/// One other host.
-struct Host {
-    remote: RemoteHost,
-    stage: Stage,
-    contact: Contact,
-    /// When its process was found to be gone.
-    gone: Option<Instant>,
-    /// The frame that it has not answered yet, and when it was sent.
-    asked: Option<(Vec<u8>, Instant)>,
-    answer: Option<Answer>,
-    report: Option<Report>,
-}
-
-/// How far a host has come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
-    /// It has not joined.
-    Absent,
-    /// It has joined and starts its agents.
-    Joined,
-    /// Its agents are connected.
-    Ready,
-    /// It has reported what its agents left.
-    Reported,
-    /// It knows that this has arrived, or is gone after it.
-    Left,
+    /// The run goes on without a host that is lost.
+    goes_on: bool,
+    /// What has come on the wall clock: the index of the host, and what.
+    arrived: Vec<(usize, Arrived)>,
 }
 
 impl<'a> Hosts<'a> {
@@ -66,15 +42,6 @@ impl<'a> Hosts<'a> {
         welcome: Welcome,
         carrier: &'a mut dyn PlantCarrier,
     ) -> Self {
-        let host = |remote: &RemoteHost| Host {
-            remote: remote.clone(),
-            stage: Stage::Absent,
-            contact: Contact::now(),
-            gone: None,
-            asked: None,
-            answer: None,
-            report: None,
-        };
         Self {
             carrier,
             presence: joined.presence.clone(),
@@ -82,8 +49,23 @@ impl<'a> Hosts<'a> {
             notice,
             welcome,
             timeout: Duration::from_secs_f64(joined.experiment.settings.host_timeout_s),
-            hosts: remote.iter().map(host).collect(),
+            hosts: remote.iter().map(Host::new).collect(),
+            goes_on: false,
+            arrived: Vec::new(),
         }
+    }
+
+    /// Calls `each` with every host.
+    pub(super) fn each(&self, each: impl Fn(&RemoteHost)) {
+        self.hosts.iter().for_each(|host| each(&host.remote));
+    }
+
+    /// The robots of all hosts.
+    pub(super) fn robots(&self) -> Vec<RobotIndex> {
+        let hosts = self.hosts.iter();
+        hosts
+            .flat_map(|host| host.remote.robots.iter().copied())
+            .collect()
     }
 
     /// Waits until the agents of all hosts are connected.
@@ -104,7 +86,11 @@ impl<'a> Hosts<'a> {
 
     /// Sends every host a frame for its robots, which it has to answer.
     pub(super) fn ask(&mut self, frame: impl Fn(&[RobotIndex]) -> Down) -> Result<(), BusError> {
-        for host in &mut self.hosts {
+        for host in self
+            .hosts
+            .iter_mut()
+            .filter(|host| host.stage < Stage::Lost)
+        {
             let bytes = encode(&frame(&host.remote.robots))?;
             self.carrier.send(&host.remote.name, &bytes)?;
             host.contact.sent();
@@ -136,7 +122,7 @@ impl<'a> Hosts<'a> {
     pub(super) fn all_have_left(&self) -> bool {
         let left = |host: &Host| match host.stage {
             Stage::Reported => host.contact.silence() > self.timeout,
-            stage => stage == Stage::Left,
+            stage => stage >= Stage::Left,
         };
         self.hosts.iter().all(left)
     }
@@ -159,6 +145,44 @@ impl<'a> Hosts<'a> {
             }
         }
         Ok(reports)
+    }
+
+    /// From now on a host that is lost does not end the run.
+    pub(super) fn go_on_without_the_lost(&mut self) {
+        self.goes_on = true;
+    }
+
+    /// On the wall clock: sends every host a frame for its robots, which may be lost.
+    pub(super) fn offer(&mut self, frame: impl Fn(&[RobotIndex]) -> Down) -> Result<(), BusError> {
+        for host in self
+            .hosts
+            .iter_mut()
+            .filter(|host| host.stage < Stage::Lost)
+        {
+            let bytes = encode(&frame(&host.remote.robots))?;
+            self.carrier.offer(&host.remote.name, &bytes)?;
+            host.contact.sent();
+        }
+        Ok(())
+    }
+
+    /// On the wall clock: waits for frames for a moment. Returns what has come, and from which host.
+    pub(super) fn listen(&mut self) -> Result<Vec<(RemoteHost, Arrived)>, BusError> {
+        self.receive(NEWS_INTERVAL)?;
+        self.beat()?;
+        self.check()?;
+        Ok(self.take_arrived())
+    }
+
+    /// What has come on the wall clock, and from which host.
+    pub(super) fn take_arrived(&mut self) -> Vec<(RemoteHost, Arrived)> {
+        let hosts = &self.hosts;
+        let arrived = self.arrived.drain(..);
+        let named = arrived.filter_map(|(index, arrived)| {
+            let host = hosts.get(index)?;
+            Some((host.remote.clone(), arrived))
+        });
+        named.collect()
     }
 
     /// Looks what has come, without waiting.
@@ -232,9 +256,16 @@ impl<'a> Hosts<'a> {
     }
 
     fn take_frame(&mut self, name: &str, bytes: &[u8]) -> Result<(), BusError> {
-        let Some(host) = find(&mut self.hosts, name) else {
+        let received_ns = Monotonic::now().to_shared();
+        let index = self.hosts.iter().position(|host| host.remote.name == name);
+        let Some((index, host)) = index.zip(index.and_then(|index| self.hosts.get_mut(index)))
+        else {
             return Ok(());
         };
+        if host.stage == Stage::Lost {
+            let reason = "the run went on without it".to_owned();
+            return send(self.carrier, host, &Down::Stop(reason));
+        }
         let frame = decode(bytes).map_err(|error| host.failed(&error.to_string()))?;
         host.contact.heard();
         host.gone = None;
@@ -252,6 +283,31 @@ impl<'a> Hosts<'a> {
                 host.answer = Some(answer);
                 None
             }
+            Up::Time(asked_ns) => Some(Down::Time(Stamps {
+                asked_ns,
+                received_ns,
+                sent_ns: Monotonic::now().to_shared(),
+            })),
+            Up::Sent(sent) => {
+                host.check_sent(&sent)?;
+                self.arrived.push((index, Arrived::Sent(sent)));
+                None
+            }
+            Up::Records(batch) => {
+                if batch.number > host.kept {
+                    host.kept = batch.number;
+                    self.arrived.push((index, Arrived::Records(batch.records)));
+                }
+                Some(Down::Kept(batch.number))
+            }
+            Up::Clock(report) => {
+                self.arrived.push((index, Arrived::Clock(report)));
+                None
+            }
+            Up::Deaths(deaths) => {
+                self.arrived.push((index, Arrived::Deaths(deaths)));
+                None
+            }
             Up::Report(report) => {
                 if host.stage < Stage::Reported {
                     (host.stage, host.asked) = (Stage::Reported, None);
@@ -259,7 +315,7 @@ impl<'a> Hosts<'a> {
                 }
                 Some(Down::Received)
             }
-            Up::Failed(reason) => return Err(host.failed(&reason)),
+            Up::Failed(reason) => return self.lose(index, reason),
             Up::Bye => {
                 host.stage = Stage::Left;
                 None
@@ -297,43 +353,30 @@ impl<'a> Hosts<'a> {
     }
 
     /// Checks that the run goes on and that no host is silent for too long.
-    fn check(&self) -> Result<(), BusError> {
+    fn check(&mut self) -> Result<(), BusError> {
         self.presence.check()?;
-        for host in self
-            .hosts
-            .iter()
-            .filter(|host| host.stage < Stage::Reported)
-        {
-            if host.gone.is_some_and(|since| since.elapsed() > GONE_GRACE) {
-                return Err(host.failed("its process is gone: killed, or its computer is down"));
-            }
-            if let Some(problem) = host.contact.too_silent(self.timeout) {
-                return Err(host.failed(&problem));
+        for index in 0..self.hosts.len() {
+            let host = self.hosts.get(index);
+            if let Some(problem) = host.and_then(|host| host.problem(self.timeout)) {
+                self.lose(index, problem)?;
             }
         }
         Ok(())
     }
-}
 
-impl Host {
-    fn failed(&self, reason: &str) -> BusError {
-        BusError::Failed {
-            what: format!("host {}", self.remote.name),
-            reason: reason.to_owned(),
+    /// Gives a host up.
+    ///
+    /// # Errors
+    /// The run does not go on without it.
+    fn lose(&mut self, index: usize, reason: String) -> Result<(), BusError> {
+        let Some(host) = self.hosts.get_mut(index) else {
+            return Ok(());
+        };
+        if !self.goes_on {
+            return Err(host.failed(&reason));
         }
-    }
-
-    /// Checks that an answer is about the robots of the host and no others.
-    fn check(&self, answer: &Answer) -> Result<(), BusError> {
-        let own = &self.remote.robots;
-        let mut answered: Vec<RobotIndex> = answer.commands.iter().map(|own| own.robot).collect();
-        answered.sort_unstable();
-        let mut expected = own.clone();
-        expected.sort_unstable();
-        let from_own = answer.positions.iter().all(|sent| own.contains(&sent.from));
-        if answered != expected || !from_own {
-            return Err(self.failed("it answers for other robots than its own"));
-        }
+        (host.stage, host.asked) = (Stage::Lost, None);
+        self.arrived.push((index, Arrived::Lost(reason)));
         Ok(())
     }
 }

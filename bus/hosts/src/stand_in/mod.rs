@@ -3,8 +3,10 @@
 //! It joins the run as each of these agents would, so that plant, recorder and the agents of this host notice no
 //! difference.
 
+mod host;
 mod hosts;
 mod robots;
+mod wall;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,12 +17,14 @@ use slipstream_bus::transport::BusError;
 use slipstream_ipc::endpoints::Awaited;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::presence::Parent;
+use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::Member;
 
+use self::host::Arrived;
 use self::hosts::Hosts;
 use self::robots::Robots;
 use crate::carrier::PlantCarrier;
-use crate::frame::{Down, End, LeftFile, Report};
+use crate::frame::{Down, End, LeftFile};
 use crate::hello::{RemoteHost, Welcome};
 
 /// Longest wait for a round of the plant, between two looks at the network.
@@ -57,6 +61,8 @@ pub struct StandInOutcome {
     pub ended: ProcessStatus,
     /// Chunks of records that did not reach the recorder.
     pub lost_chunks: u64,
+    /// What went wrong on other hosts although the run went on.
+    pub failures: Vec<String>,
 }
 
 impl StandIn<'_> {
@@ -86,9 +92,22 @@ impl StandIn<'_> {
             carrier,
         );
         let mut lost_chunks = 0;
+        let mut failures = Vec::new();
         let ended = hosts.await_all().and_then(|()| {
-            let mut robots = Robots::join(&joined, self.hosts, self.recording)?;
-            let ended = play(&mut robots, &mut hosts).and_then(|()| {
+            let services = joined.services("hosts")?;
+            let mut robots = Robots::join(&joined, &services, self.hosts, self.recording)?;
+            let ended = if services.lockstep() {
+                play(&mut robots, &mut hosts)
+            } else {
+                let run = Joined {
+                    run: &joined,
+                    services: &services,
+                    recording: self.recording,
+                    notice: self.notice,
+                };
+                wall::pass_on(&run, &mut robots, &mut hosts, &mut failures)
+            };
+            let ended = ended.and_then(|()| {
                 // The plant may have ended first: a run that was stopped is not complete.
                 let stopped = joined.wake_page().stopping();
                 if stopped {
@@ -98,7 +117,7 @@ impl StandIn<'_> {
                 }
             });
             let stopped = ended.as_ref().err().map(told);
-            let left = farewell(&mut robots, &mut hosts, self.keep, stopped);
+            let left = farewell(&mut robots, &mut hosts, self.keep, stopped, &mut failures);
             lost_chunks = robots.lost_chunks();
             ended.and(left)
         });
@@ -108,8 +127,17 @@ impl StandIn<'_> {
         Ok(StandInOutcome {
             ended: ended.into(),
             lost_chunks,
+            failures,
         })
     }
+}
+
+/// The run that the stand-in has joined.
+struct Joined<'a> {
+    run: &'a JoinedRun,
+    services: &'a Services,
+    recording: bool,
+    notice: &'a dyn Fn(&str),
 }
 
 /// What other hosts are told of why the run ends early.
@@ -133,7 +161,7 @@ fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
         robots.take_positions()?;
         hosts.ask(|own| Down::Round(robots.round(number, own)))?;
         for (own, answer) in hosts.await_answers(number)? {
-            robots.answer(&own, &answer)?;
+            robots.answer(&own, answer)?;
         }
     }
     Ok(())
@@ -146,6 +174,7 @@ fn farewell(
     hosts: &mut Hosts<'_>,
     keep: &dyn Fn(&RemoteHost, &LeftFile),
     stopped: Option<String>,
+    failures: &mut Vec<String>,
 ) -> Result<(), BusError> {
     robots.take_last_encoders()?;
     hosts.ask(|own: &[RobotIndex]| {
@@ -157,12 +186,24 @@ fn farewell(
     let limit = stopped.map(|_| STOP_GRACE);
     let begin = Instant::now();
     while !hosts.all_have_left() && limit.is_none_or(|limit| begin.elapsed() < limit) {
-        for (host, Report { files, records }) in hosts.take_reports(limit.is_some())? {
-            robots.record(&host.robots, &records);
-            for file in &files {
-                keep(&host, file);
+        let reports = hosts.take_reports(limit.is_some())?;
+        // On the wall clock, records from before the report.
+        for (host, arrived) in hosts.take_arrived() {
+            if let Arrived::Records(records) = arrived {
+                robots.record(&host.robots, records);
             }
         }
+        for (host, report) in reports {
+            robots.record(&host.robots, report.records);
+            for file in &report.files {
+                keep(&host, file);
+            }
+            let failure = report
+                .failure
+                .map(|own| format!("host {}: {own}", host.name));
+            failures.extend(failure);
+        }
     }
+    robots.hand_over_the_rest();
     Ok(())
 }

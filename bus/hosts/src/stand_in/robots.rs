@@ -1,21 +1,28 @@
 //! The agents that the stand-in takes the part of, with their ports on the plant's host.
 
-use std::time::Duration;
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
 
 use slipstream_bus::message::{Encoders, Position, RobotIndex};
 use slipstream_bus::transport::{BusError, PositionLink};
 use slipstream_ipc::endpoints::{AgentEndpoint, Awaited};
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::record_pipe::{ChunkSender, source_of};
-use slipstream_ipc::services::AGENT_CHUNK;
+use slipstream_ipc::services::{AGENT_CHUNK, Services};
 
-use crate::frame::{Answer, Measured, Round};
+use crate::frame::{Answer, Measured, News, Round, Sent};
 use crate::hello::RemoteHost;
+use crate::timing::NEWS_INTERVAL;
+
+/// Time that the recorder has to take what has come in the end.
+const RECORDER_GRACE: Duration = Duration::from_secs(1);
 
 /// The agents on other hosts.
 pub(super) struct Robots {
     endpoints: Vec<AgentEndpoint>,
     recorder: Option<ChunkSender>,
+    /// Chunks of records that the recorder has had no room for yet.
+    chunks: VecDeque<Vec<u8>>,
     now_ns: i64,
     /// The newest encoders of each robot.
     encoders: Vec<(RobotIndex, Encoders)>,
@@ -28,17 +35,17 @@ impl Robots {
     /// Opens the ports of all agents on other hosts, as each of them would.
     pub(super) fn join(
         joined: &JoinedRun,
+        services: &Services,
         hosts: &[RemoteHost],
         recording: bool,
     ) -> Result<Self, BusError> {
-        let services = joined.services("hosts")?;
         let presence = || joined.presence.clone();
         let robots = hosts.iter().flat_map(|host| &host.robots);
         let endpoints: Vec<AgentEndpoint> = robots
-            .map(|&robot| AgentEndpoint::new(&services, presence(), robot))
+            .map(|&robot| AgentEndpoint::new(services, presence(), robot))
             .collect::<Result<_, _>>()?;
         let recorder = recording
-            .then(|| ChunkSender::new(&services, presence(), AGENT_CHUNK))
+            .then(|| ChunkSender::new(services, presence(), AGENT_CHUNK))
             .transpose()?;
         for _ in &endpoints {
             joined.wake_page().signal_ready();
@@ -46,6 +53,7 @@ impl Robots {
         Ok(Self {
             endpoints,
             recorder,
+            chunks: VecDeque::new(),
             now_ns: 0,
             encoders: Vec::new(),
             positions: Vec::new(),
@@ -84,6 +92,48 @@ impl Robots {
         Ok(())
     }
 
+    /// On the wall clock: takes the newest encoders and the positions that wait. Returns whether there was anything.
+    pub(super) fn look(&mut self) -> Result<bool, BusError> {
+        self.take_positions()?;
+        let mut is_new = !self.positions.is_empty();
+        for endpoint in &self.endpoints {
+            if let Some(newest) = endpoint.newest_encoders()? {
+                self.now_ns = newest.sampled_ns.max(self.now_ns);
+                let robot = endpoint.robot();
+                match self.encoders.iter_mut().find(|(known, _)| *known == robot) {
+                    Some((_, encoders)) => *encoders = newest,
+                    None => self.encoders.push((robot, newest)),
+                }
+                is_new = true;
+            }
+        }
+        Ok(is_new)
+    }
+
+    /// On the wall clock: what is new for the host with these robots.
+    pub(super) fn news(&self, start_ns: i64, own: &[RobotIndex]) -> News {
+        News {
+            start_ns,
+            measured: self.measured(own),
+            positions: self.positions_for(own),
+        }
+    }
+
+    /// On the wall clock: passes on what the agents of a host have sent.
+    pub(super) fn pass_on(&mut self, sent: &Sent) -> Result<(), BusError> {
+        for position in &sent.positions {
+            if let Some(sender) = self.endpoint(position.from) {
+                sender.links().forward(position)?;
+            }
+        }
+        for command in &sent.commands {
+            if let Some(endpoint) = self.endpoint(command.robot) {
+                endpoint.send_command(*command)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Takes the positions that wait for these robots.
     pub(super) fn take_positions(&mut self) -> Result<(), BusError> {
         self.positions.clear();
@@ -98,15 +148,17 @@ impl Robots {
 
     /// The round for the host with these robots.
     pub(super) fn round(&self, number: u64, own: &[RobotIndex]) -> Round {
-        let positions = self.positions.iter();
         Round {
             number,
             measured: self.measured(own),
-            positions: positions
-                .filter(|(to, _)| own.contains(to))
-                .map(|&(_, position)| position)
-                .collect(),
+            positions: self.positions_for(own),
         }
+    }
+
+    fn positions_for(&self, own: &[RobotIndex]) -> Vec<Position> {
+        let positions = self.positions.iter();
+        let own = positions.filter(|(to, _)| own.contains(to));
+        own.map(|&(_, position)| position).collect()
     }
 
     /// The encoders of these robots.
@@ -119,8 +171,8 @@ impl Robots {
     }
 
     /// Answers the round for the robots of a host: sends their positions and records, then their torques.
-    pub(super) fn answer(&mut self, own: &[RobotIndex], answer: &Answer) -> Result<(), BusError> {
-        self.record(own, &answer.records);
+    pub(super) fn answer(&mut self, own: &[RobotIndex], answer: Answer) -> Result<(), BusError> {
+        self.record(own, answer.records);
         for position in &answer.positions {
             let sender = self
                 .endpoint(position.from)
@@ -137,16 +189,43 @@ impl Robots {
         Ok(())
     }
 
-    /// Hands chunks of records of these robots to the recorder.
-    pub(super) fn record(&mut self, own: &[RobotIndex], chunks: &[Vec<u8>]) {
+    /// Hands chunks of records of these robots to the recorder. On the wall clock some may have to wait.
+    pub(super) fn record(&mut self, own: &[RobotIndex], chunks: Vec<Vec<u8>>) {
+        for chunk in chunks {
+            let is_own = source_of(&chunk).is_some_and(|robot| own.contains(&robot));
+            if is_own && chunk.len() <= AGENT_CHUNK {
+                self.chunks.push_back(chunk);
+            } else {
+                self.lost_chunks += 1;
+            }
+        }
+        self.hand_over();
+    }
+
+    /// Hands what has waited to the recorder, as far as it has room.
+    pub(super) fn hand_over(&mut self) {
         let Some(recorder) = &self.recorder else {
+            self.chunks.clear();
             return;
         };
-        for chunk in chunks {
-            let is_own = source_of(chunk).is_some_and(|robot| own.contains(&robot));
-            let delivered = is_own && chunk.len() <= AGENT_CHUNK && recorder.deliver(chunk);
-            self.lost_chunks += u64::from(!delivered);
+        while let Some(chunk) = self.chunks.front() {
+            if !recorder.deliver(chunk) {
+                return;
+            }
+            self.chunks.pop_front();
         }
+    }
+
+    /// Hands all that has waited to the recorder; what it does not take in a second is lost.
+    pub(super) fn hand_over_the_rest(&mut self) {
+        let begin = Instant::now();
+        self.hand_over();
+        while !self.chunks.is_empty() && begin.elapsed() < RECORDER_GRACE {
+            std::thread::sleep(NEWS_INTERVAL);
+            self.hand_over();
+        }
+        self.lost_chunks += self.chunks.len() as u64;
+        self.chunks.clear();
     }
 
     /// Number of chunks of records that did not reach the recorder.

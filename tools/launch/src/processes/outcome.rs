@@ -5,6 +5,7 @@ use slipstream_bus::experiment::Clock;
 use slipstream_bus::message::robot_name;
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_hosts::hello::RemoteHost;
+use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::clock::Deadlines;
 use slipstream_sim::run::process::PlantOutcome;
 
@@ -43,6 +44,14 @@ impl Run<'_> {
         if settings.clock == Clock::Wall {
             summary.deadlines = self.deadlines(plant.as_ref(), &agents, summary.duration_s);
         }
+        if let Some(elsewhere) = self.elsewhere() {
+            // A chunk holds many records; one is sure.
+            summary.lost_records += elsewhere.lost_chunks;
+            for failure in elsewhere.failures {
+                self.fail(failure);
+            }
+            summary.status = self.status.clone();
+        }
         if summary.lost_records > 0 && self.status == RunStatus::Done {
             let lost = summary.lost_records;
             self.fail(format!(
@@ -52,6 +61,11 @@ impl Run<'_> {
             summary.status = self.status.clone();
         }
         summary
+    }
+
+    /// What the stand-in for other hosts reports, if there is one.
+    fn elsewhere(&self) -> Option<StandInOutcome> {
+        report::read(self.directory.folder(), &Role::StandIn(0).name())
     }
 
     /// The agents on other hosts.

@@ -235,6 +235,7 @@ impl RoleArguments {
                     folder: run,
                     launcher,
                     run: *number,
+                    recording,
                     left: &|robots| belongings::left(run, robots),
                     failure: &|| report::read_failure(run, HOST),
                 };

@@ -117,6 +117,7 @@ pub(crate) fn run_across(
                     folder: host.folder(),
                     launcher: Parent::now(),
                     run: RUN,
+                    recording: false,
                     left: &|_| Vec::new(),
                     failure: &|| None,
                 };

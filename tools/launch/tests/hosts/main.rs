@@ -10,12 +10,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use slipstream_bus::Experiment;
-use slipstream_bus::experiment::Protocol;
+use slipstream_bus::experiment::{Clock, OnDeath, Protocol};
 use slipstream_bus::message::{RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
+use slipstream_bus::{Experiment, Settings};
 use slipstream_hosts::carrier::{Event, HostCarrier, PlantCarrier};
-use slipstream_hosts::frame::{Answer, Down, Up, decode, encode};
+use slipstream_hosts::frame::{Answer, Down, Report, Up, decode, encode};
 use slipstream_hosts::hello::{Hello, RemoteHost, Welcome};
 use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::join::ProcessStatus;
@@ -209,10 +209,10 @@ fn lost_frames_and_a_cut_change_nothing() {
 
 /// The plant's host alone, with a stand-in that waits for the hosts `b` and `c`. `play`: what the other hosts do.
 fn with_stand_in<T>(
-    timeout_s: f64,
+    change: impl Fn(&mut Settings),
     play: impl FnOnce(&Sender<Event>, &BTreeMap<String, Receiver<Vec<u8>>>) -> T,
 ) -> (T, StandInOutcome) {
-    let experiment = experiment(2, |s| s.host_timeout_s = timeout_s);
+    let experiment = experiment(2, change);
     let remote = remote(&[("b", &[0]), ("c", &[1])]);
     let (home, away) = network(&remote, FINE);
     let to_home = away[0].home.clone();
@@ -233,6 +233,10 @@ fn with_stand_in<T>(
         let _ = plant.join().unwrap();
         (played, outcome)
     })
+}
+
+fn patient(settings: &mut Settings) {
+    settings.host_timeout_s = 30.0;
 }
 
 fn greet(home: &Sender<Event>, version: &str, name: &str) -> Result<Welcome, String> {
@@ -260,7 +264,7 @@ fn reason(outcome: StandInOutcome) -> String {
 
 #[test]
 fn a_host_that_may_not_join_is_told_why() {
-    let (_, outcome) = with_stand_in(30.0, |home, _| {
+    let (_, outcome) = with_stand_in(patient, |home, _| {
         let refused = |version: &str, name: &str| greet(home, version, name).unwrap_err();
         let other = refused("0.1.0 (other)", "b");
         assert!(
@@ -296,15 +300,18 @@ fn a_host_that_falls_silent_or_is_gone_ends_the_run_in_words() {
     let await_round = |frames: &Receiver<Vec<u8>>| {
         while !matches!(decode(&frames.recv().unwrap()), Ok(Down::Round(_))) {}
     };
-    let (begin, outcome) = with_stand_in(1.0, |home, frames| {
-        ready(home);
-        await_round(&frames["c"]);
-        Instant::now()
-    });
+    let (begin, outcome) = with_stand_in(
+        |s| s.host_timeout_s = 1.0,
+        |home, frames| {
+            ready(home);
+            await_round(&frames["c"]);
+            Instant::now()
+        },
+    );
     let text = reason(outcome);
     assert!(text.contains("it has been silent for 1."), "{text}");
     assert!(begin.elapsed() < Duration::from_secs(3));
-    let (_, outcome) = with_stand_in(30.0, |home, frames| {
+    let (_, outcome) = with_stand_in(patient, |home, frames| {
         ready(home);
         await_round(&frames["c"]);
         let host = "c".to_owned();
@@ -316,7 +323,7 @@ fn a_host_that_falls_silent_or_is_gone_ends_the_run_in_words() {
 
 #[test]
 fn an_answer_for_robots_of_another_host_is_refused() {
-    let (_, outcome) = with_stand_in(30.0, |home, frames| {
+    let (_, outcome) = with_stand_in(patient, |home, frames| {
         for host in ["b", "c"] {
             greet(home, VERSION, host).unwrap();
             send(home, host, &Up::Ready(RUN));
@@ -343,4 +350,79 @@ fn an_answer_for_robots_of_another_host_is_refused() {
     });
     let text = reason(outcome);
     assert_eq!(text, "host b: it answers for other robots than its own");
+}
+
+#[test]
+fn on_the_wall_clock_encoders_torques_and_positions_cross() {
+    let experiment = experiment(3, |s| {
+        s.clock = Clock::Wall;
+        s.links.delay_s = 0.05;
+    });
+    let remote = remote(&[("b", &[1]), ("c", &[2])]);
+    let lossy = Weather {
+        loses: 40,
+        cut: None,
+    };
+    for weather in [FINE, lossy] {
+        let (home, away) = network(&remote, weather);
+        let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
+        let away = away.into_iter().map(boxed).collect();
+        let (outcome, reports) = run_across(&experiment, &remote, Box::new(home), away);
+        for (robot, report) in outcome.report.robots.iter().zip(&reports) {
+            // No wheel slips, so odometry is the truth but for the resolution of the encoders. It includes the last
+            // encoders of the run, which are sent until they have come.
+            let [x, y, _] = robot.final_true;
+            let [odometry_x, odometry_y, _] = report.final_odometry;
+            let error_m = (x - odometry_x).hypot(y - odometry_y);
+            assert!(error_m < 0.001, "{robot:?} {report:?}");
+        }
+        let distance_m =
+            |robot: usize, start_m: f64| outcome.report.robots[robot].final_true[0] - start_m;
+        for (robot, start_m) in [0.6096, 0.0, -0.6096].into_iter().enumerate() {
+            assert!(distance_m(robot, start_m) > 0.1, "{:?}", outcome.report);
+        }
+        for link in 0..2 {
+            let (_, sent) = reports[link].sent.unwrap();
+            let received = reports[link + 1].received.unwrap().1.received;
+            // The last ones may be under way at the end.
+            let least = if weather.loses == 0 {
+                sent - 2
+            } else {
+                sent / 2
+            };
+            assert!((least..=sent).contains(&received), "{received} of {sent}");
+        }
+    }
+}
+
+#[test]
+fn on_the_wall_clock_a_run_can_go_on_without_a_host() {
+    let goes_on = |s: &mut Settings| {
+        s.clock = Clock::Wall;
+        s.on_death = OnDeath::Continue;
+        s.host_timeout_s = 1.0;
+    };
+    let (_, outcome) = with_stand_in(goes_on, |home, frames| {
+        for host in ["b", "c"] {
+            greet(home, VERSION, host).unwrap();
+            send(home, host, &Up::Ready(RUN));
+        }
+        // The host c is silent from here on. The host b beats and reports.
+        loop {
+            match decode(&frames["b"].recv().unwrap()).unwrap() {
+                Down::Over(_) => send(home, "b", &Up::Report(Report::default())),
+                Down::Received => break,
+                _ => send(home, "b", &Up::Beat),
+            }
+        }
+        send(home, "b", &Up::Bye);
+    });
+    assert_eq!(outcome.ended, ProcessStatus::Done);
+    let [failure] = &outcome.failures[..] else {
+        panic!("{outcome:?}");
+    };
+    assert!(
+        failure.starts_with("host c: it has been silent for 1."),
+        "{failure}"
+    );
 }

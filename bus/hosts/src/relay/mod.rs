@@ -1,7 +1,10 @@
 //! Relay: the process on another host that takes the part of the plant and of the recorder.
 //!
-//! To the agents of its host it is what the plant is: it wakes them for every round and collects their answers. It
-//! sends home what they record, and in the end what they leave.
+//! To the agents of its host it is what the plant is: it brings them encoders and collects their torques. It sends home
+//! what they record, and in the end what they leave.
+
+mod lockstep;
+mod wall;
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -17,7 +20,7 @@ use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::{Member, Stage};
 
 use crate::carrier::HostCarrier;
-use crate::frame::{Answer, Down, End, LeftFile, Measured, Report, Round, Up, decode, encode};
+use crate::frame::{Down, End, LeftFile, Measured, Report, Up, decode, encode};
 use crate::timing::{Contact, POLL_INTERVAL, RESEND};
 
 /// What the relay is started with.
@@ -28,6 +31,8 @@ pub struct Relay<'a> {
     pub launcher: Parent,
     /// Number of the run that this host has joined.
     pub run: u64,
+    /// The run is recorded.
+    pub recording: bool,
     /// The files that the agents of these robots left, in the run directory.
     pub left: &'a dyn Fn(&[RobotIndex]) -> Vec<LeftFile>,
     /// Why the launcher stopped the agents of this host, if it did.
@@ -41,7 +46,7 @@ pub struct RelayOutcome {
     pub ended: ProcessStatus,
 }
 
-/// What the relay needs in a round.
+/// What the relay needs while the run goes on.
 struct Play<'a> {
     joined: &'a JoinedRun,
     carrier: &'a mut dyn HostCarrier,
@@ -54,8 +59,6 @@ struct Play<'a> {
     chunks: Vec<Vec<u8>>,
     contact: Contact,
     timeout: Duration,
-    /// The last answer, encoded, and its round.
-    answered: (u64, Vec<u8>),
     encoders: Vec<Encoders>,
     commands: Vec<TorqueCommand>,
 }
@@ -76,10 +79,14 @@ impl Relay<'_> {
             .await_agents()
             .and_then(|()| {
                 drop(kept);
-                play.rounds()
+                if services.lockstep() {
+                    lockstep::rounds(&mut play)
+                } else {
+                    wall::pass_on(&mut play, &services, self.recording)
+                }
             })
             .and_then(|stopped| {
-                play.send_report(self.left)?;
+                play.send_report(self.left, self.failure)?;
                 stopped.map_or(Ok(()), |reason| Err(stopped_by_plant(reason)))
             });
         joined.wake_page().advance(Stage::Over);
@@ -115,7 +122,6 @@ impl<'a> Play<'a> {
             chunks: Vec::new(),
             contact: Contact::now(),
             timeout: Duration::from_secs_f64(experiment.settings.host_timeout_s),
-            answered: (0, Vec::new()),
             encoders: vec![Encoders::default(); all],
             commands: vec![TorqueCommand::default(); all],
         })
@@ -130,65 +136,13 @@ impl<'a> Play<'a> {
         Ok(())
     }
 
-    /// Answers the rounds of the plant until the run is over. Returns why it ended early, if it did.
-    fn rounds(&mut self) -> Result<Option<String>, BusError> {
-        self.send(&Up::Ready(self.run))?;
-        self.joined.wake_page().advance(Stage::Running);
-        loop {
-            match self.receive()? {
-                None if self.answered.0 == 0 && self.contact.resend_is_due() => {
-                    self.send(&Up::Ready(self.run))?;
-                }
-                None | Some(Down::Beat | Down::Received) => {}
-                Some(Down::Round(round)) => self.answer(&round)?,
-                Some(Down::Over(End { measured, stopped })) => {
-                    self.measure(&measured)?;
-                    self.plant.publish_final(measured.now_ns, &self.encoders)?;
-                    self.joined.wake_page().advance(Stage::Over);
-                    return Ok(stopped);
-                }
-                Some(Down::Stop(reason)) => return Err(stopped_by_plant(reason)),
-            }
-        }
-    }
-
-    /// Plays a round, or answers one that came again from memory.
-    fn answer(&mut self, round: &Round) -> Result<(), BusError> {
-        if round.number == self.answered.0 {
-            self.contact.sent();
-            return self.carrier.send(&self.answered.1);
-        }
-        if round.number < self.answered.0 {
-            return Ok(());
-        }
-        if round.number > self.answered.0 + 1 {
-            return Err(BusError::failed("network", "a round is missing"));
-        }
-        self.measure(&round.measured)?;
-        let now_ns = round.measured.now_ns;
-        for position in &round.positions {
-            self.crossing.deliver(position)?;
-        }
-        self.plant.begin_round(now_ns, &self.encoders)?;
-        while !self.plant.await_answers()? {
-            self.drain_records()?;
-            self.beat()?;
-        }
-        self.plant.take_answers(&mut self.commands)?;
-        self.joined.wake_page().publish_progress(now_ns, 0.0, 0.0);
-        let mut positions = Vec::new();
-        self.crossing.poll(|position| positions.push(position))?;
-        self.drain_records()?;
-        let commands = self.robots.iter().map(|&own| self.commands[own as usize]);
-        let answer = Up::Answer(Answer {
-            number: round.number,
-            commands: commands.collect(),
-            positions,
-            records: std::mem::take(&mut self.chunks),
-        });
-        self.answered = (round.number, encode(&answer)?);
-        self.contact.sent();
-        self.carrier.send(&self.answered.1)
+    /// Takes the end of the run: the last encoders. Returns why it ended early, if it did.
+    fn end(&mut self, end: End) -> Result<Option<String>, BusError> {
+        self.measure(&end.measured)?;
+        let now_ns = end.measured.now_ns;
+        self.plant.publish_final(now_ns, &self.encoders)?;
+        self.joined.wake_page().advance(Stage::Over);
+        Ok(end.stopped)
     }
 
     /// Takes the encoders of the robots of this host.
@@ -204,6 +158,7 @@ impl<'a> Play<'a> {
     fn send_report(
         &mut self,
         left: &dyn Fn(&[RobotIndex]) -> Vec<LeftFile>,
+        failure: &dyn Fn() -> Option<String>,
     ) -> Result<(), BusError> {
         let wake_page = self.joined.wake_page();
         while !wake_page.wait_stage(Stage::Drained, POLL_INTERVAL) {
@@ -213,6 +168,7 @@ impl<'a> Play<'a> {
         let report = encode(&Up::Report(Report {
             files: left(&self.robots),
             records: std::mem::take(&mut self.chunks),
+            failure: failure(),
         }))?;
         let mut sent: Option<Instant> = None;
         loop {
