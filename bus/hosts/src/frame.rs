@@ -4,6 +4,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::transport::BusError;
+use slipstream_ipc::wake_page::DEADLINE_WORDS;
 
 use crate::clock::{ClockReport, Stamps};
 
@@ -86,8 +87,8 @@ pub enum Up {
     Time(i64),
     /// On the wall clock: what is known of the clock of this host.
     Clock(ClockReport),
-    /// On the wall clock: how often the agents of these robots have died.
-    Deaths(Vec<(RobotIndex, u32)>),
+    /// On the wall clock: the agents of this host.
+    Agents(Vec<AgentState>),
     /// All agents of the host have ended: what they leave.
     Report(Report),
     /// The host cannot go on, for this reason.
@@ -118,6 +119,17 @@ pub struct Sent {
     pub commands: Vec<TorqueCommand>,
     /// Positions for robots of other hosts.
     pub positions: Vec<Position>,
+}
+
+/// On the wall clock: what is known of an agent even if it dies, or its host is lost.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AgentState {
+    /// Its robot.
+    pub robot: RobotIndex,
+    /// How often it has died.
+    pub deaths: u32,
+    /// Deadline counts of its loops so far, as on the wake-up page.
+    pub deadlines: Vec<[i64; DEADLINE_WORDS]>,
 }
 
 /// On the wall clock: records of the agents of a host.

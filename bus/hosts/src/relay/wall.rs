@@ -2,17 +2,18 @@
 
 use std::time::{Duration, Instant};
 
+use slipstream_bus::message::RobotIndex;
 use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{AGENT_CHUNK, Services};
 use slipstream_ipc::trace;
-use slipstream_ipc::wake_page::Stage;
+use slipstream_ipc::wake_page::{Member, Stage};
 
 use super::{Play, stopped_by_plant};
 use crate::clock::HostClock;
-use crate::frame::{Batch, Down, End, News, Sent, Up, encode};
+use crate::frame::{AgentState, Batch, Down, End, News, Sent, Up, encode};
 use crate::log;
 use crate::timing::{NEWS_INTERVAL, PRIORITY, RESEND, TIME_INTERVAL};
 
@@ -187,32 +188,29 @@ impl Wall<'_, '_> {
         Ok(())
     }
 
-    /// Tells once a second what is known of the clock, and which agents have died.
+    /// Tells once a second what is known of the clock and of the agents.
     fn report(&mut self) -> Result<(), BusError> {
         if let Some(report) = self.clock.report(Monotonic::now().to_shared()) {
             self.play.send(&Up::Clock(report))?;
-            self.send_deaths()?;
+            self.send_agents()?;
         }
         Ok(())
     }
 
-    fn send_deaths(&mut self) -> Result<(), BusError> {
+    fn send_agents(&mut self) -> Result<(), BusError> {
         let wake_page = self.play.joined.wake_page();
-        let deaths = self
-            .play
-            .robots
-            .iter()
-            .map(|&robot| (robot, wake_page.deaths(Some(robot as usize))));
-        let deaths: Vec<_> = deaths.filter(|&(_, deaths)| deaths > 0).collect();
-        if !deaths.is_empty() {
-            self.play.send(&Up::Deaths(deaths))?;
-        }
-        Ok(())
+        let state = |&robot: &RobotIndex| AgentState {
+            robot,
+            deaths: wake_page.deaths(Some(robot as usize)),
+            deadlines: wake_page.deadlines(Member::Agent(robot as usize)),
+        };
+        let agents = self.play.robots.iter().map(state).collect();
+        self.play.send(&Up::Agents(agents))
     }
 
     /// Ends the run on this host. Returns once no batch of records is under way.
     fn end(mut self, end: End) -> Result<Option<String>, BusError> {
-        self.send_deaths()?;
+        self.send_agents()?;
         let stopped = self.play.end(end)?;
         self.own.flush();
         while self.pending.is_some() {

@@ -6,7 +6,7 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_bus::transport::BusError;
 
 use crate::clock::ClockReport;
-use crate::frame::{Answer, Report, Sent};
+use crate::frame::{AgentState, Answer, Report, Sent};
 use crate::hello::RemoteHost;
 use crate::timing::Contact;
 
@@ -53,8 +53,8 @@ pub(super) enum Arrived {
     Records(Vec<Vec<u8>>),
     /// What is known of its clock.
     Clock(ClockReport),
-    /// How often the agents of these robots have died.
-    Deaths(Vec<(RobotIndex, u32)>),
+    /// Its agents.
+    Agents(Vec<AgentState>),
     /// Nothing any more: the host is lost, for this reason.
     Lost(String),
 }

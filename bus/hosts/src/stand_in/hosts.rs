@@ -304,8 +304,8 @@ impl<'a> Hosts<'a> {
                 self.arrived.push((index, Arrived::Clock(report)));
                 None
             }
-            Up::Deaths(deaths) => {
-                self.arrived.push((index, Arrived::Deaths(deaths)));
+            Up::Agents(agents) => {
+                self.arrived.push((index, Arrived::Agents(agents)));
                 None
             }
             Up::Report(report) => {

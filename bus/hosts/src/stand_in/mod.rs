@@ -79,7 +79,7 @@ impl StandIn<'_> {
         let welcome = Welcome {
             run: self.run,
             experiment,
-            keys: self.keys,
+            keys: self.keys.clone(),
             robots: Vec::new(),
             recording: self.recording,
         };
@@ -91,34 +91,21 @@ impl StandIn<'_> {
             welcome,
             carrier,
         );
-        let mut lost_chunks = 0;
-        let mut failures = Vec::new();
+        let (mut lost_chunks, mut failures) = (0, Vec::new());
         let ended = hosts.await_all().and_then(|()| {
             let services = joined.services("hosts")?;
             let mut robots = Robots::join(&joined, &services, self.hosts, self.recording)?;
-            let ended = if services.lockstep() {
-                play(&mut robots, &mut hosts)
-            } else {
-                let run = Joined {
-                    run: &joined,
-                    services: &services,
-                    recording: self.recording,
-                    notice: self.notice,
-                };
-                wall::pass_on(&run, &mut robots, &mut hosts, &mut failures)
+            let mut session = Session {
+                stand_in: &self,
+                joined: &joined,
+                services: &services,
+                failures: Vec::new(),
             };
-            let ended = ended.and_then(|()| {
-                // The plant may have ended first: a run that was stopped is not complete.
-                let stopped = joined.wake_page().stopping();
-                if stopped {
-                    Err(BusError::Stopped)
-                } else {
-                    Ok(())
-                }
-            });
+            let ended = session.play(&mut robots, &mut hosts);
             let stopped = ended.as_ref().err().map(told);
-            let left = farewell(&mut robots, &mut hosts, self.keep, stopped, &mut failures);
+            let left = farewell(&mut session, &mut robots, &mut hosts, stopped);
             lost_chunks = robots.lost_chunks();
+            failures = session.failures;
             ended.and(left)
         });
         if let Err(error) = &ended {
@@ -133,11 +120,35 @@ impl StandIn<'_> {
 }
 
 /// The run that the stand-in has joined.
-struct Joined<'a> {
-    run: &'a JoinedRun,
+struct Session<'a> {
+    stand_in: &'a StandIn<'a>,
+    joined: &'a JoinedRun,
     services: &'a Services,
-    recording: bool,
-    notice: &'a dyn Fn(&str),
+    /// What went wrong although the run went on.
+    failures: Vec<String>,
+}
+
+impl Session<'_> {
+    /// Takes the part of the agents until the plant has made its last step.
+    fn play(&mut self, robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
+        if self.services.lockstep() {
+            rounds(robots, hosts)?;
+        } else {
+            wall::pass_on(self, robots, hosts)?;
+        }
+        // The plant may have ended first: a run that was stopped is not complete.
+        match self.joined.wake_page().stopping() {
+            true => Err(BusError::Stopped),
+            false => Ok(()),
+        }
+    }
+
+    /// Says what went wrong on a host although the run goes on, and keeps it. `follows`: the end of the sentence.
+    fn fail(&mut self, host: &str, reason: &str, follows: &str) {
+        let failure = format!("host {host}: {reason}");
+        (self.stand_in.notice)(&format!("{failure}{follows}"));
+        self.failures.push(failure);
+    }
 }
 
 /// What other hosts are told of why the run ends early.
@@ -148,8 +159,8 @@ fn told(error: &BusError) -> String {
     }
 }
 
-/// Plays all rounds.
-fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
+/// In lockstep: plays all rounds.
+fn rounds(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
     for number in 1.. {
         loop {
             match robots.await_round(ROUND_WAIT)? {
@@ -170,11 +181,10 @@ fn play(robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
 /// Tells the hosts that the run is over, and keeps what their agents leave. `stopped`: why the run ends early; then
 /// there is little time.
 fn farewell(
+    session: &mut Session<'_>,
     robots: &mut Robots,
     hosts: &mut Hosts<'_>,
-    keep: &dyn Fn(&RemoteHost, &LeftFile),
     stopped: Option<String>,
-    failures: &mut Vec<String>,
 ) -> Result<(), BusError> {
     robots.take_last_encoders()?;
     hosts.ask(|own: &[RobotIndex]| {
@@ -189,19 +199,22 @@ fn farewell(
         let reports = hosts.take_reports(limit.is_some())?;
         // On the wall clock, records from before the report.
         for (host, arrived) in hosts.take_arrived() {
-            if let Arrived::Records(records) = arrived {
-                robots.record(&host.robots, records);
+            match arrived {
+                Arrived::Records(records) => robots.record(&host.robots, records),
+                Arrived::Lost(reason) => {
+                    session.fail(&host.name, &reason, "; what its agents left is missing");
+                }
+                Arrived::Sent(_) | Arrived::Clock(_) | Arrived::Agents(_) => {}
             }
         }
         for (host, report) in reports {
             robots.record(&host.robots, report.records);
             for file in &report.files {
-                keep(&host, file);
+                (session.stand_in.keep)(&host, file);
             }
-            let failure = report
-                .failure
-                .map(|own| format!("host {}: {own}", host.name));
-            failures.extend(failure);
+            if let Some(failure) = report.failure {
+                session.fail(&host.name, &failure, "");
+            }
         }
     }
     robots.hand_over_the_rest();

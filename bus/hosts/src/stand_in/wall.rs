@@ -10,13 +10,13 @@ use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 
-use super::Joined;
+use super::Session;
 use super::host::Arrived;
 use super::hosts::Hosts;
 use super::robots::Robots;
-use crate::frame::{Down, Sent};
+use crate::frame::{AgentState, Down, Sent};
 use crate::hello::RemoteHost;
 use crate::log;
 use crate::timing::PRIORITY;
@@ -32,22 +32,21 @@ struct Wall<'a> {
     start_ns: i64,
     /// The robots whose agents run on other hosts.
     elsewhere: Vec<RobotIndex>,
-    notice: &'a dyn Fn(&str),
 }
 
-/// Passes on what plant and agents send until the run is over. `failures`: what goes wrong although it goes on.
+/// Passes on what plant and agents send until the run is over.
 pub(super) fn pass_on(
-    joined: &Joined<'_>,
+    session: &mut Session<'_>,
     robots: &mut Robots,
     hosts: &mut Hosts<'_>,
-    failures: &mut Vec<String>,
 ) -> Result<(), BusError> {
     let _ = RealTime::request(PRIORITY);
-    let wake_page = joined.run.wake_page();
+    let joined = session.joined;
+    let wake_page = joined.wake_page();
     while !wake_page.wait_stage(Stage::Running, START_WAIT) {
         hosts.look()?;
     }
-    let experiment = &joined.run.experiment;
+    let experiment = &joined.experiment;
     if experiment.settings.on_death != OnDeath::Stop {
         hosts.go_on_without_the_lost();
     }
@@ -58,21 +57,19 @@ pub(super) fn pass_on(
         topology: Topology::new(experiment),
         start_ns,
         elsewhere: hosts.robots(),
-        notice: joined.notice,
     };
     hosts.each(log::host);
     let source = wall.elsewhere.first().map_or(0, |robot| robot + 1);
-    let presence = joined.run.presence.clone();
     let mut own = RecordSender::new(
-        joined.services,
-        presence,
+        session.services,
+        joined.presence.clone(),
         source,
         AGENT_CHUNK,
-        joined.recording,
+        session.stand_in.recording,
     )?;
     while wake_page.stage() < Stage::Over {
         for (host, arrived) in hosts.listen()? {
-            wall.take(&host, arrived, robots, failures)?;
+            wall.take(&host, arrived, robots, session)?;
         }
         if robots.look()? {
             hosts.offer(|own| Down::News(robots.news(start_ns, own)))?;
@@ -91,7 +88,7 @@ impl Wall<'_> {
         host: &RemoteHost,
         arrived: Arrived,
         robots: &mut Robots,
-        failures: &mut Vec<String>,
+        session: &mut Session<'_>,
     ) -> Result<(), BusError> {
         match arrived {
             Arrived::Sent(sent) => {
@@ -100,11 +97,11 @@ impl Wall<'_> {
             }
             Arrived::Records(records) => robots.record(&host.robots, records),
             Arrived::Clock(report) => log::clock(&host.name, self.start_ns, &report),
-            Arrived::Deaths(deaths) => {
-                let own = deaths
+            Arrived::Agents(agents) => {
+                let own = agents
                     .iter()
-                    .filter(|(robot, _)| host.robots.contains(robot));
-                own.for_each(|&(robot, deaths)| self.count_deaths(robot, deaths));
+                    .filter(|agent| host.robots.contains(&agent.robot));
+                own.for_each(|agent| self.keep(agent));
             }
             Arrived::Lost(reason) => {
                 for &robot in &host.robots {
@@ -112,22 +109,21 @@ impl Wall<'_> {
                 }
                 let lost: Vec<String> =
                     host.robots.iter().map(|&robot| robot_name(robot)).collect();
-                let failure = format!("host {}: {reason}", host.name);
-                (self.notice)(&format!(
-                    "{failure}; the run goes on without {}",
-                    lost.join(", ")
-                ));
-                failures.push(failure);
+                let follows = format!("; the run goes on without {}", lost.join(", "));
+                session.fail(&host.name, &reason, &follows);
             }
         }
         Ok(())
     }
 
-    /// Counts the deaths of an agent of another host as those of an agent of this one.
-    fn count_deaths(&self, robot: RobotIndex, deaths: u32) {
-        for _ in self.wake_page.deaths(Some(robot as usize))..deaths {
-            self.wake_page.count_death(Some(robot as usize));
+    /// Keeps what is known of an agent of another host as if it ran on this one.
+    fn keep(&self, agent: &AgentState) {
+        let robot = agent.robot as usize;
+        for _ in self.wake_page.deaths(Some(robot))..agent.deaths {
+            self.wake_page.count_death(Some(robot));
         }
+        let member = Member::Agent(robot);
+        self.wake_page.publish_deadlines(member, &agent.deadlines);
     }
 
     /// Traces the positions that have come for robots of this host.

@@ -47,10 +47,12 @@ impl Run<'_> {
         if let Some(elsewhere) = self.elsewhere() {
             // A chunk holds many records; one is sure.
             summary.lost_records += elsewhere.lost_chunks;
-            for failure in elsewhere.failures {
-                self.fail(failure);
+            // Said when it happened.
+            let failure = elsewhere.failures.into_iter().next();
+            if let Some(failure) = failure.filter(|_| self.status == RunStatus::Done) {
+                self.status = RunStatus::Failed(failure);
+                summary.status = self.status.clone();
             }
-            summary.status = self.status.clone();
         }
         if summary.lost_records > 0 && self.status == RunStatus::Done {
             let lost = summary.lost_records;
