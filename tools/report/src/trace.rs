@@ -452,7 +452,6 @@ fn against(answer: &Answer) -> Markup {
         .iter()
         .flat_map(|hop| {
             hop.stages.iter().map(move |own| {
-                let [low, high] = own.ci95_s;
                 let mut row = vec![
                     Cell::text(format!("{} → {}", hop.from, hop.to)),
                     Cell::text(stage_name(&own.stage)),
@@ -461,7 +460,10 @@ fn against(answer: &Answer) -> Markup {
                     [own.mean_s, own.other_mean_s, own.difference_s]
                         .map(|value| Cell::number(value, ms(value))),
                 );
-                row.push(Cell::text(format!("{} to {}", ms(low), ms(high))));
+                row.push(Cell::text(own.ci95_s.map_or_else(
+                    || "unknown".to_owned(),
+                    |[low, high]| format!("{} to {}", ms(low), ms(high)),
+                )));
                 row
             })
         })

@@ -62,12 +62,15 @@ fn change_table(text: &mut String, hop: &HopChange) {
     for change in &hop.stages {
         let [here, other, difference] =
             [change.mean_s, change.other_mean_s, change.difference_s].map(|s| s * 1e3);
-        let [low, high] = change.ci95_s.map(|s| s * 1e3);
+        let interval = change.ci95_s.map(|ends| ends.map(|s| s * 1e3));
+        let interval = interval.map_or_else(
+            || "(error of a clock unknown)".to_owned(),
+            |[low, high]| format!("({low:+.4} … {high:+.4})"),
+        );
         let mark = if change.changed { "changed" } else { "" };
         let stage = &change.stage;
-        let line = format!(
-            "  {stage:18} {here:10.4} {other:10.4} {difference:+11.4} ({low:+.4} … {high:+.4}) {mark}"
-        );
+        let line =
+            format!("  {stage:18} {here:10.4} {other:10.4} {difference:+11.4} {interval} {mark}");
         let _ = writeln!(text, "{}", line.trim_end());
     }
 }
