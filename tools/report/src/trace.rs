@@ -1,7 +1,7 @@
 //! The page of a trace: where the time went between encoder and torque, stage by stage.
 
 use maud::{Markup, html};
-use slipstream_trace::{Answer, Hop, Percentiles, Reading, ages_over_time};
+use slipstream_trace::{Answer, Hop, Host, Percentiles, Reading, Uncertainty, ages_over_time};
 
 use crate::parts::{
     Cell, Fact, Frame, Icon, Ink, Page, Row, Rows, Scale, Tone, fixed, short, table, verdict,
@@ -54,6 +54,7 @@ pub fn page(latency: &Latency<'_>) -> String {
             div { h2 { "Age of the position in use" } (ages(latency)) }
         } }
         (loops(answer))
+        (hosts(answer))
         (against(answer))
     };
     let page = Page {
@@ -221,7 +222,7 @@ fn bars(answer: &Answer) -> Markup {
                         b { (hop.from) " → " (hop.to) }
                         div class="bar" role="img" aria-label=(described(hop)) style="gap:0;position:relative" {
                             @for stage in &hop.stages {
-                                span class=(stage_class(&stage.stage)) style=(format!("width:{:.2}%;min-width:0", at(stage.figures.p50_s)))
+                                span class=(stage_class(&stage.stage)) style=(format!("width:{:.2}%;min-width:0", at(stage.figures.p50_s).max(0.0)))
                                     title=(format!("{}: {} ms", stage_name(&stage.stage), ms(stage.figures.p50_s))) {}
                             }
                             @if let Some(all) = hop.end_to_end {
@@ -285,13 +286,21 @@ fn rest(hop: &Hop) -> Markup {
 fn stages(answer: &Answer) -> Markup {
     let hops: Vec<&Hop> = used(answer).take(LINKS).collect();
     let mut heads = vec!["Stage, ms".to_owned()];
+    let is_uncertain = |hop: &&Hop| hop.stages.iter().any(|own| !own.uncertainty_s.is_exact());
+    let are_uncertain = hops.iter().any(is_uncertain);
     for hop in &hops {
         heads.push(format!("{} → {}: p50", hop.from, hop.to));
         heads.push("p99".to_owned());
+        if are_uncertain {
+            heads.push("± clocks".to_owned());
+        }
     }
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let pair =
-        |own: &Percentiles| [own.p50_s, own.p99_s].map(|value| Cell::number(value, ms(value)));
+    let cells = |own: &Percentiles, uncertainty: Uncertainty| {
+        let pair = [own.p50_s, own.p99_s].map(|value| Cell::number(value, ms(value)));
+        let clocks = are_uncertain.then(|| clocks(uncertainty));
+        pair.into_iter().chain(clocks)
+    };
     let mut rows: Vec<Vec<Cell>> = Vec::new();
     let count = hops.first().map_or(0, |hop| hop.stages.len());
     for stage in 0..count {
@@ -301,7 +310,7 @@ fn stages(answer: &Answer) -> Markup {
         row.extend(
             hops.iter()
                 .filter_map(|hop| hop.stages.get(stage))
-                .flat_map(|own| pair(&own.figures)),
+                .flat_map(|own| cells(&own.figures, own.uncertainty_s)),
         );
         rows.push(row);
     }
@@ -309,12 +318,25 @@ fn stages(answer: &Answer) -> Markup {
     total.extend(
         hops.iter()
             .filter_map(|hop| hop.end_to_end)
-            .flat_map(|own| pair(&own)),
+            .flat_map(|own| cells(&own, Uncertainty::Exact)),
     );
     rows.push(total);
     html! {
         (table("Stages of each link in milliseconds", &heads, &rows))
+        @if are_uncertain {
+            p class="sub" { "A stage that ends on another host than it begins is uncertain by the clocks of the hosts, and may be negative. "
+                "The sum of the stages is exact: both of its ends are on the plant's host." }
+        }
         (fates(answer))
+    }
+}
+
+/// By how much the clocks of hosts make a duration uncertain, in ms.
+fn clocks(uncertainty: Uncertainty) -> Cell {
+    match (uncertainty, uncertainty.seconds()) {
+        (Uncertainty::Exact, _) => Cell::text(""),
+        (_, Some(value)) => Cell::number(value, ms(value)),
+        (_, None) => Cell::text("unknown"),
     }
 }
 
@@ -444,6 +466,48 @@ fn loops(answer: &Answer) -> Markup {
     }
 }
 
+/// The clocks of the other hosts.
+fn hosts(answer: &Answer) -> Markup {
+    let figure = |value: Option<f64>, text: fn(f64) -> String| {
+        value.map_or_else(
+            || Cell::text("unknown"),
+            |value| Cell::number(value, text(value)),
+        )
+    };
+    let row = |own: &Host| {
+        vec![
+            Cell::text(&own.host),
+            Cell::text(own.robots.join(", ")),
+            figure(own.offset_s, |s| fixed(s, 6)),
+            figure(own.drift_ppm, |ppm| fixed(ppm, 3)),
+            figure(own.bound_s, ms),
+            figure(own.error_s, ms),
+            figure(own.round_trip_s, ms),
+            Cell::count(own.windows),
+        ]
+    };
+    let rows: Vec<Vec<Cell>> = answer.hosts.iter().map(row).collect();
+    let heads = [
+        "Host",
+        "Robots",
+        "Offset, s",
+        "Drift, ppm",
+        "Bound, ms",
+        "Error, ms",
+        "Round trip, ms",
+        "Estimates",
+    ];
+    html! {
+        @if !rows.is_empty() {
+            section {
+                h2 { "Clocks of the other hosts" }
+                p class="sub" { "Against the clock of the plant's host: the last estimate of offset and drift, the largest bound of the offset, the largest error of a time stamp and the shortest round trip." }
+                (table("Clocks of the other hosts", &heads, &rows))
+            }
+        }
+    }
+}
+
 fn against(answer: &Answer) -> Markup {
     let Some(changes) = &answer.against else {
         return html! {};
@@ -452,7 +516,6 @@ fn against(answer: &Answer) -> Markup {
         .iter()
         .flat_map(|hop| {
             hop.stages.iter().map(move |own| {
-                let [low, high] = own.ci95_s;
                 let mut row = vec![
                     Cell::text(format!("{} → {}", hop.from, hop.to)),
                     Cell::text(stage_name(&own.stage)),
@@ -461,7 +524,10 @@ fn against(answer: &Answer) -> Markup {
                     [own.mean_s, own.other_mean_s, own.difference_s]
                         .map(|value| Cell::number(value, ms(value))),
                 );
-                row.push(Cell::text(format!("{} to {}", ms(low), ms(high))));
+                row.push(Cell::text(own.ci95_s.map_or_else(
+                    || "unknown".to_owned(),
+                    |[low, high]| format!("{} to {}", ms(low), ms(high)),
+                )));
                 row
             })
         })

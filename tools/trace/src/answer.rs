@@ -9,11 +9,13 @@ use slipstream_bus::time::s_from_ns;
 
 use crate::chain::{Fate, Link, STAGES, messages};
 use crate::compare::HopChange;
+use crate::hosts::HostClock;
 use crate::log::{Inner, Log, LoopKey, Outer, Tick};
 use crate::names::Names;
 use crate::percentiles::Percentiles;
 use crate::pile::Groups;
 use crate::step::Loop;
+use crate::uncertainty::Uncertainty;
 
 /// The whole answer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,6 +31,9 @@ pub struct Answer {
     pub at_outer_ticks: Vec<Age>,
     /// Timing of the control loops, the plant's first.
     pub loops: Vec<LoopTiming>,
+    /// Hosts other than that of the plant, and their clocks; empty for a run on one host.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub hosts: Vec<Host>,
     /// Difference of each link from another run, if one was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub against: Option<Vec<HopChange>>,
@@ -82,6 +87,10 @@ pub struct StageLatency {
     /// How long it took.
     #[serde(flatten)]
     pub figures: Percentiles,
+    /// By how much the stage of a message can be wrong at most, because it begins and ends on the clocks of
+    /// two hosts.
+    #[serde(default, skip_serializing_if = "Uncertainty::is_exact")]
+    pub uncertainty_s: Uncertainty,
 }
 
 /// Age of one robot's information about another.
@@ -96,6 +105,33 @@ pub struct Age {
     /// Time since the encoders were read.
     #[serde(flatten)]
     pub figures: Percentiles,
+    /// By how much an age can be wrong at most, because the encoders are read on the clock of the plant's
+    /// host and used on that of another.
+    #[serde(default, skip_serializing_if = "Uncertainty::is_exact")]
+    pub uncertainty_s: Uncertainty,
+}
+
+/// A host other than that of the plant, and its monotonic clock beside that of the plant's host. A figure
+/// is `None` if the recording does not tell it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Host {
+    /// Its name.
+    pub host: String,
+    /// The robots whose agents run there.
+    pub robots: Vec<String>,
+    /// Number of estimates of its clock.
+    pub windows: u64,
+    /// Its clock minus that of the plant's host (s): the last estimate.
+    pub offset_s: Option<f64>,
+    /// How much faster its clock runs (10⁻⁶): the last estimate.
+    pub drift_ppm: Option<f64>,
+    /// Largest bound of an estimate of the offset (s).
+    pub bound_s: Option<f64>,
+    /// Largest error of its time stamps from time 0 on (s): the bound plus the correction that the clock of
+    /// the run there has not made yet.
+    pub error_s: Option<f64>,
+    /// Smallest round trip to it (s).
+    pub round_trip_s: Option<f64>,
 }
 
 /// Timing of one loop. The plant's step has deadlines only on the wall clock.
@@ -127,6 +163,7 @@ pub fn answer(log: &Log, names: &[String]) -> Answer {
         platoon: platoon(log, &names),
         at_outer_ticks: at_outer_ticks(log, &names),
         loops: loops(log, &names),
+        hosts: hosts(log, &names),
         against: None,
     }
 }
@@ -138,6 +175,7 @@ struct Count {
     used: u64,
     incomplete: Incomplete,
     largest_sum_error_ns: i64,
+    uncertainty: [Uncertainty; 7],
 }
 
 impl Count {
@@ -150,6 +188,9 @@ impl Count {
                 let sum = chain.stages_ns().into_iter().fold(0, i64::saturating_add);
                 let error = chain.end_to_end_ns().saturating_sub(sum).saturating_abs();
                 self.largest_sum_error_ns = self.largest_sum_error_ns.max(error);
+                for (largest, own) in self.uncertainty.iter_mut().zip(chain.uncertainty) {
+                    *largest = own.max(*largest);
+                }
             }
             Fate::Lost => incomplete.lost += 1,
             Fate::Superseded => incomplete.superseded += 1,
@@ -161,6 +202,9 @@ impl Count {
         }
     }
 }
+
+/// Number and percentiles of a duration on each link.
+type Durations = BTreeMap<Link, (u64, Percentiles)>;
 
 fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
     let mut counts: BTreeMap<Link, Count> = BTreeMap::new();
@@ -178,11 +222,13 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
     }
     let (stages, end_to_end) = (stages.map(|s| s.percentiles()), end_to_end.percentiles());
     let hop = |(link, count): (Link, Count)| {
-        let stage = |(&stage, of): (&&'static str, &BTreeMap<Link, (u64, Percentiles)>)| {
+        let durations = stages.iter().zip(count.uncertainty);
+        let stage = |(&stage, (of, uncertainty_s)): (&&'static str, (&Durations, Uncertainty))| {
             let (_, figures) = *of.get(&link)?;
             Some(StageLatency {
                 stage: stage.into(),
                 figures,
+                uncertainty_s,
             })
         };
         Hop {
@@ -191,7 +237,7 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
             messages: count.used,
             sent: count.sent,
             incomplete: count.incomplete,
-            stages: STAGES.iter().zip(&stages).filter_map(stage).collect(),
+            stages: STAGES.iter().zip(durations).filter_map(stage).collect(),
             end_to_end: end_to_end.get(&link).map(|(_, figures)| *figures),
             largest_sum_error_s: s_from_ns(count.largest_sum_error_ns),
         }
@@ -199,13 +245,19 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
     counts.into_iter().map(hop).collect()
 }
 
-/// Percentiles of the ages of each pair, ordered by `from`, then `to`.
-fn ages(pairs: &Groups<Link>, names: &Names<'_>) -> Vec<Age> {
+/// Percentiles of the ages of each pair, ordered by `from`, then `to`; those of pairs that are not in
+/// `uncertainty` are exact.
+fn ages(
+    pairs: &Groups<Link>,
+    uncertainty: &BTreeMap<Link, Uncertainty>,
+    names: &Names<'_>,
+) -> Vec<Age> {
     let age = |((from, to), (count, figures))| Age {
         from: names.of(from),
         to: names.of(to),
         count,
         figures,
+        uncertainty_s: uncertainty.get(&(from, to)).copied().unwrap_or_default(),
     };
     pairs.percentiles().into_iter().map(age).collect()
 }
@@ -228,6 +280,7 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             let Some(sent) = log.sent(key) else {
                 break;
             };
+            // Both are on the clock of the plant's host.
             let age_ns = applied_ns.saturating_sub(sent.sampled_ns);
             pairs.push((key.0, message.to), age_ns);
             let tick = log.outer((key.0, sent.tick_ns));
@@ -238,15 +291,18 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             }
         }
     }
-    ages(&pairs, names)
+    ages(&pairs, &BTreeMap::new(), names)
 }
 
 fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
     let mut pairs = Groups::new(log.disk());
-    for (link, _, age_ns) in used_at_outer_ticks(log) {
+    let mut uncertainty: BTreeMap<Link, Uncertainty> = BTreeMap::new();
+    for (link, began_ns, age_ns) in used_at_outer_ticks(log) {
         pairs.push(link, age_ns);
+        let largest = uncertainty.entry(link).or_default();
+        *largest = log.hosts.error(link.1, began_ns).max(*largest);
     }
-    ages(&pairs, names)
+    ages(&pairs, &uncertainty, names)
 }
 
 /// Each outer tick that uses a position: the link, when it began (ns), and how old the position is (ns).
@@ -336,6 +392,20 @@ fn loops(log: &Log, names: &Names<'_>) -> Vec<LoopTiming> {
         jitter: jitter.get(&of).map(|(_, figures)| *figures),
     };
     late.percentiles().into_iter().map(figures).collect()
+}
+
+fn hosts(log: &Log, names: &Names<'_>) -> Vec<Host> {
+    let host = |(host, clock): (&str, &HostClock)| Host {
+        host: host.to_owned(),
+        robots: log.hosts.robots_on(host).map(|r| names.of(r)).collect(),
+        windows: clock.windows,
+        offset_s: clock.last.map(|last| s_from_ns(last.offset_ns)),
+        drift_ppm: clock.drift_ppb().map(|drift_ppb| drift_ppb as f64 / 1e3),
+        bound_s: clock.last.map(|_| s_from_ns(clock.bound_ns)),
+        error_s: clock.largest_error_ns().map(s_from_ns),
+        round_trip_s: clock.round_trip_ns.map(s_from_ns),
+    };
+    log.hosts.clocks().map(host).collect()
 }
 
 /// Replaces what is known of the last tick. Returns it if it was one of the same loop.

@@ -7,6 +7,7 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate as LinkFate;
 
 use crate::log::{Key, Later, Log, Sent, Tick};
+use crate::uncertainty::Uncertainty;
 
 /// The stages in the order of the chain.
 pub const STAGES: [&str; 7] = [
@@ -60,8 +61,12 @@ pub enum Fate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Chain {
     /// Encoders read, sender's outer tick, sent, through the bus, released by the delay line,
-    /// receiver's outer tick, receiver's inner tick, plant step.
+    /// receiver's outer tick, receiver's inner tick, plant step. The first and the last are on the clock
+    /// of the plant's host, the others on those of the sender's and of the receiver's.
     pub instants_ns: [i64; 8],
+    /// By how much each stage can be wrong because it ends on another host than it begins, in the order
+    /// of [`STAGES`]. A stage that is shorter than this may be negative.
+    pub uncertainty: [Uncertainty; 7],
 }
 
 impl Message {
@@ -139,13 +144,14 @@ fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
         Some((_, LinkFate::Unused)) => Fate::UnderWay,
         Some((_, LinkFate::Stale)) => Fate::Stale,
         Some((_, LinkFate::Superseded)) => Fate::Superseded,
-        Some((tick_ns, LinkFate::Used)) => chain(log, key.0, sent, available_ns, tick_ns),
+        Some((tick_ns, LinkFate::Used)) => chain(log, key, sent, available_ns, tick_ns),
     }
 }
 
 /// Follows a message that an outer tick used on to the torque. `available_ns`: when the delay line
 /// released it; `tick_ns`: when the outer tick was due.
-fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i64) -> Fate {
+fn chain(log: &Log, key: Key, sent: &Sent, available_ns: i64, tick_ns: i64) -> Fate {
+    let (from, _) = key;
     let outer = (sent.to, tick_ns);
     let ticks = (log.outer((from, sent.tick_ns)), log.outer(outer));
     let (Some(sender_tick), Some(receiver_tick)) = ticks else {
@@ -170,9 +176,17 @@ fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i
     let Some(inner_tick) = log.inner(inner) else {
         return Fate::Untold;
     };
-    // A message that the tick used was through the bus, even if its sender was suspended before it
-    // could record so.
-    let queued_ns = sent.queued_ns.min(receiver_tick.began_ns);
+    // When a message between two hosts came out of the network, only the receiver's host knows.
+    let crossed_ns = log.crossed(key);
+    let are_apart = log.hosts.are_apart(from, sent.to);
+    let through_ns = match crossed_ns {
+        Some(crossed_ns) => crossed_ns,
+        None if are_apart => return Fate::Untold,
+        None => sent.queued_ns,
+    };
+    // A message that the tick used was through the bus, even if the process that says so was suspended
+    // before it could record it. That process is on the tick's own host, or both robots are on one.
+    let queued_ns = through_ns.min(receiver_tick.began_ns);
     let instants_ns = [
         sent.sampled_ns,
         sender_tick.began_ns,
@@ -183,7 +197,22 @@ fn chain(log: &Log, from: RobotIndex, sent: &Sent, available_ns: i64, tick_ns: i
         inner_tick.began_ns,
         applied_ns,
     ];
-    Fate::Used(Chain { instants_ns })
+    let error = |robot, t_ns| log.hosts.error(robot, t_ns);
+    let mut uncertainty = [Uncertainty::Exact; 7];
+    uncertainty[0] = error(from, sender_tick.began_ns);
+    uncertainty[2] = if are_apart {
+        error(from, sent.sent_ns).plus(error(sent.to, queued_ns))
+    } else if crossed_ns.is_some() {
+        // The recording does not tell the hosts of its robots.
+        Uncertainty::Unknown
+    } else {
+        Uncertainty::Exact
+    };
+    uncertainty[6] = error(sent.to, inner_tick.began_ns);
+    Fate::Used(Chain {
+        instants_ns,
+        uncertainty,
+    })
 }
 
 /// Why a chain stops before a torque: its receiver died, or the recording ends.

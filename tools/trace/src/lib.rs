@@ -1,12 +1,14 @@
 //! End-to-end latency, stage by stage: each position message of a run is followed from the encoder
 //! sample behind it to the torque that results from it.
 //!
-//! All times are integer nanoseconds of the run's one clock. No message is left out: one without a
+//! All times are integer nanoseconds of the run's clock. In a run across hosts every host has its own
+//! estimate of it: a stage that ends on another host than it begins has an [`Uncertainty`]. No message is left out: one without a
 //! complete cause-effect chain is counted under the reason why its chain is incomplete.
 
 mod answer;
 mod chain;
 mod compare;
+mod hosts;
 mod log;
 mod names;
 mod percentiles;
@@ -15,9 +17,10 @@ mod pile;
 mod read;
 mod round_trips;
 mod step;
+mod uncertainty;
 
 pub use answer::{
-    Age, AgeLine, Answer, Hop, Incomplete, LoopTiming, StageLatency, ages_over_time, answer,
+    Age, AgeLine, Answer, Hop, Host, Incomplete, LoopTiming, StageLatency, ages_over_time, answer,
 };
 pub use chain::{Chain, Fate, Message, STAGES, follow};
 pub use compare::{Change, HopChange, against};
@@ -26,4 +29,5 @@ pub use percentiles::Percentiles;
 pub use perfetto::timeline;
 pub use read::{Reading, read};
 pub use round_trips::{RoundTrips, round_trips};
-pub use step::{Loop, Step};
+pub use step::{Clock, Loop, Step};
+pub use uncertainty::Uncertainty;

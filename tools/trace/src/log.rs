@@ -6,6 +6,7 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
 use slipstream_recording::Disk;
 
+use crate::hosts::Hosts;
 use crate::pile::{Keep, Pile};
 use crate::step::{Loop, Step};
 
@@ -19,7 +20,7 @@ pub(crate) type Tick = (RobotIndex, i64);
 /// A loop: its robot (`None`: the plant) and which.
 pub(crate) type LoopKey = (Option<RobotIndex>, Loop);
 
-/// The trace of a run: messages, ticks, deadlines, and all other spans and events.
+/// The trace of a run: messages, ticks, deadlines, hosts, and all other spans and events.
 ///
 /// Its memory does not grow with the number of messages and ticks: they lie in a temporary file, in the
 /// order of their keys.
@@ -31,6 +32,8 @@ pub struct Log {
     /// Sender, sequence number; receiver, 1 and when the delay line releases the message (ns), or 0
     /// and 0 if it was lost.
     arrived: Pile<5>,
+    /// Sender, sequence number; when the message from another host came out of the network (ns).
+    crossed: Pile<3>,
     /// Sender, sequence number; when the receiver's outer tick was due (ns), and what became of the
     /// message there.
     taken: Pile<4>,
@@ -50,6 +53,8 @@ pub struct Log {
     step_count: i64,
     /// Number of missed deadlines of each loop.
     pub(crate) missed: BTreeMap<LoopKey, u64>,
+    /// Where the agents run, and what is known of the clocks there.
+    pub(crate) hosts: Hosts,
     /// Spans and events that belong to no message and no tick.
     pub(crate) notes: Vec<Note>,
 }
@@ -101,6 +106,7 @@ impl Default for Log {
         Self {
             sent: Pile::new(&disk, Keep::Last),
             arrived: Pile::new(&disk, Keep::Last),
+            crossed: Pile::new(&disk, Keep::Smallest),
             taken: Pile::new(&disk, Keep::Last),
             outer: Pile::new(&disk, Keep::Last),
             inner: Pile::new(&disk, Keep::Last),
@@ -110,6 +116,7 @@ impl Default for Log {
             steps: Pile::new(&disk, Keep::Last),
             step_count: 0,
             missed: BTreeMap::new(),
+            hosts: Hosts::default(),
             notes: Vec::new(),
             disk,
         }
@@ -171,6 +178,9 @@ impl Log {
                 let [is_released, t_ns] = available_ns.map_or([0, 0], |t_ns| [1, t_ns]);
                 self.arrived.push([from, seq, to, is_released, t_ns]);
             }
+            Step::Crossed { from, seq, t_ns } => {
+                self.crossed.push([from.into(), seq.into(), t_ns]);
+            }
             Step::Taken {
                 from,
                 seq,
@@ -216,6 +226,8 @@ impl Log {
                 done_ns,
                 missed,
             } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
+            Step::Host { robot, host } => self.hosts.place(robot, host),
+            Step::Clock { host, clock } => self.hosts.add(host, &clock),
         }
     }
 
@@ -245,6 +257,12 @@ impl Log {
     pub(crate) fn arrived(&self, (from, seq): Key) -> Option<(RobotIndex, Option<i64>)> {
         let [.., to, is_released, t_ns] = self.arrived.get([from.into(), seq.into()])?;
         Some((index(to), (is_released == 1).then_some(t_ns)))
+    }
+
+    /// When a message from another host came out of the network on the receiver's host (ns).
+    pub(crate) fn crossed(&self, (from, seq): Key) -> Option<i64> {
+        let [.., t_ns] = self.crossed.get([from.into(), seq.into()])?;
+        Some(t_ns)
     }
 
     /// When the receiver's outer tick was due (ns), and what became of the message there.

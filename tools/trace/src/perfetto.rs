@@ -1,7 +1,8 @@
 //! The run in the Chrome trace event format, for Perfetto: one track per process, arrows along messages.
 //!
 //! Times are microseconds; each event's arguments hold exact nanoseconds. Every tick is drawn at
-//! least 1 µs wide so that arrows can attach to it; in virtual time a tick takes no time.
+//! least 1 µs wide so that arrows can attach to it; in virtual time a tick takes no time. Between hosts a
+//! stage may be negative, by less than the clocks tell apart; it is drawn without width.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +16,13 @@ use crate::names::Names;
 /// Process id of the plant in the trace.
 const PLANT_PID: u32 = 1;
 /// Names and process ids of the processes that are neither the plant nor a robot.
-const OTHER_PIDS: [(&str, u32); 3] = [("launcher", 2), ("recorder", 3), ("run", 4)];
+const OTHER_PIDS: [(&str, u32); 5] = [
+    ("launcher", 2),
+    ("recorder", 3),
+    ("run", 4),
+    ("hosts", 5),
+    ("relay", 6),
+];
 /// Process id of the first robot; robot i has this plus i.
 const FIRST_ROBOT_PID: u32 = 10;
 /// Thread id of a robot's outer loop.
@@ -119,9 +126,13 @@ fn note_event(note: &Note, names: &Names<'_>) -> Value {
 /// The stages one after the other, as an asynchronous track at the receiver.
 fn stages(events: &mut Vec<Value>, id: &str, to: RobotIndex, chain: &Chain) {
     let [pid, tid] = track(to, OUTER_TID);
+    let mut end_ns = chain.instants_ns[0];
     for (stage, pair) in STAGES.iter().zip(chain.instants_ns.windows(2)) {
         let length_ns = pair[1].saturating_sub(pair[0]);
-        for (ph, t_ns) in [("b", pair[0]), ("e", pair[1])] {
+        // After a negative stage, what follows is drawn from where the stage before ended.
+        let begin_ns = end_ns;
+        end_ns = pair[1].max(begin_ns);
+        for (ph, t_ns) in [("b", begin_ns), ("e", end_ns)] {
             events.push(
                 json!({"ph": ph, "cat": "way", "id": id, "name": stage, "pid": pid, "tid": tid,
                        "ts": micros(t_ns), "args": {"length_ns": length_ns}}),
@@ -133,13 +144,15 @@ fn stages(events: &mut Vec<Value>, id: &str, to: RobotIndex, chain: &Chain) {
 /// Arrow: sender's tick → receiver's outer tick → receiver's inner tick → plant step.
 fn arrows(events: &mut Vec<Value>, id: &str, message: &Message, chain: &Chain) {
     let [_, sender, _, _, _, outer, inner, plant] = chain.instants_ns;
-    let steps = [
-        ("s", track(message.from, OUTER_TID), sender),
-        ("t", track(message.to, OUTER_TID), outer),
-        ("t", track(message.to, INNER_TID), inner),
-        ("f", at_plant(message.to), plant),
+    let mut ticks = [
+        (track(message.from, OUTER_TID), sender),
+        (track(message.to, OUTER_TID), outer),
+        (track(message.to, INNER_TID), inner),
+        (at_plant(message.to), plant),
     ];
-    for (ph, [pid, tid], t_ns) in steps {
+    // Clocks of several hosts may tell them in another order.
+    ticks.sort_by_key(|(_, t_ns)| *t_ns);
+    for (ph, ([pid, tid], t_ns)) in ["s", "t", "t", "f"].into_iter().zip(ticks) {
         events.push(
             json!({"ph": ph, "cat": CATEGORY, "id": id, "name": "position", "bp": "e",
                    "pid": pid, "tid": tid, "ts": micros(t_ns)}),

@@ -61,10 +61,17 @@ pub fn read(path: &Path) -> Result<Reading> {
     }
     let loss = file.loss;
     let warnings = loss.any().then(|| format!("{}: {loss}", path.display()));
+    let hosts = log.hosts.clocks().filter(|(_, clock)| clock.windows == 0);
+    let unknown = hosts.map(|(host, _)| {
+        format!(
+            "{}: holds no estimate of the clock of host {host}: how wrong its time stamps are is unknown",
+            path.display()
+        )
+    });
     Ok(Reading {
+        warnings: warnings.into_iter().chain(unknown).collect(),
         robots: file.robots,
         log,
-        warnings: warnings.into_iter().collect(),
     })
 }
 

@@ -1,11 +1,12 @@
-//! Steps: the trace records about messages and loops, as typed values.
+//! Steps: the trace records about messages, loops and hosts, as typed values.
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
 use slipstream_bus::trace::{TraceRecord, Value};
 
-/// One event in a message's chain, or the deadline of a loop. Times are in ns of the run's clock.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// One event in a message's chain, the deadline of a loop, or what is known of another host. Times are in
+/// ns of the run's clock, as the host that recorded them reads it.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Step {
     /// An outer tick.
     Outer {
@@ -61,6 +62,15 @@ pub enum Step {
         /// When the delay line releases it; `None` if it is lost.
         available_ns: Option<i64>,
     },
+    /// A position message from another host came out of the network on the receiver's host.
+    Crossed {
+        /// The sender.
+        from: RobotIndex,
+        /// Sequence number of the message.
+        seq: u32,
+        /// When it came out, on the clock of the receiver's host.
+        t_ns: i64,
+    },
     /// A position message left the delay line at an outer tick.
     Taken {
         /// The sender.
@@ -103,6 +113,38 @@ pub enum Step {
         /// Whether it ended after the next tick was due.
         missed: bool,
     },
+    /// The agent of a robot runs on another host than the plant.
+    Host {
+        /// The robot.
+        robot: RobotIndex,
+        /// Name of the host.
+        host: String,
+    },
+    /// What the host of the plant knows of another host's clock.
+    Clock {
+        /// Name of the other host.
+        host: String,
+        /// What it knows.
+        clock: Clock,
+    },
+}
+
+/// What the host of the plant knows of another host's clock at one time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Clock {
+    /// The time (ns).
+    pub t_ns: i64,
+    /// Estimate of the host's monotonic clock minus that of the plant's host (ns).
+    pub offset_ns: i64,
+    /// The true offset is within the estimate plus or minus this (ns).
+    pub bound_ns: i64,
+    /// How much faster the host's clock runs (10⁻⁹); `None` while it is not known.
+    pub drift_ppb: Option<i64>,
+    /// Smallest round trip to the host since the record before (ns).
+    pub round_trip_ns: i64,
+    /// By how much the run's clock on the host is ahead of the estimate, because it is corrected gradually
+    /// (ns). Its time stamps are wrong by at most the amount of this plus `bound_ns`.
+    pub ahead_ns: i64,
 }
 
 /// A loop of a run.
@@ -148,6 +190,21 @@ impl Step {
                 done_ns: record.int("done_ns")?,
                 missed: record.field("missed") == Some(&Value::Bool(true)),
             }),
+            "host" => Some(Self::Host {
+                robot: number(record, "robot")?,
+                host: record.text("host")?.to_owned(),
+            }),
+            "clock" => Some(Self::Clock {
+                host: record.text("host")?.to_owned(),
+                clock: Clock {
+                    t_ns: record.begin_ns,
+                    offset_ns: record.int("offset_ns")?,
+                    bound_ns: record.int("bound_ns").filter(|bound_ns| *bound_ns >= 0)?,
+                    drift_ppb: record.int("drift_ppb"),
+                    round_trip_ns: record.int("round_trip_ns")?,
+                    ahead_ns: record.int("ahead_ns")?,
+                },
+            }),
             _ => Self::of_message(record).or_else(|| Self::of_robot(record)),
         }
     }
@@ -170,6 +227,11 @@ impl Step {
                 to: number(record, "to")?,
                 seq: number(record, "seq")?,
                 available_ns: int("available_ns"),
+            },
+            "crossed" => Self::Crossed {
+                from: number(record, "from")?,
+                seq: number(record, "seq")?,
+                t_ns: record.begin_ns,
             },
             "taken" => Self::Taken {
                 from: number(record, "from")?,

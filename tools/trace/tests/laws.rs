@@ -1,7 +1,7 @@
 //! Properties that hold for every log, and the answer read back from its JSON.
 
 use slipstream_bus::record::Fate;
-use slipstream_trace::{Answer, Log, Loop, Step, against, answer};
+use slipstream_trace::{Answer, Clock, Log, Loop, Step, against, answer};
 
 /// A xorshift pseudo-random generator.
 struct Chance(u64);
@@ -161,7 +161,7 @@ fn extreme_times_and_robots_do_not_overflow() {
             let robots = [0, 1, u32::MAX];
             let mut robot = || robots[usize::try_from(chance.below(3)).unwrap_or(0)];
             let (from, to) = (robot(), robot());
-            log.take(any_step(from, to, times, chance.below(7)));
+            log.take(any_step(from, to, times, chance.below(10)));
         }
         let answer = answer(&log, &[]);
         let _ = slipstream_trace::timeline(&log, &[]);
@@ -210,6 +210,26 @@ fn any_step(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Step
             robot: to,
             tick_ns: f,
             taken_ns: c,
+        },
+        7 => Step::Crossed {
+            from,
+            seq: 0,
+            t_ns: a,
+        },
+        8 => Step::Host {
+            robot: from,
+            host: to.to_string(),
+        },
+        9 => Step::Clock {
+            host: to.to_string(),
+            clock: Clock {
+                t_ns: a,
+                offset_ns: b,
+                bound_ns: c,
+                drift_ppb: Some(d),
+                round_trip_ns: e,
+                ahead_ns: f,
+            },
         },
         5 => Step::Deadline {
             robot: (from == 0).then_some(to),

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use slipstream_trace::{Age, Answer, Hop, HopChange, Incomplete, Percentiles};
+use slipstream_bus::time::s_from_ns;
+use slipstream_trace::{Age, Answer, Hop, HopChange, Host, Incomplete, Percentiles, Uncertainty};
 
 /// The tables of an answer. Writing to a string cannot fail.
 pub(super) fn table(answer: &Answer) -> String {
@@ -18,12 +19,11 @@ pub(super) fn table(answer: &Answer) -> String {
         ),
     ];
     for (title, ages) in ages.into_iter().filter(|(_, ages)| !ages.is_empty()) {
-        let _ = writeln!(text, "{title:34}      p50        p99        max (ms)");
-        for Age {
-            from, to, figures, ..
-        } in ages
-        {
-            row(&mut text, &format!("  {from}, used by {to}"), figures);
+        head(&mut text, title, ages.iter().map(|age| age.uncertainty_s));
+        for age in ages {
+            let Age { from, to, .. } = age;
+            let what = format!("  {from}, used by {to}");
+            uncertain_row(&mut text, &what, &age.figures, age.uncertainty_s);
         }
         text.push('\n');
     }
@@ -47,10 +47,48 @@ pub(super) fn table(answer: &Answer) -> String {
             row(&mut text, "    jitter", &jitter);
         }
     }
+    hosts_table(&mut text, &answer.hosts);
     for hop in answer.against.iter().flatten() {
         change_table(&mut text, hop);
     }
     text
+}
+
+/// What is known of the clocks of the other hosts.
+fn hosts_table(text: &mut String, hosts: &[Host]) {
+    if hosts.is_empty() {
+        return;
+    }
+    let _ = writeln!(
+        text,
+        "\nClocks of the other hosts, against that of the plant's host
+  {:10} {:>17} {:>13} {:>12} {:>12} {:>17} {:>10}  robots",
+        "host",
+        "offset (s)",
+        "drift (ppm)",
+        "bound (ms)",
+        "error (ms)",
+        "round trip (ms)",
+        "estimates"
+    );
+    for host in hosts {
+        let figure = |value: Option<f64>, factor: f64, decimals: usize| {
+            value.map_or_else(
+                || "unknown".to_owned(),
+                |value| format!("{:.decimals$}", value * factor),
+            )
+        };
+        let (name, windows) = (&host.host, host.windows);
+        let offset = figure(host.offset_s, 1.0, 7);
+        let drift = figure(host.drift_ppm, 1.0, 3);
+        let [bound, error, round_trip] =
+            [host.bound_s, host.error_s, host.round_trip_s].map(|s| figure(s, 1e3, 4));
+        let robots = host.robots.join(", ");
+        let line = format!(
+            "  {name:10} {offset:>17} {drift:>13} {bound:>12} {error:>12} {round_trip:>17} {windows:>10}  {robots}"
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
 }
 
 fn change_table(text: &mut String, hop: &HopChange) {
@@ -62,12 +100,15 @@ fn change_table(text: &mut String, hop: &HopChange) {
     for change in &hop.stages {
         let [here, other, difference] =
             [change.mean_s, change.other_mean_s, change.difference_s].map(|s| s * 1e3);
-        let [low, high] = change.ci95_s.map(|s| s * 1e3);
+        let interval = change.ci95_s.map(|ends| ends.map(|s| s * 1e3));
+        let interval = interval.map_or_else(
+            || "(error of a clock unknown)".to_owned(),
+            |[low, high]| format!("({low:+.4} … {high:+.4})"),
+        );
         let mark = if change.changed { "changed" } else { "" };
         let stage = &change.stage;
-        let line = format!(
-            "  {stage:18} {here:10.4} {other:10.4} {difference:+11.4} ({low:+.4} … {high:+.4}) {mark}"
-        );
+        let line =
+            format!("  {stage:18} {here:10.4} {other:10.4} {difference:+11.4} {interval} {mark}");
         let _ = writeln!(text, "{}", line.trim_end());
     }
 }
@@ -81,9 +122,10 @@ fn hop_table(text: &mut String, hop: &Hop) {
         unused(&hop.incomplete)
     );
     if let Some(end_to_end) = &hop.end_to_end {
-        let _ = writeln!(text, "{:34}      p50        p99        max (ms)", "");
+        head(text, "", hop.stages.iter().map(|stage| stage.uncertainty_s));
         for stage in &hop.stages {
-            row(text, &format!("  {}", stage.stage), &stage.figures);
+            let what = format!("  {}", stage.stage);
+            uncertain_row(text, &what, &stage.figures, stage.uncertainty_s);
         }
         row(text, "  end to end", end_to_end);
     }
@@ -107,7 +149,39 @@ pub(super) fn unused(incomplete: &Incomplete) -> String {
         .collect()
 }
 
+/// Heads of the columns of rows with these uncertainties.
+fn head(text: &mut String, title: &str, rows: impl IntoIterator<Item = Uncertainty>) {
+    let is_exact = rows.into_iter().all(|row| row.is_exact());
+    let clocks = if is_exact {
+        ""
+    } else {
+        "  ± error of clocks (ms)"
+    };
+    let _ = writeln!(
+        text,
+        "{title:34}      p50        p99        max (ms){clocks}"
+    );
+}
+
 fn row(text: &mut String, what: &str, figures: &Percentiles) {
+    uncertain_row(text, what, figures, Uncertainty::Exact);
+}
+
+/// A row, with the error of the clocks that measured it.
+fn uncertain_row(text: &mut String, what: &str, figures: &Percentiles, uncertainty: Uncertainty) {
     let [p50, p99, max] = [figures.p50_s, figures.p99_s, figures.max_s].map(|s| s * 1e3);
-    let _ = writeln!(text, "{what:34} {p50:10.4} {p99:10.4} {max:10.4}");
+    let clocks = match uncertainty {
+        Uncertainty::Exact => String::new(),
+        Uncertainty::Unknown => "       ± unknown".to_owned(),
+        Uncertainty::Within(ns) => {
+            let ms = s_from_ns(ns) * 1e3;
+            let words = if ms >= p50.abs() {
+                " (less than the clocks tell apart)"
+            } else {
+                ""
+            };
+            format!("       ± {ms:.4}{words}")
+        }
+    };
+    let _ = writeln!(text, "{what:34} {p50:10.4} {p99:10.4} {max:10.4}{clocks}");
 }

@@ -6,6 +6,7 @@ mod accounting;
 mod common;
 mod delays;
 mod helpers;
+mod hosts;
 mod invalid_input;
 mod stages;
 mod timeline;
