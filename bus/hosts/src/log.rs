@@ -30,11 +30,11 @@ pub(crate) fn clock(host: &str, start_ns: i64, report: &ClockReport) {
         bound_ns,
         drift_ppb,
         round_trip_ns,
-        ahead_ns,
+        error_ns,
     } = report;
     let plant_ns = host_ns.saturating_sub(offset_ns);
     let t_ns = plant_ns.saturating_sub(start_ns);
     tracing::info!(
-        name: "clock", t_ns, host, offset_ns, bound_ns, drift_ppb, round_trip_ns, ahead_ns
+        name: "clock", t_ns, host, offset_ns, bound_ns, drift_ppb, round_trip_ns, error_ns
     );
 }

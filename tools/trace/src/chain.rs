@@ -135,7 +135,7 @@ fn message(log: &Log, key: Key) -> Message {
 /// What became of a message that was sent.
 fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
     let available_ns = match log.arrived(key) {
-        None => return unfinished(log, sent),
+        None => return unarrived(log, key, sent),
         Some((_, None)) => return Fate::Lost,
         Some((_, Some(available_ns))) => available_ns,
     };
@@ -213,6 +213,16 @@ fn chain(log: &Log, key: Key, sent: &Sent, available_ns: i64, tick_ns: i64) -> F
         instants_ns,
         uncertainty,
     })
+}
+
+/// Why a message did not arrive. The network between two hosts keeps the order of messages, but may lose some.
+fn unarrived(log: &Log, key: Key, sent: &Sent) -> Fate {
+    match unfinished(log, sent) {
+        Fate::UnderWay if log.hosts.are_apart(key.0, sent.to) && log.arrived_after(key) => {
+            Fate::Lost
+        }
+        fate => fate,
+    }
 }
 
 /// Why a chain stops before a torque: its receiver died, or the recording ends.

@@ -75,8 +75,7 @@ impl Hosts {
 
 impl HostClock {
     fn add(&mut self, clock: &Clock) {
-        let ahead_ns = clock.ahead_ns.saturating_abs();
-        let error_ns = ahead_ns.saturating_add(clock.bound_ns.max(0));
+        let error_ns = clock.error_ns.max(0);
         let known_ns = self.errors_ns.entry(clock.t_ns).or_insert(error_ns);
         *known_ns = error_ns.max(*known_ns);
         self.windows += 1;

@@ -265,6 +265,12 @@ impl Log {
         Some(t_ns)
     }
 
+    /// Whether a later message of the sender arrived.
+    pub(crate) fn arrived_after(&self, (from, seq): Key) -> bool {
+        let later = self.arrived.after([from.into(), seq.into()]);
+        later.is_some_and(|[of, ..]| of == i64::from(from))
+    }
+
     /// When the receiver's outer tick was due (ns), and what became of the message there.
     pub(crate) fn taken(&self, (from, seq): Key) -> Option<(i64, Fate)> {
         let [.., tick_ns, fate] = self.taken.get([from.into(), seq.into()])?;

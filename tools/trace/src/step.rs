@@ -142,9 +142,9 @@ pub struct Clock {
     pub drift_ppb: Option<i64>,
     /// Smallest round trip to the host since the record before (ns).
     pub round_trip_ns: i64,
-    /// By how much the run's clock on the host is ahead of the estimate, because it is corrected gradually
-    /// (ns). Its time stamps are wrong by at most the amount of this plus `bound_ns`.
-    pub ahead_ns: i64,
+    /// Largest error of the time stamps of the host since the record before (ns): what was left of the bound,
+    /// and the correction that the clock of the run there had not made yet, because it is made gradually.
+    pub error_ns: i64,
 }
 
 /// A loop of a run.
@@ -202,7 +202,7 @@ impl Step {
                     bound_ns: record.int("bound_ns").filter(|bound_ns| *bound_ns >= 0)?,
                     drift_ppb: record.int("drift_ppb"),
                     round_trip_ns: record.int("round_trip_ns")?,
-                    ahead_ns: record.int("ahead_ns")?,
+                    error_ns: record.int("error_ns").filter(|error_ns| *error_ns >= 0)?,
                 },
             }),
             _ => Self::of_message(record).or_else(|| Self::of_robot(record)),

@@ -228,7 +228,7 @@ fn any_step(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Step
                 bound_ns: c,
                 drift_ppb: Some(d),
                 round_trip_ns: e,
-                ahead_ns: f,
+                error_ns: f,
             },
         },
         5 => Step::Deadline {

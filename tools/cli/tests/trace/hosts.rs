@@ -81,7 +81,7 @@ fn clocks() -> Vec<Record> {
             ("offset_ns", 1_000_000_000_123_400 + 12_000 * second),
             ("bound_ns", 50_000),
             ("round_trip_ns", 95_000),
-            ("ahead_ns", 150_000),
+            ("error_ns", 200_000),
         ]);
         fields.push(text("host", "b"));
         fields.extend((second > 0).then_some(("drift_ppb", Value::Int(12_000))));
