@@ -18,8 +18,9 @@ const SLEW_PPM: i64 = 200;
 const LARGEST_LAG_NS: i64 = 10_000_000;
 /// Number of exchanges after which a clock is known.
 const FIRST_EXCHANGES: u64 = 8;
-/// Number of seconds whose best exchanges tell the drift.
+/// Number of seconds whose best exchanges tell the drift: at most, and at least.
 const DRIFT_SECONDS: usize = 60;
+const FIRST_DRIFT_SECONDS: usize = 10;
 /// No computer runs for so long (ns): 70 years.
 const LARGEST_TIME_NS: i64 = i64::MAX / 4;
 const PPM: i64 = 1_000_000;
@@ -44,7 +45,7 @@ pub struct ClockReport {
     pub offset_ns: i64,
     /// The true offset differs by at most this.
     pub bound_ns: i64,
-    /// How much faster it runs (parts per 10⁹); `None` in the first seconds.
+    /// How much faster it runs (parts per 10⁹); `None` in the first ten seconds.
     pub drift_ppb: Option<i64>,
     /// Smallest round trip since the last report.
     pub round_trip_ns: i64,
@@ -79,8 +80,8 @@ pub(crate) struct HostClock {
     /// The best exchange since the last report.
     best: Option<Exchange>,
     reported_ns: Option<i64>,
-    /// Middle and offset of the best exchange of each of the last seconds.
-    seconds: VecDeque<(i64, i64)>,
+    /// The best exchange of each of the last seconds.
+    seconds: VecDeque<Exchange>,
     /// The offset in use, and since when.
     in_use: Option<(i64, i64)>,
     /// Largest error of the offset in use since the last report.
@@ -151,13 +152,13 @@ impl HostClock {
         if self.seconds.len() == DRIFT_SECONDS {
             self.seconds.pop_front();
         }
-        self.seconds.push_back((best.at_ns, best.offset_ns));
+        self.seconds.push_back(best);
         let offset_ns = interval.middle_ns();
         Some(ClockReport {
             host_ns: now_ns,
             offset_ns,
             bound_ns: interval.bound_ns(),
-            drift_ppb: drift_ppb(self.seconds.iter().copied()),
+            drift_ppb: drift_ppb(&self.seconds),
             round_trip_ns: best.round_trip_ns,
             error_ns: std::mem::take(&mut self.error_ns),
         })
@@ -236,23 +237,28 @@ fn share(ns: i64, ppm: i64) -> i64 {
     ns / PPM * ppm + (ns % PPM * ppm + PPM - 1) / PPM
 }
 
-/// Slope of the least-squares line through instants and offsets (parts per 10⁹), of at least three points.
-fn drift_ppb(points: impl ExactSizeIterator<Item = (i64, i64)> + Clone) -> Option<i64> {
-    let (first_ns, first_offset_ns) = points.clone().next().filter(|_| points.len() >= 3)?;
-    let count = points.len() as f64;
-    let points = points.map(|(at_ns, offset_ns)| {
-        // Differences are small enough to be exact.
-        let (t, o) = (at_ns - first_ns, offset_ns - first_offset_ns);
-        (t as f64, o as f64)
+/// Slope of the line through the offsets of these exchanges by weighted least squares (parts per 10⁹). The error of an
+/// offset is in proportion to the round trip.
+fn drift_ppb(exchanges: &VecDeque<Exchange>) -> Option<i64> {
+    let first = exchanges
+        .front()
+        .filter(|_| exchanges.len() >= FIRST_DRIFT_SECONDS)?;
+    // Differences are small enough to be exact.
+    let points = exchanges.iter().map(|own| {
+        let weight = (own.round_trip_ns.max(1) as f64).powi(-2);
+        let t = (own.at_ns - first.at_ns) as f64;
+        (weight, t, (own.offset_ns - first.offset_ns) as f64)
     });
-    let (t_sum, o_sum) = points
-        .clone()
-        .fold((0.0, 0.0), |(t_sum, o_sum), (t, o)| (t_sum + t, o_sum + o));
-    let (t_mean, o_mean) = (t_sum / count, o_sum / count);
+    let (mut weights, mut t_mean, mut offset_mean) = (0.0, 0.0, 0.0);
+    for (weight, t, offset) in points.clone() {
+        weights += weight;
+        t_mean += (t - t_mean) * weight / weights;
+        offset_mean += (offset - offset_mean) * weight / weights;
+    }
     let (mut covariance, mut variance) = (0.0, 0.0);
-    for (t, o) in points {
-        covariance += (t - t_mean) * (o - o_mean);
-        variance += (t - t_mean) * (t - t_mean);
+    for (weight, t, offset) in points {
+        covariance += weight * (t - t_mean) * (offset - offset_mean);
+        variance += weight * (t - t_mean).powi(2);
     }
     (variance > 0.0).then(|| (covariance / variance * NS_PER_S as f64).round() as i64)
 }

@@ -1,0 +1,83 @@
+//! Runs across hosts as a user starts them. The hosts are two network namespaces with a cable between them; the second
+//! has a time namespace whose monotonic clock is 1,000 s ahead.
+//!
+//! Needs the feature `hosts` (`just hosts`); the tests with namespaces need root.
+#![cfg(feature = "hosts")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cable;
+mod failures;
+mod refusals;
+mod ssh;
+mod states;
+mod wall;
+
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use common::run_json;
+
+/// Time in which a host ends after another has failed, with `host_timeout_s` at its default of 3 s.
+const LIMIT: Duration = Duration::from_secs(5);
+
+fn is_root() -> bool {
+    let root = rustix::process::geteuid().is_root();
+    if !root {
+        eprintln!("SKIPPED: needs root");
+    }
+    root
+}
+
+/// The tests run one after the other: one of them kills processes that it finds by name.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A free port of this computer.
+fn port() -> u16 {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    listener.local_addr().unwrap().port()
+}
+
+/// Starts slipstream with `arguments`, behind the words of `before`.
+fn start(folder: &Path, before: &[&str], arguments: &[&str]) -> Child {
+    let mut command = Command::new(before[0]);
+    command
+        .args(&before[1..])
+        .arg(env!("CARGO_BIN_EXE_slipstream"))
+        .args(arguments)
+        .current_dir(folder)
+        .env_remove("RUST_LOG")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn assert_done(output: &Output) {
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(output));
+}
+
+/// The state hash of the run in one process.
+fn hash_alone(folder: &Path, arguments: &[&str]) -> String {
+    let alone = run_json(
+        folder,
+        &[arguments, &["--in-process", "--no-recording"]].concat(),
+    );
+    alone["state_hash"].as_str().unwrap().to_owned()
+}
+
+fn signal(pid: u32, name: &str) {
+    let status = Command::new("kill").args([name, &pid.to_string()]).status();
+    assert!(status.unwrap().success());
+}
