@@ -17,7 +17,10 @@ use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::{Parameter, RobotModel};
 use slipstream_fuzz::{FILES, MAP, SEPARATOR};
-use slipstream_hosts::frame::{Answer, Down, End, LeftFile, Measured, Report, Round, Up};
+use slipstream_hosts::clock::{ClockReport, Stamps};
+use slipstream_hosts::frame::{
+    AgentState, Answer, Batch, Down, End, LeftFile, Measured, News, Report, Round, Sent, Up,
+};
 use slipstream_hosts::hello::{Hello, Welcome};
 use slipstream_ipc::clock::RealTime;
 use slipstream_ipc::join::ProcessStatus;
@@ -302,6 +305,16 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         measured: measured.clone(),
         stopped: Some("it was stopped".to_owned()),
     };
+    let news = Down::News(News {
+        start_ns: -5,
+        measured: measured.clone(),
+        positions: vec![Position::default()],
+    });
+    let time = Down::Time(Stamps {
+        asked_ns: 1,
+        received_ns: 2,
+        sent_ns: 3,
+    });
     let round = Down::Round(Round {
         number: 2,
         measured,
@@ -313,6 +326,27 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         positions: vec![Position::default()],
         records: vec![chunk.to_vec()],
     });
+    let sent = Up::Sent(Sent {
+        commands: vec![TorqueCommand::default()],
+        positions: vec![Position::default()],
+    });
+    let records = Up::Records(Batch {
+        number: 3,
+        records: vec![chunk.to_vec()],
+    });
+    let clock = Up::Clock(ClockReport {
+        host_ns: 10,
+        offset_ns: -20,
+        bound_ns: 30,
+        drift_ppb: Some(-40),
+        round_trip_ns: 50,
+        error_ns: 60,
+    });
+    let agent = AgentState {
+        robot: 1,
+        deaths: 2,
+        deadlines: vec![[1, 2, 3, 4]; 2],
+    };
     let report = Up::Report(Report {
         files: vec![LeftFile {
             name: "report-r2".to_owned(),
@@ -336,7 +370,15 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         ("round", 0, encode(&round)),
         ("over", 0, encode(&Down::Over(end))),
         ("stop", 0, encode(&Down::Stop("r1 died".to_owned()))),
+        ("news", 0, encode(&news)),
+        ("time", 0, encode(&time)),
+        ("kept", 0, encode(&Down::Kept(3))),
         ("ready", 1, encode(&Up::Ready(7))),
+        ("sent", 1, encode(&sent)),
+        ("records", 1, encode(&records)),
+        ("ask_for_time", 1, encode(&Up::Time(9))),
+        ("clock", 1, encode(&clock)),
+        ("agents", 1, encode(&Up::Agents(vec![agent]))),
         ("answer", 1, encode(&answer)),
         ("report", 1, encode(&report)),
         ("hello", 2, encode(&hello)),

@@ -3,7 +3,7 @@
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::wake_page::Stage;
 
-use super::{Play, stopped_by_plant};
+use super::play::{Play, stopped_by_plant};
 use crate::frame::{Answer, Down, Round, Up, encode};
 
 /// The last answer, encoded, and its round.

@@ -11,7 +11,7 @@ use slipstream_ipc::services::{AGENT_CHUNK, Services};
 use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Member, Stage};
 
-use super::{Play, stopped_by_plant};
+use super::play::{Play, stopped_by_plant};
 use crate::clock::HostClock;
 use crate::frame::{AgentState, Batch, Down, End, News, Sent, Up, encode};
 use crate::log;

@@ -6,6 +6,7 @@
 mod host;
 mod hosts;
 mod robots;
+mod session;
 mod wall;
 
 use std::path::Path;
@@ -17,12 +18,12 @@ use slipstream_bus::transport::BusError;
 use slipstream_ipc::endpoints::Awaited;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::presence::Parent;
-use slipstream_ipc::services::Services;
 use slipstream_ipc::wake_page::Member;
 
 use self::host::Arrived;
 use self::hosts::Hosts;
 use self::robots::Robots;
+use self::session::Session;
 use crate::carrier::PlantCarrier;
 use crate::frame::{Down, End, LeftFile};
 use crate::hello::{RemoteHost, Welcome};
@@ -79,7 +80,7 @@ impl StandIn<'_> {
         let welcome = Welcome {
             run: self.run,
             experiment,
-            keys: self.keys.clone(),
+            keys: self.keys,
             robots: Vec::new(),
             recording: self.recording,
         };
@@ -96,14 +97,15 @@ impl StandIn<'_> {
             let services = joined.services("hosts")?;
             let mut robots = Robots::join(&joined, &services, self.hosts, self.recording)?;
             let mut session = Session {
-                stand_in: &self,
                 joined: &joined,
                 services: &services,
+                recording: self.recording,
+                notice: self.notice,
                 failures: Vec::new(),
             };
-            let ended = session.play(&mut robots, &mut hosts);
+            let ended = play(&mut session, &mut robots, &mut hosts);
             let stopped = ended.as_ref().err().map(told);
-            let left = farewell(&mut session, &mut robots, &mut hosts, stopped);
+            let left = farewell(&mut session, &mut robots, &mut hosts, self.keep, stopped);
             lost_chunks = robots.lost_chunks();
             failures = session.failures;
             ended.and(left)
@@ -119,35 +121,21 @@ impl StandIn<'_> {
     }
 }
 
-/// The run that the stand-in has joined.
-struct Session<'a> {
-    stand_in: &'a StandIn<'a>,
-    joined: &'a JoinedRun,
-    services: &'a Services,
-    /// What went wrong although the run went on.
-    failures: Vec<String>,
-}
-
-impl Session<'_> {
-    /// Takes the part of the agents until the plant has made its last step.
-    fn play(&mut self, robots: &mut Robots, hosts: &mut Hosts<'_>) -> Result<(), BusError> {
-        if self.services.lockstep() {
-            rounds(robots, hosts)?;
-        } else {
-            wall::pass_on(self, robots, hosts)?;
-        }
-        // The plant may have ended first: a run that was stopped is not complete.
-        match self.joined.wake_page().stopping() {
-            true => Err(BusError::Stopped),
-            false => Ok(()),
-        }
+/// Takes the part of the agents until the plant has made its last step.
+fn play(
+    session: &mut Session<'_>,
+    robots: &mut Robots,
+    hosts: &mut Hosts<'_>,
+) -> Result<(), BusError> {
+    if session.services.lockstep() {
+        rounds(robots, hosts)?;
+    } else {
+        wall::pass_on(session, robots, hosts)?;
     }
-
-    /// Says what went wrong on a host although the run goes on, and keeps it. `follows`: the end of the sentence.
-    fn fail(&mut self, host: &str, reason: &str, follows: &str) {
-        let failure = format!("host {host}: {reason}");
-        (self.stand_in.notice)(&format!("{failure}{follows}"));
-        self.failures.push(failure);
+    // The plant may have ended first: a run that was stopped is not complete.
+    match session.joined.wake_page().stopping() {
+        true => Err(BusError::Stopped),
+        false => Ok(()),
     }
 }
 
@@ -184,6 +172,7 @@ fn farewell(
     session: &mut Session<'_>,
     robots: &mut Robots,
     hosts: &mut Hosts<'_>,
+    keep: &dyn Fn(&RemoteHost, &LeftFile),
     stopped: Option<String>,
 ) -> Result<(), BusError> {
     robots.take_last_encoders()?;
@@ -210,7 +199,7 @@ fn farewell(
         for (host, report) in reports {
             robots.record(&host.robots, report.records);
             for file in &report.files {
-                (session.stand_in.keep)(&host, file);
+                keep(&host, file);
             }
             if let Some(failure) = report.failure {
                 session.fail(&host.name, &failure, "");

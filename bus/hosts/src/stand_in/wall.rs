@@ -12,10 +12,10 @@ use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 
-use super::Session;
 use super::host::Arrived;
 use super::hosts::Hosts;
 use super::robots::Robots;
+use super::session::Session;
 use crate::frame::{AgentState, Down, Sent};
 use crate::hello::RemoteHost;
 use crate::log;
@@ -65,7 +65,7 @@ pub(super) fn pass_on(
         joined.presence.clone(),
         source,
         AGENT_CHUNK,
-        session.stand_in.recording,
+        session.recording,
     )?;
     while wake_page.stage() < Stage::Over {
         for (host, arrived) in hosts.listen()? {
