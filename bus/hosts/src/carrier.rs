@@ -39,6 +39,11 @@ pub enum Event {
         /// Sends it the answer, or why it is refused.
         answer: Reply,
     },
+    /// A connection was refused before its host could say anything, as for a wrong certificate.
+    Refused {
+        /// Why.
+        reason: String,
+    },
     /// A frame from a host.
     Frame {
         /// The host.

@@ -5,6 +5,8 @@ use std::time::Duration;
 #[cfg(feature = "zenoh")]
 mod keys;
 #[cfg(feature = "zenoh")]
+mod refusals;
+#[cfg(feature = "zenoh")]
 mod zenoh;
 
 #[cfg(feature = "zenoh")]

@@ -18,6 +18,7 @@ use zenoh::sample::{Sample, SampleKind};
 use zenoh::{Config, Session, Wait};
 
 use super::keys::{AUTHORITY, CERTIFICATE, KEY};
+use super::refusals;
 use crate::address::{Address, Security};
 use crate::carrier::{Event, HostCarrier, PlantCarrier};
 use crate::frame::{MAX_BYTES, decode, encode};
@@ -49,6 +50,7 @@ pub fn listen(
     let listen = format!("listen: {{ endpoints: [{endpoint:?}], exit_on_failure: true }}");
     let session = open(&listen, security).map_err(&failed)?;
     let (sender, events) = channel();
+    refusals::tell(sender.clone());
     declare_all(&session, &sender).map_err(&failed)?;
     let token = session.liveliness().declare_token(PLANT_ALIVE).wait();
     Ok(Box::new(PlantSide {
@@ -114,8 +116,9 @@ pub fn ask(address: &Address, security: &Security, hello: &Hello) -> Result<Welc
             "give both hosts the same folder of slipstream keys, and check the address",
         ),
         _ => invalid(
-            format!("nobody listens there: {}", cause(&error)),
-            "start slipstream run --listen there first, and check address and firewall",
+            format!("nobody answers there: {}", cause(&error)),
+            "start slipstream run --listen there first, with the same --tls or --insecure, and check address and \
+             firewall",
         ),
     })?;
     let payload = encode(hello).map_err(|error| invalid(error.to_string(), ""))?;

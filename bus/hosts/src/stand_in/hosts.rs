@@ -213,6 +213,11 @@ impl<'a> Hosts<'a> {
                         answer(Err(&refusal));
                     }
                 },
+                Event::Refused { reason } => {
+                    (self.notice)(&format!(
+                        "refused a connection: {reason}; give all hosts the same folder of slipstream keys"
+                    ));
+                }
                 Event::Frame { host, bytes } => self.take_frame(&host, &bytes)?,
                 Event::Gone { host } => {
                     if let Some(host) = find(&mut self.hosts, &host) {

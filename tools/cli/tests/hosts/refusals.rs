@@ -46,7 +46,11 @@ fn certificates_of_the_run_are_accepted_and_all_others_refused() {
     }
     let join = ["join", address, "--name", "b", "--tls", "keys"];
     assert_done(&cable.other(folder, &join).wait_with_output().unwrap());
-    assert_done(&plant.wait_with_output().unwrap());
+    let plant = plant.wait_with_output().unwrap();
+    assert_done(&plant);
+    let said = stderr(&plant);
+    let refused = said.matches("refused a connection: ").count();
+    assert_eq!(refused, 2, "wrong certificate, no certificate: {said}");
     let run = read_json(&folder.join("run.json"));
     assert_eq!(run["state_hash"], hash_alone(folder, &[]));
     std::fs::write(folder.join("keys/valid-until"), "1000000000").unwrap();
@@ -89,7 +93,7 @@ fn what_cannot_be_joined_or_listened_at_is_said() {
     assert_refused(
         folder,
         &["join", &free, "--name", "b"],
-        "nobody listens there",
+        "nobody answers there",
     );
     assert_refused(
         folder,
