@@ -24,6 +24,9 @@ use crate::timing::PRIORITY;
 /// Longest wait for the start of the plant, between two looks at the network.
 const START_WAIT: Duration = Duration::from_millis(1);
 
+/// Most deaths of an agent in a second that are counted.
+const MAX_DEATHS: u32 = 16;
+
 /// The stand-in on the wall clock.
 struct Wall<'a> {
     wake_page: &'a WakePage,
@@ -119,7 +122,8 @@ impl Wall<'_> {
     /// Keeps what is known of an agent of another host as if it ran on this one.
     fn keep(&self, agent: &AgentState) {
         let robot = agent.robot as usize;
-        for _ in self.wake_page.deaths(Some(robot))..agent.deaths {
+        let known = self.wake_page.deaths(Some(robot));
+        for _ in known..agent.deaths.min(known.saturating_add(MAX_DEATHS)) {
             self.wake_page.count_death(Some(robot));
         }
         let member = Member::Agent(robot);

@@ -1,10 +1,10 @@
 //! Two hosts on one computer, with a cable between them.
 
 use std::path::Path;
-use std::process::{Child, Command};
+use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::start;
+use crate::{Started, start};
 
 fn ip(arguments: &str) {
     let status = Command::new("ip").args(arguments.split(' ')).status();
@@ -45,12 +45,12 @@ impl Cable {
     }
 
     /// Starts slipstream on the plant's host.
-    pub(crate) fn plant(&self, folder: &Path, arguments: &[&str]) -> Child {
+    pub(crate) fn plant(&self, folder: &Path, arguments: &[&str]) -> Started {
         start(folder, &["ip", "netns", "exec", &self.a], arguments)
     }
 
     /// Starts slipstream on the other host, whose clock is 1,000 s ahead.
-    pub(crate) fn other(&self, folder: &Path, arguments: &[&str]) -> Child {
+    pub(crate) fn other(&self, folder: &Path, arguments: &[&str]) -> Started {
         let ahead = [
             "unshare",
             "--time",

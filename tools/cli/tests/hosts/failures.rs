@@ -1,15 +1,15 @@
 //! A host that dies, stands still or is cut off ends the run in words on both sides.
 
 use std::path::Path;
-use std::process::{Child, Command};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use crate::cable::{ADDRESS, Cable};
 use crate::common::wait_for;
-use crate::{LIMIT, alone, is_root, signal, stderr};
+use crate::{LIMIT, Started, alone, is_root, signal, stderr};
 
 /// A run that goes on for long, with the robots r2 and r3 on the other host. Returns the plant's host and the other.
-fn long_run(cable: &Cable, folder: &Path) -> (Child, Child) {
+fn long_run(cable: &Cable, folder: &Path) -> (Started, Started) {
     let plant = cable.plant(
         folder,
         &[
@@ -48,8 +48,8 @@ pub(crate) fn pid_of(pattern: &str) -> u32 {
     pid.unwrap()
 }
 
-fn assert_fails(child: Child, since: Instant, said: &[&str]) {
-    let output = child.wait_with_output().unwrap();
+fn assert_fails(child: Started, since: Instant, said: &[&str]) {
+    let output = child.wait();
     let (text, taken) = (stderr(&output), since.elapsed());
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(taken < LIMIT, "{taken:?}: {text}");

@@ -45,8 +45,35 @@ fn port() -> u16 {
     listener.local_addr().unwrap().port()
 }
 
+/// A process that ends with the test, even if that fails.
+struct Started(Option<Child>);
+
+impl Started {
+    fn new(command: &mut Command) -> Self {
+        Self(Some(command.spawn().unwrap()))
+    }
+
+    fn id(&self) -> u32 {
+        self.0.as_ref().unwrap().id()
+    }
+
+    /// Waits for its end.
+    fn wait(mut self) -> Output {
+        self.0.take().unwrap().wait_with_output().unwrap()
+    }
+}
+
+impl Drop for Started {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
 /// Starts slipstream with `arguments`, behind the words of `before`.
-fn start(folder: &Path, before: &[&str], arguments: &[&str]) -> Child {
+fn start(folder: &Path, before: &[&str], arguments: &[&str]) -> Started {
     let mut command = Command::new(before[0]);
     command
         .args(&before[1..])
@@ -57,7 +84,7 @@ fn start(folder: &Path, before: &[&str], arguments: &[&str]) -> Child {
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped());
-    command.spawn().unwrap()
+    Started::new(&mut command)
 }
 
 fn stderr(output: &Output) -> String {

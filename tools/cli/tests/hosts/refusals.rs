@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::cable::{ADDRESS, Cable};
 use crate::common::{command, read_json, slipstream};
-use crate::{LIMIT, alone, assert_done, hash_alone, is_root, port, signal, stderr};
+use crate::{LIMIT, Started, alone, assert_done, hash_alone, is_root, port, signal, stderr};
 
 #[test]
 fn certificates_of_the_run_are_accepted_and_all_others_refused() {
@@ -36,7 +36,7 @@ fn certificates_of_the_run_are_accepted_and_all_others_refused() {
         (&[], "leaves this computer without protection"),
     ] {
         let join = [&["join", address, "--name", "b"][..], protection].concat();
-        let output = cable.other(folder, &join).wait_with_output().unwrap();
+        let output = cable.other(folder, &join).wait();
         assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
         assert!(
             stderr(&output).contains(said),
@@ -45,8 +45,8 @@ fn certificates_of_the_run_are_accepted_and_all_others_refused() {
         );
     }
     let join = ["join", address, "--name", "b", "--tls", "keys"];
-    assert_done(&cable.other(folder, &join).wait_with_output().unwrap());
-    let plant = plant.wait_with_output().unwrap();
+    assert_done(&cable.other(folder, &join).wait());
+    let plant = plant.wait();
     assert_done(&plant);
     let said = stderr(&plant);
     let refused = said.matches("refused a connection: ").count();
@@ -164,16 +164,14 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
         "--set",
         "duration_s=100000",
     ];
-    let plant = command(folder, &run).spawn().unwrap();
+    let plant = Started::new(&mut command(folder, &run));
     std::thread::sleep(Duration::from_millis(700));
     assert_refused(
         folder,
         &["join", &free, "--name", "d"],
         "the run waits for no host d, but for b",
     );
-    let mut other = command(folder, &["join", &free, "--name", "b"])
-        .spawn()
-        .unwrap();
+    let other = Started::new(&mut command(folder, &["join", &free, "--name", "b"]));
     std::thread::sleep(Duration::from_millis(1500));
     assert_refused(
         folder,
@@ -181,7 +179,7 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
         "a host b has joined already",
     );
     signal(plant.id(), "-INT");
-    let output = plant.wait_with_output().unwrap();
+    let output = plant.wait();
     let text = stderr(&output);
     assert_eq!(output.status.code(), Some(130), "{text}");
     for said in [
@@ -191,6 +189,6 @@ fn a_port_that_is_taken_and_a_host_that_is_not_waited_for_are_refused() {
         assert!(text.contains(said), "{said}: {text}");
     }
     let begin = Instant::now();
-    assert_eq!(other.wait().unwrap().code(), Some(1));
+    assert_eq!(other.wait().status.code(), Some(1));
     assert!(begin.elapsed() < LIMIT);
 }

@@ -1,11 +1,10 @@
 //! In lockstep the states are those of a run in one process.
 
-use std::process::Child;
 use std::time::Duration;
 
 use crate::cable::{ADDRESS, Cable};
 use crate::common::{command, read_json, run_json, slipstream};
-use crate::{alone, assert_done, hash_alone, is_root, port};
+use crate::{Started, alone, assert_done, hash_alone, is_root, port};
 
 /// Runs an experiment with the robots `b` on one other host, or with `c` on a second one too, and cuts the cable for
 /// `cut`. Its hash is that of the run in one process.
@@ -26,7 +25,7 @@ fn assert_same(arguments: &[&str], hosts: &[&str], cut: Option<Duration>) {
         run.extend(["--host", host]);
     }
     let plant = cable.plant(folder, &run);
-    let others: Vec<Child> = hosts
+    let others: Vec<Started> = hosts
         .iter()
         .map(|host| {
             let (name, _) = host.split_once('=').unwrap();
@@ -42,9 +41,9 @@ fn assert_same(arguments: &[&str], hosts: &[&str], cut: Option<Duration>) {
         cable.set("up");
     }
     for other in others {
-        assert_done(&other.wait_with_output().unwrap());
+        assert_done(&other.wait());
     }
-    assert_done(&plant.wait_with_output().unwrap());
+    assert_done(&plant.wait());
     let run = read_json(&folder.join("run.json"));
     assert_eq!(
         run["state_hash"],
@@ -63,20 +62,16 @@ fn on_one_computer_the_recording_is_that_of_a_run_without_hosts() {
         "run", "--listen", &address, "--host", "b=r2", "--host", "c=r3", "--json", "run.json",
         "--out", "far.mcap",
     ];
-    let plant = command(folder, &run).spawn().unwrap();
-    let join = |name| {
-        command(folder, &["join", &address, "--name", name])
-            .spawn()
-            .unwrap()
-    };
+    let plant = Started::new(&mut command(folder, &run));
+    let join = |name| Started::new(&mut command(folder, &["join", &address, "--name", name]));
     let others = [join("b"), join("c")];
     for other in others {
-        let output = other.wait_with_output().unwrap();
+        let output = other.wait();
         assert_done(&output);
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
         assert!(said.contains("in platoon for 15 s as host"), "{said}");
     }
-    assert_done(&plant.wait_with_output().unwrap());
+    assert_done(&plant.wait());
     let alone = run_json(folder, &["--out", "near.mcap"]);
     let far = read_json(&folder.join("run.json"));
     for key in ["state_hash", "robots", "links", "lost_records"] {

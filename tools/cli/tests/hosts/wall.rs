@@ -1,7 +1,6 @@
 //! On the wall clock the clocks of the hosts are known, and latencies between hosts are measured.
 
 use std::path::Path;
-use std::process::{Child, Output};
 use std::time::Duration;
 
 use slipstream_bus::time::NS_PER_S;
@@ -12,10 +11,10 @@ use slipstream_trace::{Fate, STAGES, follow};
 use crate::cable::{ADDRESS, Cable};
 use crate::common::{read_json, slipstream};
 use crate::failures::pid_of;
-use crate::{alone, assert_done, is_root, signal, stderr};
+use crate::{Started, alone, assert_done, is_root, signal, stderr};
 
 /// Starts a run of three robots with r2 and r3 on other hosts. Returns the plant's host and the others.
-fn start(cable: &Cable, folder: &Path, settings: &[&str]) -> (Child, [Child; 2]) {
+fn start(cable: &Cable, folder: &Path, settings: &[&str]) -> (Started, [Started; 2]) {
     let mut run = vec![
         "run",
         "--clock",
@@ -41,17 +40,13 @@ fn start(cable: &Cable, folder: &Path, settings: &[&str]) -> (Child, [Child; 2])
     (plant, ["b", "c"].map(join))
 }
 
-fn wait(child: Child) -> Output {
-    child.wait_with_output().unwrap()
-}
-
 /// Runs and expects that all hosts are done.
 fn run(folder: &Path, settings: &[&str], meanwhile: impl FnOnce(&Cable)) {
     let cable = Cable::new();
     let (plant, others) = start(&cable, folder, settings);
     meanwhile(&cable);
-    others.map(wait).iter().for_each(assert_done);
-    assert_done(&wait(plant));
+    others.map(Started::wait).iter().for_each(assert_done);
+    assert_done(&plant.wait());
     assert_eq!(read_json(&folder.join("run.json"))["lost_records"], 0);
 }
 
@@ -176,10 +171,10 @@ fn a_run_goes_on_without_a_host_that_dies() {
     let (plant, [b, c]) = start(&cable, folder.path(), &settings);
     std::thread::sleep(Duration::from_secs(3));
     signal(pid_of("slipstream relay .*--name c"), "-KILL");
-    let c = wait(c);
+    let c = c.wait();
     assert_eq!(c.status.code(), Some(1), "{}", stderr(&c));
-    assert_done(&wait(b));
-    let plant = wait(plant);
+    assert_done(&b.wait());
+    let plant = plant.wait();
     let text = stderr(&plant);
     assert_eq!(plant.status.code(), Some(1), "{text}");
     for said in ["host c: its process is gone", "the run goes on without r3"] {
