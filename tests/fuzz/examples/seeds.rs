@@ -276,6 +276,7 @@ fn processes(resolved: &Resolved, run: &Path) {
         loop_s: 0.2,
     };
     host_frames(resolved, &chunk);
+    wall_clock_frames(&chunk);
     seed("reports", "plant", &[&[0], &encode(&plant)[..]].concat());
     let agent = AgentOutcome {
         report: reports.agents.into_iter().next().unwrap(),
@@ -296,6 +297,7 @@ fn processes(resolved: &Resolved, run: &Path) {
     );
 }
 
+/// Frames of the lockstep, and of joining and leaving.
 fn host_frames(resolved: &Resolved, chunk: &[u8]) {
     let measured = Measured {
         now_ns: 20_000_000,
@@ -305,16 +307,6 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         measured: measured.clone(),
         stopped: Some("it was stopped".to_owned()),
     };
-    let news = Down::News(News {
-        start_ns: -5,
-        measured: measured.clone(),
-        positions: vec![Position::default()],
-    });
-    let time = Down::Time(Stamps {
-        asked_ns: 1,
-        received_ns: 2,
-        sent_ns: 3,
-    });
     let round = Down::Round(Round {
         number: 2,
         measured,
@@ -326,27 +318,6 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         positions: vec![Position::default()],
         records: vec![chunk.to_vec()],
     });
-    let sent = Up::Sent(Sent {
-        commands: vec![TorqueCommand::default()],
-        positions: vec![Position::default()],
-    });
-    let records = Up::Records(Batch {
-        number: 3,
-        records: vec![chunk.to_vec()],
-    });
-    let clock = Up::Clock(ClockReport {
-        host_ns: 10,
-        offset_ns: -20,
-        bound_ns: 30,
-        drift_ppb: Some(-40),
-        round_trip_ns: 50,
-        error_ns: 60,
-    });
-    let agent = AgentState {
-        robot: 1,
-        deaths: 2,
-        deadlines: vec![[1, 2, 3, 4]; 2],
-    };
     let report = Up::Report(Report {
         files: vec![LeftFile {
             name: "report-r2".to_owned(),
@@ -370,19 +341,61 @@ fn host_frames(resolved: &Resolved, chunk: &[u8]) {
         ("round", 0, encode(&round)),
         ("over", 0, encode(&Down::Over(end))),
         ("stop", 0, encode(&Down::Stop("r1 died".to_owned()))),
+        ("ready", 1, encode(&Up::Ready(7))),
+        ("answer", 1, encode(&answer)),
+        ("report", 1, encode(&report)),
+        ("hello", 2, encode(&hello)),
+        ("welcome", 3, encode(&welcome)),
+    ] {
+        seed("host_frame", name, &[&[kind], &bytes[..]].concat());
+    }
+}
+
+/// Frames of the wall clock.
+fn wall_clock_frames(chunk: &[u8]) {
+    let news = Down::News(News {
+        start_ns: -5,
+        measured: Measured {
+            now_ns: 20_000_000,
+            encoders: vec![(1, Encoders::default())],
+        },
+        positions: vec![Position::default()],
+    });
+    let time = Down::Time(Stamps {
+        asked_ns: 1,
+        received_ns: 2,
+        sent_ns: 3,
+    });
+    let sent = Up::Sent(Sent {
+        commands: vec![TorqueCommand::default()],
+        positions: vec![Position::default()],
+    });
+    let records = Up::Records(Batch {
+        number: 3,
+        records: vec![chunk.to_vec()],
+    });
+    let clock = Up::Clock(ClockReport {
+        host_ns: 10,
+        offset_ns: -20,
+        bound_ns: 30,
+        drift_ppb: Some(-40),
+        round_trip_ns: 50,
+        error_ns: 60,
+    });
+    let agent = AgentState {
+        robot: 1,
+        deaths: 2,
+        deadlines: vec![[1, 2, 3, 4]; 2],
+    };
+    for (name, kind, bytes) in [
         ("news", 0, encode(&news)),
         ("time", 0, encode(&time)),
         ("kept", 0, encode(&Down::Kept(3))),
-        ("ready", 1, encode(&Up::Ready(7))),
         ("sent", 1, encode(&sent)),
         ("records", 1, encode(&records)),
         ("ask_for_time", 1, encode(&Up::Time(9))),
         ("clock", 1, encode(&clock)),
         ("agents", 1, encode(&Up::Agents(vec![agent]))),
-        ("answer", 1, encode(&answer)),
-        ("report", 1, encode(&report)),
-        ("hello", 2, encode(&hello)),
-        ("welcome", 3, encode(&welcome)),
     ] {
         seed("host_frame", name, &[&[kind], &bytes[..]].concat());
     }
