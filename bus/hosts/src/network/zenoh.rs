@@ -26,6 +26,10 @@ use crate::hello::{Hello, Welcome};
 
 /// Time to connect to the plant's host.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+/// Pause between two attempts to connect.
+const CONNECT_PAUSE: Duration = Duration::from_millis(200);
+/// Time for one attempt to connect (ms).
+const OPEN_TIMEOUT_MS: u32 = 3000;
 /// Time for an answer of the plant's host once connected.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause between two attempts to be answered.
@@ -71,7 +75,7 @@ pub fn connect(
     name: &str,
 ) -> Result<Box<dyn HostCarrier + Send>, BusError> {
     let failed = failed(address);
-    let session = open_to(address, security).map_err(&failed)?;
+    let session = open_to(address, security, CONNECT_TIMEOUT).map_err(&failed)?;
     let (sender, events) = channel();
     let frames = sender.clone();
     let subscriber = session
@@ -106,7 +110,7 @@ pub fn connect(
 pub fn ask(address: &Address, security: &Security, hello: &Hello) -> Result<Welcome, InputError> {
     let invalid =
         |problem: String, remedy: &str| InputError::new(address.to_string(), problem, remedy);
-    let session = open_to(address, security).map_err(|error| match security {
+    let session = first_contact(address, security).map_err(|error| match security {
         Security::Tls(folder) => invalid(
             format!(
                 "does not answer with the certificates in {}: {}",
@@ -146,10 +150,29 @@ pub fn ask(address: &Address, security: &Security, hello: &Hello) -> Result<Welc
     ))
 }
 
-/// The session of a host other than the plant's.
-fn open_to(address: &Address, security: &Security) -> zenoh::Result<Session> {
+/// The first session of a host other than the plant's. A refused certificate is said at once, and else why the last
+/// attempt failed.
+fn first_contact(address: &Address, security: &Security) -> zenoh::Result<Session> {
+    let begin = Instant::now();
+    loop {
+        let error = match open_to(address, security, Duration::ZERO) {
+            Ok(session) => return Ok(session),
+            Err(error) => error,
+        };
+        let is_refused = ["certificate", "alert"]
+            .iter()
+            .any(|word| cause(&error).contains(word));
+        if is_refused || begin.elapsed() > CONNECT_TIMEOUT {
+            return Err(error);
+        }
+        std::thread::sleep(CONNECT_PAUSE);
+    }
+}
+
+/// The session of a host other than the plant's. `timeout`: zero for a single attempt.
+fn open_to(address: &Address, security: &Security, timeout: Duration) -> zenoh::Result<Session> {
     let endpoint = endpoint(address, security);
-    let timeout_ms = CONNECT_TIMEOUT.as_millis();
+    let timeout_ms = timeout.as_millis();
     let connect = format!(
         "connect: {{ endpoints: [{endpoint:?}], timeout_ms: {timeout_ms}, exit_on_failure: true, \
          retry: {{ period_init_ms: 200, period_max_ms: 200, period_increase_factor: 1 }} }}, \
@@ -174,17 +197,17 @@ fn open(ends: &str, security: &Security) -> zenoh::Result<Session> {
             let (authority, certificate, key) = (file(AUTHORITY), file(CERTIFICATE), file(KEY));
             // One certificate serves all hosts of a run, whatever their addresses.
             format!(
-                ", transport: {{ link: {{ tls: {{ root_ca_certificate: {authority:?}, \
+                ", link: {{ tls: {{ root_ca_certificate: {authority:?}, \
                  listen_private_key: {key:?}, listen_certificate: {certificate:?}, \
                  connect_private_key: {key:?}, connect_certificate: {certificate:?}, \
-                 enable_mtls: true, verify_name_on_connect: false }} }} }}"
+                 enable_mtls: true, verify_name_on_connect: false }} }}"
             )
         }
         Security::Loopback | Security::Insecure => String::new(),
     };
     let config = Config::from_json5(&format!(
         "{{ mode: \"peer\", scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
-         {ends}{tls} }}"
+         {ends}, transport: {{ unicast: {{ open_timeout: {OPEN_TIMEOUT_MS} }}{tls} }} }}"
     ))?;
     zenoh::open(config).wait()
 }
@@ -222,11 +245,25 @@ fn failed(address: &Address) -> impl Fn(zenoh::Error) -> BusError {
     }
 }
 
-/// The text of an error without the place in the library's source.
+/// The cause that an error gives, without the places in the library's source and what it was about to do.
 fn cause(error: &zenoh::Error) -> String {
     let text = error.to_string();
-    let end = text.find(" at /").unwrap_or(text.len());
-    text[..end].to_owned()
+    let text = text.split(" at /").next().unwrap_or(&text);
+    for (said, meant) in [
+        ("deadline has elapsed", "no answer in time"),
+        ("early eof", "it closes the connection"),
+    ] {
+        if text.contains(said) {
+            return meant.to_owned();
+        }
+    }
+    let attempt = text.split_once(" link bound to ");
+    let attempt = attempt.map_or(text, |(_, rest)| rest);
+    let cause = ["): ", ": ["]
+        .iter()
+        .find_map(|end| attempt.split_once(end));
+    let cause = cause.map_or(text, |(_, cause)| cause);
+    cause.trim_start_matches('[').to_owned()
 }
 
 /// Declares what the plant's host listens to.
