@@ -9,7 +9,7 @@ pub(crate) const RESEND: Duration = Duration::from_millis(200);
 /// On the wall clock: longest time that something new waits at either end.
 pub(crate) const NEWS_INTERVAL: Duration = Duration::from_micros(250);
 /// Interval at which a host asks for the time once its clock is known.
-pub(crate) const TIME_INTERVAL: Duration = Duration::from_millis(50);
+pub(crate) const TIME_INTERVAL: Duration = Duration::from_millis(20);
 /// Real-time priority of the two ends on the wall clock: between agents and plant.
 pub(crate) const PRIORITY: u8 = 25;
 /// Time without any other frame after which a host shows that it lives.

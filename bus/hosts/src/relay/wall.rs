@@ -146,9 +146,7 @@ impl Wall<'_, '_> {
             .crossing
             .poll(|position| positions.push(position))?;
         if !sent.commands.is_empty() || !sent.positions.is_empty() {
-            let frame = encode(&Up::Sent(sent))?;
-            self.play.contact.sent();
-            self.play.carrier.offer(&frame)?;
+            self.offer(&Up::Sent(sent))?;
         }
         Ok(())
     }
@@ -163,13 +161,13 @@ impl Wall<'_, '_> {
                 number: self.batch,
                 records: std::mem::take(&mut self.play.chunks),
             }))?;
-            self.play.carrier.send(&batch)?;
+            self.play.carrier.offer(&batch)?;
             self.pending = Some((batch, Instant::now()));
         }
         if let Some((batch, since)) = &mut self.pending
             && since.elapsed() > RESEND
         {
-            self.play.carrier.send(batch)?;
+            self.play.carrier.offer(batch)?;
             *since = Instant::now();
         }
         Ok(())
@@ -179,11 +177,11 @@ impl Wall<'_, '_> {
         let interval = if self.clock.is_known() {
             TIME_INTERVAL
         } else {
-            TIME_INTERVAL / 10
+            TIME_INTERVAL / 4
         };
         if self.asked.is_none_or(|since| since.elapsed() >= interval) {
             self.asked = Some(Instant::now());
-            self.play.send(&Up::Time(Monotonic::now().to_shared()))?;
+            self.offer(&Up::Time(Monotonic::now().to_shared()))?;
         }
         Ok(())
     }
@@ -191,7 +189,7 @@ impl Wall<'_, '_> {
     /// Tells once a second what is known of the clock and of the agents.
     fn report(&mut self) -> Result<(), BusError> {
         if let Some(report) = self.clock.report(Monotonic::now().to_shared()) {
-            self.play.send(&Up::Clock(report))?;
+            self.offer(&Up::Clock(report))?;
             self.send_agents()?;
         }
         Ok(())
@@ -205,7 +203,13 @@ impl Wall<'_, '_> {
             deadlines: wake_page.deadlines(Member::Agent(robot as usize)),
         };
         let agents = self.play.robots.iter().map(state).collect();
-        self.play.send(&Up::Agents(agents))
+        self.offer(&Up::Agents(agents))
+    }
+
+    /// Sends a frame that is sent again, or replaced by a newer one, if it is lost. A network that is cut holds nothing up.
+    fn offer(&mut self, frame: &Up) -> Result<(), BusError> {
+        self.play.contact.sent();
+        self.play.carrier.offer(&encode(frame)?)
     }
 
     /// Ends the run on this host. Returns once no batch of records is under way.
