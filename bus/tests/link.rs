@@ -123,3 +123,14 @@ fn a_message_is_delivered_after_the_instant_of_sending() {
     assert_eq!(line.poll(50), None);
     assert!(line.poll(51).is_some());
 }
+
+#[test]
+fn messages_that_the_network_lost_are_those_left_out() {
+    let mut line = DelayLine::new(impairment(|_| {}), true);
+    // A restarted receiver does not know what came before, and a restarted sender may repeat a number.
+    for (seq, missing) in [(7, 0), (8, 0), (11, 2), (11, 2), (12, 2), (20, 9)] {
+        line.push(position(seq, i64::from(seq)));
+        assert_eq!(line.counts().missing, missing, "{seq}");
+    }
+    assert_eq!(line.counts().received, 6);
+}

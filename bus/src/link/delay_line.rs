@@ -17,6 +17,8 @@ pub struct LinkCounts {
     pub delivered: u64,
     /// Lost by the impairment.
     pub lost: u64,
+    /// Never entered the delay line, although a later one did: lost by the network between two hosts.
+    pub missing: u64,
     /// Delivered after a position that was sampled later.
     pub stale: u64,
 }
@@ -39,6 +41,8 @@ pub struct DelayLine {
     in_flight: Vec<InFlight>,
     last_available_ns: i64,
     newest_sampled_ns: i64,
+    /// Sequence number of the next message; `None` before the first.
+    next_seq: Option<u32>,
     counts: LinkCounts,
 }
 
@@ -60,6 +64,7 @@ impl DelayLine {
             in_flight: Vec::with_capacity(INITIAL_CAPACITY),
             last_available_ns: 0,
             newest_sampled_ns: i64::MIN,
+            next_seq: None,
             counts: LinkCounts::default(),
         }
     }
@@ -68,6 +73,9 @@ impl DelayLine {
     /// available (ns); `None` if it is lost.
     pub fn push(&mut self, position: Position) -> Option<i64> {
         self.counts.received += 1;
+        let expected = self.next_seq.unwrap_or(position.seq);
+        self.counts.missing += u64::from(position.seq.saturating_sub(expected));
+        self.next_seq = Some(position.seq.wrapping_add(1));
         let Some(delay_ns) = self.impairment.draw() else {
             self.counts.lost += 1;
             return None;

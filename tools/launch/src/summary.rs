@@ -109,7 +109,7 @@ pub struct LinkSummary {
     pub sent: u64,
     /// Messages that left the delay line.
     pub delivered: u64,
-    /// Messages lost on the link.
+    /// Messages lost on the link, by its impairment or by the network between two hosts.
     pub lost: u64,
     /// Messages still in the delay line at the end.
     pub in_flight: u64,
@@ -257,8 +257,8 @@ fn links(agents: &[Option<NodeReport>]) -> Vec<LinkSummary> {
             to: name(receiver),
             sent,
             delivered: counts.delivered,
-            lost: counts.lost,
-            in_flight: sent.saturating_sub(counts.delivered + counts.lost),
+            lost: counts.lost + counts.missing,
+            in_flight: sent.saturating_sub(counts.delivered + counts.lost + counts.missing),
             stale: counts.stale,
         });
     }

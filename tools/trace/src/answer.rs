@@ -15,6 +15,7 @@ use crate::names::Names;
 use crate::percentiles::Percentiles;
 use crate::pile::Groups;
 use crate::step::Loop;
+use crate::uncertain_groups::{UncertainGroups, UncertainPercentiles};
 use crate::uncertainty::Uncertainty;
 
 /// The whole answer.
@@ -87,8 +88,7 @@ pub struct StageLatency {
     /// How long it took.
     #[serde(flatten)]
     pub figures: Percentiles,
-    /// By how much the stage of a message can be wrong at most, because it begins and ends on the clocks of
-    /// two hosts.
+    /// By how much the median can be wrong, because the stage begins and ends on the clocks of two hosts.
     #[serde(default, skip_serializing_if = "Uncertainty::is_exact")]
     pub uncertainty_s: Uncertainty,
 }
@@ -105,8 +105,8 @@ pub struct Age {
     /// Time since the encoders were read.
     #[serde(flatten)]
     pub figures: Percentiles,
-    /// By how much an age can be wrong at most, because the encoders are read on the clock of the plant's
-    /// host and used on that of another.
+    /// By how much the median can be wrong, because the encoders are read on the clock of the plant's host
+    /// and used on that of another.
     #[serde(default, skip_serializing_if = "Uncertainty::is_exact")]
     pub uncertainty_s: Uncertainty,
 }
@@ -175,7 +175,6 @@ struct Count {
     used: u64,
     incomplete: Incomplete,
     largest_sum_error_ns: i64,
-    uncertainty: [Uncertainty; 7],
 }
 
 impl Count {
@@ -188,9 +187,6 @@ impl Count {
                 let sum = chain.stages_ns().into_iter().fold(0, i64::saturating_add);
                 let error = chain.end_to_end_ns().saturating_sub(sum).saturating_abs();
                 self.largest_sum_error_ns = self.largest_sum_error_ns.max(error);
-                for (largest, own) in self.uncertainty.iter_mut().zip(chain.uncertainty) {
-                    *largest = own.max(*largest);
-                }
             }
             Fate::Lost => incomplete.lost += 1,
             Fate::Superseded => incomplete.superseded += 1,
@@ -203,28 +199,25 @@ impl Count {
     }
 }
 
-/// Number and percentiles of a duration on each link.
-type Durations = BTreeMap<Link, (u64, Percentiles)>;
-
 fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
     let mut counts: BTreeMap<Link, Count> = BTreeMap::new();
-    let mut stages = STAGES.map(|_| Groups::new(log.disk()));
+    let mut stages = STAGES.map(|_| UncertainGroups::new(log.disk()));
     let mut end_to_end = Groups::new(log.disk());
     for message in messages(log) {
         let link = message.link();
         counts.entry(link).or_default().add(&message.fate);
         if let Fate::Used(chain) = message.fate {
-            for (stage, duration_ns) in stages.iter_mut().zip(chain.stages_ns()) {
-                stage.push(link, duration_ns);
+            let durations = chain.stages_ns().into_iter().zip(chain.uncertainty);
+            for (stage, (duration_ns, uncertainty)) in stages.iter_mut().zip(durations) {
+                stage.push(link, duration_ns, uncertainty);
             }
             end_to_end.push(link, chain.end_to_end_ns());
         }
     }
     let (stages, end_to_end) = (stages.map(|s| s.percentiles()), end_to_end.percentiles());
     let hop = |(link, count): (Link, Count)| {
-        let durations = stages.iter().zip(count.uncertainty);
-        let stage = |(&stage, (of, uncertainty_s)): (&&'static str, (&Durations, Uncertainty))| {
-            let (_, figures) = *of.get(&link)?;
+        let stage = |(&stage, of): (&&'static str, &UncertainPercentiles<Link>)| {
+            let (_, figures, uncertainty_s) = *of.get(&link)?;
             Some(StageLatency {
                 stage: stage.into(),
                 figures,
@@ -237,7 +230,7 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
             messages: count.used,
             sent: count.sent,
             incomplete: count.incomplete,
-            stages: STAGES.iter().zip(durations).filter_map(stage).collect(),
+            stages: STAGES.iter().zip(&stages).filter_map(stage).collect(),
             end_to_end: end_to_end.get(&link).map(|(_, figures)| *figures),
             largest_sum_error_s: s_from_ns(count.largest_sum_error_ns),
         }
@@ -245,19 +238,14 @@ fn hops(log: &Log, names: &Names<'_>) -> Vec<Hop> {
     counts.into_iter().map(hop).collect()
 }
 
-/// Percentiles of the ages of each pair, ordered by `from`, then `to`; those of pairs that are not in
-/// `uncertainty` are exact.
-fn ages(
-    pairs: &Groups<Link>,
-    uncertainty: &BTreeMap<Link, Uncertainty>,
-    names: &Names<'_>,
-) -> Vec<Age> {
-    let age = |((from, to), (count, figures))| Age {
+/// Percentiles of the ages of each pair, ordered by `from`, then `to`.
+fn ages(pairs: &UncertainGroups<Link>, names: &Names<'_>) -> Vec<Age> {
+    let age = |((from, to), (count, figures, uncertainty_s))| Age {
         from: names.of(from),
         to: names.of(to),
         count,
         figures,
-        uncertainty_s: uncertainty.get(&(from, to)).copied().unwrap_or_default(),
+        uncertainty_s,
     };
     pairs.percentiles().into_iter().map(age).collect()
 }
@@ -265,7 +253,7 @@ fn ages(
 /// Follows each used message back along the platoon: to the message that its sender used, and so on.
 fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
     let ahead = log.sender_to();
-    let mut pairs = Groups::new(log.disk());
+    let mut pairs = UncertainGroups::new(log.disk());
     for message in messages(log) {
         // The front robot follows nobody: in a ring, the returning message only triggers its next one.
         let Fate::Used(chain) = message.fate else {
@@ -282,7 +270,7 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             };
             // Both are on the clock of the plant's host.
             let age_ns = applied_ns.saturating_sub(sent.sampled_ns);
-            pairs.push((key.0, message.to), age_ns);
+            pairs.push((key.0, message.to), age_ns, Uncertainty::Exact);
             let tick = log.outer((key.0, sent.tick_ns));
             let before = tick.and_then(|tick| tick.message).zip(ahead.get(&key.0));
             match before {
@@ -291,18 +279,15 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             }
         }
     }
-    ages(&pairs, &BTreeMap::new(), names)
+    ages(&pairs, names)
 }
 
 fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
-    let mut pairs = Groups::new(log.disk());
-    let mut uncertainty: BTreeMap<Link, Uncertainty> = BTreeMap::new();
+    let mut pairs = UncertainGroups::new(log.disk());
     for (link, began_ns, age_ns) in used_at_outer_ticks(log) {
-        pairs.push(link, age_ns);
-        let largest = uncertainty.entry(link).or_default();
-        *largest = log.hosts.error(link.1, began_ns).max(*largest);
+        pairs.push(link, age_ns, log.hosts.error(link.1, began_ns));
     }
-    ages(&pairs, &uncertainty, names)
+    ages(&pairs, names)
 }
 
 /// Each outer tick that uses a position: the link, when it began (ns), and how old the position is (ns).

@@ -41,9 +41,8 @@ pub struct Change {
     pub other_mean_s: f64,
     /// This run's mean minus the other's (s).
     pub difference_s: f64,
-    /// 95 % confidence interval of the difference (s), wider to both sides by the largest uncertainty of the
-    /// stage in this run plus that in the other, which the clocks of several hosts cause; `None` if it is
-    /// not known how wrong a clock can be.
+    /// 95 % confidence interval of the difference (s), wider to both sides by what the clocks of several hosts leave
+    /// open of both means; `None` if it is not known how wrong a clock can be.
     pub ci95_s: Option<[f64; 2]>,
     /// Whether the interval excludes 0: a difference that the clocks alone may cause is no change.
     pub changed: bool,
@@ -91,8 +90,7 @@ fn means(log: &Log) -> BTreeMap<Link, Stages<Mean>> {
     let mut sums: BTreeMap<Link, Stages<Sum>> = BTreeMap::new();
     for (link, durations) in used(log) {
         for (sum, (ns, uncertainty)) in sums.entry(link).or_default().iter_mut().zip(durations) {
-            sum.add(ns);
-            sum.uncertainty = uncertainty.max(sum.uncertainty);
+            sum.add(ns, uncertainty);
         }
     }
     for (link, durations) in used(log) {
@@ -144,14 +142,15 @@ struct Sum {
     count: u64,
     sum_ns: i128,
     squares_s2: f64,
-    /// The largest of all.
+    /// The sum of all.
     uncertainty: Uncertainty,
 }
 
 impl Sum {
-    fn add(&mut self, duration_ns: i64) {
+    fn add(&mut self, duration_ns: i64, uncertainty: Uncertainty) {
         self.count += 1;
         self.sum_ns += i128::from(duration_ns);
+        self.uncertainty = self.uncertainty.plus(uncertainty);
     }
 
     fn add_square(&mut self, duration_ns: i64) {
@@ -168,7 +167,10 @@ impl Sum {
         Mean {
             mean_s: self.mean_s(),
             error_variance_s2: self.squares_s2 / (n - 1.0) / n,
-            uncertainty: self.uncertainty,
+            uncertainty: match self.uncertainty {
+                Uncertainty::Within(ns) => Uncertainty::Within((ns as f64 / n).ceil() as i64),
+                other => other,
+            },
         }
     }
 }
@@ -179,7 +181,9 @@ mod tests {
 
     fn mean_of(durations_ns: [i64; 3]) -> Mean {
         let mut sum = Sum::default();
-        durations_ns.iter().for_each(|ns| sum.add(*ns));
+        durations_ns
+            .iter()
+            .for_each(|ns| sum.add(*ns, Uncertainty::Exact));
         durations_ns.iter().for_each(|ns| sum.add_square(*ns));
         sum.mean()
     }

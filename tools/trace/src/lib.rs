@@ -17,6 +17,7 @@ mod pile;
 mod read;
 mod round_trips;
 mod step;
+mod uncertain_groups;
 mod uncertainty;
 
 pub use answer::{

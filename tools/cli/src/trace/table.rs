@@ -155,7 +155,7 @@ fn head(text: &mut String, title: &str, rows: impl IntoIterator<Item = Uncertain
     let clocks = if is_exact {
         ""
     } else {
-        "  ± error of clocks (ms)"
+        "  ± of p50, by the clocks (ms)"
     };
     let _ = writeln!(
         text,
@@ -167,7 +167,7 @@ fn row(text: &mut String, what: &str, figures: &Percentiles) {
     uncertain_row(text, what, figures, Uncertainty::Exact);
 }
 
-/// A row, with the error of the clocks that measured it.
+/// A row, with what the clocks that measured it leave open of the median.
 fn uncertain_row(text: &mut String, what: &str, figures: &Percentiles, uncertainty: Uncertainty) {
     let [p50, p99, max] = [figures.p50_s, figures.p99_s, figures.max_s].map(|s| s * 1e3);
     let clocks = match uncertainty {
