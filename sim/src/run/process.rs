@@ -1,6 +1,7 @@
 //! Process of the plant: connects the world to shared memory, clock and recorder.
 
 use std::path::Path;
+use std::time::Duration;
 
 use slipstream_bus::Experiment;
 use slipstream_bus::message::{Encoders, TorqueCommand};
@@ -24,6 +25,9 @@ use crate::{Command, World};
 
 /// Real-time priority of the plant's loop.
 const PRIORITY: u8 = 30;
+/// Timeout for the answers of a round, beside that for an answer of another host. The launcher ends an agent that hangs
+/// before.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 /// Time between all processes being connected and time 0 of the run, on the wall clock (ns).
 const START_DELAY_NS: i64 = 20_000_000;
 
@@ -63,6 +67,8 @@ pub fn run(folder: &Path, launcher: Parent, recording: bool) -> Result<PlantOutc
     let kept = services.create_all()?;
     joined.wake_page().advance(Stage::Services);
     let mut end = PlantEndpoint::new(&services, joined.presence.clone())?;
+    let host_timeout = Duration::from_secs_f64(experiment.settings.host_timeout_s);
+    end.set_answer_timeout(ANSWER_TIMEOUT + host_timeout);
     let mut records = RecordSender::new(
         &services,
         joined.presence.clone(),

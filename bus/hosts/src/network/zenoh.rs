@@ -30,6 +30,8 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 const CONNECT_PAUSE: Duration = Duration::from_millis(200);
 /// Time for one attempt to connect (ms).
 const OPEN_TIMEOUT_MS: u32 = 3000;
+/// Time after which Zenoh ends a silent connection (ms): never before `host_timeout_s`, which decides.
+const LEASE_MS: u32 = 3_600_000;
 /// Time for an answer of the plant's host once connected.
 const HELLO_TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause between two attempts to be answered.
@@ -197,17 +199,18 @@ fn open(ends: &str, security: &Security) -> zenoh::Result<Session> {
             let (authority, certificate, key) = (file(AUTHORITY), file(CERTIFICATE), file(KEY));
             // One certificate serves all hosts of a run, whatever their addresses.
             format!(
-                ", link: {{ tls: {{ root_ca_certificate: {authority:?}, \
+                ", tls: {{ root_ca_certificate: {authority:?}, \
                  listen_private_key: {key:?}, listen_certificate: {certificate:?}, \
                  connect_private_key: {key:?}, connect_certificate: {certificate:?}, \
-                 enable_mtls: true, verify_name_on_connect: false }} }}"
+                 enable_mtls: true, verify_name_on_connect: false }}"
             )
         }
         Security::Loopback | Security::Insecure => String::new(),
     };
     let config = Config::from_json5(&format!(
         "{{ mode: \"peer\", scouting: {{ multicast: {{ enabled: false }}, gossip: {{ enabled: false }} }}, \
-         {ends}, transport: {{ unicast: {{ open_timeout: {OPEN_TIMEOUT_MS} }}{tls} }} }}"
+         {ends}, transport: {{ unicast: {{ open_timeout: {OPEN_TIMEOUT_MS} }}, \
+         link: {{ tx: {{ lease: {LEASE_MS} }}{tls} }} }} }}"
     ))?;
     zenoh::open(config).wait()
 }

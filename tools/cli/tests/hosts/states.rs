@@ -147,11 +147,13 @@ fn a_hundred_robots_on_three_hosts_have_the_states_of_one_process() {
 }
 
 #[test]
-fn a_cable_that_is_cut_for_a_second_changes_nothing() {
+fn a_cable_that_is_cut_for_less_than_the_timeout_changes_nothing() {
     let _one = alone();
     if !is_root() {
         return;
     }
     let arguments = ["--set", "duration_s=300"];
     assert_same(&arguments, &["b=r2,r3"], Some(Duration::from_secs(1)));
+    let patient = [&arguments[..], &["--set", "host_timeout_s=40"]].concat();
+    assert_same(&patient, &["b=r2,r3"], Some(Duration::from_secs(12)));
 }
