@@ -15,7 +15,8 @@ pub const FORMAT: u8 = 33;
 pub struct TraceRecord<'a> {
     /// When it began (ns).
     pub begin_ns: i64,
-    /// The process: `plant`, a robot, `recorder` or `launcher`; `run` for a run in one process.
+    /// The process: `plant`, a robot, `recorder` or `launcher`; across hosts `hosts` or `relay`; `run` for a run in one
+    /// process.
     pub process: Cow<'a, str>,
     /// From 1 (error) to 5 (trace).
     pub level: u8,

@@ -75,7 +75,7 @@ fn stage_name(stage: &str) -> &'static str {
     match stage {
         "sample_wait" => "Wait for the sender's tick",
         "compute" => "Compute",
-        "transport" => "Bus",
+        "transport" => "Transport",
         "injected_delay" => "Link delay, set",
         "outer_wait" => "Wait for the follower's outer tick",
         "inner_wait" => "Wait for its inner tick",
@@ -235,7 +235,7 @@ fn bars(answer: &Answer) -> Markup {
                     @for (value, text) in scale.ticks() { span style=(format!("left:{:.1}%", 100.0 * scale.place(value))) { (text) } }
                 } }
                 figcaption { "Medians in ms; the line goes to the 99th percentile. "
-                    span class="sw sn" {} " set by you  " span class="sw sw-w" {} " waiting  " span class="sw sw-i" {} " computing and bus"
+                    span class="sw sn" {} " set by you  " span class="sw sw-w" {} " waiting  " span class="sw sw-i" {} " computing and transport"
                     @if left > 0 { ". " (left) " more links are in the table." }
                 }
                 @if let Some(hop) = median_hop(answer) { (rest(hop)) }
