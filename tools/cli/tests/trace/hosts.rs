@@ -147,7 +147,7 @@ fn the_table_says_what_the_clocks_leave_open() {
     let [table, warnings] = trace(folder.path(), &["run.mcap"]);
     assert_eq!(warnings, "");
     assert!(
-        table.contains("max (ms)  ± error of clocks (ms)"),
+        table.contains("max (ms)  ± of p50, by the clocks (ms)"),
         "{table}"
     );
     let transport = "0.2500     0.2500     0.2500       ± 0.2000";
