@@ -149,23 +149,27 @@ impl HostClock {
     /// What is known of the clock, if a second has passed since the last report and a question was answered in it.
     pub(crate) fn report(&mut self, now_ns: i64) -> Option<ClockReport> {
         let &mut reported_ns = self.reported_ns.get_or_insert(now_ns);
-        if now_ns - reported_ns < NS_PER_S {
-            return None;
-        }
+        let is_due = now_ns - reported_ns >= NS_PER_S && self.best.is_some();
+        is_due.then(|| self.report_now(now_ns)).flatten()
+    }
+
+    /// What is known of the clock.
+    pub(crate) fn report_now(&mut self, now_ns: i64) -> Option<ClockReport> {
         self.note_error(now_ns);
-        let (interval, best) = (self.interval?.at(now_ns), self.best.take()?);
+        let interval = self.interval?.at(now_ns);
         self.reported_ns = Some(now_ns);
-        if self.seconds.len() == DRIFT_SECONDS {
-            self.seconds.pop_front();
+        if let Some(best) = self.best.take() {
+            if self.seconds.len() == DRIFT_SECONDS {
+                self.seconds.pop_front();
+            }
+            self.seconds.push_back(best);
         }
-        self.seconds.push_back(best);
-        let offset_ns = interval.middle_ns();
         Some(ClockReport {
             host_ns: now_ns,
-            offset_ns,
+            offset_ns: interval.middle_ns(),
             bound_ns: interval.bound_ns(),
             drift_ppb: drift_ppb(&self.seconds),
-            round_trip_ns: best.round_trip_ns,
+            round_trip_ns: self.seconds.back()?.round_trip_ns,
             error_ns: std::mem::take(&mut self.error_ns),
         })
     }

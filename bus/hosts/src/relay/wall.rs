@@ -214,7 +214,10 @@ impl Wall<'_, '_> {
 
     /// Ends the run on this host. Returns once no batch of records is under way.
     fn end(mut self, end: End) -> Result<Option<String>, BusError> {
-        self.send_agents()?;
+        // The error of the last time stamps is known now.
+        if let Some(report) = self.clock.report_now(Monotonic::now().to_shared()) {
+            self.offer(&Up::Clock(report))?;
+        }
         let stopped = self.play.end(end)?;
         self.own.flush();
         while self.pending.is_some() {

@@ -27,6 +27,7 @@ use self::session::Session;
 use crate::carrier::PlantCarrier;
 use crate::frame::{Down, End, LeftFile};
 use crate::hello::{RemoteHost, Welcome};
+use crate::log;
 
 /// Longest wait for a round of the plant, between two looks at the network.
 const ROUND_WAIT: Duration = Duration::from_millis(100);
@@ -101,6 +102,7 @@ impl StandIn<'_> {
                 services: &services,
                 recording: self.recording,
                 notice: self.notice,
+                start_ns: 0,
                 failures: Vec::new(),
             };
             let ended = play(&mut session, &mut robots, &mut hosts);
@@ -186,14 +188,15 @@ fn farewell(
     let begin = Instant::now();
     while !hosts.all_have_left() && limit.is_none_or(|limit| begin.elapsed() < limit) {
         let reports = hosts.take_reports(limit.is_some())?;
-        // On the wall clock, records from before the report.
+        // On the wall clock, what has come before the report.
         for (host, arrived) in hosts.take_arrived() {
             match arrived {
                 Arrived::Records(records) => robots.record(&host.robots, records),
                 Arrived::Lost(reason) => {
                     session.fail(&host.name, &reason, "; what its agents left is missing");
                 }
-                Arrived::Sent(_) | Arrived::Clock(_) | Arrived::Agents(_) => {}
+                Arrived::Clock(report) => log::clock(&host.name, session.start_ns, &report),
+                Arrived::Sent(_) | Arrived::Agents(_) => {}
             }
         }
         for (host, report) in reports {

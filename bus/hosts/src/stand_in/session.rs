@@ -11,6 +11,8 @@ pub(super) struct Session<'a> {
     pub(super) recording: bool,
     /// Says something to the user.
     pub(super) notice: &'a dyn Fn(&str),
+    /// On the wall clock: time 0 of the run on the clock of this host (ns).
+    pub(super) start_ns: i64,
     /// What went wrong although the run went on.
     pub(super) failures: Vec<String>,
 }

@@ -31,8 +31,6 @@ const MAX_DEATHS: u32 = 16;
 struct Wall<'a> {
     wake_page: &'a WakePage,
     topology: Topology,
-    /// Time 0 of the run on the clock of this host (ns).
-    start_ns: i64,
     /// The robots whose agents run on other hosts.
     elsewhere: Vec<RobotIndex>,
 }
@@ -54,11 +52,11 @@ pub(super) fn pass_on(
         hosts.go_on_without_the_lost();
     }
     let start_ns = wake_page.start_ns();
+    session.start_ns = start_ns;
     trace::use_clock(WallClock::new(Monotonic::from_shared(start_ns)));
     let wall = Wall {
         wake_page,
         topology: Topology::new(experiment),
-        start_ns,
         elsewhere: hosts.robots(),
     };
     hosts.each(log::host);
@@ -99,7 +97,7 @@ impl Wall<'_> {
                 self.trace_arrivals(&sent);
             }
             Arrived::Records(records) => robots.record(&host.robots, records),
-            Arrived::Clock(report) => log::clock(&host.name, self.start_ns, &report),
+            Arrived::Clock(report) => log::clock(&host.name, session.start_ns, &report),
             Arrived::Agents(agents) => {
                 let own = agents
                     .iter()

@@ -4,19 +4,22 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::{self, Scope, ScopedJoinHandle};
+use std::time::Duration;
 
 use slipstream_agents::NodeReport;
 use slipstream_agents::process as agent;
-use slipstream_bus::message::RobotIndex;
+use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::{Experiment, RobotModel, Settings};
 use slipstream_hosts::carrier::{HostCarrier, PlantCarrier};
 use slipstream_hosts::hello::RemoteHost;
 use slipstream_hosts::relay::Relay;
 use slipstream_hosts::stand_in::{StandIn, StandInOutcome};
-use slipstream_ipc::join::ProcessStatus;
+use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::presence::Parent;
+use slipstream_ipc::record_pipe::RecordReceiver;
 use slipstream_ipc::run_directory::{RunDirectory, RunLock};
-use slipstream_ipc::wake_page::{Stage, WakePage};
+use slipstream_ipc::trace::{self, EnvFilter, Tracing};
+use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_sim::run::process::{self as plant, PlantOutcome};
 
 pub(crate) const VERSION: &str = "0.1.0 (test)";
@@ -58,10 +61,14 @@ impl Host {
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
         robots: &[RobotIndex],
+        recording: bool,
     ) -> Vec<(RobotIndex, ScopedJoinHandle<'scope, NodeReport>)> {
         let start = |&robot: &RobotIndex| {
             let folder = self.folder();
-            let run = move || agent::run(folder, Parent::now(), robot, false, false).unwrap();
+            let run = move || {
+                let _trace = recording.then(|| traced(&robot_name(robot)));
+                agent::run(folder, Parent::now(), robot, false, recording).unwrap()
+            };
             (robot, scope.spawn(move || run().report))
         };
         robots.iter().map(start).collect()
@@ -89,6 +96,29 @@ pub(crate) fn experiment(robots: u32, change: impl Fn(&mut Settings)) -> Experim
     Experiment::new(settings, &RobotModel::paper_with_slip())
 }
 
+/// Traces what the thread does as this process.
+fn traced(process: &str) -> Tracing {
+    trace::begin(process, EnvFilter::new("debug"))
+}
+
+/// Receives the chunks of records of a run until all its processes have ended.
+fn record(folder: &Path) -> Vec<Vec<u8>> {
+    let joined = JoinedRun::new(folder, Member::Recorder, Parent::now()).unwrap();
+    let receiver = RecordReceiver::new(&joined.services("recorder").unwrap()).unwrap();
+    joined.wake_page().signal_ready();
+    let mut chunks = Vec::new();
+    loop {
+        let is_last = joined.wake_page().stage() >= Stage::Drained;
+        while let Some(chunk) = receiver.poll_chunk(<[u8]>::to_vec).unwrap() {
+            chunks.push(chunk);
+        }
+        if is_last {
+            return chunks;
+        }
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// Runs an experiment with the agents of `remote` on other hosts, over these networks. Returns the plant's outcome and
 /// the reports of all agents.
 pub(crate) fn run_across(
@@ -97,6 +127,18 @@ pub(crate) fn run_across(
     home: Box<dyn PlantCarrier + Send>,
     carriers: Vec<Box<dyn HostCarrier + Send>>,
 ) -> (PlantOutcome, Vec<NodeReport>) {
+    let (outcome, reports, _) = run_recorded(experiment, remote, home, carriers, false);
+    (outcome, reports)
+}
+
+/// As [`run_across`], also returns the chunks of records if it is `recording`.
+pub(crate) fn run_recorded(
+    experiment: &Experiment,
+    remote: &[RemoteHost],
+    home: Box<dyn PlantCarrier + Send>,
+    carriers: Vec<Box<dyn HostCarrier + Send>>,
+    recording: bool,
+) -> (PlantOutcome, Vec<NodeReport>, Vec<Vec<u8>>) {
     let elsewhere = |robot: &RobotIndex| remote.iter().any(|host| host.robots.contains(robot));
     let all = 0..experiment.settings.robots.count;
     let here: Vec<RobotIndex> = all.filter(|robot| !elsewhere(robot)).collect();
@@ -107,23 +149,25 @@ pub(crate) fn run_across(
         .collect();
     thread::scope(|scope| {
         let folder = at_home.folder();
-        let plant = scope.spawn(move || plant::run(folder, Parent::now(), false).unwrap());
-        let stand_in = scope.spawn(move || stand_in(folder, remote, home));
-        let mut agents = at_home.agents(scope, &here);
+        let plant = scope.spawn(move || plant::run(folder, Parent::now(), recording).unwrap());
+        let recorder = recording.then(|| scope.spawn(move || record(folder)));
+        let stand_in = scope.spawn(move || stand_in(folder, remote, home, recording));
+        let mut agents = at_home.agents(scope, &here, recording);
         let mut relays = Vec::new();
         for ((host, mut carrier), remote) in away.iter().zip(carriers).zip(remote) {
             relays.push(scope.spawn(move || {
+                let _trace = recording.then(|| traced("relay"));
                 let relay = Relay {
                     folder: host.folder(),
                     launcher: Parent::now(),
                     run: RUN,
-                    recording: false,
+                    recording,
                     left: &|_| Vec::new(),
                     failure: &|| None,
                 };
                 relay.run(&mut *carrier).unwrap()
             }));
-            agents.extend(host.agents(scope, &remote.robots));
+            agents.extend(host.agents(scope, &remote.robots, recording));
         }
         agents.sort_by_key(|(robot, _)| *robot);
         let reports = agents.into_iter().map(|(_, agent)| agent.join().unwrap());
@@ -137,7 +181,9 @@ pub(crate) fn run_across(
         for relay in relays {
             assert_eq!(relay.join().unwrap().ended, ProcessStatus::Done);
         }
-        (outcome, reports)
+        at_home.page.advance(Stage::Drained);
+        let chunks = recorder.map(|recorder| recorder.join().unwrap());
+        (outcome, reports, chunks.unwrap_or_default())
     })
 }
 
@@ -146,7 +192,9 @@ pub(crate) fn stand_in(
     folder: &Path,
     hosts: &[RemoteHost],
     mut home: Box<dyn PlantCarrier + Send>,
+    recording: bool,
 ) -> StandInOutcome {
+    let _trace = recording.then(|| traced("hosts"));
     let stand_in = StandIn {
         folder,
         launcher: Parent::now(),
@@ -154,7 +202,7 @@ pub(crate) fn stand_in(
         version: VERSION,
         run: RUN,
         keys: String::new(),
-        recording: false,
+        recording,
         keep: &|_, _| {},
         notice: &|_| {},
     };

@@ -12,18 +12,20 @@ use std::time::{Duration, Instant};
 
 use slipstream_bus::experiment::{Clock, OnDeath, Protocol};
 use slipstream_bus::message::{RobotIndex, TorqueCommand};
+use slipstream_bus::trace::{self, TraceRecord};
 use slipstream_bus::transport::BusError;
-use slipstream_bus::{Experiment, Settings};
+use slipstream_bus::{Experiment, RobotModel, Settings};
 use slipstream_hosts::carrier::{Event, HostCarrier, PlantCarrier};
 use slipstream_hosts::frame::{Answer, Down, Report, Up, decode, encode};
 use slipstream_hosts::hello::{Hello, RemoteHost, Welcome};
 use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::presence::Parent;
+use slipstream_ipc::record_pipe::{Entry, decode_chunk};
 use slipstream_launch::in_process;
 use slipstream_sim::run::process as plant;
 
-use harness::{Host, RUN, VERSION, experiment, remote, run_across, stand_in};
+use harness::{Host, RUN, VERSION, experiment, remote, run_across, run_recorded, stand_in};
 
 /// A network that loses frames: one of `loses`, if that is not 0, and all while it is cut.
 #[derive(Debug, Clone, Copy)]
@@ -225,7 +227,7 @@ fn with_stand_in<T>(
         let folder = at_home.folder();
         let plant = scope.spawn(move || plant::run(folder, Parent::now(), false));
         let remote = &remote;
-        let stand_in = scope.spawn(move || stand_in(folder, remote, Box::new(home)));
+        let stand_in = scope.spawn(move || stand_in(folder, remote, Box::new(home), false));
         let played = play(&to_home, &frames);
         let outcome = stand_in.join().unwrap();
         // As the launcher does when a process fails.
@@ -358,6 +360,7 @@ fn on_the_wall_clock_encoders_torques_and_positions_cross() {
         s.clock = Clock::Wall;
         s.links.delay_s = 0.05;
     });
+    let experiment = Experiment::new(experiment.settings, &RobotModel::default());
     let remote = remote(&[("b", &[1]), ("c", &[2])]);
     let lossy = Weather {
         loses: 40,
@@ -369,7 +372,7 @@ fn on_the_wall_clock_encoders_torques_and_positions_cross() {
         let away = away.into_iter().map(boxed).collect();
         let (outcome, reports) = run_across(&experiment, &remote, Box::new(home), away);
         for (robot, report) in outcome.report.robots.iter().zip(&reports) {
-            // No wheel slips, so odometry is the truth but for the resolution of the encoders. It includes the last
+            // No wheel can slip, so odometry is the truth but for the resolution of the encoders. It includes the last
             // encoders of the run, which are sent until they have come.
             let [x, y, _] = robot.final_true;
             let [odometry_x, odometry_y, _] = report.final_odometry;
@@ -392,6 +395,65 @@ fn on_the_wall_clock_encoders_torques_and_positions_cross() {
             };
             assert!((least..=sent).contains(&received), "{received} of {sent}");
         }
+    }
+}
+
+/// Calls `each` with every trace record of these chunks.
+fn each_trace_record(chunks: &[Vec<u8>], mut each: impl FnMut(TraceRecord<'_>)) {
+    for chunk in chunks {
+        let mut entry = |_, entry: Entry<'_>| {
+            if let Entry::Trace { bytes, .. } = entry {
+                let with_format = [&[trace::FORMAT], bytes].concat();
+                trace::read(&with_format, &mut each).unwrap();
+            }
+        };
+        decode_chunk(chunk, &mut entry).unwrap();
+    }
+}
+
+#[test]
+fn on_the_wall_clock_the_trace_has_clocks_and_crossings_of_all_hosts() {
+    let experiment = experiment(3, |s| s.clock = Clock::Wall);
+    let remote = remote(&[("b", &[1]), ("c", &[2])]);
+    let lossy = Weather {
+        loses: 40,
+        cut: None,
+    };
+    let (home, away) = network(&remote, lossy);
+    let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
+    let away = away.into_iter().map(boxed).collect();
+    let (_, reports, chunks) = run_recorded(&experiment, &remote, Box::new(home), away, true);
+    let (mut hosts, mut clocks) = (Vec::new(), BTreeMap::<String, u32>::new());
+    let (mut crossed, mut received) = ([0; 3], [0; 3]);
+    each_trace_record(&chunks, |record| match &*record.name {
+        "host" => hosts.push((
+            record.text("host").unwrap().to_owned(),
+            record.int("robot").unwrap(),
+        )),
+        "clock" => {
+            let int = |name: &str| record.int(name).unwrap();
+            // All hosts of this test have one clock.
+            assert!(int("offset_ns").abs() <= int("bound_ns"), "{record:?}");
+            assert!(int("error_ns") >= int("bound_ns"), "{record:?}");
+            *clocks
+                .entry(record.text("host").unwrap().to_owned())
+                .or_default() += 1;
+        }
+        "crossed" => crossed[record.int("to").unwrap() as usize] += 1,
+        "arrived" => received[record.int("to").unwrap() as usize] += 1,
+        _ => {}
+    });
+    assert_eq!(hosts, [("b".to_owned(), 1), ("c".to_owned(), 2)]);
+    let names: Vec<&str> = clocks.keys().map(String::as_str).collect();
+    assert_eq!(names, ["b", "c"]);
+    for (robot, report) in reports.iter().enumerate() {
+        let counts = report.received.unwrap().1;
+        assert_eq!(received[robot], counts.received, "no record is lost");
+        // A position that comes after the last tick crosses, but no agent takes it.
+        assert!(
+            crossed[robot] >= counts.received,
+            "{robot}: {crossed:?} {counts:?}"
+        );
     }
 }
 
