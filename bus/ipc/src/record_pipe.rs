@@ -98,7 +98,8 @@ impl ChunkSender {
         }
     }
 
-    fn recorder_lives(&self) -> bool {
+    /// Whether there is still a recorder that may take chunks.
+    pub fn recorder_lives(&self) -> bool {
         !self.presence.wake_page().recorder_gone() && self.presence.check_launcher().is_ok()
     }
 }

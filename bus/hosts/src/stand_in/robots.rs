@@ -210,6 +210,10 @@ impl Robots {
         };
         while let Some(chunk) = self.chunks.front() {
             if !recorder.deliver(chunk) {
+                if !recorder.recorder_lives() {
+                    self.lost_chunks += self.chunks.len() as u64;
+                    self.chunks.clear();
+                }
                 return;
             }
             self.chunks.pop_front();
