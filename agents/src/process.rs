@@ -6,7 +6,7 @@ use slipstream_bus::message::{Encoders, RobotIndex, robot_name};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, Schedule};
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::clock::{Deadlines, Monotonic, RealTime, WallClock};
+use slipstream_ipc::clock::{Deadlines, RealTime, WallClock};
 use slipstream_ipc::endpoints::AgentEndpoint;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::presence::Parent;
@@ -133,7 +133,7 @@ impl Process {
     /// The clock of the run. On another host than the plant's it is corrected while the run goes on, so it is asked
     /// for at every tick.
     fn clock(&mut self) -> WallClock {
-        let clock = WallClock::new(Monotonic::from_shared(self.joined.wake_page().start_ns()));
+        let clock = self.joined.clock();
         self.endpoint.use_clock(clock);
         trace::use_clock(clock);
         clock

@@ -14,6 +14,11 @@ pub struct RemoteHost {
     pub robots: Vec<RobotIndex>,
 }
 
+/// The robots of these hosts.
+pub(crate) fn robots_of(hosts: &[RemoteHost]) -> impl Iterator<Item = RobotIndex> {
+    hosts.iter().flat_map(|host| host.robots.iter().copied())
+}
+
 /// What a host says first. It is read before the versions are compared, so it never changes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {

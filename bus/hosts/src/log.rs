@@ -1,17 +1,13 @@
 //! What the two ends of a run across hosts leave in the trace, on the wall clock.
 
-use slipstream_bus::message::Position;
-use slipstream_bus::topology::Topology;
+use slipstream_bus::message::{Position, RobotIndex};
 
 use crate::clock::ClockReport;
 use crate::hello::RemoteHost;
 
-/// A position has come from another host.
-pub(crate) fn crossed(position: &Position, topology: Topology) {
-    let (from, seq) = (position.from, position.seq);
-    if let Some(to) = topology.successor(from) {
-        tracing::debug!(name: "crossed", from, to, seq);
-    }
+/// A position for the robot `to` has come from another host.
+pub(crate) fn crossed(position: &Position, to: RobotIndex) {
+    tracing::debug!(name: "crossed", from = position.from, to, seq = position.seq);
 }
 
 /// The agents of these robots run on another host.

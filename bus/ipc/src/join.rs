@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use slipstream_bus::experiment::Experiment;
 use slipstream_bus::transport::BusError;
 
+use crate::clock::{Monotonic, WallClock};
 use crate::presence::{Parent, Presence};
 use crate::run_directory::{RunDirectory, RunLock};
 use crate::services::Services;
@@ -76,6 +77,11 @@ impl JoinedRun {
     /// The wake-up page.
     pub fn wake_page(&self) -> &WakePage {
         self.presence.wake_page()
+    }
+
+    /// On the wall clock: the clock of the run, once its start is set.
+    pub fn clock(&self) -> WallClock {
+        WallClock::new(Monotonic::from_shared(self.wake_page().start_ns()))
     }
 
     /// Waits until the plant, or what stands for it on this host, has created the services, then opens them under the process name

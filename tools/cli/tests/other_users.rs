@@ -13,7 +13,7 @@ use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use common::faults::{process, processes_in, start};
-use common::{command, shared_memory, slipstream, wait_for};
+use common::{command, is_root, shared_memory, slipstream, wait_for};
 
 /// User ids that no account has. Tests run side by side, each with users of its own.
 const RUNNER: u32 = 61_001;
@@ -22,14 +22,6 @@ const CLEANER: u32 = 61_003;
 const LITTERER: u32 = 61_004;
 /// Longest time from the start of a disturbed run to its end.
 const LIMIT: Duration = Duration::from_secs(20);
-
-fn is_root() -> bool {
-    let root = rustix::process::geteuid().is_root();
-    if !root {
-        eprintln!("SKIPPED: needs root");
-    }
-    root
-}
 
 /// A shell line as another user, in a folder that everybody may write to. `$S` is `slipstream`.
 fn as_user(user: u32, folder: &Path, line: &str) -> Command {

@@ -2,8 +2,11 @@
 
 #![expect(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
+mod chance;
+
 use std::collections::BTreeMap;
 
+use chance::Chance;
 use slipstream_bus::record::Fate as LinkFate;
 use slipstream_trace::{
     Answer, Chain, Clock, Fate, Log, Message, Step, Uncertainty, against, answer, follow, timeline,
@@ -22,17 +25,7 @@ const WINDOW: u32 = 20;
 /// Messages of a run.
 const MESSAGES: u32 = 1200;
 
-/// A xorshift pseudo-random generator.
-struct Chance(u64);
-
 impl Chance {
-    fn below(&mut self, limit: i64) -> i64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 1).cast_signed() % limit
-    }
-
     /// Between the ends, which are drawn as often as all between them.
     fn within(&mut self, largest: i64) -> i64 {
         match self.below(4) {

@@ -1,19 +1,10 @@
 //! Properties that hold for every log, and the answer read back from its JSON.
 
+mod chance;
+
+use chance::Chance;
 use slipstream_bus::record::Fate;
 use slipstream_trace::{Answer, Clock, Log, Loop, Step, against, answer};
-
-/// A xorshift pseudo-random generator.
-struct Chance(u64);
-
-impl Chance {
-    fn below(&mut self, limit: i64) -> i64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 1).cast_signed() % limit
-    }
-}
 
 /// Adds message `seq` from r1 to r2 with stages of random length; some chains end early.
 fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
+use slipstream_ipc::clock::{Monotonic, RealTime};
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::{AGENT_CHUNK, Services};
 use slipstream_ipc::trace;
@@ -119,7 +119,9 @@ impl Wall<'_, '_> {
         }
         for position in &news.positions {
             self.play.crossing.deliver(position)?;
-            log::crossed(position, self.topology);
+            if let Some(to) = self.topology.successor(position.from) {
+                log::crossed(position, to);
+            }
         }
         Ok(())
     }
@@ -130,7 +132,7 @@ impl Wall<'_, '_> {
             let now_ns = Monotonic::now().to_shared();
             let start_ns = start_ns.saturating_add(self.clock.advance(now_ns));
             self.play.joined.wake_page().set_start_ns(start_ns);
-            trace::use_clock(WallClock::new(Monotonic::from_shared(start_ns)));
+            trace::use_clock(self.play.joined.clock());
         }
     }
 

@@ -55,19 +55,6 @@ impl<'a> Hosts<'a> {
         }
     }
 
-    /// Calls `each` with every host.
-    pub(super) fn each(&self, each: impl Fn(&RemoteHost)) {
-        self.hosts.iter().for_each(|host| each(&host.remote));
-    }
-
-    /// The robots of all hosts.
-    pub(super) fn robots(&self) -> Vec<RobotIndex> {
-        let hosts = self.hosts.iter();
-        hosts
-            .flat_map(|host| host.remote.robots.iter().copied())
-            .collect()
-    }
-
     /// Waits until the agents of all hosts are connected.
     pub(super) fn await_all(&mut self) -> Result<(), BusError> {
         while self.hosts.iter().any(|host| host.stage < Stage::Ready) {
@@ -86,11 +73,7 @@ impl<'a> Hosts<'a> {
 
     /// Sends every host a frame for its robots, which it has to answer.
     pub(super) fn ask(&mut self, frame: impl Fn(&[RobotIndex]) -> Down) -> Result<(), BusError> {
-        for host in self
-            .hosts
-            .iter_mut()
-            .filter(|host| host.stage < Stage::Lost)
-        {
+        for host in not_lost(&mut self.hosts) {
             let bytes = encode(&frame(&host.remote.robots))?;
             self.carrier.send(&host.remote.name, &bytes)?;
             host.contact.sent();
@@ -154,11 +137,7 @@ impl<'a> Hosts<'a> {
 
     /// On the wall clock: sends every host a frame for its robots, which may be lost.
     pub(super) fn offer(&mut self, frame: impl Fn(&[RobotIndex]) -> Down) -> Result<(), BusError> {
-        for host in self
-            .hosts
-            .iter_mut()
-            .filter(|host| host.stage < Stage::Lost)
-        {
+        for host in not_lost(&mut self.hosts) {
             let bytes = encode(&frame(&host.remote.robots))?;
             self.carrier.offer(&host.remote.name, &bytes)?;
             host.contact.sent();
@@ -262,9 +241,8 @@ impl<'a> Hosts<'a> {
 
     fn take_frame(&mut self, name: &str, bytes: &[u8]) -> Result<(), BusError> {
         let received_ns = Monotonic::now().to_shared();
-        let index = self.hosts.iter().position(|host| host.remote.name == name);
-        let Some((index, host)) = index.zip(index.and_then(|index| self.hosts.get_mut(index)))
-        else {
+        let mut hosts = self.hosts.iter_mut().enumerate();
+        let Some((index, host)) = hosts.find(|(_, host)| host.remote.name == name) else {
             return Ok(());
         };
         if host.stage == Stage::Lost {
@@ -384,6 +362,10 @@ impl<'a> Hosts<'a> {
         self.arrived.push((index, Arrived::Lost(reason)));
         Ok(())
     }
+}
+
+fn not_lost(hosts: &mut [Host]) -> impl Iterator<Item = &mut Host> {
+    hosts.iter_mut().filter(|host| host.stage < Stage::Lost)
 }
 
 fn find<'h>(hosts: &'h mut [Host], name: &str) -> Option<&'h mut Host> {

@@ -26,7 +26,7 @@ use self::robots::Robots;
 use self::session::Session;
 use crate::carrier::PlantCarrier;
 use crate::frame::{Down, End, LeftFile};
-use crate::hello::{RemoteHost, Welcome};
+use crate::hello::{RemoteHost, Welcome, robots_of};
 use crate::log;
 
 /// Longest wait for a round of the plant, between two looks at the network.
@@ -73,8 +73,8 @@ impl StandIn<'_> {
     /// # Errors
     /// It cannot join the run. Errors after that are in [`StandInOutcome::ended`].
     pub fn run(self, carrier: &mut dyn PlantCarrier) -> Result<StandInOutcome, BusError> {
-        let first = self.hosts.iter().flat_map(|host| &host.robots).next();
-        let &first = first.ok_or_else(|| BusError::failed("hosts", "a stand-in for no robot"))?;
+        let first = robots_of(self.hosts).next();
+        let first = first.ok_or_else(|| BusError::failed("hosts", "a stand-in for no robot"))?;
         let joined = JoinedRun::new(self.folder, Member::Agent(first as usize), self.launcher)?;
         let experiment = postcard::to_allocvec(&joined.experiment)
             .map_err(|e| BusError::failed("experiment", e))?;
@@ -100,6 +100,7 @@ impl StandIn<'_> {
             let mut session = Session {
                 joined: &joined,
                 services: &services,
+                hosts: self.hosts,
                 recording: self.recording,
                 notice: self.notice,
                 start_ns: 0,

@@ -11,7 +11,7 @@ use slipstream_ipc::record_pipe::{ChunkSender, source_of};
 use slipstream_ipc::services::{AGENT_CHUNK, Services};
 
 use crate::frame::{Answer, Measured, News, Round, Sent};
-use crate::hello::RemoteHost;
+use crate::hello::{RemoteHost, robots_of};
 use crate::timing::NEWS_INTERVAL;
 
 /// Time that the recorder has to take what has come in the end.
@@ -40,9 +40,8 @@ impl Robots {
         recording: bool,
     ) -> Result<Self, BusError> {
         let presence = || joined.presence.clone();
-        let robots = hosts.iter().flat_map(|host| &host.robots);
-        let endpoints: Vec<AgentEndpoint> = robots
-            .map(|&robot| AgentEndpoint::new(services, presence(), robot))
+        let endpoints: Vec<AgentEndpoint> = robots_of(hosts)
+            .map(|robot| AgentEndpoint::new(services, presence(), robot))
             .collect::<Result<_, _>>()?;
         let recorder = recording
             .then(|| ChunkSender::new(services, presence(), AGENT_CHUNK))

@@ -3,10 +3,14 @@
 use slipstream_ipc::join::JoinedRun;
 use slipstream_ipc::services::Services;
 
+use crate::hello::RemoteHost;
+
 /// The run that the stand-in has joined.
 pub(super) struct Session<'a> {
     pub(super) joined: &'a JoinedRun,
     pub(super) services: &'a Services,
+    /// The other hosts.
+    pub(super) hosts: &'a [RemoteHost],
     /// The run is recorded.
     pub(super) recording: bool,
     /// Says something to the user.

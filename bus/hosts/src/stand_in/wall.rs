@@ -6,7 +6,7 @@ use slipstream_bus::experiment::OnDeath;
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
-use slipstream_ipc::clock::{Monotonic, RealTime, WallClock};
+use slipstream_ipc::clock::RealTime;
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
@@ -17,7 +17,7 @@ use super::hosts::Hosts;
 use super::robots::Robots;
 use super::session::Session;
 use crate::frame::{AgentState, Down, Sent};
-use crate::hello::RemoteHost;
+use crate::hello::{RemoteHost, robots_of};
 use crate::log;
 use crate::timing::PRIORITY;
 
@@ -53,13 +53,13 @@ pub(super) fn pass_on(
     }
     let start_ns = wake_page.start_ns();
     session.start_ns = start_ns;
-    trace::use_clock(WallClock::new(Monotonic::from_shared(start_ns)));
+    trace::use_clock(joined.clock());
     let wall = Wall {
         wake_page,
         topology: Topology::new(experiment),
-        elsewhere: hosts.robots(),
+        elsewhere: robots_of(session.hosts).collect(),
     };
-    hosts.each(log::host);
+    session.hosts.iter().for_each(log::host);
     let source = wall.elsewhere.first().map_or(0, |robot| robot + 1);
     let mut own = RecordSender::new(
         session.services,
@@ -131,9 +131,10 @@ impl Wall<'_> {
     /// Traces the positions that have come for robots of this host.
     fn trace_arrivals(&self, sent: &Sent) {
         for position in &sent.positions {
-            let to = self.topology.successor(position.from);
-            if to.is_some_and(|to| !self.elsewhere.contains(&to)) {
-                log::crossed(position, self.topology);
+            if let Some(to) = self.topology.successor(position.from)
+                && !self.elsewhere.contains(&to)
+            {
+                log::crossed(position, to);
             }
         }
     }

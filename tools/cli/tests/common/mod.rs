@@ -22,12 +22,27 @@ pub(crate) fn skipped(reason: &str) {
     eprintln!("SKIPPED: {reason}");
 }
 
+/// Whether the tests run as root; says so if not.
+pub(crate) fn is_root() -> bool {
+    let root = rustix::process::geteuid().is_root();
+    if !root {
+        eprintln!("SKIPPED: needs root");
+    }
+    root
+}
+
 /// The command `slipstream` with these arguments, in a folder.
 pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipstream"));
+    command_behind(&[], folder, arguments)
+}
+
+/// As [`command`], behind the words of `before`, such as those of `ip netns exec`.
+pub(crate) fn command_behind(before: &[&str], folder: &Path, arguments: &[&str]) -> Command {
+    let words = [before, &[env!("CARGO_BIN_EXE_slipstream")], arguments].concat();
+    let mut command = Command::new(words[0]);
     command
         .current_dir(folder)
-        .args(arguments)
+        .args(&words[1..])
         .env_remove("RUST_LOG")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

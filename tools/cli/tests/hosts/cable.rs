@@ -4,7 +4,8 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::{Started, start};
+use crate::Started;
+use crate::common::command_behind;
 
 fn ip(arguments: &str) {
     let status = Command::new("ip").args(arguments.split(' ')).status();
@@ -46,7 +47,11 @@ impl Cable {
 
     /// Starts slipstream on the plant's host.
     pub(crate) fn plant(&self, folder: &Path, arguments: &[&str]) -> Started {
-        start(folder, &["ip", "netns", "exec", &self.a], arguments)
+        Started::new(&mut command_behind(
+            &["ip", "netns", "exec", &self.a],
+            folder,
+            arguments,
+        ))
     }
 
     /// Starts slipstream on the other host, whose clock is 1,000 s ahead.
@@ -60,7 +65,8 @@ impl Cable {
             "--kill-child",
         ];
         let namespace = ["ip", "netns", "exec", &self.b];
-        start(folder, &[&namespace[..], &ahead].concat(), arguments)
+        let before = [&namespace[..], &ahead].concat();
+        Started::new(&mut command_behind(&before, folder, arguments))
     }
 }
 

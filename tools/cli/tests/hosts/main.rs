@@ -16,22 +16,14 @@ mod states;
 mod wall;
 
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Output};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use common::run_json;
+use common::{is_root, run_json};
 
 /// Time in which a host ends after another has failed, with `host_timeout_s` at its default of 3 s.
 const LIMIT: Duration = Duration::from_secs(5);
-
-fn is_root() -> bool {
-    let root = rustix::process::geteuid().is_root();
-    if !root {
-        eprintln!("SKIPPED: needs root");
-    }
-    root
-}
 
 /// The tests run one after the other: one of them kills processes that it finds by name.
 fn alone() -> MutexGuard<'static, ()> {
@@ -70,21 +62,6 @@ impl Drop for Started {
             let _ = child.wait();
         }
     }
-}
-
-/// Starts slipstream with `arguments`, behind the words of `before`.
-fn start(folder: &Path, before: &[&str], arguments: &[&str]) -> Started {
-    let mut command = Command::new(before[0]);
-    command
-        .args(&before[1..])
-        .arg(env!("CARGO_BIN_EXE_slipstream"))
-        .args(arguments)
-        .current_dir(folder)
-        .env_remove("RUST_LOG")
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
-    Started::new(&mut command)
 }
 
 fn stderr(output: &Output) -> String {

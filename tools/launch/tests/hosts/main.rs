@@ -40,6 +40,11 @@ const FINE: Weather = Weather {
     cut: None,
 };
 
+const LOSSY: Weather = Weather {
+    loses: 40,
+    cut: None,
+};
+
 /// Decides which frames arrive.
 struct Gate {
     weather: Weather,
@@ -153,14 +158,24 @@ fn network(remote: &[RemoteHost], weather: Weather) -> (Home, Vec<Away>) {
     (home, away)
 }
 
+/// The ends of a network as [`run_across`] wants them.
+type BoxedNetwork = (
+    Box<dyn PlantCarrier + Send>,
+    Vec<Box<dyn HostCarrier + Send>>,
+);
+
+fn boxed_network(remote: &[RemoteHost], weather: Weather) -> BoxedNetwork {
+    let (home, away) = network(remote, weather);
+    let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
+    (Box::new(home), away.into_iter().map(boxed).collect())
+}
+
 #[track_caller]
 fn assert_same(experiment: &Experiment, hosts: &[(&str, &[RobotIndex])], weather: Weather) {
     let alone = in_process::run(experiment, true).unwrap();
     let remote = remote(hosts);
-    let (home, away) = network(&remote, weather);
-    let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
-    let away = away.into_iter().map(boxed).collect();
-    let (outcome, reports) = run_across(experiment, &remote, Box::new(home), away);
+    let (home, away) = boxed_network(&remote, weather);
+    let (outcome, reports) = run_across(experiment, &remote, home, away);
     assert_eq!(outcome.report.state_hash, alone.plant.state_hash);
     assert_eq!(reports, alone.agents);
 }
@@ -190,14 +205,7 @@ fn two_other_hosts_change_nothing() {
 fn lost_frames_and_a_cut_change_nothing() {
     let experiment = experiment(3, |s| s.links.jitter_s = 0.02);
     let hosts: &[(&str, &[RobotIndex])] = &[("b", &[0]), ("c", &[2])];
-    assert_same(
-        &experiment,
-        hosts,
-        Weather {
-            loses: 40,
-            cut: None,
-        },
-    );
+    assert_same(&experiment, hosts, LOSSY);
     let second = Duration::from_secs(1);
     assert_same(
         &experiment,
@@ -362,15 +370,9 @@ fn on_the_wall_clock_encoders_torques_and_positions_cross() {
     });
     let experiment = Experiment::new(experiment.settings, &RobotModel::default());
     let remote = remote(&[("b", &[1]), ("c", &[2])]);
-    let lossy = Weather {
-        loses: 40,
-        cut: None,
-    };
-    for weather in [FINE, lossy] {
-        let (home, away) = network(&remote, weather);
-        let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
-        let away = away.into_iter().map(boxed).collect();
-        let (outcome, reports) = run_across(&experiment, &remote, Box::new(home), away);
+    for weather in [FINE, LOSSY] {
+        let (home, away) = boxed_network(&remote, weather);
+        let (outcome, reports) = run_across(&experiment, &remote, home, away);
         for (robot, report) in outcome.report.robots.iter().zip(&reports) {
             // No wheel can slip, so odometry is the truth but for the resolution of the encoders. It includes the last
             // encoders of the run, which are sent until they have come.
@@ -415,14 +417,8 @@ fn each_trace_record(chunks: &[Vec<u8>], mut each: impl FnMut(TraceRecord<'_>)) 
 fn on_the_wall_clock_the_trace_has_clocks_and_crossings_of_all_hosts() {
     let experiment = experiment(3, |s| s.clock = Clock::Wall);
     let remote = remote(&[("b", &[1]), ("c", &[2])]);
-    let lossy = Weather {
-        loses: 40,
-        cut: None,
-    };
-    let (home, away) = network(&remote, lossy);
-    let boxed = |away| -> Box<dyn HostCarrier + Send> { Box::new(away) };
-    let away = away.into_iter().map(boxed).collect();
-    let (_, reports, chunks) = run_recorded(&experiment, &remote, Box::new(home), away, true);
+    let (home, away) = boxed_network(&remote, LOSSY);
+    let (_, reports, chunks) = run_recorded(&experiment, &remote, home, away, true);
     let (mut hosts, mut clocks) = (Vec::new(), BTreeMap::<String, u32>::new());
     let (mut crossed, mut received) = ([0; 3], [0; 3]);
     each_trace_record(&chunks, |record| match &*record.name {
