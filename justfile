@@ -10,6 +10,11 @@ same BASE PRACTICE="../shared/practice":
 structure *OPTIONS:
     cargo run -q -p slipstream-tests --example structure -- . {{OPTIONS}}
 
+# What a newcomer waits for: build program and Python module into an empty folder, RUNS times; prints wall time, CPU and size. Needs
+# an idle machine.
+cold RUNS="3":
+    bash .ci/cold {{RUNS}}
+
 # All benchmarks: plant, lockstep and latency, recordings, diagnosis.
 bench:
     cargo bench --workspace

@@ -11,7 +11,7 @@ use slipstream_bus::transport::{BusError, PositionLink};
 use super::log;
 
 /// The link from the predecessor; in a ring the predecessor of the front robot is the last one.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Incoming {
     from: RobotIndex,
     to: RobotIndex,

@@ -22,7 +22,7 @@ pub use self::report::NodeReport;
 use crate::agent::Agent;
 
 /// One robot's controller and its two links.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Node {
     robot: RobotIndex,
     agent: Agent,

@@ -33,7 +33,7 @@ pub struct InFlight {
 }
 
 /// Queue of the messages of a link, ordered by the time at which they become available.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct DelayLine {
     impairment: LinkImpairment,
     reorder: bool,

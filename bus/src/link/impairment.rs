@@ -3,8 +3,8 @@
 //! What happens to message k depends only on the seed of the run, the link and k, and so not on
 //! when the receiver polls.
 
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution as _, LogNormal, Normal, Uniform};
 
 use crate::experiment::{Distribution, LinkSettings};
@@ -12,7 +12,7 @@ use crate::message::RobotIndex;
 use crate::time::ns_from_s;
 
 /// The random delays and losses of a link, drawn message by message in the order of sending.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct LinkImpairment {
     rng: ChaCha8Rng,
     jitter: Jitter,

@@ -14,6 +14,7 @@ mod initial;
 mod instant;
 mod kinematics;
 mod mode_check;
+mod motion;
 mod outcome;
 mod prepare;
 mod saltation;
@@ -22,4 +23,5 @@ mod trial_step;
 mod velocity_projection;
 
 pub use correction::Correction;
+pub use motion::PlantScalar;
 pub use state::State;

@@ -1,8 +1,8 @@
 //! Seeded random numbers: an independent ChaCha8 stream for each robot and sensor, so that adding a
 //! robot or a sensor does not change the noise of the others.
 
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 /// Purpose of a stream of random numbers.
@@ -14,7 +14,7 @@ pub(crate) enum Purpose {
 }
 
 /// A stream of random numbers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Noise(ChaCha8Rng);
 
 impl Noise {

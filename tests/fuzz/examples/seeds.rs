@@ -93,7 +93,7 @@ fn recordings(run: &Path) {
     seed("round_trips", "three", &files[FILES.len() - 1]);
     let mut own = Vec::new();
     let with_round_trips = read_mapped(&folder, &Map::None).unwrap().recording;
-    own.extend(slipstream_recording::write_mcap_to(&with_round_trips, Vec::new(), run).unwrap());
+    own.extend(slipstream_recording::mcap_bytes(&with_round_trips, run).unwrap());
     seed("mcap", "folder_plain", &plain(&own, false));
     seed("bag", "run_plain", &plain(&content, true));
     seed("foreign_csv", "two_streams", COLUMNS.as_bytes());

@@ -1,7 +1,7 @@
 //! Seeded mutations of inputs: a small stand-in for libFuzzer where only stable Rust is at hand.
 
+use chacha20::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Texts that stand at the edges of what readers accept.
 const TEXTS: [&str; 24] = [

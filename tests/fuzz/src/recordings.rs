@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use slipstream_recording::{
-    ColumnMap, Map, TopicMap, check, read_folder, read_mapped, read_mapped_from, read_mcap_from,
-    write_folder, write_mcap_to,
+    ColumnMap, Map, TopicMap, check, mcap_bytes, read_folder, read_mapped, read_mapped_from,
+    read_mcap_from, write_folder,
 };
 
 use crate::one_line::assert_one_line;
@@ -17,10 +17,10 @@ pub(crate) fn mcap(bytes: &[u8]) {
         Ok(import) => import,
         Err(error) => return assert_one_line(&error),
     };
-    let written = write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+    let written = mcap_bytes(&import.recording, path).expect("it can be written");
     let again = read_mcap_from(&written[..], written.len() as u64, path).expect("and read");
     assert_eq!(again.warnings, Vec::<String>::new());
-    let twice = write_mcap_to(&again.recording, Vec::new(), path).expect("and written again");
+    let twice = mcap_bytes(&again.recording, path).expect("and written again");
     assert!(written == twice, "to the bit");
     check(&import.recording, None);
 }
@@ -37,7 +37,7 @@ pub(crate) fn bag(bytes: &[u8]) {
     for map in [None, Some(&map)] {
         match read_mapped_from(bytes, path, map) {
             Ok(import) => {
-                write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+                mcap_bytes(&import.recording, path).expect("it can be written");
             }
             Err(error) => assert_one_line(&error),
         }
@@ -59,7 +59,7 @@ pub(crate) fn foreign_csv(bytes: &[u8]) {
     std::fs::write(&path, file.get(2..).unwrap_or_default()).expect("a file");
     match read_mapped(&path, &Map::Columns(map)) {
         Ok(import) => {
-            write_mcap_to(&import.recording, Vec::new(), &path).expect("it can be written");
+            mcap_bytes(&import.recording, &path).expect("it can be written");
             check(&import.recording, None);
         }
         Err(error) => assert_one_line(&error),
@@ -96,7 +96,7 @@ pub(crate) fn csv_folder(bytes: &[u8]) {
         Err(error) => return assert_one_line(&error),
     };
     let path = Path::new("fuzz.mcap");
-    let bag = write_mcap_to(&import.recording, Vec::new(), path).expect("it can be written");
+    let bag = mcap_bytes(&import.recording, path).expect("it can be written");
     let back = read_mcap_from(&bag[..], bag.len() as u64, path).expect("and read");
     write_folder(&import.recording, &one).expect("exported");
     write_folder(&back.recording, &two).expect("exported");

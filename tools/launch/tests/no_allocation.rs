@@ -15,7 +15,7 @@ use slipstream_ipc::endpoints::{AgentEndpoint, PlantEndpoint};
 use slipstream_ipc::presence::{Parent, Presence};
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_ipc::services::Services;
-use slipstream_ipc::trace::{self, EnvFilter};
+use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_launch::in_process::run;
 
@@ -50,7 +50,7 @@ fn the_cores_do_not_allocate() {
 /// The same with the trace at its most detailed level.
 #[test]
 fn the_trace_does_not_allocate() {
-    let _tracing = trace::begin("run", EnvFilter::new("trace"));
+    let _tracing = trace::begin("run", "trace".parse().unwrap());
     let count = |duration_s| {
         let experiment = experiment(duration_s);
         allocations(|| drop(run(&experiment, true).unwrap()))

@@ -16,7 +16,7 @@ use divan::counter::BytesCount;
 use mcap::records::MessageHeader;
 use slipstream_recording::recording::{Recording, Robot};
 use slipstream_recording::run_writer::{RunHeader, RunWriter};
-use slipstream_recording::{read_mcap_from, write_mcap_to};
+use slipstream_recording::{mcap_bytes, read_mcap_from};
 
 /// Number of times at which the run writes four messages each.
 const TIME_STEPS: i64 = 50_000;
@@ -33,7 +33,8 @@ fn write_run() -> Vec<u8> {
         },
         ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &header).unwrap();
+    let mut bytes = Vec::new();
+    let mut run = RunWriter::to_sink(&mut bytes, Path::new("run.mcap"), &header).unwrap();
     for i in 0..TIME_STEPS {
         let t_ns = i * 20_000_000;
         let x = (i as f64 * 0.7).sin();
@@ -42,7 +43,8 @@ fn write_run() -> Vec<u8> {
         run.write_camera(0, t_ns, [x, 2.0 * x, 3.0 * x]).unwrap();
         run.write_imu(0, t_ns, [x, 0.1 * x, 0.2 * x]).unwrap();
     }
-    run.finish().unwrap()
+    run.finish().unwrap();
+    bytes
 }
 
 /// An encoded message: channel, log time (ns), bytes.
@@ -134,5 +136,5 @@ fn rewrite_slipstream(bencher: Bencher<'_, '_>) {
     let size = size(&encoded_messages(&file));
     bencher
         .counter(size)
-        .bench(|| write_mcap_to(&recording, Vec::new(), path).unwrap());
+        .bench(|| mcap_bytes(&recording, path).unwrap());
 }

@@ -91,9 +91,7 @@ pub use foreign_bag::TopicMap;
 pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
 pub use listener::{Announced, Listener};
-pub use mcap_file::{
-    TraceFile, read_mcap_from, read_messages, read_trace, write_mcap, write_mcap_to,
-};
+pub use mcap_file::{TraceFile, mcap_bytes, read_mcap_from, read_messages, read_trace, write_mcap};
 pub use open::{Map, describe_robot, draft_map, read, read_mapped, read_mapped_from, read_spooled};
 pub use recording::Recording;
 pub use rows::Disk;

@@ -11,7 +11,7 @@ use slipstream_recording::recording::{
     LinkMessage, Links, Odometry, Recording, Robot, Stream, UnknownColumn, Wheels,
 };
 use slipstream_recording::run_writer::{RunHeader, RunWriter};
-use slipstream_recording::{Import, read_mcap_from, write_mcap_to};
+use slipstream_recording::{Import, mcap_bytes, read_mcap_from};
 
 /// Rows of the test recording, enough for several chunks.
 const ROWS: usize = 30_000;
@@ -35,7 +35,7 @@ fn recording(rows: usize) -> Recording {
 }
 
 fn as_mcap(recording: &Recording) -> Vec<u8> {
-    write_mcap_to(recording, Vec::new(), Path::new("damage.mcap")).unwrap()
+    mcap_bytes(recording, Path::new("damage.mcap")).unwrap()
 }
 
 fn read(bytes: &[u8]) -> Result<Import, String> {
@@ -132,7 +132,8 @@ fn small_chunks() -> Vec<u8> {
         description: recording(0),
         ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), Path::new("run.mcap"), &header).unwrap();
+    let mut bytes = Vec::new();
+    let mut run = RunWriter::to_sink(&mut bytes, Path::new("run.mcap"), &header).unwrap();
     let whole = recording(50);
     let odometry = whole.robots[0].odometry.as_ref().unwrap();
     for i in 0..50 {
@@ -144,7 +145,8 @@ fn small_chunks() -> Vec<u8> {
             run.flush().unwrap();
         }
     }
-    run.finish().unwrap()
+    run.finish().unwrap();
+    bytes
 }
 
 #[test]

@@ -23,7 +23,8 @@ fn the_streams_of_a_run_are_read_unchanged() {
         },
         ..RunHeader::default()
     };
-    let mut run = RunWriter::to_sink(Vec::new(), path, &header).unwrap();
+    let mut bytes = Vec::new();
+    let mut run = RunWriter::to_sink(&mut bytes, path, &header).unwrap();
     let position = |seq, t_sent_ns, fate| PositionRecord {
         sender: "r1",
         receiver: "r2",
@@ -58,7 +59,7 @@ fn the_streams_of_a_run_are_read_unchanged() {
         .unwrap();
     // A robot that is not in the header is ignored.
     run.write_imu(7, 0, [0.0; 3]).unwrap();
-    let bytes = run.finish().unwrap();
+    run.finish().unwrap();
 
     let import = read_mcap_from(&bytes[..], bytes.len() as u64, path).unwrap();
     assert_eq!(import.warnings, Vec::<String>::new());

@@ -13,7 +13,7 @@ mod varint;
 
 use slipstream_bus::record::{Record, Recorder};
 use tracing::subscriber::DefaultGuard;
-pub use tracing_subscriber::EnvFilter;
+pub use tracing_subscriber::filter::Targets;
 use tracing_subscriber::layer::SubscriberExt;
 
 use self::buffer::MAX_CHUNK;
@@ -33,19 +33,19 @@ pub struct Tracing {
     _guard: DefaultGuard,
 }
 
-/// Reads the filter from the environment.
+/// Reads the filter from the environment: levels by target, such as `info,slipstream_agents=debug`.
 ///
 /// # Errors
 /// The variable is not a valid filter; the text says why.
-pub fn filter() -> Result<EnvFilter, String> {
+pub fn filter() -> Result<Targets, String> {
     let text = std::env::var(VARIABLE).ok().filter(|text| !text.is_empty());
     let text = text.as_deref().unwrap_or(DEFAULT_FILTER);
-    let built = EnvFilter::builder().parse(text);
-    built.map_err(|error| format!("`{text}` is not a valid filter: {error}"))
+    let parsed = text.parse::<Targets>();
+    parsed.map_err(|error| format!("`{text}` is not a valid filter: {error}"))
 }
 
 /// Starts the trace of this thread; its records name `process`.
-pub fn begin(process: &str, filter: EnvFilter) -> Tracing {
+pub fn begin(process: &str, filter: Targets) -> Tracing {
     with_thread_trace(|trace| *trace = ThreadTrace::new(process));
     Tracing {
         _guard: tracing::subscriber::set_default(TraceSubscriber.with(filter)),
@@ -132,6 +132,10 @@ mod tests {
         [&[FORMAT], chunk].concat()
     }
 
+    fn targets(text: &str) -> Targets {
+        text.parse().unwrap()
+    }
+
     fn records() -> Vec<TraceRecord<'static>> {
         let mut all = Vec::new();
         drain(|t_ns, chunk| {
@@ -144,7 +148,7 @@ mod tests {
 
     #[test]
     fn spans_and_events_are_recorded_with_times_and_fields() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
+        let _tracing = begin("r1", targets("debug"));
         set_virtual_time(100);
         let span = tracing::debug_span!("outer", robot = 0_u32, message = tracing::field::Empty);
         let entered = span.enter();
@@ -184,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_full_chunk_is_followed_by_another_and_a_record_larger_than_a_chunk_is_lost() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
+        let _tracing = begin("r1", targets("debug"));
         for seq in 0..1000_u32 {
             tracing::debug!(name: "sent", seq);
         }
@@ -210,7 +214,7 @@ mod tests {
     fn a_thread_without_a_trace_records_nothing_and_a_full_buffer_counts_its_losses() {
         tracing::error!("not recorded");
         assert!(take_buffer().is_empty());
-        let _tracing = begin("r1", EnvFilter::new("debug"));
+        let _tracing = begin("r1", targets("debug"));
         for _ in 0..100_000 {
             tracing::info!(name: "much", text = "together more than the buffer holds");
         }
@@ -219,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_truncated_buffer_is_read_up_to_its_last_complete_chunk() {
-        let _tracing = begin("r1", EnvFilter::new("debug"));
+        let _tracing = begin("r1", targets("debug"));
         tracing::info!(name: "one", robot = 1_u32);
         tracing::info!(name: "two", robot = 2_u32);
         let bytes = take_buffer();

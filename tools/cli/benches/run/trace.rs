@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::TimeVal;
-use slipstream_ipc::trace::{self, EnvFilter};
+use slipstream_ipc::trace;
 
 use crate::{best, number, run};
 
@@ -95,7 +95,7 @@ fn quartiles(mut values: Vec<f64>) -> [f64; 3] {
 
 /// Time for one record (ns), with the buffer drained as in a run; the best of 20 series.
 fn measure_record() -> [f64; 3] {
-    let _tracing = trace::begin("bench", EnvFilter::new("debug"));
+    let _tracing = trace::begin("bench", "debug".parse().unwrap());
     let mut bytes = 0;
     let mut time = |record: &dyn Fn(u32)| {
         best(20, |_| {

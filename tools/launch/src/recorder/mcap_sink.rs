@@ -18,7 +18,7 @@ use slipstream_recording::run_writer::{
 /// Writes the records of a run to an MCAP file. After the first failure nothing more is
 /// written; [`McapSink::finish`] returns it.
 pub struct McapSink {
-    writer: RunWriter<BufWriter<File>>,
+    writer: RunWriter<'static>,
     failure: Option<slipstream_recording::Error>,
     names: Vec<String>,
     poses: Vec<[f64; 3]>,
@@ -262,7 +262,7 @@ pub(crate) fn begin(
     keys: &str,
     path: &Path,
 ) -> slipstream_recording::Result<Vec<u8>> {
-    RunWriter::to_sink(Vec::new(), path, &about(experiment, keys))?.into_begin()
+    RunWriter::beginning(path, &about(experiment, keys))
 }
 
 /// Description of the run at its start.

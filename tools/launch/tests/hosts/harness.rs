@@ -18,7 +18,7 @@ use slipstream_ipc::join::{JoinedRun, ProcessStatus};
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::record_pipe::RecordReceiver;
 use slipstream_ipc::run_directory::{RunDirectory, RunLock};
-use slipstream_ipc::trace::{self, EnvFilter, Tracing};
+use slipstream_ipc::trace::{self, Tracing};
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use slipstream_sim::run::process::{self as plant, PlantOutcome};
 
@@ -98,7 +98,7 @@ pub(crate) fn experiment(robots: u32, change: impl Fn(&mut Settings)) -> Experim
 
 /// Traces what the thread does as this process.
 fn traced(process: &str) -> Tracing {
-    trace::begin(process, EnvFilter::new("debug"))
+    trace::begin(process, "debug".parse().unwrap())
 }
 
 /// Receives the chunks of records of a run until all its processes have ended.

@@ -24,9 +24,10 @@ const CHUNK_BYTES: u64 = 768 * 1024;
 pub(crate) struct Channel(u16);
 
 /// An MCAP file being written.
-pub(crate) struct BagWriter<W: Write> {
+pub(crate) struct BagWriter<'a> {
     path: PathBuf,
-    file: mcap::Writer<NoSeek<W>>,
+    /// One type for every sink, so that the writer is compiled once.
+    file: mcap::Writer<NoSeek<Box<dyn Write + Send + 'a>>>,
     /// The encoded message; kept to save allocations.
     buffer: Vec<u8>,
     /// Number of messages written to each channel so far, by channel id.
@@ -36,9 +37,10 @@ pub(crate) struct BagWriter<W: Write> {
     listener: Option<Box<dyn Listener + Send>>,
 }
 
-impl<W: Write> BagWriter<W> {
+impl<'a> BagWriter<'a> {
     /// Writes to `sink`; `path` is used in errors only.
-    pub(crate) fn new(sink: W, path: &Path) -> Result<Self> {
+    pub(crate) fn new(sink: impl Write + Send + 'a, path: &Path) -> Result<Self> {
+        let sink: Box<dyn Write + Send + 'a> = Box::new(sink);
         let options = WriteOptions::new()
             .profile("ros2")
             .library(concat!("slipstream ", env!("CARGO_PKG_VERSION")))
@@ -154,18 +156,19 @@ impl<W: Write> BagWriter<W> {
         self.file.flush().map_err(|e| mcap_error(&self.path, e))
     }
 
-    /// Returns the sink without closing the file.
-    pub(crate) fn into_begin(mut self) -> Result<W> {
+    /// Leaves the file as it is after a flush, without an index.
+    pub(crate) fn leave(mut self) -> Result<()> {
         self.flush()?;
-        Ok(self.file.into_inner().into_inner())
+        // Dropped, it would write the index.
+        drop(self.file.into_inner());
+        Ok(())
     }
 
     /// Writes the index and closes the file.
-    pub(crate) fn finish(mut self) -> Result<W> {
+    pub(crate) fn finish(mut self) -> Result<()> {
         self.file.finish().map_err(|e| mcap_error(&self.path, e))?;
         let mut sink = self.file.into_inner().into_inner();
-        sink.flush().map_err(write_error(&self.path))?;
-        Ok(sink)
+        sink.flush().map_err(write_error(&self.path))
     }
 }
 

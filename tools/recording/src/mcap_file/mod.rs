@@ -11,4 +11,4 @@ pub use messages::read_messages;
 pub use reader::read_mcap_from;
 pub(crate) use reader::{is_own, read_own};
 pub use trace::{TraceFile, read_trace};
-pub use writer::{write_mcap, write_mcap_to};
+pub use writer::{mcap_bytes, write_mcap};

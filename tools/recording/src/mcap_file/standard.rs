@@ -1,7 +1,5 @@
 //! Standard ROS 2 messages of each stream: type, topic, and the message of a row.
 
-use std::io::Write;
-
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
 use crate::ros::MessageType;
@@ -43,8 +41,8 @@ pub(super) fn is_lossless(table: &Table) -> bool {
 }
 
 /// Writes a row as its standard message.
-pub(super) fn write_standard<W: Write>(
-    bag: &mut BagWriter<W>,
+pub(super) fn write_standard(
+    bag: &mut BagWriter<'_>,
     channel: Channel,
     kind: StreamKind,
     table: &Table,

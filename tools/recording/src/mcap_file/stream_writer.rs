@@ -6,7 +6,6 @@
 //! Slipstream then reads the rows, and the standard messages are for other programs only.
 
 use std::f64::consts::TAU;
-use std::io::Write;
 
 use super::standard::{is_lossless, standard_type, write_standard};
 use crate::bag::{BagWriter, Channel};
@@ -48,8 +47,8 @@ enum Content {
 
 impl<'a> StreamWriter<'a> {
     /// Opens the channels of a robot's stream.
-    pub(super) fn of_robot<W: Write>(
-        bag: &mut BagWriter<W>,
+    pub(super) fn of_robot(
+        bag: &mut BagWriter<'_>,
         robot: &Robot,
         kind: StreamKind,
         rows: &Rows<'a>,
@@ -82,7 +81,7 @@ impl<'a> StreamWriter<'a> {
     }
 
     /// Opens the channels of the position messages.
-    pub(super) fn of_links<W: Write>(bag: &mut BagWriter<W>, links: &LinkRows<'a>) -> Result<Self> {
+    pub(super) fn of_links(bag: &mut BagWriter<'_>, links: &LinkRows<'a>) -> Result<Self> {
         let unknown = &links.rows.empty().unknown;
         let columns = LINK_COLUMNS.into_iter();
         let columns = columns.take(link_columns(links.with_velocity)).skip(1);
@@ -101,10 +100,7 @@ impl<'a> StreamWriter<'a> {
     }
 
     /// Opens the channels of the round trips.
-    pub(super) fn of_round_trips<W: Write>(
-        bag: &mut BagWriter<W>,
-        rows: &Rows<'a>,
-    ) -> Result<Self> {
+    pub(super) fn of_round_trips(bag: &mut BagWriter<'_>, rows: &Rows<'a>) -> Result<Self> {
         let unknown = &rows.empty().unknown;
         let columns = ROUND_TRIP_COLUMNS.into_iter();
         let metadata = stream_metadata(topics::ROUND_TRIP_STREAM.to_owned(), columns, unknown);
@@ -140,7 +136,7 @@ impl<'a> StreamWriter<'a> {
     }
 
     /// Writes the next row to its channels.
-    pub(super) fn write_next<W: Write>(&mut self, bag: &mut BagWriter<W>) -> Result<()> {
+    pub(super) fn write_next(&mut self, bag: &mut BagWriter<'_>) -> Result<()> {
         let (Some(t_ns), Some((table, row))) = (self.t_ns(), self.rows.row()) else {
             return Ok(());
         };
@@ -187,8 +183,8 @@ fn all_blocks(rows: &Rows<'_>, holds: impl Fn(&Table) -> bool) -> bool {
 
 /// Opens the channel of the standard messages and, if these are not lossless, that of the rows. The
 /// metadata of one of the two says that slipstream reads the stream from it.
-fn open_channels<W: Write>(
-    bag: &mut BagWriter<W>,
+fn open_channels(
+    bag: &mut BagWriter<'_>,
     topic: &str,
     message_type: MessageType,
     metadata: &StreamMetadata,

@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
-use std::io::Write;
 use std::path::Path;
 
 use super::stream_writer::StreamWriter;
@@ -20,11 +19,9 @@ use crate::topics;
 /// # Errors
 /// If the file cannot be written.
 pub fn write_mcap(recording: &Recording, path: &Path) -> Result<()> {
-    write(
-        &AllRows::of(recording),
-        BagWriter::new(OutputFile::create(path)?, path)?,
-    )?
-    .finish()
+    let mut file = OutputFile::create(path)?;
+    write(&AllRows::of(recording), BagWriter::new(&mut file, path)?)?;
+    file.finish()
 }
 
 impl Spooled {
@@ -33,22 +30,24 @@ impl Spooled {
     /// # Errors
     /// If the file cannot be written, or the temporary file cannot be read.
     pub fn write_mcap(&self, path: &Path) -> Result<()> {
-        let bag = BagWriter::new(OutputFile::create(path)?, path)?;
-        let file = write(&self.recording.rows(), bag)?;
+        let mut file = OutputFile::create(path)?;
+        write(&self.recording.rows(), BagWriter::new(&mut file, path)?)?;
         self.recording.disk.check()?;
         file.finish()
     }
 }
 
-/// Writes a recording as MCAP to `sink` and returns it. `path` is used in errors only.
+/// A recording as the bytes of an MCAP file. `path` is used in errors only.
 ///
 /// # Errors
-/// If writing to `sink` fails.
-pub fn write_mcap_to<W: Write>(recording: &Recording, sink: W, path: &Path) -> Result<W> {
-    write(&AllRows::of(recording), BagWriter::new(sink, path)?)
+/// If a value cannot be encoded.
+pub fn mcap_bytes(recording: &Recording, path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write(&AllRows::of(recording), BagWriter::new(&mut bytes, path)?)?;
+    Ok(bytes)
 }
 
-fn write<W: Write>(rows: &AllRows<'_>, mut bag: BagWriter<W>) -> Result<W> {
+fn write(rows: &AllRows<'_>, mut bag: BagWriter<'_>) -> Result<()> {
     let recording = rows.recording;
     let toml = "application/toml";
     let description = recording_toml::to_text(recording);
@@ -81,10 +80,7 @@ fn write<W: Write>(rows: &AllRows<'_>, mut bag: BagWriter<W>) -> Result<W> {
 }
 
 /// Merges the rows of all streams by time; rows with equal times keep the order of the streams.
-fn write_in_time_order<W: Write>(
-    bag: &mut BagWriter<W>,
-    streams: &mut [StreamWriter<'_>],
-) -> Result<()> {
+fn write_in_time_order(bag: &mut BagWriter<'_>, streams: &mut [StreamWriter<'_>]) -> Result<()> {
     let mut next: BinaryHeap<Reverse<(i64, usize)>> = BinaryHeap::new();
     for (index, stream) in streams.iter().enumerate() {
         next.extend(stream.t_ns().map(|t_ns| Reverse((t_ns, index))));

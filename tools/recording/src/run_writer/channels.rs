@@ -1,7 +1,6 @@
 //! Channels of a run's file, each opened when its first message is written.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 
 use crate::bag::{BagWriter, Channel};
 use crate::error::Result;
@@ -172,9 +171,9 @@ impl Channels {
     }
 
     /// The channel of a robot's topic; `None` if there is no such robot.
-    pub(super) fn of_robot<W: Write>(
+    pub(super) fn of_robot(
         &mut self,
-        bag: &mut BagWriter<W>,
+        bag: &mut BagWriter<'_>,
         robot: usize,
         topic: RobotTopic,
     ) -> Result<Option<Channel>> {
@@ -193,9 +192,9 @@ impl Channels {
     }
 
     /// The channel of a topic that belongs to no robot.
-    pub(super) fn shared<W: Write>(
+    pub(super) fn shared(
         &mut self,
-        bag: &mut BagWriter<W>,
+        bag: &mut BagWriter<'_>,
         topic: SharedTopic,
     ) -> Result<Channel> {
         let slot = &mut self.shared[topic as usize];

@@ -12,10 +12,11 @@
 //!     ..RunHeader::default()
 //! };
 //! let path = "run.mcap".as_ref(); // for errors only: this run is written to memory
-//! let mut run = RunWriter::to_sink(Vec::new(), path, &header)?;
+//! let mut bytes = Vec::new();
+//! let mut run = RunWriter::to_sink(&mut bytes, path, &header)?;
 //! run.write_camera(0, 20_000_000, [1.0, 2.0, 0.5])?; // robot 0 at 0.02 s
 //! run.flush()?;
-//! let bytes = run.finish()?;
+//! run.finish()?;
 //!
 //! let import = slipstream_recording::read_mcap_from(&bytes[..], bytes.len() as u64, path)?;
 //! let pose = import.recording.robots[0].pose.as_ref();

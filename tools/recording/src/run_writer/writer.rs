@@ -5,7 +5,6 @@
 //! most what was written after its last flush.
 
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
@@ -25,33 +24,40 @@ use crate::toml_files::{recording_toml, robot_toml};
 use crate::topics;
 
 /// Writes a run to an MCAP file while it happens.
-pub struct RunWriter<W: Write> {
-    bag: BagWriter<W>,
+pub struct RunWriter<'a> {
+    bag: BagWriter<'a>,
     channels: Channels,
 }
 
-impl RunWriter<BufWriter<File>> {
+impl<'a> RunWriter<'a> {
     /// Creates a file, replacing an existing one, locks it, and writes the header.
     ///
     /// # Errors
     /// If the file cannot be written, or another run is recording to it.
     pub fn create(path: &Path, header: &RunHeader) -> Result<Self> {
-        let begun = RunWriter::to_sink(Vec::new(), path, header)?.into_begin()?;
-        let file = lock_recording(path, &begun)?;
+        let file = lock_recording(path, &Self::beginning(path, header)?)?;
         Self::to_sink(BufWriter::new(file), path, header)
     }
-}
 
-impl<W: Write> RunWriter<W> {
+    /// The first bytes of a run: what stands in its file before anything is recorded. `path` is used in errors only.
+    ///
+    /// # Errors
+    /// If the header cannot be written.
+    pub fn beginning(path: &Path, header: &RunHeader) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        RunWriter::to_sink(&mut bytes, path, header)?.bag.leave()?;
+        Ok(bytes)
+    }
+
     /// Writes to `sink`, beginning with the header. `path` is used in errors only.
     ///
     /// # Errors
     /// If writing to `sink` fails.
-    pub fn to_sink(sink: W, path: &Path, header: &RunHeader) -> Result<Self> {
+    pub fn to_sink(sink: impl Write + Send + 'a, path: &Path, header: &RunHeader) -> Result<Self> {
         Self::start(BagWriter::new(sink, path)?, header)
     }
 
-    fn start(mut bag: BagWriter<W>, header: &RunHeader) -> Result<Self> {
+    fn start(mut bag: BagWriter<'a>, header: &RunHeader) -> Result<Self> {
         let toml = "application/toml";
         let description = recording_toml::to_text(&header.description);
         bag.attach(topics::DESCRIPTION, toml, description.as_bytes())?;
@@ -79,14 +85,6 @@ impl<W: Write> RunWriter<W> {
             announce(listener.as_mut(), &topic, message_type);
         }
         self.bag.listen(listener);
-    }
-
-    /// What was written so far, of a file that is not finished.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub fn into_begin(self) -> Result<W> {
-        self.bag.into_begin()
     }
 
     /// Commanded torques (N m).
@@ -276,11 +274,11 @@ impl<W: Write> RunWriter<W> {
         self.bag.flush()
     }
 
-    /// Writes the index, closes the file and returns the sink.
+    /// Writes the index and closes the file.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn finish(self) -> Result<W> {
+    pub fn finish(self) -> Result<()> {
         self.bag.finish()
     }
 

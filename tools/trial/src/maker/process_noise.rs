@@ -108,7 +108,7 @@ struct Pulse {
 }
 
 /// The realisation of process noise on one robot.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct NoiseProcess {
     noise: ProcessNoise,
     random: RandomStream,

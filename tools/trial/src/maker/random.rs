@@ -1,12 +1,12 @@
 //! Seeded random numbers: one stream for each purpose, so that an additional draw in one does not change
 //! the others.
 
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 /// A stream of random numbers.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct RandomStream(ChaCha8Rng);
 
 impl RandomStream {
