@@ -21,17 +21,24 @@ fn read(name: &str) -> String {
     std::fs::read_to_string(root().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// The packages that a build of the program compiles on [`TARGET`]: versions by name.
-fn packages() -> BTreeMap<String, BTreeSet<String>> {
+/// What a build of `package` compiles on [`TARGET`]: a line each, as `format` says.
+fn tree(package: &str, format: &str) -> BTreeSet<String> {
     let tree = Command::new(env!("CARGO"))
-        .args(["tree", "--locked", "-p", "slipstream", "-e", "normal,build"])
-        .args(["--target", TARGET, "--prefix", "none", "--format", "{p}"])
+        .args(["tree", "--locked", "-p", package, "-e", "normal,build"])
+        .args(["--target", TARGET, "--prefix", "none", "--no-dedupe"])
+        .args(["--format", format])
         .current_dir(root())
         .output()
         .unwrap();
     assert!(tree.status.success(), "cargo tree: {tree:?}");
+    let text = String::from_utf8(tree.stdout).unwrap();
+    text.lines().map(str::to_owned).collect()
+}
+
+/// The packages of the program: versions by name.
+fn packages() -> BTreeMap<String, BTreeSet<String>> {
     let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for line in String::from_utf8(tree.stdout).unwrap().lines() {
+    for line in tree("slipstream", "{p}") {
         let mut words = line.split_whitespace();
         if let (Some(name), Some(version)) = (words.next(), words.next()) {
             let versions = found.entry(name.to_owned()).or_default();
@@ -75,5 +82,22 @@ fn the_number_of_packages_is_the_one_that_contributing_says() {
         count.to_string(),
         said,
         "packages of the default build, and in the table of CONTRIBUTING.md: is what was added worth its time?"
+    );
+}
+
+/// A package with other features is another package: everything that depends on it would be compiled again.
+#[test]
+fn program_and_python_module_are_built_of_the_same_packages() {
+    let name = |line: &String| line.split(" with ").next().unwrap().to_owned();
+    let program = tree("slipstream", "{p} with {f}");
+    let shared: BTreeSet<String> = program.iter().map(name).collect();
+    let module = tree("slipstream-python", "{p} with {f}");
+    let other: Vec<&String> = module
+        .difference(&program)
+        .filter(|line| shared.contains(&name(line)))
+        .collect();
+    assert!(
+        other.is_empty(),
+        "with other features in the Python module: {other:#?}"
     );
 }
