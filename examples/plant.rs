@@ -4,7 +4,7 @@
 
 use num_dual::DualSVec64;
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_sim::{Command, PlantScalar, Robot, State, lift, read_effects};
+use slipstream_sim::{Command, Robot, Scalar, State, lift, read_effects};
 
 /// A number with the derivative with respect to one parameter.
 type Dual = DualSVec64<1>;
@@ -45,7 +45,7 @@ fn main() -> Result<(), InputError> {
 }
 
 /// The state after half a second of the same torque on both wheels.
-fn accelerate<S: PlantScalar>(robot: &Robot<S>, torque_nm: f64) -> State<S> {
+fn accelerate<S: Scalar>(robot: &Robot<S>, torque_nm: f64) -> State<S> {
     let mut state = robot.start([S::constant(0.0); 3]);
     let torque = S::constant(torque_nm);
     let command = Command::Torque {

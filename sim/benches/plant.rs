@@ -6,7 +6,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use num_dual::DualSVec64;
 use slipstream_bus::{RobotModel, Sensors};
-use slipstream_sim::{Command, PlantScalar, Robot, Scalar, Setup, State, World};
+use slipstream_sim::{Command, Robot, Scalar, Setup, State, World};
 
 const STEPS: u32 = 20_000;
 const STEP_S: f64 = 1e-3;
@@ -22,13 +22,13 @@ fn torque<S: Scalar>(k: u32, size_nm: f64) -> Command<S> {
     Command::Torque { right_nm, left_nm }
 }
 
-fn drive<S: PlantScalar>(robot: &Robot<S>, state: &mut State<S>, size_nm: f64) {
+fn drive<S: Scalar>(robot: &Robot<S>, state: &mut State<S>, size_nm: f64) {
     for k in 0..STEPS {
         robot.step(state, f64::from(k) * STEP_S, STEP_S, &torque(k, size_nm));
     }
 }
 
-fn measure<S: PlantScalar>(bencher: Bencher<'_, '_>, model: &RobotModel, size_nm: f64) {
+fn measure<S: Scalar>(bencher: Bencher<'_, '_>, model: &RobotModel, size_nm: f64) {
     let lifted = slipstream_sim::lift(
         &slipstream_sim::read_effects(model).unwrap(),
         |_, _, value| S::constant(value),

@@ -51,7 +51,7 @@ pub mod run;
 mod sensors;
 mod world;
 
-pub use integrate::{Correction, PlantScalar, State};
+pub use integrate::{Correction, State};
 pub use parts::command::{Command, CommandKind};
 pub use parts::parameters::{Friction, Streams};
 pub use parts::scalar::{Pair, Scalar};

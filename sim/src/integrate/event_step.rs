@@ -24,45 +24,45 @@ struct Segment<S> {
     depth: u32,
 }
 
-/// Advances a state, as [`Robot::step`] describes it.
-pub(super) fn step<S: Scalar>(
-    robot: &Robot<S>,
-    state: &mut State<S>,
-    t_s: f64,
-    dt_s: f64,
-    command: &Command<S>,
-) {
-    let (kind, command) = command.at_wheels(robot.nominal);
-    if kind == CommandKind::Torque
-        && state.external_force.is_none()
-        && let Some(fast_path) = &state.fast_path
-        && fast_path.step(robot, &mut state.body, dt_s, command)
-    {
-        return;
-    }
-    if kind != state.mode.kind {
-        state.mode.kind = kind;
-        let none = ActiveSetChange::default();
-        update_active_set(robot, state, [t_s, dt_s], &ActuatorOutput::zero(), none);
-    }
-    robot.actuator.store(&mut state.history, t_s, command);
-    let mut from = t_s;
-    let mut events = robot.tolerances.events;
-    loop {
-        let rest = t_s + dt_s - from;
-        let change = robot.actuator.next_change(&state.history, [from, rest]);
-        let segment = Segment {
-            span: [from, change.map_or(rest, |at| at - from)],
-            command,
-            depth: 0,
-        };
-        if kind == CommandKind::Speed {
-            jump_to_speed(robot, state, &segment);
+impl<S: Scalar> Robot<S> {
+    /// Advances `state` from time `t_s` by `dt_s` (s) under `command`, held throughout.
+    ///
+    /// Second order in `dt_s`. Changes between sticking and sliding, and all other events, are
+    /// located inside the step. Allocates nothing, unless a delay line holds more than 1024
+    /// commands.
+    pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
+        let (kind, command) = command.at_wheels(self.nominal);
+        if kind == CommandKind::Torque
+            && state.external_force.is_none()
+            && let Some(fast_path) = &state.fast_path
+            && fast_path.step(self, &mut state.body, dt_s, command)
+        {
+            return;
         }
-        advance(robot, state, segment, &mut events);
-        match change {
-            Some(at) => from = at,
-            None => return,
+        if kind != state.mode.kind {
+            state.mode.kind = kind;
+            let none = ActiveSetChange::default();
+            update_active_set(self, state, [t_s, dt_s], &ActuatorOutput::zero(), none);
+        }
+        self.actuator.store(&mut state.history, t_s, command);
+        let mut from = t_s;
+        let mut events = self.tolerances.events;
+        loop {
+            let rest = t_s + dt_s - from;
+            let change = self.actuator.next_change(&state.history, [from, rest]);
+            let segment = Segment {
+                span: [from, change.map_or(rest, |at| at - from)],
+                command,
+                depth: 0,
+            };
+            if kind == CommandKind::Speed {
+                jump_to_speed(self, state, &segment);
+            }
+            advance(self, state, segment, &mut events);
+            match change {
+                Some(at) => from = at,
+                None => return,
+            }
         }
     }
 }

@@ -11,72 +11,74 @@ use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::parts::tolerances::GIVEN_SLIP_MIN;
 use crate::robot::Robot;
 
-/// As [`Robot::set_motion`] describes it.
-pub(super) fn set_motion<S: Scalar>(
-    robot: &Robot<S>,
-    state: &mut State<S>,
-    velocity: [S; 3],
-    wheel_speed: Pair<S>,
-) {
-    let [u, w, rate] = velocity;
-    state.body.nu = Vector::from([u, w, rate, wheel_speed[0], wheel_speed[1]]);
-    state.body.motor_speed = wheel_speed;
-    let frictional = state.mode.frictional.iter();
-    let at_rest: ConstraintSet = frictional
-        .filter(|&constraint| slip_speed(robot, state, constraint) <= GIVEN_SLIP_MIN)
-        .collect();
-    state.mode.active = at_rest;
-    let change = ActiveSetChange {
-        stopped: at_rest,
-        ..ActiveSetChange::default()
-    };
-    update_active_set(robot, state, [0.0, 0.0], &ActuatorOutput::zero(), change);
-    state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
-    state.body.carried = carried_at_rest(robot, &state.body);
-}
-
-/// Sets delay and lag of `state` to their steady state under `command`.
-fn set_steady_command<S: Scalar>(robot: &Robot<S>, state: &mut State<S>, command: &Command<S>) {
-    let (kind, command) = command.at_wheels(robot.nominal);
-    if robot.actuator.delay_s.is_some() {
-        state.history.reset(command);
+impl<S: Scalar> Robot<S> {
+    /// Sets the velocity of `state`: of c along and across the body (m/s), yaw rate (rad/s), and
+    /// wheel speeds (rad/s). Contacts with slip slide from then on; slip of wheels that cannot
+    /// slide is projected out. With a motion law it is the velocity that the wheels give.
+    pub fn set_motion(&self, state: &mut State<S>, velocity: [S; 3], wheel_speed: Pair<S>) {
+        let [u, w, rate] = velocity;
+        state.body.nu = Vector::from([u, w, rate, wheel_speed[0], wheel_speed[1]]);
+        state.body.motor_speed = wheel_speed;
+        let frictional = state.mode.frictional.iter();
+        let at_rest: ConstraintSet = frictional
+            .filter(|&constraint| slip_speed(self, state, constraint) <= GIVEN_SLIP_MIN)
+            .collect();
+        state.mode.active = at_rest;
+        let change = ActiveSetChange {
+            stopped: at_rest,
+            ..ActiveSetChange::default()
+        };
+        update_active_set(self, state, [0.0, 0.0], &ActuatorOutput::zero(), change);
+        state.body.motor_speed = [state.body.nu[3], state.body.nu[4]];
+        state.body.carried = carried_at_rest(self, &state.body);
     }
-    let actuation = robot
-        .actuator
-        .output(kind, command, &state.history, command, [0.0, 1.0]);
-    state.body.lagged = actuation.lagged;
-}
 
-/// As [`Robot::replay_commands`] describes it.
-pub(super) fn replay_commands<S: Scalar>(
-    robot: &Robot<S>,
-    state: &mut State<S>,
-    past: &[(f64, Command<S>)],
-    t_s: f64,
-) {
-    let Some((_, oldest)) = past.first() else {
-        return;
-    };
-    set_steady_command(robot, state, oldest);
-    let ends = past.iter().skip(1).map(|(t_s, _)| *t_s).chain([t_s]);
-    let mut last = (CommandKind::Torque, [S::constant(0.0); 2]);
-    for ((since_s, command), end_s) in past.iter().zip(ends) {
-        let (kind, command) = command.at_wheels(robot.nominal);
-        robot.actuator.store(&mut state.history, *since_s, command);
-        let mut from = *since_s;
-        while from < end_s {
-            let rest = [from, end_s - from];
-            let change = robot.actuator.next_change(&state.history, rest);
-            let span = [from, change.unwrap_or(end_s) - from];
-            let lagged = state.body.lagged;
-            let actuation = robot
-                .actuator
-                .output(kind, command, &state.history, lagged, span);
-            state.body.lagged = actuation.lagged;
-            last = (kind, actuation.end);
-            from += span[1];
+    /// Sets `state` rolling without slip at forward speed `u` (m/s) and yaw rate `rate` (rad/s).
+    pub fn set_rolling(&self, state: &mut State<S>, u: S, rate: S) {
+        let turn = self.half_track * rate;
+        let wheels = [(u + turn) / self.radius[0], (u - turn) / self.radius[1]];
+        self.set_motion(state, [u, self.com_to_axle * rate, rate], wheels);
+    }
+
+    /// Sets delay and lag of `state` to their steady state under `command`.
+    fn set_steady_command(&self, state: &mut State<S>, command: &Command<S>) {
+        let (kind, command) = command.at_wheels(self.nominal);
+        if self.actuator.delay_s.is_some() {
+            state.history.reset(command);
         }
+        let actuation = self
+            .actuator
+            .output(kind, command, &state.history, command, [0.0, 1.0]);
+        state.body.lagged = actuation.lagged;
     }
-    let (kind, actuation) = last;
-    close_gears(robot, state, kind, actuation);
+
+    /// Sets delay, lag and gears of `state` to what `past` commands have left of them at `t_s` (s).
+    /// Each entry is (from when (s), command), oldest first; the first is taken as steady.
+    pub fn replay_commands(&self, state: &mut State<S>, past: &[(f64, Command<S>)], t_s: f64) {
+        let Some((_, oldest)) = past.first() else {
+            return;
+        };
+        self.set_steady_command(state, oldest);
+        let ends = past.iter().skip(1).map(|(t_s, _)| *t_s).chain([t_s]);
+        let mut last = (CommandKind::Torque, [S::constant(0.0); 2]);
+        for ((since_s, command), end_s) in past.iter().zip(ends) {
+            let (kind, command) = command.at_wheels(self.nominal);
+            self.actuator.store(&mut state.history, *since_s, command);
+            let mut from = *since_s;
+            while from < end_s {
+                let rest = [from, end_s - from];
+                let change = self.actuator.next_change(&state.history, rest);
+                let span = [from, change.unwrap_or(end_s) - from];
+                let lagged = state.body.lagged;
+                let actuation = self
+                    .actuator
+                    .output(kind, command, &state.history, lagged, span);
+                state.body.lagged = actuation.lagged;
+                last = (kind, actuation.end);
+                from += span[1];
+            }
+        }
+        let (kind, actuation) = last;
+        close_gears(self, state, kind, actuation);
+    }
 }

@@ -14,7 +14,6 @@ mod initial;
 mod instant;
 mod kinematics;
 mod mode_check;
-mod motion;
 mod outcome;
 mod prepare;
 mod saltation;
@@ -23,5 +22,4 @@ mod trial_step;
 mod velocity_projection;
 
 pub use correction::Correction;
-pub use motion::PlantScalar;
 pub use state::State;

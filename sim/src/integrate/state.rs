@@ -32,42 +32,42 @@ pub struct State<S = f64> {
     pub(crate) external_force: Option<Vector<S>>,
 }
 
-/// As [`Robot::start`] describes it.
-pub(super) fn start<S: Scalar>(robot: &Robot<S>, pose: [S; 3]) -> State<S> {
-    let gear = if robot.actuator.gap_rad.is_some() {
-        Gear::Free
-    } else {
-        Gear::Rigid
-    };
-    let kind = CommandKind::Torque;
-    let wheel_friction = friction_at(robot, pose);
-    let frictional = frictional_constraints(robot, kind, wheel_friction);
-    let mode = Mode {
-        kind,
-        active: frictional.union(ConstraintSet::WHEELS),
-        frictional,
-        direction: [[S::constant(0.0); 2]; FRICTION_CONSTRAINTS],
-        wheel_friction,
-        gear: [gear; 2],
-    };
-    let dynamics_key = mode.dynamics_key(mode.active, 0.0);
-    let dynamics = constrained_dynamics(robot, &dynamics_key);
-    let fast_path = FastPath::new(robot, &mode, &dynamics);
-    let mut body = Body::at_rest(pose);
-    body.carried = carried_at_rest(robot, &body);
-    State {
-        body,
-        mode,
-        dynamics,
-        dynamics_key,
-        fast_path,
-        redundant_force: None,
-        history: CommandHistory::new(robot.actuator.delay_s.is_some()),
-        external_force: None,
-    }
-}
-
 impl<S: Scalar> Robot<S> {
+    /// The robot at rest at `pose`: x and y of c (m) and heading φ (rad), world frame.
+    pub fn start(&self, pose: [S; 3]) -> State<S> {
+        let gear = if self.actuator.gap_rad.is_some() {
+            Gear::Free
+        } else {
+            Gear::Rigid
+        };
+        let kind = CommandKind::Torque;
+        let wheel_friction = friction_at(self, pose);
+        let frictional = frictional_constraints(self, kind, wheel_friction);
+        let mode = Mode {
+            kind,
+            active: frictional.union(ConstraintSet::WHEELS),
+            frictional,
+            direction: [[S::constant(0.0); 2]; FRICTION_CONSTRAINTS],
+            wheel_friction,
+            gear: [gear; 2],
+        };
+        let dynamics_key = mode.dynamics_key(mode.active, 0.0);
+        let dynamics = constrained_dynamics(self, &dynamics_key);
+        let fast_path = FastPath::new(self, &mode, &dynamics);
+        let mut body = Body::at_rest(pose);
+        body.carried = carried_at_rest(self, &body);
+        State {
+            body,
+            mode,
+            dynamics,
+            dynamics_key,
+            fast_path,
+            redundant_force: None,
+            history: CommandHistory::new(self.actuator.delay_s.is_some()),
+            external_force: None,
+        }
+    }
+
     /// Slip velocities of the driven wheels' contacts (m/s): longitudinal right and left, ρ̇ − r
     /// θ̇, and the lateral one of both, η̇ (Eq. 2).
     pub fn slip_m_s(&self, state: &State<S>) -> [S; 3] {

@@ -8,13 +8,13 @@ use num_dual::DualSVec64;
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 use slipstream_sim::effects::{CATALOGUE, Domain, Info, ParameterInfo};
 use slipstream_sim::{
-    Command, CommandKind, PlantScalar, Robot, Stream, lift, lift_entries, read_effects,
+    Command, CommandKind, Robot, Scalar, Stream, lift, lift_entries, read_effects,
 };
 
 type Dual = DualSVec64<1>;
 
 /// All quantities that a recording of 1.5 s may contain.
-fn observe<S: PlantScalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> {
+fn observe<S: Scalar>(robot: &Robot<S>, kind: CommandKind, size: f64) -> Vec<S> {
     let mut state = robot.start([0.0, 0.0, 0.3].map(S::constant));
     for k in 0..1500 {
         let t_s = f64::from(k) * STEP_S;

@@ -1,7 +1,7 @@
 //! Helpers for driving a robot in tests.
 
 use slipstream_bus::RobotModel;
-use slipstream_sim::{Command, PlantScalar, Robot, Scalar, State};
+use slipstream_sim::{Command, Robot, Scalar, State};
 
 /// Plant step of the tests (s).
 pub(crate) const STEP_S: f64 = 1e-3;
@@ -35,7 +35,7 @@ pub(crate) fn with_friction(friction: f64) -> RobotModel {
 
 /// Steps from `from_s` for `over_s` in steps of `step_s` (s) under a command that depends on the
 /// time at the middle of the step.
-pub(crate) fn drive<S: PlantScalar>(
+pub(crate) fn drive<S: Scalar>(
     robot: &Robot<S>,
     state: &mut State<S>,
     from_s: f64,
