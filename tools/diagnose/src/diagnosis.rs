@@ -12,6 +12,7 @@ use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Earlier, Learnt, Task};
 use crate::explain::links::{self, Course};
+use crate::judge::{Judged, conclude};
 
 /// What is asked.
 pub struct Request<'a> {
@@ -36,6 +37,7 @@ pub(crate) struct Collected {
     pub(crate) answer: Answer,
     pub(crate) improved: Vec<(String, RobotModel)>,
     pub(crate) courses: Vec<Course>,
+    pub(crate) judged: Vec<Judged>,
 }
 
 /// The answer, each robot's improved model, and the figures of each machine.
@@ -112,6 +114,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         mut answer,
         mut improved,
         courses,
+        judged,
     } = collected;
     if let [recording] = request.recordings {
         links::add(
@@ -123,8 +126,8 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         );
     }
     advise(&mut answer, &improved, request.recordings);
-    answer.conclude();
     answer.against = request.against.iter().map(|own| own.name.clone()).collect();
+    conclude(&mut answer, &judged);
     Ok((answer, improved, all))
 }
 
@@ -210,6 +213,7 @@ fn by_filter(
     collected
         .improved
         .push((name.clone(), found.improved.clone()));
+    collected.judged.push(found.judged);
     collected.courses.extend(
         found
             .courses

@@ -6,6 +6,7 @@ mod diagnosis;
 mod estimate;
 mod explain;
 mod filter;
+mod judge;
 mod model;
 mod predict;
 mod select;

@@ -110,12 +110,10 @@ fn worth(answer: &Answer, finding: &Finding) -> String {
         .iter()
         .filter(|own| own.robot == finding.robot);
     let parts = own.filter_map(|budget| {
-        let part = budget
-            .parts
-            .iter()
-            .find(|part| part.name == finding.effect)?;
+        let part = budget.part_of(&finding.effect)?;
         let is_small = part.share.abs() < SMALL_PART * budget.before;
-        (!is_small).then(|| size(part.share, budget.unit))
+        let together = if part.is_shared() { " together" } else { "" };
+        (!is_small).then(|| size(part.share, budget.unit) + together)
     });
     let parts: Vec<String> = parts.collect();
     parts.join(", ")

@@ -1,30 +1,6 @@
 //! Texts of a diagnosis: verdict, warnings, differences, numbers.
 
-use slipstream_diagnose::{Answer, Budget, Unexplained, Verdict, Warning};
-
-/// The verdict as a sentence.
-pub(super) fn verdict(answer: &Answer) -> String {
-    if !answer.against.is_empty() {
-        let before = answer.against.join(", ");
-        return match answer.verdict {
-            Verdict::Match => format!("Match: nothing changed since {before}"),
-            Verdict::Explained => format!("Explained: the findings below changed since {before}"),
-            Verdict::Unexplained => {
-                format!("Unexplained: something outside of the catalogue changed since {before}")
-            }
-        };
-    }
-    let words = match answer.verdict {
-        Verdict::Match => "Match: the model predicts the recording to within noise",
-        Verdict::Explained => {
-            "Explained: with the findings below, the model predicts the recording to within noise"
-        }
-        Verdict::Unexplained => {
-            "Unexplained: a difference remains that no effect of the catalogue explains"
-        }
-    };
-    words.to_owned()
-}
+use slipstream_diagnose::{Answer, Budget, Unexplained, Warning};
 
 /// A warning about a recording, in one line.
 pub(super) fn warning(warning: &Warning) -> String {
@@ -144,6 +120,7 @@ mod tests {
             unit: "m",
             before: 0.352,
             after: 0.041,
+            expected: 0.04,
             parts: vec![
                 part("pose_offset", 0.181),
                 part("wheel_radius", 0.137),

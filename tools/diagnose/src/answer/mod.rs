@@ -29,6 +29,8 @@ pub struct Answer {
     pub format: u32,
     /// What it comes to.
     pub verdict: Verdict,
+    /// The verdict as a sentence for a person, with its numbers.
+    pub statement: String,
     /// Recordings from before that these were compared with; `findings` are then what changed.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub against: Vec<String>,
@@ -238,6 +240,8 @@ pub struct HeldOutChannel {
     pub rms_before: f64,
     /// Root mean square error after, in that unit.
     pub rms_after: f64,
+    /// Root mean square error that the sensors' noise and the reported process noise predict.
+    pub rms_expected: f64,
 }
 
 /// What remains.
@@ -266,6 +270,8 @@ pub struct Budget {
     pub before: f64,
     /// The same after.
     pub after: f64,
+    /// The error that the sensors' noise and the reported process noise predict.
+    pub expected: f64,
     /// Shares that add up to `before`.
     pub parts: Vec<BudgetPart>,
 }
@@ -273,10 +279,25 @@ pub struct Budget {
 /// A part of a budget.
 #[derive(Debug, Clone, Serialize)]
 pub struct BudgetPart {
-    /// An effect, `unexplained` or `sensor noise`.
+    /// An effect, several that help together (`a + b`), `unexplained` or `sensor noise`.
     pub name: String,
     /// Its share, in the unit of the budget.
     pub share: f64,
+}
+
+impl Budget {
+    /// The part of an effect, by itself or together with others.
+    pub fn part_of(&self, effect: &str) -> Option<&BudgetPart> {
+        let is_of = |part: &&BudgetPart| part.name.split(" + ").any(|own| own == effect);
+        self.parts.iter().find(is_of)
+    }
+}
+
+impl BudgetPart {
+    /// Whether several effects share it.
+    pub fn is_shared(&self) -> bool {
+        self.name.contains(" + ")
+    }
 }
 
 /// Rows of a stream that were weighed down.
@@ -333,12 +354,14 @@ impl HeldOut {
 }
 
 impl Answer {
-    /// Draws the verdict from what was added.
-    pub(crate) fn conclude(&mut self) {
-        self.verdict = match (self.findings.is_empty(), self.unexplained.is_empty()) {
-            (_, false) => Verdict::Unexplained,
-            (true, true) => Verdict::Match,
-            (false, true) => Verdict::Explained,
-        };
+    /// The robots that were predicted.
+    pub(crate) fn robots(&self) -> Vec<&str> {
+        let mut robots: Vec<&str> = Vec::new();
+        for channel in &self.held_out.channels {
+            if !robots.contains(&channel.robot.as_str()) {
+                robots.push(&channel.robot);
+            }
+        }
+        robots
     }
 }

@@ -31,6 +31,12 @@ impl Blocks {
         ((share * self.count as f64) as usize).min(self.count - 1)
     }
 
+    /// Middle of a block within this run (s).
+    pub(crate) fn middle_s(&self, block: usize) -> f64 {
+        let [from_s, to_s] = self.span_s;
+        from_s + (to_s - from_s) * (block as f64 + 0.5) / self.count as f64
+    }
+
     pub(crate) fn end(&self) -> usize {
         self.first + self.count
     }

@@ -4,18 +4,16 @@ use nalgebra::{DMatrix, DVector};
 
 use super::{BlockScore, Likelihood};
 
-/// Every so manyth block is left out.
-pub(crate) const FOLDS: usize = 5;
-
-/// The likelihood without the blocks of one fold.
+/// The likelihood without some blocks.
 pub(crate) struct Masked<'a> {
     pub(crate) inner: &'a dyn Likelihood,
-    pub(crate) left_out: usize,
+    /// Whether each block is left out.
+    pub(crate) left_out: &'a [bool],
 }
 
 impl Masked<'_> {
     fn keeps(&self, block: usize) -> bool {
-        block % FOLDS != self.left_out
+        !self.left_out.get(block).copied().unwrap_or(false)
     }
 }
 

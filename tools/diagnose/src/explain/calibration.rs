@@ -16,6 +16,7 @@ use crate::model::from_wheels::{
 use crate::model::run::Source;
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Kept, Selected, Shared, Term};
+use crate::select::halves::Halves;
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -200,7 +201,12 @@ impl Search<'_> {
         let mut elimination = self.elimination(&terms);
         let after = elimination.settled(fit, &mut terms)?;
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
-        let after = self.offsets_together(after, &terms)?;
+        let mut after = self.offsets_together(after, &terms)?;
+        let kept: Vec<Term> = after.kept.iter().map(|kept| kept.term.clone()).collect();
+        let (_, physics) = elimination.free(&kept);
+        let before = self.machine.before.runs.checked_sub(1);
+        let first = before.map_or(0, |last| self.machine.runs[last].blocks.end());
+        after.halves = Halves::new(self.problem, &after.fit, physics, first);
         Some(Calibration {
             after,
             by_run,
@@ -609,6 +615,7 @@ impl Search<'_> {
             precision,
             kept,
             alike: found.alike,
+            halves: None,
         })
     }
 

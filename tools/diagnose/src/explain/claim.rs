@@ -27,6 +27,8 @@ pub(crate) struct Value {
     pub(crate) half: [f64; 2],
     /// How far a run was from the nominal value before, as a change.
     pub(crate) before: f64,
+    /// What the first and the second half say, as changes, where they differ.
+    pub(crate) halves: Option<[f64; 2]>,
 }
 
 /// One effect.
@@ -103,6 +105,7 @@ impl Value {
             change,
             half: [half; 2],
             before: 0.0,
+            halves: None,
         }
     }
 
@@ -127,6 +130,18 @@ impl Value {
 }
 
 impl Claim {
+    /// Whether the halves of the recordings tell different changes: the smaller is below half of the larger, or
+    /// has the other sign.
+    pub(crate) fn is_disputed(&self) -> bool {
+        let disputed = |value: &Value| {
+            value.halves.is_some_and(|[a, b]| {
+                let [small, large] = if a.abs() < b.abs() { [a, b] } else { [b, a] };
+                small / large < 0.5
+            })
+        };
+        !self.values.is_empty() && self.values.iter().all(disputed)
+    }
+
     /// Whether its sizes are what the catalogue calls plausible.
     pub(crate) fn is_plausible(&self, model: &RobotModel) -> bool {
         let Some(info) = find(self.effect) else {

@@ -15,6 +15,7 @@ use crate::model::drive::{
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected, Shared, Term};
+use crate::select::halves::Halves;
 
 /// The first fits need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -214,7 +215,12 @@ impl Search<'_> {
         };
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
-        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
+        let mut after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
+        let kept: Vec<Term> = after.kept.iter().map(|kept| kept.term.clone()).collect();
+        let (_, physics) = elimination.free(&kept);
+        let before = self.drive.before.runs.checked_sub(1);
+        let first = before.map_or(0, |last| self.drive.runs[last].blocks.end());
+        after.halves = Halves::new(&self.problem, &after.fit, physics, first);
         let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
         Some(DriveFit {

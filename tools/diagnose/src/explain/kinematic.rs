@@ -5,35 +5,26 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot;
 
-use super::budget::{budget, players};
+use super::bench::{Bench, Measured};
 use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
-use super::open_loop::HORIZON_S;
 use super::pictures::{self, Scene};
-use super::prediction::{CHANNELS, Errors, Predictor};
 use super::reading::Reading;
 use super::sight;
 use super::today;
 use super::wheel_side::{Settled, settle};
-use crate::answer::{
-    Budget, Detectable, Figures, HeldOut, HeldOutChannel, Outliers, ProcessNoise, Warning,
-};
-use crate::estimate::masked::{FOLDS, Masked};
-use crate::estimate::scoring::SHORT;
+use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
 use crate::filter::motion_law::DRIVERS;
+use crate::judge::{Judged, QUANTITIES};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::comparison::Before;
-use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{
-    COMMON, DRIVE_FIRST, FromWheels, LAW_FIRST, MACHINE, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE,
-    RUN_TRACK, TRACK, View,
+    COMMON, FromWheels, LAW_FIRST, MACHINE, RUN_SCALE, RUN_TRACK, TRACK, View,
 };
 
 /// A row with a smaller probability of being ordinary counts as an outlier.
 const ORDINARY: f64 = 0.5;
-/// Most windows of a run that a budget predicts.
-const BUDGET_WINDOWS: usize = 40;
 /// Least deviation of scale or track among runs that differ.
 const LEAST_SPREAD: f64 = 0.006;
 /// What two simulators differ by, in metres or radians; a smaller part is none.
@@ -43,6 +34,9 @@ const NOTHING: f64 = 1e-6;
 pub(crate) struct Found {
     pub(crate) claims: Vec<Claim>,
     pub(crate) held_out: HeldOut,
+    pub(crate) judged: Judged,
+    /// The effect by which predictions become worse than those of the nominal model, where they do, and of what.
+    culprit: Option<(&'static str, &'static str)>,
     pub(crate) detectable: Vec<Detectable>,
     pub(crate) budget: Vec<Budget>,
     pub(crate) outliers: Vec<Outliers>,
@@ -71,6 +65,7 @@ struct Machine<'a> {
     name: &'a str,
     robots: Vec<&'a Robot>,
     model: &'a RobotModel,
+    excluded: &'a [String],
     machine: FromWheels,
     drive: Option<CommandToWheels>,
     nominal: Vec<f64>,
@@ -127,7 +122,29 @@ pub(crate) struct Learnt {
 /// # Errors
 /// A machine that is not known to have moved, or of which nothing can be compared.
 pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
-    Machine::new(task)?.examine(task)
+    let mut refused: Vec<String> = Vec::new();
+    loop {
+        let excluded = [task.excluded, refused.as_slice()].concat();
+        let own = Task {
+            excluded: &excluded,
+            ..*task
+        };
+        let mut found = Machine::new(&own)?.examine(&own)?;
+        match found.culprit {
+            // what predicts worse is not published: the best set without it is
+            Some((effect, quantity)) => {
+                let what = format!(
+                    "{quantity} is predicted worse with {effect}: looking for better findings"
+                );
+                (task.progress)(&what.replace('_', " "));
+                refused.push(effect.to_owned());
+            }
+            None => {
+                found.judged.refused = refused;
+                return Ok(found);
+            }
+        }
+    }
 }
 
 /// What the runs of one machine say of it, to compare others with.
@@ -224,6 +241,7 @@ impl<'a> Machine<'a> {
             name,
             robots,
             model: task.model,
+            excluded: task.excluded,
             machine,
             drive,
             nominal,
@@ -274,7 +292,9 @@ impl<'a> Machine<'a> {
 
     /// What was found: what is plausible, and what is not.
     fn claims(&self, fits: &Fits) -> (Vec<Claim>, Vec<Claim>) {
+        let is_excluded = |claim: &Claim| self.excluded.iter().any(|own| own == claim.effect);
         let all = self.reading(fits).claims().into_iter();
+        let all = all.filter(|claim| !is_excluded(claim));
         all.partition(|claim| claim.is_plausible(self.model))
     }
 }
@@ -300,6 +320,19 @@ impl Machine<'_> {
             [own[0] - known[0], own[1] - known[1]]
         });
         each.collect()
+    }
+
+    /// What predictions are made by.
+    fn measured<'b>(&'b self, fits: &'b Fits) -> Measured<'b> {
+        Measured {
+            name: self.name,
+            robots: &self.robots,
+            machine: &self.machine,
+            nominal: &self.nominal,
+            drive: self.drive.as_ref(),
+            calibration: fits.calibration.as_ref(),
+            driven: fits.drive.as_ref(),
+        }
     }
 
     /// Fits the calibration and the drive.
@@ -360,46 +393,51 @@ impl Machine<'_> {
         let mut warnings = Vec::new();
         let fits = self.fits(task, &mut warnings);
         let (calibration, drive) = (&fits.calibration, &fits.drive);
-        let (claims, odd) = self.claims(&fits);
+        let (mut claims, odd) = self.claims(&fits);
+        warnings.extend(self.not_constant(task, &claims));
+        if task.before.is_some() {
+            // a change is one that both halves tell
+            claims.retain(|claim| !claim.is_disputed());
+        }
         warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
         let all = self.reading(&fits).fitted();
-        let fitted = self.settled(&claims, &all);
         (task.progress)("predicting 5 s ahead, with and without the findings");
-        let folds = self.folds(&claims, calibration.as_ref(), drive.as_ref(), &fitted);
-        let errors = self.errors(&folds, &fitted);
-        let deviations: Vec<[f64; 6]> = (0..self.machine.runs.len())
-            .map(|run| {
-                let robot = self.robots[self.machine.runs[run].robot];
-                self.predictor(run).deviations(&robot.noise)
-            })
-            .collect();
-        let figures = task.illustrate.map(|first_finding| {
-            (task.progress)("computing what the page shows");
-            pictures::figures(&Scene {
-                robot: self.name,
-                machine: &self.machine,
-                predictors: (0..self.machine.runs.len())
-                    .map(|run| self.predictor(run))
-                    .collect(),
-                excluded: task.excluded,
-                claims: &claims,
-                first_finding,
-                calibration: calibration.as_ref(),
-                drive: drive.as_ref(),
-                driven: self.drive.as_ref(),
-                joint_drive: self.joint_drive.as_ref(),
-                nominal: &self.sensed(&fitted),
-                fitted: &fitted,
-                errors: &errors,
-                deviations: &deviations,
-                nominal_of: &|claim, name| claim.nominal(self.model, name),
-            })
-        });
+        let measured = self.measured(&fits);
+        let bench = Bench::new(&measured, &claims, &all);
+        let judged = bench.judged();
+        let worse = judged.worse();
+        let figures = task
+            .illustrate
+            .filter(|_| worse.is_empty())
+            .map(|first_finding| {
+                (task.progress)("computing what the page shows");
+                pictures::figures(&Scene {
+                    robot: self.name,
+                    machine: &self.machine,
+                    predictors: (0..self.machine.runs.len())
+                        .map(|run| bench.predictor(run))
+                        .collect(),
+                    excluded: task.excluded,
+                    claims: &claims,
+                    first_finding,
+                    calibration: calibration.as_ref(),
+                    drive: drive.as_ref(),
+                    driven: self.drive.as_ref(),
+                    joint_drive: self.joint_drive.as_ref(),
+                    nominal: &bench.nominal,
+                    fitted: &bench.fitted,
+                    errors: &judged.errors,
+                    deviations: &bench.deviations,
+                    nominal_of: &|claim, name| claim.nominal(self.model, name),
+                })
+            });
         Ok(Found {
             figures,
             detectable: self.detectable(&fits, task.excluded),
-            held_out: self.held_out(&errors, &deviations),
-            budget: self.budget(&claims, &fitted, &deviations),
+            held_out: judged.held_out(&bench),
+            culprit: bench.culprit(&worse),
+            budget: bench.budget(&judged),
+            judged: judged.machine(self.name, &self.machine),
             outliers: self.outliers(&all),
             process_noise: self.process_noise(calibration.is_some(), &all),
             improved: self.improved(&claims),
@@ -409,7 +447,7 @@ impl Machine<'_> {
                 .iter()
                 .map(|run| run.blocks.span_s.map(|t| t + run.origin_s))
                 .collect(),
-            courses: self.courses(&all, &deviations),
+            courses: self.courses(&all, &bench.deviations),
             robots: self.machine.runs.iter().map(|run| run.robot).collect(),
             claims,
             warnings,
@@ -443,6 +481,27 @@ impl Machine<'_> {
             }
         }
         neutral
+    }
+
+    /// What is taken for a constant and differs between the halves of the recordings.
+    fn not_constant(&self, task: &Task<'_>, claims: &[Claim]) -> Vec<Warning> {
+        let values = claims.iter().flat_map(|claim| {
+            let own = claim.values.iter();
+            own.filter_map(move |value| Some((claim, value, value.halves?)))
+        });
+        let each = values.map(|(claim, value, halves)| {
+            let nominal = claim.nominal(self.model, value.name);
+            let [first, second] = halves.map(|change| value.applied(nominal, change));
+            let effect = claim.effect.replace('_', " ");
+            let what = format!(
+                "{effect}, {}: {first:.4} in the first half, {second:.4} in the second; it is not constant, and its \
+                 interval holds both",
+                value.name
+            );
+            let remedy = "diagnose the halves by themselves with --exclude-time, and look what else changed";
+            self.warning(task, "not_constant", &what, remedy)
+        });
+        each.collect()
     }
 
     /// What fits best and is no physics.
@@ -480,220 +539,7 @@ impl Machine<'_> {
         }
     }
 
-    fn predictor(&self, run: usize) -> Predictor<'_> {
-        let own = &self.machine.runs[run];
-        let drives = self.drive.iter().flat_map(|drive| &drive.runs);
-        let mut drives = drives.filter(|drive| drive.robot == own.robot);
-        Predictor {
-            machine: &self.machine,
-            run: own,
-            drive: drives.next(),
-        }
-    }
-
-    /// Nominal parameters with those that the claims explain as they were fitted. What belongs to a
-    /// sensor and is no effect is as it was fitted.
-    fn settled(&self, claims: &[Claim], fitted: &[f64]) -> Vec<f64> {
-        let mut at = self.sensed(fitted);
-        for index in claims.iter().flat_map(|claim| &claim.toggles) {
-            at[*index] = fitted[*index];
-        }
-        at
-    }
-
-    /// Nominal parameters with biases and clocks of single runs as they were fitted.
-    fn sensed(&self, fitted: &[f64]) -> Vec<f64> {
-        let mut at = self.nominal.clone();
-        for run in 0..self.machine.runs.len() {
-            for own in [RUN_BIAS, RUN_LATE, RUN_RATE] {
-                let index = self.machine.of_run(run, own);
-                at[index] = fitted[index];
-            }
-        }
-        at
-    }
-
-    /// Parameters fitted without the blocks of each fold.
-    fn folds(
-        &self,
-        claims: &[Claim],
-        calibration: Option<&Calibration>,
-        drive: Option<&DriveFit>,
-        fitted: &[f64],
-    ) -> [Vec<f64>; FOLDS] {
-        if claims.is_empty() {
-            return std::array::from_fn(|_| fitted.to_vec());
-        }
-        std::array::from_fn(|left_out| {
-            let mut at = fitted.to_vec();
-            if let Some(calibration) = calibration {
-                let view = View {
-                    machine: &self.machine,
-                    robust: true,
-                };
-                let masked = Masked {
-                    inner: &view,
-                    left_out,
-                };
-                let problem = self.machine.problem(&masked, &self.nominal);
-                let fit = &calibration.after.fit;
-                at = problem.fit(&fit.at, &fit.free, SHORT).at;
-            }
-            if let (Some(found), Some(drive)) = (drive, &self.drive) {
-                let masked = Masked {
-                    inner: drive,
-                    left_out,
-                };
-                let problem = drive.problem(&masked, &found.nominal);
-                let fit = &found.after.fit;
-                let half = problem.fit(&fit.at, &fit.free, SHORT).at;
-                at[DRIVE_FIRST..DRIVE_FIRST + DRIVE].copy_from_slice(&half[..DRIVE]);
-            }
-            at[DRIVE_FIRST + SLOW_SHARE] = 0.0;
-            self.settled(claims, &at)
-        })
-    }
-
-    /// Errors of the nominal model, and of the model fitted without the blocks that are predicted.
-    fn errors(&self, folds: &[Vec<f64>; FOLDS], fitted: &[f64]) -> Vec<[Errors; 2]> {
-        let nominal = self.sensed(fitted);
-        let each = (0..self.machine.runs.len()).map(|run| {
-            let predictor = self.predictor(run);
-            let windows = predictor.windows();
-            let before = predictor.errors(run, &nominal, &windows, true);
-            let blocks = &self.machine.runs[run].blocks;
-            let fold =
-                |[a, b]: &[f64; 2]| (blocks.first + blocks.of(f64::midpoint(*a, *b))) % FOLDS;
-            let after = (0..FOLDS).map(|left_out| {
-                let own = windows.iter().filter(|window| fold(window) == left_out);
-                let own: Vec<[f64; 2]> = own.copied().collect();
-                predictor.errors(run, &folds[left_out], &own, true)
-            });
-            [before, after.fold(Errors::default(), Errors::and)]
-        });
-        each.collect()
-    }
-
-    fn held_out(&self, errors: &[[Errors; 2]], deviations: &[[f64; 6]]) -> HeldOut {
-        let mut held_out = HeldOut {
-            horizon_s: HORIZON_S,
-            ..HeldOut::default()
-        };
-        // squares in deviations and in the channel's unit, and counts, of each channel before and after
-        let mut sums = [[[0.0; 3]; CHANNELS.len()]; 2];
-        for (pair, deviations) in errors.iter().zip(deviations) {
-            for (side, errors) in pair.iter().enumerate() {
-                for channel in 0..CHANNELS.len() {
-                    let square = deviations[channel] * deviations[channel];
-                    let [level, own, count] = &mut sums[side][channel];
-                    *level += errors.squares[channel] / square;
-                    *own += errors.squares[channel];
-                    *count += errors.counts[channel];
-                }
-            }
-        }
-        let level = |side: usize, channels: &[usize]| {
-            let [squares, counts] = channels.iter().fold([0.0; 2], |[s, n], channel| {
-                let [level, _, count] = sums[side][*channel];
-                [s + level, n + count]
-            });
-            (counts > 0.0).then(|| (squares / counts).sqrt())
-        };
-        for (channel, name) in CHANNELS.iter().enumerate() {
-            let Some(levels) = level(0, &[channel]).zip(level(1, &[channel])) else {
-                continue;
-            };
-            let [rms_before, rms_after] = [0, 1].map(|side| {
-                let [_, own, count] = sums[side][channel];
-                f64::sqrt(own / count)
-            });
-            held_out.channels.push(HeldOutChannel {
-                robot: self.name.to_owned(),
-                channel: (*name).to_owned(),
-                nrmse_before: levels.0,
-                nrmse_after: levels.1,
-                unit: self.unit(channel),
-                rms_before,
-                rms_after,
-            });
-        }
-        let channels: &[usize] = if self.machine.has_pose() {
-            &[2, 3, 4]
-        } else {
-            &[0, 1, 5]
-        };
-        held_out.nrmse_before = level(0, channels).unwrap_or(0.0);
-        held_out.nrmse_after = level(1, channels).unwrap_or(0.0);
-        held_out
-    }
-
-    fn unit(&self, channel: usize) -> &'static str {
-        use crate::data::wheel_rows::WheelKind;
-        let speeds = self
-            .drive
-            .as_ref()
-            .is_some_and(|drive| drive.runs[0].wheels.kind == WheelKind::Speed);
-        match CHANNELS[channel] {
-            "pose_x" | "pose_y" => "m",
-            "pose_yaw" => "rad",
-            "imu_gz" => "rad/s",
-            _ if speeds => "rad/s",
-            _ => "rad",
-        }
-    }
-
-    fn budget(&self, claims: &[Claim], fitted: &[f64], deviations: &[[f64; 6]]) -> Vec<Budget> {
-        let players = players(claims);
-        let nominal = self.sensed(fitted);
-        let runs = 0..self.machine.runs.len();
-        let windows: Vec<Vec<[f64; 2]>> = runs
-            .map(|run| {
-                let all = self.predictor(run).windows();
-                let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
-                all.into_iter().step_by(stride).collect()
-            })
-            .collect();
-        let subsets = 0..1_usize << players.len();
-        let worth: Vec<Errors> = subsets
-            .map(|subset| {
-                let mut at = nominal.clone();
-                let own = players.iter().enumerate();
-                for (_, player) in own.filter(|(i, _)| subset >> i & 1 == 1) {
-                    player.toggles.iter().for_each(|i| at[*i] = fitted[*i]);
-                }
-                let errors = windows.iter().enumerate();
-                let errors = errors
-                    .map(|(run, windows)| self.predictor(run).errors(run, &at, windows, false));
-                errors.fold(Errors::default(), Errors::and)
-            })
-            .collect();
-        let count = deviations.len().max(1) as f64;
-        let noise = |channel: usize| {
-            deviations
-                .iter()
-                .map(|d| d[channel] * d[channel])
-                .sum::<f64>()
-                / count
-        };
-        let place: Option<Vec<f64>> = worth.iter().map(Errors::mean_place_m2).collect();
-        let heading: Option<Vec<f64>> = worth.iter().map(Errors::mean_heading_rad2).collect();
-        let heading_noise = if self.machine.has_heading() {
-            noise(4)
-        } else {
-            0.0
-        };
-        let both = [
-            ("m", place, 2.0 * noise(2)),
-            ("rad", heading, heading_noise),
-        ];
-        let names: Vec<&str> = players.iter().map(|player| player.name).collect();
-        let all = both
-            .into_iter()
-            .filter_map(|(unit, worth, noise)| budget(self.name, unit, &names, &worth?, noise));
-        all.collect()
-    }
-
-    fn courses(&self, fitted: &[f64], deviations: &[[f64; 6]]) -> Vec<Path> {
+    fn courses(&self, fitted: &[f64], deviations: &[[f64; QUANTITIES]]) -> Vec<Path> {
         let runs = self.machine.runs.iter().enumerate();
         let with_pose = runs.filter(|(_, run)| run.pose.is_some());
         with_pose

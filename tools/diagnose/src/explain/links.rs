@@ -171,6 +171,7 @@ pub(crate) fn add(
                 unit: "m",
                 rms_before: nrmse_before * link.course.deviation[0],
                 rms_after: nrmse_after * link.course.deviation[0],
+                rms_expected: link.course.deviation[0],
             });
             if !found {
                 continue;

@@ -1,13 +1,14 @@
 //! What a recording says beyond a fit: which terms it needs, and what each is worth.
 
 pub(crate) mod against;
-pub(crate) mod budget;
+mod bench;
 pub(crate) mod calibration;
 pub(crate) mod claim;
 pub(crate) mod drawn_span;
 pub(crate) mod drive;
 pub(crate) mod dynamic;
 pub(crate) mod finding;
+mod fitted_noise;
 pub(crate) mod kinematic;
 mod limits;
 pub(crate) mod links;
@@ -16,6 +17,7 @@ pub(crate) mod pictures;
 pub(crate) mod prediction;
 pub(crate) mod reading;
 mod sight;
+mod spread;
 mod terms;
 mod thinning;
 mod thresholds;

@@ -9,6 +9,7 @@ use super::prediction::{CHANNELS, Errors, Predictor};
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
 use crate::data::wheel_rows::WheelKind;
 use crate::filter::wheel_path::Turned;
+use crate::judge::{HEADING, NAMES, PLACE, QUANTITIES};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::{FromWheels, drive_parameters};
 
@@ -48,7 +49,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) nominal: &'a [f64],
     pub(crate) fitted: &'a [f64],
     pub(crate) errors: &'a [[Errors; 2]],
-    pub(crate) deviations: &'a [[f64; 6]],
+    pub(crate) deviations: &'a [[f64; QUANTITIES]],
     /// The nominal value of a claim's parameter.
     pub(crate) nominal_of: &'a dyn Fn(&Claim, &str) -> Option<f64>,
 }
@@ -112,9 +113,10 @@ impl Scene<'_> {
 
     fn lines(&self, run: usize) -> Vec<ErrorLine> {
         let [before, after] = &self.errors[run];
-        let channels = CHANNELS.iter().enumerate();
-        channels
-            .filter_map(|(channel, name)| {
+        CHANNELS
+            .into_iter()
+            .filter_map(|channel| {
+                let name = NAMES[channel];
                 let before = line(before, channel, self.origin_s(run));
                 let after = match self.claims {
                     [] => Vec::new(),
@@ -273,12 +275,12 @@ impl Scene<'_> {
 /// Root mean square error of place (m), heading (rad), or wheels.
 fn root_mean(errors: &Errors, unit: &str) -> Option<f64> {
     match unit {
-        "m" => errors.mean_place_m2().map(f64::sqrt),
-        "rad" => errors.mean_heading_rad2().map(f64::sqrt),
+        "m" => errors.score.mean_square(PLACE).map(f64::sqrt),
+        "rad" => errors.score.mean_square(HEADING).map(f64::sqrt),
         _ => {
-            let count = errors.counts[0] + errors.counts[1];
-            let squares = errors.squares[0] + errors.squares[1];
-            (count > 0.0).then(|| (squares / count).sqrt())
+            let both = [0, 1].map(|wheel| errors.score.mean_square(wheel));
+            let [right, left] = both;
+            right.zip(left).map(|(a, b)| f64::midpoint(a, b).sqrt())
         }
     }
 }

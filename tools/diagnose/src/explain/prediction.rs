@@ -3,11 +3,14 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::fitted_noise::{NoiseOf, OfGyro};
 use super::open_loop::HORIZON_S;
+use super::spread::{Spread, from_start, of_stamp};
 use crate::data::wheel_rows::WheelKind;
 use crate::filter::motion_law::{LAW, added};
 use crate::filter::wheel_path::Turned;
 use crate::filter::wrapped;
+use crate::judge::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::Response;
 use crate::model::from_wheels::{
@@ -15,25 +18,16 @@ use crate::model::from_wheels::{
 };
 use crate::model::run::{Run, sensor_noise};
 
-/// Names and order of the channels.
-pub(crate) const CHANNELS: [&str; 6] = [
-    "wheel_right",
-    "wheel_left",
-    "pose_x",
-    "pose_y",
-    "pose_yaw",
-    "imu_gz",
-];
-/// First channels of the sensors.
-const POSE: usize = 2;
-const GYRO: usize = 5;
-/// Time over which the start of a window is fitted (s), how often that may be extended, and how many
-/// poses it needs.
+/// Channels that are predicted.
+pub(crate) const CHANNELS: [usize; 6] = [0, 1, POSE, POSE + 1, POSE + 2, GYRO];
+/// Time over which the start of a window is fitted (s), how often that may be extended, how many poses it
+/// wants, and how many it needs with a heading and without one.
 const FITTED_S: f64 = 0.5;
 const AT_MOST: usize = 5;
 const SEEN: usize = 5;
+const NEEDED: [usize; 2] = [1, 3];
 /// Shortest window (s).
-const SHORTEST_S: f64 = 1.0;
+pub(crate) const SHORTEST_S: f64 = 1.0;
 /// Most rows of a sensor that are predicted.
 const MOST_ROWS: usize = 5000;
 /// Most windows of a run by which two models are compared.
@@ -49,17 +43,27 @@ pub(crate) struct Predictor<'a> {
     pub(crate) run: &'a Run,
     /// Commands and wheels, where both were recorded.
     pub(crate) drive: Option<&'a DriveRun>,
+    /// Standard deviations of the sensors, channel by channel.
+    pub(crate) deviations: [f64; QUANTITIES],
+    /// Noise sizes by which the error is predicted; without them that of the sensors alone is.
+    pub(crate) noise: Option<Noise<'a>>,
 }
 
-/// Sums of squares, and a place on the way to draw.
+/// Fitted noise sizes of a run.
+#[derive(Clone, Copy)]
+pub(crate) struct Noise<'a> {
+    /// All parameters of the machine as they were fitted.
+    pub(crate) at: &'a [f64],
+    /// Logarithms of the noise sizes of the drive.
+    pub(crate) drive: Option<&'a [f64]>,
+}
+
+/// What a run scores, and a place on the way to draw.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Errors {
-    pub(crate) squares: [f64; 6],
-    pub(crate) counts: [f64; 6],
-    /// Square distances (m²) and heading errors (rad²).
-    pub(crate) place_m2: f64,
-    pub(crate) heading_rad2: f64,
-    pub(crate) headings: f64,
+    pub(crate) score: Score,
+    /// Begin, end (s) and score of each window.
+    pub(crate) windows: Vec<([f64; 2], Score)>,
     /// Where the robot was seen and where it is predicted (m), a gap after each window.
     pub(crate) seen: Vec<(f64, f64)>,
     pub(crate) predicted: Vec<(f64, f64)>,
@@ -76,15 +80,16 @@ struct Relative {
     /// The tracked point and the measured yaw, relative to the axle at the start.
     point: [f64; 2],
     yaw_rad: f64,
+    /// Covariance of both, and what an error of the stamp adds.
+    covariance: Matrix3<f64>,
+    of_stamp: Vector3<f64>,
 }
 
 impl Errors {
-    fn add(&mut self, stamp_s: f64, channel: usize, residual: f64, draw: bool) {
-        self.squares[channel] += residual * residual;
-        self.counts[channel] += 1.0;
-        if draw {
-            self.residuals.push((stamp_s, channel, residual));
-        }
+    /// Adds a row: its error, and the variances of its sensor and of all noise.
+    fn add(&mut self, channel: usize, residual: f64, sensor: f64, expected: f64) {
+        self.score
+            .add(channel, residual * residual, sensor, expected);
     }
 
     /// Draws a place error as seen from a robot that heads for `yaw_rad`.
@@ -97,34 +102,18 @@ impl Errors {
 
     /// A gap behind what was drawn of a window.
     fn draw_gap(&mut self, stamp_s: f64) {
-        let gaps = (0..CHANNELS.len()).map(|channel| (stamp_s, channel, f64::NAN));
+        let gaps = CHANNELS.map(|channel| (stamp_s, channel, f64::NAN));
         self.residuals.extend(gaps);
     }
 
     /// Both together.
     pub(crate) fn and(mut self, other: Self) -> Self {
-        for channel in 0..CHANNELS.len() {
-            self.squares[channel] += other.squares[channel];
-            self.counts[channel] += other.counts[channel];
-        }
-        self.place_m2 += other.place_m2;
-        self.heading_rad2 += other.heading_rad2;
-        self.headings += other.headings;
+        self.score = self.score.and(&other.score);
+        self.windows.extend(other.windows);
         self.seen.extend(other.seen);
         self.predicted.extend(other.predicted);
         self.residuals.extend(other.residuals);
         self
-    }
-
-    /// Mean square distance (m²).
-    pub(crate) fn mean_place_m2(&self) -> Option<f64> {
-        let count = self.counts[POSE];
-        (count > 0.0).then(|| self.place_m2 / count)
-    }
-
-    /// Mean square heading error (rad²).
-    pub(crate) fn mean_heading_rad2(&self) -> Option<f64> {
-        (self.headings > 0.0).then(|| self.heading_rad2 / self.headings)
     }
 }
 
@@ -140,31 +129,6 @@ impl Predictor<'_> {
         all.filter(|[a, b]| b - a >= SHORTEST_S).collect()
     }
 
-    /// Standard deviations of the sensors, channel by channel.
-    pub(crate) fn deviations(&self, declared: &slipstream_recording::recording::Noise) -> [f64; 6] {
-        let [place, yaw] = self
-            .run
-            .pose
-            .as_ref()
-            .map_or([1.0; 2], |p| sensor_noise(&p.all));
-        let wheels = self.drive.map_or(1.0, |drive| {
-            drive
-                .wheels
-                .rounding_rad
-                .max(declared.wheel_rad.unwrap_or(1e-4))
-        });
-        let place = declared.pose_m.unwrap_or(place);
-        let yaw = declared.pose_rad.unwrap_or(yaw);
-        let gyro = declared.imu_rad_s.unwrap_or_else(|| {
-            let rows = self.run.gyro.as_ref().map_or(&[][..], |gyro| &gyro.all);
-            let mut steps: Vec<f64> = rows.windows(2).map(|w| (w[1].1 - w[0].1).abs()).collect();
-            steps.sort_by(f64::total_cmp);
-            let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-            (median / 0.67 / 2.0_f64.sqrt()).max(1e-4)
-        });
-        [wheels, wheels, place, place, yaw, gyro]
-    }
-
     /// Predicts these windows by the parameters `at` of the machine, of run number `number`.
     pub(crate) fn errors(
         &self,
@@ -174,36 +138,58 @@ impl Predictor<'_> {
         draw: bool,
     ) -> Errors {
         let local = self.machine.local(number, at);
+        let noise = self.noise.map(|noise| {
+            let local = self.machine.local(number, noise.at);
+            let turn_per_wheel = self.machine.wheel_radius_m / self.machine.half_track_m;
+            NoiseOf::new(self.run, &local, noise.drive, turn_per_wheel)
+        });
+        let noise = noise.unwrap_or_default();
         let each = |wheels: &dyn Turned<f64>| {
-            let mut errors = Errors::default();
-            for window in windows {
-                self.poses(&local, wheels, *window, &mut errors, draw);
-                self.rates(&local, wheels, *window, &mut errors, draw);
-                if draw {
-                    errors.draw_gap(window[1]);
+            let one = |window: &[f64; 2]| {
+                let mut errors = Errors::default();
+                self.poses(&local, &noise, wheels, *window, &mut errors, draw);
+                self.rates(&local, &noise, wheels, *window, &mut errors, draw);
+                errors
+            };
+            windows.iter().map(one).collect::<Vec<Errors>>()
+        };
+        let mut each = match self.drive {
+            None => self.run.wheels.turned(drive_parameters(&local), each),
+            Some(drive) => {
+                let response = Response::new(&drive.commands, drive_parameters(&local));
+                let mut each = each(&response);
+                for (window, errors) in windows.iter().zip(&mut each) {
+                    self.wheels(drive, &noise, &response, *window, errors, draw);
                 }
+                each
             }
-            errors
         };
-        let Some(drive) = self.drive else {
-            return self.run.wheels.turned(drive_parameters(&local), each);
-        };
-        let response = Response::new(&drive.commands, drive_parameters(&local));
-        let mut errors = each(&response);
-        for window in windows {
-            wheels(drive, &response, *window, &mut errors, draw);
+        for (window, errors) in windows.iter().zip(&mut each) {
             if draw {
                 errors.draw_gap(window[1]);
             }
+            errors.windows = vec![(*window, errors.score)];
         }
-        errors
+        each.into_iter().fold(Errors::default(), Errors::and)
     }
 
     /// Poses of a window relative to the axle at its start.
-    fn relative(&self, local: &[f64], wheels: &dyn Turned<f64>, window: [f64; 2]) -> Vec<Relative> {
+    fn relative(
+        &self,
+        local: &[f64],
+        noise: &NoiseOf,
+        wheels: &dyn Turned<f64>,
+        window: [f64; 2],
+    ) -> Vec<Relative> {
         let Some(pose) = &self.run.pose else {
             return Vec::new();
         };
+        let mut spread = Spread::new(
+            noise.pose,
+            self.machine.wheel_radius_m,
+            self.machine.half_track_m,
+        );
+        let mut rates = [0.0; 2];
         let p = pose_parameters(local);
         let metres = [0, 1].map(|i| p[i].exp() * self.machine.wheel_radius_m);
         let track_m = p[2].exp() * 2.0 * self.machine.half_track_m;
@@ -239,21 +225,29 @@ impl Predictor<'_> {
                     0.0
                 };
                 let way = f64::midpoint(right, left) + law;
+                spread.advance(way, turn, heading, dt);
+                if dt > 1e-9 {
+                    rates = [way / dt, turn / dt];
+                }
                 let chord = way * (1.0 - turn * turn / 24.0);
                 let (sin, cos) = (heading + turn / 2.0).sin_cos();
                 (x, y, heading) = (x + chord * cos, y + chord * sin, heading + turn);
             }
             now_s = to_s;
             let (sin, cos) = heading.sin_cos();
+            let lever = [
+                offset[0] * cos - offset[1] * sin,
+                offset[0] * sin + offset[1] * cos,
+            ];
+            let [v, w] = rates;
             rows.push(Relative {
                 stamp_s: *stamp_s,
                 time_s: to_s,
                 measured: *measured,
-                point: [
-                    x + offset[0] * cos - offset[1] * sin,
-                    y + offset[0] * sin + offset[1] * cos,
-                ],
+                point: [x + lever[0], y + lever[1]],
                 yaw_rad: heading + offset[2],
+                covariance: spread.of_point(lever),
+                of_stamp: of_stamp(noise.stamp_s2, [v * cos, v * sin, w]),
             });
         }
         rows
@@ -262,27 +256,17 @@ impl Predictor<'_> {
     fn poses(
         &self,
         local: &[f64],
+        noise: &NoiseOf,
         wheels: &dyn Turned<f64>,
         window: [f64; 2],
         errors: &mut Errors,
         draw: bool,
     ) {
-        let rows = self.relative(local, wheels, window);
-        let Some(pose) = &self.run.pose else { return };
-        let has_heading = self.run.has_heading();
-        let from_s = rows.first().map_or(0.0, |row| row.time_s);
-        // without a heading the first turn of the way has to show it
-        let least = if has_heading { 1 } else { AT_MOST - 1 };
-        let head = (least..=AT_MOST)
-            .map(|times| {
-                let until_s = from_s + FITTED_S * times as f64;
-                rows.partition_point(|row| row.time_s <= until_s)
-            })
-            .find(|count| *count >= SEEN);
-        let Some(head) = head.filter(|head| *head < rows.len()) else {
-            return;
-        };
-        let Some(start) = fitted_start(&rows[..head], sensor_noise(&pose.all)) else {
+        let rows = self.relative(local, noise, wheels, window);
+        let Some(head) = self.head(&rows) else { return };
+        let sensor = [POSE, POSE + 2].map(|channel| self.deviations[channel]);
+        let known = [0, 1].map(|i| sensor[i].max(noise.sensor[i]));
+        let Some((start, covariance)) = fitted_start(&rows[..head], known) else {
             return;
         };
         let (sin, cos) = start[2].sin_cos();
@@ -298,10 +282,15 @@ impl Predictor<'_> {
             if place < head {
                 continue;
             }
+            let mut expected = from_start(&row.covariance, &covariance, start[2], row.point);
+            for (i, own) in expected.iter_mut().enumerate() {
+                *own += noise.sensor[i / 2].powi(2) + row.of_stamp[i];
+            }
             let [dx, dy] = [at[0] - row.measured[0], at[1] - row.measured[1]];
-            errors.place_m2 += dx * dx + dy * dy;
-            errors.add(row.stamp_s, POSE, dx, false);
-            errors.add(row.stamp_s, POSE + 1, dy, false);
+            let [place2, yaw2] = sensor.map(|own| own * own);
+            errors.add(POSE, dx, place2, expected[0]);
+            errors.add(POSE + 1, dy, place2, expected[1]);
+            errors.add(PLACE, dx.hypot(dy), 2.0 * place2, expected[0] + expected[1]);
             if draw {
                 let heading = start[2] + row.yaw_rad;
                 let seen = row.measured[2];
@@ -310,9 +299,11 @@ impl Predictor<'_> {
             }
             let turned = wrapped(start[2] + row.yaw_rad - row.measured[2]);
             if turned.is_finite() {
-                errors.heading_rad2 += turned * turned;
-                errors.headings += 1.0;
-                errors.add(row.stamp_s, POSE + 2, turned, draw);
+                errors.add(HEADING, turned, yaw2, expected[2]);
+                errors.add(POSE + 2, turned, yaw2, expected[2]);
+                if draw {
+                    errors.residuals.push((row.stamp_s, POSE + 2, turned));
+                }
             }
         }
         if draw {
@@ -321,10 +312,28 @@ impl Predictor<'_> {
         }
     }
 
+    /// How many of the first rows of a window its start is fitted to; `None` where nothing is left to predict.
+    fn head(&self, rows: &[Relative]) -> Option<usize> {
+        let has_heading = self.run.has_heading();
+        let from_s = rows.first()?.time_s;
+        // without a heading the first turn of the way has to show it
+        let least = if has_heading { 1 } else { AT_MOST - 1 };
+        let counts = (least..=AT_MOST).map(|times| {
+            let until_s = from_s + FITTED_S * times as f64;
+            rows.partition_point(|row| row.time_s <= until_s)
+        });
+        let counts: Vec<usize> = counts.collect();
+        let wanted = counts.iter().copied().find(|count| *count >= SEEN);
+        let needed = NEEDED[usize::from(!has_heading)];
+        let head = wanted.or_else(|| counts.last().copied().filter(|count| *count >= needed))?;
+        (head < rows.len()).then_some(head)
+    }
+
     /// Turn rates of a window, and the heading by their integral where no pose has it.
     fn rates(
         &self,
         local: &[f64],
+        noise: &NoiseOf,
         wheels: &dyn Turned<f64>,
         window: [f64; 2],
         errors: &mut Errors,
@@ -344,26 +353,108 @@ impl Predictor<'_> {
             .copied()
             .collect();
         let half_s = self.run.wheel_interval_s / 2.0;
+        let sensor = self.deviations[GYRO].powi(2);
         let mut hint = 0;
         let mut heading = 0.0;
-        let mut last: Option<(f64, f64)> = None;
+        let mut spread = OfGyro::default();
+        let mut last: Option<(f64, f64, f64)> = None;
         for (stamp_s, rate) in rows {
             let t_s = (stamp_s - p[3]) / (1.0 + p[4]);
             let before = wheels.angles_at(t_s - half_s, &mut hint);
             let after = wheels.angles_at(t_s + half_s, &mut hint);
-            let [right, left] = [0, 1].map(|i| metres[i] * (after[i] - before[i]));
-            let residual = (right - left) / track_m / (2.0 * half_s) + bias - rate;
+            let turned = [0, 1].map(|i| after[i] - before[i]);
+            let [right, left] = [0, 1].map(|i| metres[i] * turned[i]);
+            let turning = (right - left) / track_m / (2.0 * half_s);
+            let residual = turning + bias - rate;
             if stamp_s < window[0] + FITTED_S || !residual.is_finite() {
                 continue;
             }
-            errors.add(stamp_s, GYRO, residual, draw);
-            if let Some((last_s, last)) = last {
-                heading += (stamp_s - last_s) * f64::midpoint(last, residual);
+            let speed = f64::midpoint(right, left) / (2.0 * half_s);
+            let dt = last.map_or(0.0, |(last_s, ..)| stamp_s - last_s);
+            let jerk = last.map_or(
+                0.0,
+                |(_, _, last)| {
+                    if dt > 0.0 { (rate - last) / dt } else { 0.0 }
+                },
+            );
+            let of_rate =
+                spread.advance(&noise.gyro, self.machine.half_track_m, [speed, turning], dt);
+            let of_stamp = noise.gyro.stamp_s2 * jerk * jerk;
+            errors.add(GYRO, residual, sensor, sensor + of_rate + of_stamp);
+            if draw {
+                errors.residuals.push((stamp_s, GYRO, residual));
             }
-            last = Some((stamp_s, residual));
+            if let Some((_, last, _)) = last {
+                heading += dt * f64::midpoint(last, residual);
+            }
+            last = Some((stamp_s, residual, rate));
             if self.run.pose.is_none() {
-                errors.heading_rad2 += heading * heading;
-                errors.headings += 1.0;
+                let of_sensor = sensor * dt * dt;
+                let expected = spread.heading
+                    + noise.gyro.angle
+                    + 2.0 * noise.gyro.stamp_s2 * turning * turning;
+                errors.add(HEADING, heading, of_sensor.max(1e-12), expected);
+            }
+        }
+    }
+
+    /// Wheels of a window simulated from the commands.
+    fn wheels(
+        &self,
+        drive: &DriveRun,
+        noise: &NoiseOf,
+        response: &Response<'_, f64>,
+        window: [f64; 2],
+        errors: &mut Errors,
+        draw: bool,
+    ) {
+        let rows = &drive.wheels.rows;
+        let first = rows.partition_point(|row| row.time_s < window[0]);
+        let end = rows.partition_point(|row| row.time_s < window[1]);
+        let is_angle = drive.wheels.kind == WheelKind::Angle;
+        let mut hint = 0;
+        let rests: Vec<(f64, [f64; 2], [f64; 2])> = rows[first..end]
+            .iter()
+            .map(|row| {
+                let now = response.at(row.time_s, &mut hint);
+                let value = if is_angle {
+                    now.angle_rad
+                } else {
+                    now.speed_rad_s
+                };
+                let rest = [0, 1].map(|i| value[i] - row.values[i]);
+                (row.time_s, rest, now.speed_rad_s)
+            })
+            .collect();
+        let head = rests.partition_point(|(t_s, ..)| *t_s < window[0] + FITTED_S);
+        if is_angle && head == 0 {
+            return;
+        }
+        let zero = [0, 1].map(|i| {
+            let all = rests[..head].iter().map(|(_, rest, _)| rest[i]);
+            if is_angle {
+                all.sum::<f64>() / head as f64
+            } else {
+                0.0
+            }
+        });
+        let known = 1.0 + 1.0 / head.max(1) as f64;
+        for (t_s, rest, speed) in &rests[head..] {
+            // the zero is the mean over the head: its middle is where the disturbance begins to count
+            let over_s = t_s - window[0] - FITTED_S / 2.0;
+            for i in 0..2 {
+                let sensor = self.deviations[i].powi(2);
+                let own = noise.wheels.variance(is_angle, over_s, speed[i]);
+                let error = rest[i] - zero[i];
+                errors.add(
+                    i,
+                    error,
+                    sensor,
+                    own + sensor.max(noise.wheels.sensor2) * known,
+                );
+                if draw {
+                    errors.residuals.push((*t_s, i, error));
+                }
             }
         }
     }
@@ -378,6 +469,8 @@ pub(super) fn reference_error(machine: &FromWheels, at: &[f64]) -> f64 {
             machine,
             run,
             drive: None,
+            deviations: [1.0; QUANTITIES],
+            noise: None,
         };
         let windows = predictor.windows();
         let stride = windows.len().div_ceil(MOST_WINDOWS).max(1);
@@ -385,49 +478,42 @@ pub(super) fn reference_error(machine: &FromWheels, at: &[f64]) -> f64 {
         predictor.errors(number, at, &windows, false)
     });
     let sum = all.fold(Errors::default(), Errors::and);
-    match (sum.mean_place_m2(), sum.mean_heading_rad2()) {
+    let [place, heading] = [PLACE, HEADING].map(|quantity| sum.score.mean_square(quantity));
+    match (place, heading) {
         (Some(place), Some(heading)) => (place * heading).powf(0.25),
         (Some(one), None) | (None, Some(one)) => one.sqrt(),
         (None, None) => 0.0,
     }
 }
 
-/// Wheels of a window simulated from the commands.
-fn wheels(
-    drive: &DriveRun,
-    response: &Response<'_, f64>,
-    window: [f64; 2],
-    errors: &mut Errors,
-    draw: bool,
-) {
-    let rows = &drive.wheels.rows;
-    let first = rows.partition_point(|row| row.time_s < window[0]);
-    let end = rows.partition_point(|row| row.time_s < window[1]);
-    let mut hint = 0;
-    let rests: Vec<(f64, [f64; 2])> = rows[first..end]
-        .iter()
-        .map(|row| {
-            let now = response.at(row.time_s, &mut hint);
-            let value = match drive.wheels.kind {
-                WheelKind::Angle => now.angle_rad,
-                WheelKind::Speed => now.speed_rad_s,
-            };
-            (row.time_s, [0, 1].map(|i| value[i] - row.values[i]))
-        })
-        .collect();
-    let head = rests.partition_point(|(t_s, _)| *t_s < window[0] + FITTED_S);
-    let zero = match drive.wheels.kind {
-        WheelKind::Angle if head > 0 => {
-            [0, 1].map(|i| rests[..head].iter().map(|(_, rest)| rest[i]).sum::<f64>() / head as f64)
-        }
-        WheelKind::Angle => return,
-        WheelKind::Speed => [0.0; 2],
-    };
-    for (t_s, rest) in &rests[head..] {
-        for i in 0..2 {
-            errors.add(*t_s, i, rest[i] - zero[i], draw);
-        }
-    }
+/// Standard deviations of the sensors of a run, channel by channel.
+pub(crate) fn deviations(
+    run: &Run,
+    drive: Option<&DriveRun>,
+    declared: &slipstream_recording::recording::Noise,
+) -> [f64; QUANTITIES] {
+    let [place, yaw] = run.pose.as_ref().map_or([1.0; 2], |p| sensor_noise(&p.all));
+    let wheels = drive.map_or(1.0, |drive| {
+        drive
+            .wheels
+            .rounding_rad
+            .max(declared.wheel_rad.unwrap_or(1e-4))
+    });
+    let place = declared.pose_m.unwrap_or(place);
+    let yaw = declared.pose_rad.unwrap_or(yaw);
+    let gyro = declared.imu_rad_s.unwrap_or_else(|| {
+        let rows = run.gyro.as_ref().map_or(&[][..], |gyro| &gyro.all);
+        let mut steps: Vec<f64> = rows.windows(2).map(|w| (w[1].1 - w[0].1).abs()).collect();
+        steps.sort_by(f64::total_cmp);
+        let median = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        (median / 0.67 / 2.0_f64.sqrt()).max(1e-4)
+    });
+    let mut all = [1.0; QUANTITIES];
+    all[..POSE].fill(wheels);
+    all[POSE..=POSE + 1].fill(place);
+    all[POSE + 2] = yaw;
+    all[GYRO] = gyro;
+    all
 }
 
 /// Every how manieth row of a window of so many is predicted, of `all` rows of the recording.
@@ -436,9 +522,9 @@ fn stride(all: usize, window: usize) -> usize {
     wanted.min(window / LEAST_ROWS).max(1)
 }
 
-/// Pose of the axle at the start of a window, by least squares over its first rows with the noise of
-/// place (m) and yaw (rad).
-fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
+/// Pose of the axle at the start of a window and its covariance, by least squares over its first rows with
+/// the noise of place (m) and yaw (rad).
+fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<([f64; 3], Matrix3<f64>)> {
     let turns = rows
         .iter()
         .map(|row| row.measured[2] - row.yaw_rad)
@@ -464,6 +550,7 @@ fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
     let (s, c) = heading.sin_cos();
     start[0] -= px * c - py * s;
     start[1] -= px * s + py * c;
+    let mut covariance = Matrix3::zeros();
     for _ in 0..4 {
         let (mut information, mut gradient) = (Matrix3::zeros(), Vector3::zeros());
         let (s, c) = start[2].sin_cos();
@@ -493,9 +580,12 @@ fn fitted_start(rows: &[Relative], [place, yaw]: [f64; 2]) -> Option<[f64; 3]> {
                 }
             }
         }
-        start += information.cholesky()?.solve(&gradient);
+        let factor = information.cholesky()?;
+        start += factor.solve(&gradient);
+        covariance = factor.inverse();
     }
-    start.iter().all(|v| v.is_finite()).then(|| start.into())
+    let finite = start.iter().all(|v| v.is_finite());
+    finite.then(|| (start.into(), covariance))
 }
 
 #[cfg(test)]

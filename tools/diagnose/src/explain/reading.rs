@@ -38,6 +38,8 @@ struct Known {
     needed: bool,
     gain: f64,
     p_value: f64,
+    /// By how much it is larger in the second half, where the halves differ.
+    difference: Option<f64>,
 }
 
 /// One fit whose terms are read: of a drive, or of a calibration.
@@ -71,6 +73,10 @@ impl Fitted<'_> {
             needed: true,
             gain: kept.gain,
             p_value: self.criterion.p_value(wald, kept.term.parameters.len()),
+            difference: self
+                .found
+                .difference(weights)
+                .map(|[difference, _]| difference),
         }
     }
 
@@ -85,7 +91,13 @@ impl Fitted<'_> {
 
     /// A number as the change of a parameter.
     fn value(&self, name: &'static str, scale: Scale, known: Known) -> Value {
-        Value::new(name, scale, known.value, self.half(known))
+        let halves = known
+            .difference
+            .map(|d| [known.value - d / 2.0, known.value + d / 2.0]);
+        Value {
+            halves,
+            ..Value::new(name, scale, known.value, self.half(known))
+        }
     }
 
     /// Whether a number is clearly not 0.
@@ -576,6 +588,7 @@ impl Reading<'_> {
             change: known.value,
             half: [at - low, high - at],
             before: 0.0,
+            halves: None,
         };
         Claim {
             p_value: (fitted.criterion.tried as f64 * (-kept.gain).exp()).min(1.0),
@@ -651,6 +664,7 @@ fn together(all: &[(f64, Known)]) -> Known {
             .iter()
             .map(|(_, known)| known.p_value)
             .fold(1.0, f64::min),
+        difference: None,
     }
 }
 

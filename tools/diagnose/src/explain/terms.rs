@@ -61,7 +61,7 @@ pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]
     }
     let mut geometry: Vec<(usize, f64)> = Vec::new();
     if allowed("wheel_radius") {
-        geometry.extend(radii(machine, by_run[0]));
+        geometry.extend(radii(machine, by_run[0] && allowed("slip_ratio")));
     }
     if allowed("track_width") {
         let tracks = shared_or_of_runs(machine, by_run[1], TRACK, RUN_TRACK);

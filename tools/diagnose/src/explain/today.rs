@@ -70,6 +70,7 @@ impl Projection<'_> {
             },
             kept: kept.collect(),
             alike: found.alike.clone(),
+            halves: found.halves.as_ref().map(|own| own.of(&left)),
         }
     }
 }

@@ -591,17 +591,33 @@ impl View<'_> {
         self.filter(reference, &self.machine.runs[run], &local, sink);
     }
 
+    /// Stamps (s, of the run) of the rows of one reference in one run whose probability of being ordinary is
+    /// below `least`.
+    pub(crate) fn extraordinary_of(
+        &self,
+        reference: Reference,
+        run: usize,
+        at: &[f64],
+        least: f64,
+    ) -> Vec<f64> {
+        let mut times_s = Vec::new();
+        self.innovations(reference, run, at, &mut |row: Innovation<f64>| {
+            if row.ordinary < least {
+                times_s.push(row.time_s);
+            }
+        });
+        times_s.sort_by(f64::total_cmp);
+        times_s.dedup();
+        times_s
+    }
+
     /// Stamps (s) of the rows of each stream whose probability of being ordinary is below `least`.
     pub(crate) fn extraordinary(&self, at: &[f64], least: f64) -> [(&'static str, Vec<f64>); 2] {
         Reference::ALL.map(|reference| {
             let mut times_s = Vec::new();
             for (i, run) in self.machine.runs.iter().enumerate() {
-                let local = self.machine.local(i, at);
-                self.filter(reference, run, &local, &mut |row: Innovation<f64>| {
-                    if row.ordinary < least {
-                        times_s.push(row.time_s + run.origin_s);
-                    }
-                });
+                let own = self.extraordinary_of(reference, i, at, least);
+                times_s.extend(own.into_iter().map(|t_s| t_s + run.origin_s));
             }
             times_s.sort_by(f64::total_cmp);
             times_s.dedup();

@@ -236,6 +236,13 @@ impl Run {
             .map_or(0.0, |pose| median_interval(&times(pose)))
     }
 
+    /// Median time between rows of a thinned series of poses (s).
+    pub(crate) fn pose_series_s(&self) -> Option<f64> {
+        let rows = self.pose.as_ref()?.series.first()?;
+        let times: Vec<f64> = rows.iter().map(|row| row.0).collect();
+        Some(median_interval(&times)).filter(|interval_s| *interval_s > 0.0)
+    }
+
     /// Logs of noise sizes to start from; those of the pose's sensor from second differences.
     pub(super) fn noise_guesses(&self, track_m: f64) -> [f64; RUN_NOISE] {
         let [place, yaw] = self

@@ -51,24 +51,6 @@ impl Misfit {
         self.squares[channel] / self.counts[channel].max(1.0)
     }
 
-    /// Root mean square of a channel, `None` where nothing was measured.
-    pub(crate) fn level(&self, channel: usize) -> Option<f64> {
-        self.has(channel).then(|| self.mean_square(channel).sqrt())
-    }
-
-    /// Root mean square over all samples of the pose, or of gyro and wheels where there is no pose; zero
-    /// where nothing of these was measured.
-    pub(crate) fn total(&self) -> f64 {
-        let (pose, others) = ([2, 3, 4], [0, 1, 9]);
-        let channels = if pose.iter().any(|c| self.has(*c)) {
-            pose
-        } else {
-            others
-        };
-        let sum = |all: &[f64; CHANNELS]| channels.iter().map(|c| all[*c]).sum::<f64>();
-        (sum(&self.squares) / sum(&self.counts).max(1.0)).sqrt()
-    }
-
     /// The mean square where it is above the floor.
     fn floored(&self, channel: usize) -> f64 {
         self.mean_square(channel).max(FLOOR * FLOOR)
@@ -103,12 +85,11 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_root_mean_squares_of_what_was_measured() {
+    fn means_are_of_what_was_measured() {
         let both = of(1.0).and(&of(3.0));
-        assert!((both.total() - 5_f64.sqrt()).abs() < 1e-12);
-        assert!((both.level(2).unwrap() - 5_f64.sqrt()).abs() < 1e-12);
-        assert_eq!(both.level(3), None);
+        assert!((both.mean_square(2) - 5.0).abs() < 1e-12);
+        assert!(!both.has(3));
         let missing = Misfit::new(&fixture::window(vec![0; 3]), &[2.0, f64::NAN, 2.0]);
-        assert!((missing.total() - 2.0).abs() < 1e-12);
+        assert!((missing.mean_square(0) - 4.0).abs() < 1e-12);
     }
 }

@@ -7,16 +7,16 @@ use slipstream_recording::recording::Robot as Recorded;
 use slipstream_sim::effects::{Info, When, find};
 use slipstream_sim::{CommandKind, Robot};
 
-use crate::answer::{HeldOut, HeldOutChannel};
-use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor, Track};
+use crate::data::track::{CHANNEL_NAMES, Sensor, Track};
 use crate::diagnosis::{Request, model_of};
+use crate::judge::{HEADING, PLACE, Score};
 use crate::model::hypothesis::{
     Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
 };
 use crate::predict::misfit::Misfit;
 use crate::predict::simulation::{Simulation, hardened, is_exact_at_any_step};
 use crate::predict::start::Start;
-use crate::predict::window::{WINDOW_S, Window, cut_some};
+use crate::predict::window::{Window, cut_some};
 
 /// Rows of a series above which it is thinned: more say no more.
 const ROWS: usize = 9000;
@@ -29,7 +29,7 @@ const LONG_STEP_S: f64 = 0.02;
 
 /// Time over which the start of a window is fitted (s), and up to how many times as long where the
 /// pose was seen less often than `SEEN` times in it.
-const FITTED_S: f64 = 0.5;
+pub(crate) const FITTED_S: f64 = 0.5;
 const AT_MOST: u32 = 5;
 const SEEN: usize = 5;
 
@@ -137,6 +137,50 @@ impl Predictor {
     }
 
     fn one(&self, simulated: &Simulated, window: &Window) -> Option<Misfit> {
+        Some(Misfit::new(window, &self.judged(simulated, window)?))
+    }
+
+    /// What each of `windows` scores by the model with `hypotheses`.
+    pub(crate) fn scores(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Vec<Score> {
+        let simulated = self.simulated(hypotheses);
+        let one = |window: &Window| {
+            let simulated = simulated.as_ref()?;
+            Some(self.score(window, &self.judged(simulated, window)?))
+        };
+        let all = windows.par_iter().map(|own| one(own).unwrap_or_default());
+        all.collect()
+    }
+
+    fn score(&self, window: &Window, residuals: &[f64]) -> Score {
+        let mut score = Score::default();
+        let track = &self.tracks[window.run];
+        for (which, series) in track.series.iter().enumerate() {
+            let first = series.sensor.channel();
+            let width = series.sensor.width();
+            let variance = series.deviation.map(|own| own * own);
+            for (_, _, base) in window.measured(track, which) {
+                let square = |part: usize| residuals[base + part].powi(2) * variance[part];
+                for (part, variance) in variance.iter().enumerate().take(width) {
+                    score.add(first + part, square(part), *variance, *variance);
+                }
+                if series.sensor == Sensor::Pose {
+                    let both = variance[0] + variance[1];
+                    score.add(PLACE, square(0) + square(1), both, both);
+                    score.add(HEADING, square(2), variance[2], variance[2]);
+                }
+            }
+        }
+        for rest in &window.rests {
+            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
+            let more = seen.count().saturating_sub(1);
+            let channel = usize::from(window.channels[rest[0]]);
+            score.repeat(channel, more as f64, self.deviation(channel).powi(2));
+        }
+        score
+    }
+
+    /// Residuals (deviations) behind what the start of a window was fitted to; NaN for that.
+    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<Vec<f64>> {
         let (mut residuals, fitted_s) = self.predicted(simulated, window)?;
         let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);
         let stamped = window.stamps_s.iter().zip(&window.channels);
@@ -147,7 +191,7 @@ impl Predictor {
                 *residual = hardened(*residual);
             }
         }
-        Some(Misfit::new(window, &residuals))
+        Some(residuals)
     }
 
     /// Residuals (deviations) of the prediction of one window, what its start was fitted to included,
@@ -179,33 +223,6 @@ impl Predictor {
             (part < series.sensor.width()).then(|| series.deviation[part])
         });
         own.unwrap_or(1.0)
-    }
-}
-
-impl HeldOut {
-    /// Adds how far the predictions of a machine go astray before and after.
-    pub(crate) fn add(&mut self, predictor: &Predictor, before: &Misfit, after: &Misfit) {
-        self.horizon_s = WINDOW_S;
-        let track = &predictor.tracks[0];
-        let angles = track.of(Sensor::WheelAngle).is_some();
-        for (channel, name) in CHANNEL_NAMES.iter().enumerate().take(CHANNELS) {
-            let levels = before.level(channel).zip(after.level(channel));
-            if let Some((nrmse_before, nrmse_after)) = levels {
-                let deviation = predictor.deviation(channel);
-                self.channels.push(HeldOutChannel {
-                    robot: track.robot.clone(),
-                    channel: (*name).to_owned(),
-                    nrmse_before,
-                    nrmse_after,
-                    unit: unit(channel, angles),
-                    rms_before: nrmse_before * deviation,
-                    rms_after: nrmse_after * deviation,
-                });
-            }
-        }
-        // several robots: the one that is worst off
-        self.nrmse_before = self.nrmse_before.max(before.total());
-        self.nrmse_after = self.nrmse_after.max(after.total());
     }
 }
 

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::{Criterion, TIE_NATS};
+use super::halves::Halves;
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
 
@@ -53,6 +54,8 @@ pub(crate) struct Selected {
     pub(crate) kept: Vec<Kept>,
     /// Terms that were kept, each with one that fits as well in its place.
     pub(crate) alike: Vec<[&'static str; 2]>,
+    /// What the halves of the recordings say by themselves, where each of them can.
+    pub(crate) halves: Option<Halves>,
 }
 
 impl Selected {
@@ -77,7 +80,33 @@ impl Selected {
         for (index, weight) in weights {
             variance += weight * weight * self.floor(*index);
         }
-        variance.max(0.0).sqrt()
+        (variance.max(0.0) + self.spread(weights)).sqrt()
+    }
+
+    /// Variance of a linear combination of free parameters that its halves differ by beyond their own errors: what
+    /// is not constant is known no better than it varies.
+    fn spread(&self, weights: &[(usize, f64)]) -> f64 {
+        let Some([difference, error]) = self.difference(weights) else {
+            return 0.0;
+        };
+        let excess = difference * difference - error * error;
+        // the mean of two halves
+        if excess > 0.0 { excess / 4.0 } else { 0.0 }
+    }
+
+    /// By how much the second half's value of a linear combination is larger than the first one's, and the
+    /// deviation of that difference; `None` where they do not differ beyond it.
+    pub(crate) fn difference(&self, weights: &[(usize, f64)]) -> Option<[f64; 2]> {
+        let halves = self.halves.as_ref()?;
+        let floors: f64 = weights
+            .iter()
+            .map(|(index, weight)| 2.0 * weight * weight * self.floor(*index))
+            .sum();
+        let own: Vec<(usize, f64)> = weights
+            .iter()
+            .filter_map(|(i, w)| Some((self.fit.free.iter().position(|f| f == i)?, *w)))
+            .collect();
+        halves.difference(&own, floors)
     }
 
     fn floor(&self, index: usize) -> f64 {
@@ -250,6 +279,7 @@ impl Elimination<'_> {
                         precision,
                         kept,
                         alike: Vec::new(),
+                        halves: None,
                     });
                 }
             }

@@ -4,3 +4,4 @@
 
 pub(crate) mod criterion;
 pub(crate) mod elimination;
+pub(crate) mod halves;

@@ -8,8 +8,9 @@ use super::errors::reached;
 use super::headline::headline;
 use crate::parts::{Fact, capital};
 
-/// Effects that the sentence names.
+/// Effects that the sentence names, and the share of the error that each has to take away.
 const NAMED: usize = 3;
+const LEAST_SHARE: f64 = 0.01;
 /// What the page shows.
 pub struct Diagnosis<'a> {
     /// Names of the recordings.
@@ -64,24 +65,26 @@ impl Diagnosis<'_> {
 
     /// Findings in the order in which they are numbered: those that take most error away first.
     pub(super) fn numbered(&self) -> Vec<(usize, usize, &Finding)> {
-        let share = |finding: &Finding| {
-            let own = self
-                .answer
-                .budget
-                .iter()
-                .filter(|own| own.robot == finding.robot);
-            let parts = own.flat_map(|own| {
-                let parts = own.parts.iter().filter(|part| part.name == finding.effect);
-                parts.map(|part| part.share / own.before.max(1e-300))
-            });
-            parts.fold(0.0, f64::max)
-        };
         let mut order: Vec<(usize, &Finding)> = self.answer.findings.iter().enumerate().collect();
-        order.sort_by(|a, b| share(b.1).total_cmp(&share(a.1)));
+        order.sort_by(|a, b| self.share(b.1).total_cmp(&self.share(a.1)));
         let numbered = order.into_iter().enumerate();
         numbered
             .map(|(place, (index, finding))| (place + 1, index, finding))
             .collect()
+    }
+
+    /// Share of the error that a finding takes away, of position or heading.
+    fn share(&self, finding: &Finding) -> f64 {
+        let own = self
+            .answer
+            .budget
+            .iter()
+            .filter(|own| own.robot == finding.robot);
+        let parts = own.filter_map(|own| {
+            let part = own.part_of(&finding.effect)?;
+            Some(part.share / own.before.max(1e-300))
+        });
+        parts.fold(0.0, f64::max)
     }
 
     /// Findings of one effect together, those that take most error away first.
@@ -125,7 +128,12 @@ impl Diagnosis<'_> {
 
     /// The answer in one sentence.
     pub(super) fn sentence(&self) -> String {
-        let groups = self.groups();
+        let mut groups = self.groups();
+        // what takes hardly any error away is not the answer where something else is
+        let counts = |group: &Vec<&Finding>| group.iter().any(|own| self.share(own) >= LEAST_SHARE);
+        if groups.iter().any(counts) {
+            groups.retain(counts);
+        }
         let mut words: Vec<String> = groups
             .iter()
             .take(NAMED)
@@ -150,9 +158,9 @@ impl Diagnosis<'_> {
             }
             ([], Verdict::Match) => match reached(self.answer) {
                 Some(text) => format!("The model matches: 5 s ahead it misses by {text}."),
-                None => "The model matches to within the sensors' noise.".to_owned(),
+                None => self.answer.statement.clone() + ".",
             },
-            ([], _) => "Something that is not in the catalogue acts on the robot.".to_owned(),
+            ([], _) => self.answer.statement.clone() + ".",
             _ => capital(&listed(&words)) + ".",
         }
     }

@@ -69,7 +69,7 @@ pub(super) fn unexplained(answer: &Answer) -> Vec<(f64, &'static str)> {
         let share = own_part
             .map(|part| part.share)
             .filter(|share| *share > 0.005 * own.before)?;
-        Some((share * own.before).sqrt())
+        Some((share * own.after).sqrt())
     };
     let known = UNITS.into_iter().filter_map(|unit| {
         let (factor, shown) = shown_unit(unit);

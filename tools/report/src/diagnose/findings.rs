@@ -117,9 +117,11 @@ pub(super) fn taken(answer: &Answer, finding: &Finding) -> String {
     let budgets = answer.budget.iter();
     let own = budgets.filter(|own| own.robot == finding.robot);
     let shares = own.filter_map(|own| {
-        let part = own.parts.iter().find(|part| part.name == finding.effect)?;
+        let part = own.part_of(&finding.effect)?;
         let (factor, unit) = shown_unit(own.unit);
-        (part.share > 0.01 * own.before).then(|| with_unit(&short(factor * part.share), unit))
+        let together = if part.is_shared() { " together" } else { "" };
+        (part.share > 0.01 * own.before)
+            .then(|| with_unit(&short(factor * part.share), unit) + together)
     });
     let words: Vec<String> = shares.collect();
     if words.is_empty() {

@@ -118,6 +118,7 @@ fn lead(answer: &Answer) -> Markup {
     let text = |own: &Error, end: usize| with_unit(&short(own.ends[end]), own.unit);
     let named = answer.findings.iter().any(|own| own.effect != "unknown");
     html! {
+        @if answer.verdict == Verdict::Unexplained && named { (answer.statement) ". " }
         @if errors.is_empty() {
             "In standard deviations of its sensors, a prediction over " (horizon) " s is off by "
             b class="ca" { (short(answer.held_out.nrmse_after)) } " instead of "

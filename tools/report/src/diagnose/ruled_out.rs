@@ -133,7 +133,7 @@ fn unexplained(
     let budget = budgets.find(|budget| budget.robot == own.robot && budget.unit == axis.native)?;
     let mut parts = budget.parts.iter();
     let part = parts.find(|part| part.name == "unexplained")?;
-    let rms = (part.share * budget.before).max(0.0).sqrt();
+    let rms = (part.share * budget.after).max(0.0).sqrt();
     Some((axis.factor * rms, "unexplained"))
 }
 

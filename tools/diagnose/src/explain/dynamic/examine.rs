@@ -6,13 +6,15 @@ use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::machine::Machine;
 use super::precision::Known;
+use super::prediction::Predicted;
 use super::selection::{Selected, Selection};
-use super::{answer, compare, pictures, prediction};
+use super::{answer, compare, pictures};
 use crate::answer::statement::changed;
 use crate::answer::{Figures, Finding};
 use crate::data::track::{Sensor, Track};
 use crate::diagnosis::{Collected, Request, Runs};
 use crate::explain::links::Course;
+use crate::judge;
 use crate::model::hypothesis::{self, Hypothesis, with};
 use crate::predict::predictor::Predictor;
 
@@ -49,68 +51,116 @@ pub(crate) fn examine(
 ) -> Result<Option<Figures>, InputError> {
     let name = &runs[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-    let mut predictor = Predictor::new(request, runs)?;
+    let mut refused: Vec<String> = Vec::new();
+    loop {
+        let excluded = [request.excluded, refused.as_slice()].concat();
+        let own = Request {
+            excluded: &excluded,
+            ..*request
+        };
+        let predictor = Predictor::new(&own, runs)?;
+        let found = looked_for(&own, predictor, before, &progress)?;
+        progress("how well it predicts");
+        let predicted = Predicted::new(
+            &found.judged.machine,
+            &found.predictor,
+            &found.judged.selected.fit,
+        );
+        let Some((effect, quantity)) = predicted.culprit() else {
+            let judged = predicted.judged(refused);
+            add(&predicted, &found, before, judged, collected);
+            return Ok(illustrate.then(|| illustrated(&found, collected, &progress)));
+        };
+        // what predicts worse is not published: the best set without it is
+        let what =
+            format!("{quantity} is predicted worse with {effect}: looking for better findings");
+        progress(&what.replace('_', " "));
+        refused.push(effect.to_owned());
+    }
+}
+
+/// A machine, what it is predicted by, and what was found on it.
+struct Found {
+    predictor: Predictor,
+    judged: Judged,
+}
+
+fn looked_for(
+    request: &Request<'_>,
+    mut predictor: Predictor,
+    before: Option<&Vec<(&Recording, &Recorded)>>,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Found, InputError> {
     let unusable = || {
         let remedy = "check masses, lengths and units, and the kind of the commands";
+        let name = &predictor.tracks[0].robot;
         InputError::new(name, "cannot be simulated by its model", remedy)
     };
     let judged = match before {
-        None => alone(request, &predictor, &progress).ok_or_else(unusable)?,
+        None => alone(request, &predictor, progress).ok_or_else(unusable)?,
         Some(runs) => {
             let other = Predictor::new(request, runs)?;
-            let judged = compare::judged(request, [&other, &predictor], &progress);
+            let judged = compare::judged(request, [&other, &predictor], progress);
             judged.ok_or_else(unusable)?
         }
     };
+    predictor.model = judged.machine.model.clone();
+    Ok(Found { predictor, judged })
+}
+
+/// Adds what was found to the answer.
+fn add(
+    predicted: &Predicted<'_>,
+    found: &Found,
+    before: Option<&Vec<(&Recording, &Recorded)>>,
+    judged: judge::Judged,
+    collected: &mut Collected,
+) {
     let Judged {
         machine,
         selected,
-        all,
         known,
         nominal,
-    } = judged;
-    predictor.model = machine.model.clone();
-    progress("how well it predicts");
+        ..
+    } = &found.judged;
     let fit = &selected.fit;
     let answer = &mut collected.answer;
-    let first_finding = answer.findings.len();
-    answer.findings.extend(findings(
-        &machine,
-        &selected,
-        known.as_ref(),
-        before,
-        &nominal,
-    ));
     answer
-        .held_out
-        .merge(&prediction::held_out(&machine, &predictor, fit));
-    answer
-        .budget
-        .extend(prediction::budgets(&machine, &predictor, fit));
-    let noise = answer::process_noise(&machine, selected.whole());
-    answer.warnings.extend(answer::wandering(&machine, &noise));
-    answer.warnings.extend(answer::gusts(&machine));
+        .findings
+        .extend(findings(machine, selected, known.as_ref(), before, nominal));
+    answer.held_out.merge(&predicted.held_out());
+    answer.budget.extend(predicted.budgets());
+    let noise = answer::process_noise(machine, selected.whole());
+    answer.warnings.extend(answer::wandering(machine, &noise));
+    answer.warnings.extend(answer::gusts(machine));
     answer.process_noise.extend(noise);
     let mut improved = with(&machine.model, &fit.hypotheses);
     if let Some(unknown) = &selected.unknown {
-        let (finding, what) = answer::outside(&machine, &selected, unknown);
+        let (finding, what) = answer::outside(machine, selected, unknown);
         answer.findings.push(finding);
         answer.unexplained.push(what);
         improved.effects.extend(unknown.spec.clone());
     }
-    collected.improved.push((name.clone(), improved));
-    collected.courses.extend(course(&machine, fit));
-    if !illustrate {
-        return Ok(None);
-    }
+    let name = machine.tracks[0].robot.clone();
+    collected.improved.push((name, improved));
+    collected.courses.extend(course(machine, fit));
+    collected.judged.push(judged);
+}
+
+/// The figures of a machine whose findings are the last of the answer.
+fn illustrated(found: &Found, collected: &Collected, progress: &(dyn Fn(&str) + Sync)) -> Figures {
     progress("figures");
-    Ok(Some(pictures::figures(
-        &machine,
-        &predictor,
-        &selected,
-        &all,
-        first_finding,
-    )))
+    let Judged {
+        machine,
+        selected,
+        all,
+        ..
+    } = &found.judged;
+    let robot = &machine.tracks[0].robot;
+    let findings = &collected.answer.findings;
+    let first = findings.iter().position(|own| own.robot == *robot);
+    let first = first.unwrap_or(findings.len());
+    pictures::figures(machine, &found.predictor, selected, all, first)
 }
 
 /// What was found on a machine.

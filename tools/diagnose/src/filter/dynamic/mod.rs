@@ -17,6 +17,7 @@ pub(crate) mod flow;
 pub(crate) mod gains;
 pub(crate) mod impulse;
 pub(crate) mod linear;
+pub(crate) mod open_loop;
 pub(crate) mod predictor;
 mod update;
 

@@ -98,6 +98,21 @@ impl<const M: usize> Covariance<M> {
         }
     }
 
+    /// Flow without an update. Returns the variances of the row that would be measured, its sensor's included.
+    pub(crate) fn unheard(&mut self, step: &Derivatives, variance: &[f64; 3]) -> [f64; 3] {
+        let mut of_row = *variance;
+        for (own, g) in of_row.iter_mut().zip(&step.measurement) {
+            for (p, gi) in self.p.iter().zip(g) {
+                let row: f64 = p.iter().zip(g).map(|(x, y)| x * y).sum();
+                *own += gi * row;
+            }
+        }
+        if !step.still {
+            self.flow(&step.flow);
+        }
+        of_row
+    }
+
     /// What an update knows better than its digits is known as well as they say, and by itself: where a
     /// wheel begins to slide, or sticks, derivatives over one row may be large.
     fn keep_positive(&mut self, before: &[f64; M]) {

@@ -1,0 +1,282 @@
+//! The verdict: whether what is left is what noise predicts, and the sentence that says so.
+
+use super::score::{HEADING, PLACE, Score, is_channel};
+use super::{NAMES, QUANTITIES};
+use crate::answer::{Answer, Budget, Unexplained, Verdict};
+
+/// A root mean square error up to so many times what noise predicts is explained by it, and up to so many
+/// times it is within the noise (CONTRACT: "What a verdict may say").
+const EXPLAINED: f64 = 2.0;
+const WITHIN: f64 = 1.2;
+/// What nobody would call an error: the share of the error before at which the rest is written off, and the
+/// least error of a place (m) and of an angle (rad).
+const NOTHING: f64 = 1e-3;
+
+/// One machine before the judge.
+pub(crate) struct Judged {
+    pub(crate) robot: String,
+    /// All windows before and after.
+    pub(crate) before: Score,
+    pub(crate) after: Score,
+    /// Begin, end (s) and score of each window after.
+    pub(crate) windows: Vec<([f64; 2], Score)>,
+    /// Findings that fitted best and were not published, for they predict worse.
+    pub(crate) refused: Vec<String>,
+}
+
+/// The quantity that is furthest from what noise predicts, and how many times that it is.
+#[derive(Debug, Clone, Copy)]
+struct Excess {
+    quantity: usize,
+    ratio: f64,
+}
+
+impl Judged {
+    fn excess(&self) -> Option<Excess> {
+        let all = (0..QUANTITIES).filter_map(|quantity| {
+            let square = self.after.mean_square(quantity)?;
+            let ratio = (square / self.after.expected(quantity)?).sqrt();
+            let least = if [HEADING, PLACE].contains(&quantity) {
+                NOTHING
+            } else {
+                0.0
+            };
+            (square.sqrt() > least).then_some(Excess { quantity, ratio })
+        });
+        all.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// When a quantity is further off than noise explains (s).
+    fn intervals_s(&self, quantity: usize) -> Vec<[f64; 2]> {
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for ([from_s, to_s], score) in &self.windows {
+            let off = score
+                .mean_square(quantity)
+                .zip(score.expected(quantity))
+                .is_some_and(|(square, expected)| square > EXPLAINED * EXPLAINED * expected);
+            match intervals.last_mut() {
+                Some(last) if off && *from_s - last[1] < 1e-6 => last[1] = *to_s,
+                _ if off => intervals.push([*from_s, *to_s]),
+                _ => {}
+            }
+        }
+        intervals
+    }
+
+    /// What remains, as an entry of `unexplained`.
+    fn remainder(&self, excess: Excess) -> Unexplained {
+        let Excess { quantity, ratio } = excess;
+        let of = |score: &Score| score.mean_square(quantity).unwrap_or(0.0).sqrt();
+        let what = match quantity {
+            PLACE => "position".to_owned(),
+            HEADING => "heading".to_owned(),
+            own => NAMES[own].to_owned(),
+        };
+        Unexplained {
+            robot: self.robot.clone(),
+            channel: channel(quantity).to_owned(),
+            driver: "t".to_owned(),
+            intervals_s: self.intervals_s(quantity),
+            shape: format!(
+                "{what}: predictions over 5 s miss by {}, {ratio:.1} times what the noise of the sensors and \
+                 the reported process noise explain",
+                size(of(&self.after), quantity),
+            ),
+        }
+    }
+}
+
+/// The channel of the vocabulary in which an error of a quantity shows.
+fn channel(quantity: usize) -> &'static str {
+    match NAMES[quantity] {
+        "wheel_right" => "wheel_right",
+        "wheel_left" => "wheel_left",
+        "pose_yaw" | "odometry_w" | "imu_gz" | "heading" => "yaw",
+        "imu_ay" => "lateral",
+        _ => "longitudinal",
+    }
+}
+
+/// An error in the unit that a person uses.
+fn size(error: f64, quantity: usize) -> String {
+    let (factor, unit) = match NAMES[quantity] {
+        "pose_x" | "pose_y" | "position" if error < 1.0 => (100.0, "cm"),
+        "pose_x" | "pose_y" | "position" => (1.0, "m"),
+        "pose_yaw" | "heading" => (1.0_f64.to_degrees(), "degrees"),
+        "odometry_v" => (1.0, "m/s"),
+        "imu_ax" | "imu_ay" => (1.0, "m/s²"),
+        "odometry_w" | "imu_gz" => (1.0_f64.to_degrees(), "degrees/s"),
+        _ => (1.0, "rad of the wheel"),
+    };
+    let value = error * factor;
+    let digits = if value.abs() < 1.0 { 2 } else { 1 };
+    format!("{value:.digits$} {unit}")
+}
+
+/// Draws verdict and statement of an answer from its findings and from what the judge saw.
+pub(crate) fn conclude(answer: &mut Answer, judged: &[Judged]) {
+    let worst = judged
+        .iter()
+        .filter_map(|own| Some((own, own.excess()?)))
+        .max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio));
+    let ratio = worst.as_ref().map_or(1.0, |(_, excess)| excess.ratio);
+    let left = ratio > EXPLAINED;
+    let beside = !answer.unexplained.is_empty();
+    for own in judged {
+        if let Some(excess) = own.excess().filter(|own| own.ratio > EXPLAINED) {
+            answer.unexplained.push(own.remainder(excess));
+        }
+    }
+    answer.verdict = match (answer.findings.is_empty(), left || beside) {
+        (_, true) => Verdict::Unexplained,
+        (true, false) => Verdict::Match,
+        (false, false) => Verdict::Explained,
+    };
+    answer.statement = statement(answer, worst, beside);
+}
+
+fn statement(answer: &Answer, worst: Option<(&Judged, Excess)>, beside: bool) -> String {
+    let Some((judged, excess)) = worst else {
+        return match answer.verdict {
+            Verdict::Match => {
+                "Match: nothing was found that the model lacks; nothing could be predicted over 5 s"
+            }
+            Verdict::Explained => {
+                "Explained by the findings below; nothing could be predicted over 5 s"
+            }
+            Verdict::Unexplained => "Unexplained: something outside of the catalogue acts",
+        }
+        .to_owned();
+    };
+    let numbers = Numbers::new(answer, judged, excess);
+    let whose = if answer.robots().len() > 1 {
+        format!(" of robot {}", judged.robot)
+    } else {
+        String::new()
+    };
+    if !answer.against.is_empty() {
+        return changes(answer, &numbers);
+    }
+    let Numbers { after, times, .. } = &numbers;
+    let explained = numbers.explained(&whose);
+    match answer.verdict {
+        Verdict::Match if excess.ratio <= WITHIN => {
+            format!("Match: the model predicts the recording to within noise ({after} over 5 s)")
+        }
+        Verdict::Match => format!(
+            "Match: nothing was found that the model lacks; 5 s ahead it misses by {after}, {times} what noise \
+             explains"
+        ),
+        Verdict::Explained if excess.ratio <= WITHIN => format!(
+            "Explained: with the findings below, the model predicts the recording to within noise; they explain \
+             {explained}"
+        ),
+        Verdict::Explained => format!(
+            "Explained: the findings below explain {explained}; {after} are left, {times} what noise explains"
+        ),
+        Verdict::Unexplained => unexplained(answer, judged, &numbers, &explained, beside),
+    }
+}
+
+fn unexplained(
+    answer: &Answer,
+    judged: &Judged,
+    numbers: &Numbers,
+    explained: &str,
+    beside: bool,
+) -> String {
+    let Numbers { after, noise, .. } = numbers;
+    let known = answer.findings.iter().any(|own| own.effect != "unknown");
+    let mut text = match (known, beside) {
+        (true, false) => format!(
+            "Partly explained: the findings explain {explained}; {after} are left, where noise explains \
+             {noise}, and follow nothing that was looked at"
+        ),
+        (true, true) => format!(
+            "Partly explained: the findings explain {explained}; {after} are left, and something outside of the \
+             catalogue acts"
+        ),
+        (false, true) => format!(
+            "Not explained: something outside of the catalogue acts; 5 s ahead the model misses by {after}, where \
+             noise explains {noise}"
+        ),
+        (false, false) => {
+            format!("Not explained: {after} remain over 5 s, where noise explains {noise}")
+        }
+    };
+    if !judged.refused.is_empty() {
+        let names: Vec<String> = judged
+            .refused
+            .iter()
+            .map(|id| id.replace('_', " "))
+            .collect();
+        text += &format!(
+            "; {} would fit best but predict worse than the model without, and are not named",
+            names.join(", ")
+        );
+    }
+    if !known && let Some(first) = answer.warnings.first() {
+        text += &format!("; first look at this: {}", first.statement);
+    }
+    text
+}
+
+/// What changed.
+fn changes(answer: &Answer, numbers: &Numbers) -> String {
+    let before = answer.against.join(", ");
+    let after = &numbers.after;
+    match answer.verdict {
+        Verdict::Match => {
+            format!("Match: nothing changed since {before}; 5 s ahead it misses by {after}")
+        }
+        Verdict::Explained => format!(
+            "Explained: the findings below changed since {before}; with them the model misses by {after} over 5 s"
+        ),
+        Verdict::Unexplained => format!(
+            "Unexplained: what changed since {before} is not explained; {after} are left over 5 s, where {} would \
+             be left without a change",
+            numbers.noise
+        ),
+    }
+}
+
+/// What a sentence says of one machine: its position, else its heading, else what is furthest off.
+struct Numbers {
+    before: String,
+    after: String,
+    noise: String,
+    times: String,
+    /// Share of the error that the findings take away.
+    share: f64,
+}
+
+impl Numbers {
+    fn new(answer: &Answer, judged: &Judged, excess: Excess) -> Self {
+        let own = |unit: &str| -> Option<&Budget> {
+            let mut all = answer.budget.iter();
+            all.find(|own| own.robot == judged.robot && own.unit == unit)
+        };
+        // an excess that shows in a channel alone is told by that channel
+        let told = match excess.quantity {
+            HEADING | 4 => own("rad").map(|_| HEADING),
+            own if is_channel(own) && excess.ratio > EXPLAINED && own != 2 && own != 3 => Some(own),
+            _ => own("m").map(|_| PLACE).or(own("rad").map(|_| HEADING)),
+        };
+        let quantity = told.unwrap_or(excess.quantity);
+        let root = |square: Option<f64>| square.unwrap_or(0.0).sqrt();
+        let before = root(judged.before.mean_square(quantity));
+        let after = root(judged.after.mean_square(quantity));
+        Self {
+            before: size(before, quantity),
+            after: size(after, quantity),
+            noise: size(root(judged.after.expected(quantity)), quantity),
+            times: format!("{:.1} times", excess.ratio),
+            share: 1.0 - after / before.max(1e-300),
+        }
+    }
+
+    fn explained(&self, whose: &str) -> String {
+        let percent = (100.0 * self.share).floor().max(0.0);
+        format!("{percent:.0} % of {}{whose}", self.before)
+    }
+}

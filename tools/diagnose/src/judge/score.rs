@@ -1,0 +1,139 @@
+//! Sums of the errors of predictions.
+
+/// How many quantities are scored: the channels, then distance and heading.
+pub(crate) const QUANTITIES: usize = 12;
+/// The first channel of the pose, and the turn rate of the gyro.
+pub(crate) const POSE: usize = 2;
+pub(crate) const GYRO: usize = 9;
+/// Distance from where the robot was seen (m), and error of the heading (rad).
+pub(crate) const PLACE: usize = 10;
+pub(crate) const HEADING: usize = 11;
+
+/// Whether a quantity is a channel, and not made of channels.
+pub(crate) fn is_channel(quantity: usize) -> bool {
+    quantity < PLACE
+}
+
+/// Sums over the rows of one quantity.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    /// Square errors in the quantity's unit.
+    squares: f64,
+    /// The same in square standard deviations of the sensor.
+    levels: f64,
+    /// Variance of the sensor.
+    sensor: f64,
+    /// Variance that sensor and process noise together predict.
+    expected: f64,
+    rows: f64,
+}
+
+/// What one or several windows score.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Score {
+    sums: [Sum; QUANTITIES],
+}
+
+impl Score {
+    /// Adds a row: square error, variance of the sensor, and the variance that noise predicts, all in the
+    /// square of the quantity's unit.
+    pub(crate) fn add(&mut self, quantity: usize, square: f64, sensor: f64, expected: f64) {
+        if !square.is_finite() {
+            return;
+        }
+        let sum = &mut self.sums[quantity];
+        sum.squares += square;
+        sum.levels += square / sensor;
+        sum.sensor += sensor;
+        sum.expected += expected.max(sensor);
+        sum.rows += 1.0;
+    }
+
+    /// Takes back that so many rows of a sensor with this variance count: they repeat others.
+    pub(crate) fn repeat(&mut self, quantity: usize, rows: f64, sensor: f64) {
+        let sum = &mut self.sums[quantity];
+        sum.rows -= rows;
+        sum.sensor -= rows * sensor;
+        sum.expected -= rows * sensor;
+    }
+
+    /// Both together.
+    pub(crate) fn and(mut self, other: &Self) -> Self {
+        for (own, other) in self.sums.iter_mut().zip(&other.sums) {
+            own.squares += other.squares;
+            own.levels += other.levels;
+            own.sensor += other.sensor;
+            own.expected += other.expected;
+            own.rows += other.rows;
+        }
+        self
+    }
+
+    /// All together.
+    pub(crate) fn of_all<'a>(all: impl IntoIterator<Item = &'a Self>) -> Self {
+        all.into_iter().fold(Self::default(), Self::and)
+    }
+
+    /// Whether anything was measured of a quantity.
+    pub(crate) fn has(&self, quantity: usize) -> bool {
+        self.sums[quantity].rows > 0.0
+    }
+
+    /// Sum of square errors.
+    pub(crate) fn squares(&self, quantity: usize) -> f64 {
+        self.sums[quantity].squares
+    }
+
+    /// Mean square error; `None` where nothing was measured.
+    pub(crate) fn mean_square(&self, quantity: usize) -> Option<f64> {
+        self.mean(quantity, self.sums[quantity].squares)
+    }
+
+    /// Mean variance of the sensor.
+    pub(crate) fn sensor(&self, quantity: usize) -> Option<f64> {
+        self.mean(quantity, self.sums[quantity].sensor)
+    }
+
+    /// Mean variance that noise predicts.
+    pub(crate) fn expected(&self, quantity: usize) -> Option<f64> {
+        self.mean(quantity, self.sums[quantity].expected)
+    }
+
+    /// Root mean square over several channels in standard deviations of their sensors.
+    pub(crate) fn level(&self, quantities: &[usize]) -> Option<f64> {
+        let own = || quantities.iter().map(|quantity| &self.sums[*quantity]);
+        let rows: f64 = own().map(|sum| sum.rows).sum();
+        let levels: f64 = own().map(|sum| sum.levels).sum();
+        (rows > 0.0).then(|| (levels / rows).sqrt())
+    }
+
+    /// Sets the mean variance that process noise and the start add to that of the sensor, where it is known over
+    /// all windows alone.
+    pub(crate) fn expect(&mut self, quantity: usize, process: f64) {
+        let sum = &mut self.sums[quantity];
+        sum.expected = sum.sensor + sum.rows * process;
+    }
+
+    fn mean(&self, quantity: usize, sum: f64) -> Option<f64> {
+        let rows = self.sums[quantity].rows;
+        (rows > 0.0).then(|| sum / rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_over_the_rows_that_were_measured() {
+        let mut score = Score::default();
+        score.add(PLACE, 4.0, 1.0, 2.0);
+        score.add(PLACE, f64::NAN, 1.0, 2.0);
+        score.add(PLACE, 0.0, 1.0, 0.5);
+        assert_eq!(score.mean_square(PLACE), Some(2.0));
+        // noise is at least that of the sensor
+        assert_eq!(score.expected(PLACE), Some(1.5));
+        assert_eq!(score.mean_square(HEADING), None);
+        assert_eq!(score.level(&[PLACE]), Some(2.0_f64.sqrt()));
+    }
+}
