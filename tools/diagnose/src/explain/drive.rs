@@ -8,7 +8,7 @@ use super::open_loop::drive_error;
 use super::terms::RATE_CAUTION;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
-use crate::model::command_to_wheels::CommandToWheels;
+use crate::model::command_to_wheels::{CommandToWheels, Plain};
 use crate::model::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
     SLOW_SHARE, SLOW_TIME,
@@ -166,6 +166,8 @@ fn shared(drive: &CommandToWheels, nominal: &[f64]) -> Vec<usize> {
 struct Search<'a> {
     drive: &'a CommandToWheels,
     problem: Problem<'a>,
+    /// The same without outliers.
+    plain: Problem<'a>,
     nominal: Vec<f64>,
     /// What is shared with runs from before.
     shared: Vec<usize>,
@@ -193,9 +195,11 @@ impl DriveFit {
                 *slow = LEAST_SLOW;
             }
         }
+        let plain = Plain(drive);
         let search = Search {
             drive,
             problem: drive.problem(drive, &nominal),
+            plain: drive.problem(&plain, &nominal),
             nominal,
             shared,
             noise: drive.noise(),
@@ -207,12 +211,15 @@ impl DriveFit {
 impl Search<'_> {
     fn run(self, excluded: &[String]) -> Option<DriveFit> {
         let mut terms = terms_of(self.drive, excluded);
-        let before = self.noise_alone();
-        let (full, band_rad_s) = self.full(&before, &mut terms);
+        let (full, band_rad_s) = self.full(&mut terms);
         let useful = |with: &Fit, without: &Fit| {
             drive_error(self.drive, &with.at)
                 < (1.0 - USE_SHARE) * drive_error(self.drive, &without.at)
         };
+        eprintln!(
+            "DBG full {} {:?} {}",
+            full.objective, full.at, full.converged
+        );
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
         let mut after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
@@ -223,6 +230,17 @@ impl Search<'_> {
         after.halves = Halves::new(&self.problem, &after.fit, physics, first);
         let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
+        eprintln!(
+            "DBG after {} {:?} {} {:?}",
+            after.fit.objective,
+            after.fit.at,
+            after.fit.converged,
+            after
+                .kept
+                .iter()
+                .map(|k| (k.term.name, k.gain))
+                .collect::<Vec<_>>()
+        );
         Some(DriveFit {
             after,
             nominal: self.nominal,
@@ -267,13 +285,13 @@ impl Search<'_> {
     }
 
     /// The noise sizes of the nominal model: the better of two maxima.
-    fn noise_alone(&self) -> Fit {
+    fn noise_alone(&self, problem: &Problem<'_>) -> Fit {
         let mut quick = self.nominal.clone();
         for (index, shift) in self.noise.iter().zip([-1.5, 1.5, 0.0, -1.5, 1.5]) {
             quick[*index] += shift;
         }
-        let one = self.problem.fit(&self.nominal, &self.noise, FULL);
-        let other = self.problem.fit(&quick, &self.noise, FULL);
+        let one = problem.fit(&self.nominal, &self.noise, FULL);
+        let other = problem.fit(&quick, &self.noise, FULL);
         if other.objective > one.objective {
             other
         } else {
@@ -291,8 +309,8 @@ impl Search<'_> {
 
     /// The fit with all of `terms`, those taken out that are not there even so; and the interval of the
     /// dead band.
-    fn full(&self, before: &Fit, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
-        let first = self.response(before, terms);
+    fn full(&self, terms: &mut Vec<Term>) -> (Fit, [f64; 2]) {
+        let first = self.first(terms);
         let stamped = self.as_stamped(&first, terms);
         let first = match stamped {
             Some(other) if other.objective > first.objective => other,
@@ -350,12 +368,32 @@ impl Search<'_> {
         Some(self.problem.fit(&fit.at, &first.free, FULL))
     }
 
+    /// Delay, lag and gain: the better of the search among outliers and of the one that begins without.
+    /// Whether a row is an outlier is asked of the model that fits best, not of the nominal one.
+    fn first(&self, terms: &[Term]) -> Fit {
+        let own = self.response(&self.problem, terms);
+        let plain = self.response(&self.plain, terms);
+        let grown = self.problem.fit(&plain.at, &own.free, FULL);
+        eprintln!(
+            "DBG plain {} {:?} {}",
+            plain.objective, plain.at, plain.converged
+        );
+        eprintln!(
+            "DBG grown {} {:?} {}",
+            grown.objective, grown.at, grown.converged
+        );
+        if grown.objective > own.objective {
+            grown
+        } else {
+            own
+        }
+    }
+
     /// Delay, lag and gain from several starts.
-    fn response(&self, before: &Fit, terms: &[Term]) -> Fit {
+    fn response(&self, problem: &Problem<'_>, terms: &[Term]) -> Fit {
         let free = self.free(&[DELAY_TERM, LAG_TERM, GAIN_TERM], terms);
-        let gained = self
-            .problem
-            .fit(&before.at, &self.free(&[GAIN_TERM], terms), ROUGH);
+        let before = self.noise_alone(problem);
+        let gained = problem.fit(&before.at, &self.free(&[GAIN_TERM], terms), ROUGH);
         let has = |name: &str| terms.iter().any(|t| t.name == name);
         let (mut starts, mut fits) = (Vec::new(), vec![gained.clone()]);
         let delays_s: &[f64] = if has(DELAY_TERM) { &DELAYS_S } else { &[0.0] };
@@ -365,7 +403,7 @@ impl Search<'_> {
                 let mut at = gained.at.clone();
                 at[DELAY] += delay_s;
                 at[LAG] += lag_s;
-                starts.push((self.problem.objective(&at, &free), at));
+                starts.push((problem.objective(&at, &free), at));
             }
         }
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -373,7 +411,7 @@ impl Search<'_> {
             starts
                 .iter()
                 .take(3)
-                .map(|(_, at)| self.problem.fit(at, &free, ROUGH)),
+                .map(|(_, at)| problem.fit(at, &free, ROUGH)),
         );
         let best = fits
             .into_iter()

@@ -1,6 +1,7 @@
 //! Open loop over a horizon of 5 s: the state at the start is the filter's, then nothing is heard.
 
 use crate::data::wheel_rows::WheelKind;
+use crate::filter::wheel_channel::Tails;
 use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
 use crate::model::drive::{DRIVE, Response};
 
@@ -25,9 +26,14 @@ pub(super) fn drive_error(drive: &CommandToWheels, at: &[f64]) -> f64 {
 fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
     let rows = &run.wheels.rows;
     let mut disturbance = [vec![0.0; 0], vec![0.0; 0]];
-    run.filter(at, &mut |_| (), &mut |channel, _, d: f64| {
-        disturbance[channel].push(d);
-    });
+    run.filter(
+        at,
+        Tails::Student,
+        &mut |_| (),
+        &mut |channel, _, d: f64| {
+            disturbance[channel].push(d);
+        },
+    );
     let times_s = [at[DRIVE + 1].exp(), at[DRIVE + 4].exp()];
     let response = Response::new(&run.commands, at);
     let mut hint = 0;

@@ -21,11 +21,18 @@ use crate::estimate::pairs::{self, Share, Side, Whitened};
 use crate::estimate::scoring::Problem;
 use crate::estimate::{BlockScore, Likelihood, Prior};
 use crate::filter::Innovation;
-use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow};
+use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
 
 /// Logarithms of noise sizes: disturbance (rad/s), its time (s) and walk (rad/√s) of the sum and of
 /// the difference of both wheels, sensor noise (rad, or rad/s), stamp noise (s).
 pub(crate) const NOISE: usize = 8;
+/// Least walk of a wheel's angle (rad/√s): 5 µm at the rim of a wheel of 5 cm after a second, less than
+/// drives repeat and than integrators of simulators differ from the closed form by. Without a floor the
+/// likelihood of exact angles grows without end where some rows fit exactly. It is a walk, for errors of
+/// integrators add up; a noise of the sensor would draw one error out over many rows.
+const LEAST_WALK: f64 = 1e-4;
+/// Least noise of a wheel's speed (rad/s): what integrators differ by.
+const LEAST_SPEED_RAD_S: f64 = 1e-4;
 
 /// One run.
 #[derive(Debug)]
@@ -46,6 +53,9 @@ pub(crate) struct CommandToWheels {
     /// What it is compared with.
     pub(crate) before: Before,
 }
+
+/// Its likelihood without outliers: a start for the one with them.
+pub(crate) struct Plain<'a>(pub(crate) &'a CommandToWheels);
 
 impl CommandToWheels {
     /// The drive of these runs; `None` without a run that has commanded speeds and wheels.
@@ -271,6 +281,7 @@ impl DriveRun {
     pub(crate) fn filter<S: Scalar>(
         &self,
         at: &[S],
+        tails: Tails,
         sink: &mut dyn FnMut(Innovation<S>),
         after: &mut dyn FnMut(usize, f64, S),
     ) {
@@ -287,15 +298,20 @@ impl DriveRun {
         });
         let simulated: Vec<_> = simulated.collect();
         let sizes: [S; NOISE] = std::array::from_fn(|i| at[DRIVE + i].exp());
-        let rounding = self.wheels.rounding_rad;
-        let sensor = ((sizes[6] * sizes[6] + rounding * rounding) * 0.5).sqrt();
+        let least = match self.wheels.kind {
+            WheelKind::Angle => self.wheels.rounding_rad,
+            WheelKind::Speed => LEAST_SPEED_RAD_S,
+        };
+        let sensor = ((sizes[6] * sizes[6] + least * least) * 0.5).sqrt();
         for (channel, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let walk = sizes[3 * channel + 2];
             let noise = ChannelNoise {
                 disturbance_rad_s: sizes[3 * channel],
                 time_s: sizes[3 * channel + 1],
-                walk: sizes[3 * channel + 2],
+                walk: (walk * walk + LEAST_WALK * LEAST_WALK).sqrt(),
                 sensor,
                 stamp_s: sizes[7],
+                tails,
             };
             let half = |pair: &[S; 2]| (pair[0] + pair[1] * sign) * 0.5;
             let rows = simulated.iter().map(|(row, rest, speed)| ChannelRow {
@@ -310,6 +326,71 @@ impl DriveRun {
                 WheelKind::Speed => wheel_channel::speeds(rows, &noise, sink, &mut after),
             }
         }
+    }
+}
+
+impl CommandToWheels {
+    /// Log-likelihood of each block (nats) with such tails.
+    fn value_with(&self, tails: Tails, at: &[f64]) -> Vec<f64> {
+        let keep = self.before.is_paired();
+        let runs = self.runs.par_iter().enumerate().map(|(i, run)| {
+            let mut own = vec![0.0; run.blocks.count];
+            let mut rows = Vec::new();
+            let mut sink = |row: Innovation<f64>| {
+                let block = run.blocks.of(row.time_s);
+                own[block] += row.weight * row.log_likelihood;
+                if keep {
+                    rows.push(Whitened::new(&row, run.blocks.first + block));
+                }
+            };
+            run.filter(&self.local(i, at), tails, &mut sink, &mut |_, _, _| ());
+            (own, rows)
+        });
+        let runs: Vec<(Vec<f64>, Vec<Whitened>)> = runs.collect();
+        let mut all: Vec<f64> = runs
+            .iter()
+            .flat_map(|(values, _)| values)
+            .copied()
+            .collect();
+        if keep {
+            let share = Share::new(at[Self::SHARE]);
+            let (then, now) = runs.split_at(self.before.runs);
+            for ((_, first), (_, second)) in then.iter().zip(now) {
+                for (block, gain) in pairs::gains(first, second, share) {
+                    all[block] += gain;
+                }
+            }
+        }
+        all
+    }
+
+    /// Score and information of each block with such tails.
+    fn score_with(&self, tails: Tails, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        let keep = self.before.is_paired();
+        let mut blocks = empty(Likelihood::blocks(self), free.len());
+        let all = self.runs.par_iter().enumerate().map(|(i, run)| {
+            let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
+            let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
+                run.filter(p, tails, sink, &mut |_, _, _| ());
+            };
+            let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
+            let rows = Rows::new(&self.local(i, at), &local, keep, filter, block);
+            (rows, to)
+        });
+        let all: Vec<(Rows, Vec<(usize, usize)>)> = all.collect();
+        for (rows, to) in &all {
+            rows.add_to(&mut blocks, to);
+        }
+        if keep {
+            let share = Share::new(at[Self::SHARE]);
+            let place = free.iter().position(|own| *own == Self::SHARE);
+            let (then, now) = all.split_at(self.before.runs);
+            for both in then.iter().zip(now) {
+                let sides = [both.0, both.1].map(|(rows, to)| Side { rows, to });
+                pairs::add_to(&mut blocks, sides, share, place);
+            }
+        }
+        blocks
     }
 }
 
@@ -345,63 +426,44 @@ impl Likelihood for CommandToWheels {
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
-        let keep = self.before.is_paired();
-        let runs = self.runs.par_iter().enumerate().map(|(i, run)| {
-            let mut own = vec![0.0; run.blocks.count];
-            let mut rows = Vec::new();
-            let mut sink = |row: Innovation<f64>| {
-                let block = run.blocks.of(row.time_s);
-                own[block] += row.weight * row.log_likelihood;
-                if keep {
-                    rows.push(Whitened::new(&row, run.blocks.first + block));
-                }
-            };
-            run.filter(&self.local(i, at), &mut sink, &mut |_, _, _| ());
-            (own, rows)
-        });
-        let runs: Vec<(Vec<f64>, Vec<Whitened>)> = runs.collect();
-        let mut all: Vec<f64> = runs
-            .iter()
-            .flat_map(|(values, _)| values)
-            .copied()
-            .collect();
-        if keep {
-            let share = Share::new(at[Self::SHARE]);
-            let (then, now) = runs.split_at(self.before.runs);
-            for ((_, first), (_, second)) in then.iter().zip(now) {
-                for (block, gain) in pairs::gains(first, second, share) {
-                    all[block] += gain;
-                }
-            }
-        }
-        all
+        self.value_with(Tails::Student, at)
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        let keep = self.before.is_paired();
-        let mut blocks = empty(Likelihood::blocks(self), free.len());
-        let all = self.runs.par_iter().enumerate().map(|(i, run)| {
-            let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
-            let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
-                run.filter(p, sink, &mut |_, _, _| ());
-            };
-            let block = |t_s: f64| run.blocks.first + run.blocks.of(t_s);
-            let rows = Rows::new(&self.local(i, at), &local, keep, filter, block);
-            (rows, to)
-        });
-        let all: Vec<(Rows, Vec<(usize, usize)>)> = all.collect();
-        for (rows, to) in &all {
-            rows.add_to(&mut blocks, to);
-        }
-        if keep {
-            let share = Share::new(at[Self::SHARE]);
-            let place = free.iter().position(|own| *own == Self::SHARE);
-            let (then, now) = all.split_at(self.before.runs);
-            for both in then.iter().zip(now) {
-                let sides = [both.0, both.1].map(|(rows, to)| Side { rows, to });
-                pairs::add_to(&mut blocks, sides, share, place);
-            }
-        }
-        blocks
+        self.score_with(Tails::Student, at, free)
+    }
+}
+
+impl Likelihood for Plain<'_> {
+    fn blocks(&self) -> usize {
+        Likelihood::blocks(self.0)
+    }
+
+    fn run_of(&self) -> Vec<usize> {
+        self.0.run_of()
+    }
+
+    fn clusters(&self) -> Option<&[usize]> {
+        self.0.clusters()
+    }
+
+    fn is_shared(&self, parameter: usize) -> bool {
+        self.0.is_shared(parameter)
+    }
+
+    fn apart(&self, at: &[f64]) -> f64 {
+        self.0.apart(at)
+    }
+
+    fn loosen(&self, at: &mut [f64]) {
+        self.0.loosen(at);
+    }
+
+    fn value(&self, at: &[f64]) -> Vec<f64> {
+        self.0.value_with(Tails::Normal, at)
+    }
+
+    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        self.0.score_with(Tails::Normal, at, free)
     }
 }
