@@ -206,7 +206,10 @@ impl Search<'_> {
         let (_, physics) = elimination.free(&kept);
         let before = self.machine.before.runs.checked_sub(1);
         let first = before.map_or(0, |last| self.machine.runs[last].blocks.end());
-        after.halves = Halves::new(self.problem, &after.fit, physics, first);
+        if !self.machine.before.is_paired() {
+            // rows of one course are compared pair by pair, and their halves with them
+            after.halves = Halves::new(self.problem, &after.fit, physics, first);
+        }
         Some(Calibration {
             after,
             by_run,

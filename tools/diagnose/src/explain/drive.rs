@@ -227,7 +227,9 @@ impl Search<'_> {
         let (_, physics) = elimination.free(&kept);
         let before = self.drive.before.runs.checked_sub(1);
         let first = before.map_or(0, |last| self.drive.runs[last].blocks.end());
-        after.halves = Halves::new(&self.problem, &after.fit, physics, first);
+        if !self.drive.before.is_paired() {
+            after.halves = Halves::new(&self.problem, &after.fit, physics, first);
+        }
         let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
         eprintln!(
