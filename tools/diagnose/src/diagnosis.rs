@@ -69,10 +69,18 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
             remedy,
         ));
     }
+    let (recordings, mut warnings) = faults::mended(request.recordings, request.model_of);
+    let (against, _) = faults::mended(request.against, request.model_of);
+    let request = &Request {
+        recordings: &recordings,
+        against: &against,
+        ..*request
+    };
+    warnings.extend(faults::warnings(request)?);
     let mut collected = Collected {
         answer: Answer {
             format: 1,
-            warnings: faults::warnings(request)?,
+            warnings,
             ..Answer::default()
         },
         ..Collected::default()

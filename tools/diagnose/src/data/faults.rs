@@ -1,7 +1,10 @@
 //! What is wrong with the recordings themselves. What would pose as physics is refused; what only
 //! makes an answer poorer is said.
 
-use slipstream_recording::{Finding as Fault, faults};
+use std::borrow::Cow;
+
+use slipstream_bus::RobotModel;
+use slipstream_recording::{Finding as Fault, Recording, faults};
 
 use crate::answer::Warning;
 use crate::diagnosis::Request;
@@ -9,7 +12,9 @@ use slipstream_bus::InputError;
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name
 /// a wrong physics.
-const REFUSED: [&str; 8] = [
+const REFUSED: [&str; 10] = [
+    "counts_per_row",
+    "speeds_as_angles",
     "units",
     "two_sources",
     "wheels_swapped",
@@ -19,6 +24,28 @@ const REFUSED: [&str; 8] = [
     "opposite_signs",
     "no_overlap",
 ];
+
+/// The recordings as they are read: counters run on, rows that say nothing are left out. And what was done.
+pub(crate) fn mended<'a>(
+    recordings: &'a [Recording],
+    model_of: &dyn Fn(&str) -> Option<RobotModel>,
+) -> (Cow<'a, [Recording]>, Vec<Warning>) {
+    let (mut all, mut warnings) = (Vec::new(), Vec::new());
+    for recording in recordings {
+        let (mended, found) = slipstream_recording::mended(recording, model_of);
+        warnings.extend(
+            found
+                .into_iter()
+                .map(|fault| warning(&recording.name, fault)),
+        );
+        all.push(mended);
+    }
+    if all.iter().all(|mended| matches!(mended, Cow::Borrowed(_))) {
+        return (Cow::Borrowed(recordings), warnings);
+    }
+    let all = all.into_iter().map(Cow::into_owned).collect();
+    (Cow::Owned(all), warnings)
+}
 
 /// Looks the recordings over.
 ///
@@ -31,16 +58,20 @@ pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, InputError
             if REFUSED.contains(&&*fault.id) {
                 return Err(refusal(&recording.name, fault));
             }
-            warnings.push(Warning {
-                recording: recording.name.clone(),
-                robot: fault.robot,
-                id: fault.id.into_owned(),
-                statement: fault.statement,
-                remedy: fault.remedy,
-            });
+            warnings.push(warning(&recording.name, fault));
         }
     }
     Ok(warnings)
+}
+
+fn warning(recording: &str, fault: Fault) -> Warning {
+    Warning {
+        recording: recording.to_owned(),
+        robot: fault.robot,
+        id: fault.id.into_owned(),
+        statement: fault.statement,
+        remedy: fault.remedy,
+    }
 }
 
 fn refusal(recording: &str, fault: Fault) -> InputError {

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::data::faults;
 use crate::data::track::{Sensor, Track};
 use crate::predict::predictor::Predictor;
 use crate::predict::window::{WINDOW_S, Window, cut};
@@ -51,8 +52,9 @@ struct Piece {
 /// # Errors
 /// A robot that cannot be predicted, or a model that is none.
 pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
+    let (recordings, _) = faults::mended(request.recordings, request.model_of);
     let mut predictions = Vec::new();
-    for recording in request.recordings {
+    for recording in recordings.iter() {
         for robot in &recording.robots {
             let predictor = Predictor::new(request, &[(recording, robot)])?;
             let track = &predictor.tracks[0];

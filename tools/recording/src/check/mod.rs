@@ -4,14 +4,17 @@
 //! over time windows ([`motion`]); a known factor or a reversed sign between two sources is reported.
 
 mod clocks;
+mod counters;
 mod coverage;
 mod display;
+mod levels;
 mod links;
 mod motion;
 mod rates;
 mod report;
 mod resample;
 mod similarity;
+mod still;
 mod torque;
 mod two_sources;
 mod units;
@@ -19,12 +22,15 @@ mod wheels;
 
 use slipstream_bus::RobotModel;
 
+pub(crate) use counters::{BURSTING, of_bursts};
 pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
 use crate::error::Result;
 use crate::import::Spooled;
+use crate::mend::{self, PoseJump, WheelFaults};
 use crate::recording::Recording;
 use crate::rows::{AllRows, RobotRows};
+use crate::table::StreamKind;
 
 /// Checks a recording. `model` gives the size of the wheels and the encoder counts; without it, the
 /// model that came with the recording is used, if there is one.
@@ -86,11 +92,73 @@ pub fn faults(
     findings
 }
 
+/// The jumps of all robots' poses that stay: the poses before and after are in different frames.
+pub fn pose_jumps(recording: &Recording) -> Vec<PoseJump> {
+    let rows = AllRows::of(recording);
+    let each = rows.robots.iter();
+    let all = each.filter_map(|robot| {
+        let pose = robot.stream(StreamKind::Pose)?;
+        Some(mend::pose_jumps(pose, &robot.robot.name))
+    });
+    all.flatten().collect()
+}
+
+/// What is wrong with the wheels' columns, and the findings about it.
+pub(crate) fn wheel_faults(
+    robot: &RobotRows<'_>,
+    model: Option<&RobotModel>,
+) -> (Option<WheelFaults>, Vec<Finding>) {
+    let mut faults = counters(robot, model);
+    let [mut windows] = motion::windows(robot, model, [motion::window_s(robot)], faults.as_ref());
+    let findings = faults.as_mut().map_or_else(Vec::new, |faults| {
+        of_columns(robot, faults, &mut [&mut windows])
+    });
+    (faults, findings)
+}
+
+fn counters(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<WheelFaults> {
+    let rows = robot.stream(StreamKind::Wheels)?;
+    mend::wheels(rows, robot.robot.counts_per_rev(model))
+}
+
+/// The findings about the wheels' columns. What they hold is entered into the faults and the windows.
+fn of_columns(
+    robot: &RobotRows<'_>,
+    faults: &mut WheelFaults,
+    windows: &mut [&mut motion::Windows],
+) -> Vec<Finding> {
+    let name = &robot.robot.name;
+    let interval_s = robot.stream(StreamKind::Wheels).and_then(mend::interval_s);
+    let seen = interval_s.and_then(|interval_s| {
+        let seen = levels::seen(windows.first()?, faults, interval_s)?;
+        Some((seen, interval_s))
+    });
+    let Some((seen, interval_s)) = seen else {
+        return counters::of_wheels(name, faults);
+    };
+    faults.level = seen.level;
+    if let Some(level) = seen.level {
+        let each = windows.iter_mut();
+        each.for_each(|windows| windows.read_levels(level, interval_s));
+    }
+    vec![seen.finding(name, faults)]
+}
+
 /// Compares the sources of a robot's motion with each other.
 fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
-    let lengths_s = [motion::window_s(robot), clocks::STEP_S, torque::WINDOW_S];
-    let [windows, steps, short] = motion::windows(robot, model, lengths_s);
+    let window_s = motion::window_s(robot);
+    let lengths_s = [window_s, clocks::STEP_S, torque::WINDOW_S];
+    let mut faults = counters(robot, model);
+    let [mut windows, mut steps, mut short] =
+        motion::windows(robot, model, lengths_s, faults.as_ref());
+    if let Some(faults) = &mut faults {
+        let all = &mut [&mut windows, &mut steps, &mut short];
+        findings.extend(of_columns(robot, faults, all));
+    }
+    findings.extend(of_bursts(robot));
+    findings.extend(counters::of_pose_jumps(robot));
     two_sources::check(robot, findings);
+    still::check(robot, &windows, window_s, findings);
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
     wheels::check(robot, &windows, findings);

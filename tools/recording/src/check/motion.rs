@@ -10,6 +10,7 @@ use slipstream_bus::RobotModel;
 
 use super::resample::{Interpolation, Means, rates};
 use super::similarity::combine;
+use crate::mend::{Level, MendedWheels, WheelFaults};
 use crate::recording::Unwrap;
 use crate::rows::{RobotRows, Rows};
 use crate::table::{StreamKind, Table};
@@ -32,6 +33,12 @@ pub(super) struct Windows {
     pub(super) wheel_right: Vec<f64>,
     /// Left wheel: speed, in the same unit.
     pub(super) wheel_left: Vec<f64>,
+    /// Mean of the right and left wheel's column of angles or counts, as it is written; empty for speeds.
+    pub(super) levels: [Vec<f64>; 2],
+    /// Angle of a count (rad), if known.
+    pub(super) rad_per_count: Option<f64>,
+    /// Start of the first window (s).
+    pub(super) start_s: f64,
     /// Gyro: yaw rate (rad/s).
     pub(super) gyro_w: Vec<f64>,
     /// Odometry: forward speed (m/s).
@@ -62,6 +69,20 @@ pub(super) struct Windows {
 }
 
 impl Windows {
+    /// Takes the speeds of the wheels from the values of their columns, which are no angles.
+    pub(super) fn read_levels(&mut self, level: Level, interval_s: f64) {
+        let (factor, in_rad) = match level {
+            Level::PerRow => {
+                let rad = self.rad_per_count.filter(|_| self.wheels_in_rad);
+                (rad.unwrap_or(1.0) / interval_s, self.wheels_in_rad)
+            }
+            Level::Speed(rad_s) => (rad_s, true),
+        };
+        self.wheels_in_rad = in_rad;
+        let speeds = |values: &Vec<f64>| values.iter().map(|value| value * factor).collect();
+        [self.wheel_right, self.wheel_left] = self.levels.each_ref().map(speeds);
+    }
+
     /// Forward speed (m/s) and yaw rate (rad/s) according to the wheels; empty if the size of the
     /// robot or the counts per revolution are unknown.
     pub(super) fn wheel_twist(&self) -> (Vec<f64>, Vec<f64>) {
@@ -83,15 +104,18 @@ pub(super) fn window_s(robot: &RobotRows<'_>) -> f64 {
     MIN_WINDOW_S.max(duration_s / MAX_WINDOWS)
 }
 
-/// The motion over windows of each of these lengths (s). Reads every stream once.
+/// The motion over windows of each of these lengths (s). Reads every stream once. What is wrong with the wheels'
+/// columns is undone first.
 pub(super) fn windows<const N: usize>(
     robot: &RobotRows<'_>,
     model: Option<&RobotModel>,
     lengths_s: [f64; N],
+    faults: Option<&WheelFaults>,
 ) -> [Windows; N] {
     let grids = lengths_s.map(|length_s| Grid::new(span(robot), length_s));
     let mut windows = lengths_s.map(|_| Windows {
         size_m: model.map(|model| [model.robot.wheel_radius_m, model.robot.half_track_m]),
+        start_s: span(robot).map_or(0.0, |[start, _]| start),
         ..Windows::default()
     });
     if let Some(pose) = robot.stream(StreamKind::Pose) {
@@ -99,7 +123,7 @@ pub(super) fn windows<const N: usize>(
     }
     if let Some(wheels) = robot.stream(StreamKind::Wheels) {
         let counts_per_rev = robot.robot.counts_per_rev(model);
-        add_wheels(wheels, counts_per_rev, &grids, &mut windows);
+        add_wheels(wheels, counts_per_rev, faults, &grids, &mut windows);
     }
     if let Some(imu) = robot
         .stream(StreamKind::Imu)
@@ -171,37 +195,57 @@ fn means<const C: usize, const N: usize>(
     all.map(|means| means.map(Means::finish))
 }
 
-/// The mean rates of change of these columns over the windows of each grid. A count is `per_count`.
-fn rates_of<const C: usize, const N: usize>(
+/// What the wheels' columns of angles or counts show over the windows of a grid.
+struct WheelsAt<'a> {
+    grid: &'a Grid,
+    at_edges: [Interpolation<'a>; 2],
+    levels: [Means<'a>; 2],
+}
+
+/// Adds rates of change, with faults undone and a count taken as `per_count`, and the values as they are written.
+fn add_angles<const N: usize>(
     rows: &Rows<'_>,
-    columns: [&str; C],
+    faults: &WheelFaults,
     per_count: f64,
     grids: &[Grid; N],
-) -> [[Vec<f64>; C]; N] {
-    let mut all = grids
-        .each_ref()
-        .map(|grid| columns.map(|_| Interpolation::new(&grid.edges)));
+    windows: &mut [Windows; N],
+) {
+    let mut all = grids.each_ref().map(|grid| WheelsAt {
+        grid,
+        at_edges: [(); 2].map(|()| Interpolation::new(&grid.edges)),
+        levels: [(); 2].map(|()| Means::new(&grid.edges)),
+    });
+    let mut mended = MendedWheels::new(faults);
     let mut cursor = rows.clone().cursor();
     while let Some(block) = cursor.next_block() {
-        let cells = columns.map(|column| numbers(block, column, per_count));
-        for (cells, at) in all.iter_mut().flat_map(|set| cells.iter().zip(set)) {
-            at.push(&block.t_s, cells);
+        let (times, mut sides) = mended.block(block);
+        sides
+            .iter_mut()
+            .flatten()
+            .for_each(|angle| *angle *= per_count);
+        let written = faults.names.map(|name| numbers(block, name));
+        for at in &mut all {
+            for i in 0..2 {
+                at.at_edges[i].push(&times, &sides[i]);
+                at.levels[i].push(&block.t_s, &written[i]);
+            }
         }
     }
-    let mut grids = grids.iter();
-    all.map(|at| {
-        let edges = grids.next().map_or(&[][..], |grid| &grid.edges);
-        at.map(|at| rates(edges, &at.finish()))
-    })
+    for (windows, at) in windows.iter_mut().zip(all) {
+        let edges = &at.grid.edges;
+        [windows.wheel_right, windows.wheel_left] =
+            at.at_edges.map(|at| rates(edges, &at.finish()));
+        windows.levels = at.levels.map(Means::finish);
+    }
 }
 
 /// The cells of a column of numbers or counts.
-fn numbers<'a>(block: &'a Table, column: &str, per_count: f64) -> Cow<'a, [f64]> {
+fn numbers<'a>(block: &'a Table, column: &str) -> Cow<'a, [f64]> {
     let counts = block.counts_of(column);
     if counts.is_empty() {
         return Cow::Borrowed(block.numbers_of(column));
     }
-    let number = |count: &Option<i64>| count.map_or(f64::NAN, |count| count as f64 * per_count);
+    let number = |count: &Option<i64>| count.map_or(f64::NAN, |count| count as f64);
     Cow::Owned(counts.iter().map(number).collect())
 }
 
@@ -302,21 +346,25 @@ impl Yaws {
 fn add_wheels<const N: usize>(
     wheels: &Rows<'_>,
     counts_per_rev: Option<u32>,
+    faults: Option<&WheelFaults>,
     grids: &[Grid; N],
     windows: &mut [Windows; N],
 ) {
-    let rad_per_count = counts_per_rev.map_or(1.0, |counts| TAU / f64::from(counts));
-    let pairs = if wheels.has("ticks_right") {
-        rates_of(wheels, ["ticks_right", "ticks_left"], rad_per_count, grids)
-    } else if wheels.has("angle_right_rad") {
-        rates_of(wheels, ["angle_right_rad", "angle_left_rad"], 1.0, grids)
-    } else {
-        means(wheels, ["speed_right_rad_s", "speed_left_rad_s"], grids)
+    let rad_per_count = counts_per_rev.map(|counts| TAU / f64::from(counts));
+    let Some(faults) = faults else {
+        let pairs = means(wheels, ["speed_right_rad_s", "speed_left_rad_s"], grids);
+        for (windows, [right, left]) in windows.iter_mut().zip(pairs) {
+            windows.wheels_in_rad = true;
+            (windows.wheel_right, windows.wheel_left) = (right, left);
+        }
+        return;
     };
-    for (windows, [right, left]) in windows.iter_mut().zip(pairs) {
-        windows.wheels_in_rad = counts_per_rev.is_some() || !wheels.has("ticks_right");
-        (windows.wheel_right, windows.wheel_left) = (right, left);
+    for windows in windows.iter_mut() {
+        windows.wheels_in_rad = rad_per_count.is_some() || !faults.counts;
+        windows.rad_per_count = rad_per_count;
     }
+    let per_count = rad_per_count.filter(|_| faults.counts).unwrap_or(1.0);
+    add_angles(wheels, faults, per_count, grids, windows);
 }
 
 fn add_command<const N: usize>(command: &Rows<'_>, grids: &[Grid; N], windows: &mut [Windows; N]) {

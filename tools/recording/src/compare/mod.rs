@@ -15,6 +15,7 @@ use slipstream_sim::Robot as Plant;
 
 pub use channel::{Channel, interpolate};
 
+use crate::mended::mended;
 use crate::recording::Recording;
 
 /// Why a recording cannot be compared with a simulation.
@@ -51,6 +52,7 @@ pub fn compare(
     recording: &Recording,
     model_of: impl Fn(&str) -> Option<RobotModel>,
 ) -> Result<Vec<Channel>, CompareError> {
+    let (recording, _) = mended(recording, &model_of);
     let mut channels = Vec::new();
     for robot in &recording.robots {
         let Some(model) = model_of(&robot.name).or_else(|| recording.model.clone()) else {

@@ -32,7 +32,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The robot's stream of this kind, if it has one.
-    pub(super) fn of_robot(robot: &'a Robot, kind: StreamKind) -> Option<Self> {
+    pub(crate) fn of_robot(robot: &'a Robot, kind: StreamKind) -> Option<Self> {
         let view = TableView::of(robot, kind)?;
         Some(Self {
             empty: view.empty(),

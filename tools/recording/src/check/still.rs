@@ -1,0 +1,126 @@
+//! Sources that stand still: a robot that does not move, a wheel whose column never changes, a reference that lost
+//! itself.
+
+use super::motion::Windows;
+use super::report::{Finding, Severity};
+use crate::mend::times;
+use crate::rows::RobotRows;
+
+/// A wheel moves in a window if it turns faster than this share of its fastest.
+const MOVING_SHARE: f64 = 0.2;
+/// So many windows in a row are no coincidence (two seconds).
+const WINDOWS: usize = 4;
+/// A robot that stays within this (m, rad) of noise over the whole recording does not drive.
+const STAYS_M_S: f64 = 0.02;
+const STAYS_RAD_S: f64 = 0.05;
+
+/// Adds findings about what stands still. `window_s` is the length of the windows.
+pub(super) fn check(
+    robot: &RobotRows<'_>,
+    windows: &Windows,
+    window_s: f64,
+    findings: &mut Vec<Finding>,
+) {
+    let name = &robot.robot.name;
+    let mut add = |id, statement: String, remedy: &str| {
+        findings.push(Finding::new(Severity::Warning, name, id, statement, remedy));
+    };
+    if nothing_moves(windows) {
+        let statement = "nothing moves: wheels, poses and gyro stand still, so nothing about the motion can be judged";
+        add(
+            "nothing_moves",
+            statement.to_owned(),
+            "record a drive with straights and turns",
+        );
+        return;
+    }
+    if let Some(side) = still_wheel(windows) {
+        let other = if side == "right" { "left" } else { "right" };
+        let statement = format!(
+            "the {side} wheel never changes while the {other} one turns: its encoder is not read, or it stands all \
+             the time; what is said about the wheels rests on it"
+        );
+        add(
+            "wheel_never_changes",
+            statement,
+            "look at that encoder and its cable, and record again",
+        );
+    }
+    let lost_s = lost(windows, window_s);
+    if let Some(first_s) = lost_s.first() {
+        let total_s: f64 = lost_s.iter().map(|[from_s, to_s]| to_s - from_s).sum();
+        let starts_s: Vec<f64> = lost_s.iter().map(|[from_s, _]| *from_s).collect();
+        let statement = format!(
+            "the pose stays at one value or is missing while the wheels turn, from {}, for {total_s:.1} s in all: \
+             the reference lost itself, and says nothing about that time",
+            times(&starts_s).trim_start_matches("at "),
+        );
+        let [from_s, to_s] = first_s;
+        let remedy = format!("leave that time out (--exclude-time {from_s:.1}:{to_s:.1})");
+        add("reference_lost", statement, &remedy);
+    }
+}
+
+fn largest(values: &[f64]) -> Option<f64> {
+    let known = values.iter().filter(|value| value.is_finite());
+    known.map(|value| value.abs()).reduce(f64::max)
+}
+
+/// Whether all sources that see the motion say that there is none.
+fn nothing_moves(windows: &Windows) -> bool {
+    let at_most = |values: &[f64], most: f64| largest(values).map(|most_seen| most_seen <= most);
+    let seen = [
+        at_most(&windows.wheel_right, 0.0),
+        at_most(&windows.wheel_left, 0.0),
+        at_most(&windows.pose_v, STAYS_M_S),
+        at_most(&windows.pose_w, STAYS_RAD_S),
+        at_most(&windows.odometry_v, STAYS_M_S),
+        at_most(&windows.gyro_w, STAYS_RAD_S),
+    ];
+    let seen: Vec<bool> = seen.into_iter().flatten().collect();
+    !seen.is_empty() && seen.iter().all(|still| *still)
+}
+
+/// The side of a wheel whose column has one value, while the other one's has many.
+fn still_wheel(windows: &Windows) -> Option<&'static str> {
+    let right = largest(&windows.wheel_right)?;
+    let left = largest(&windows.wheel_left)?;
+    match (right == 0.0, left == 0.0) {
+        (true, false) => Some("right"),
+        (false, true) => Some("left"),
+        _ => None,
+    }
+}
+
+/// The times in which the pose stays at one value, or is missing, while a wheel turns (s).
+fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
+    let fastest = [&windows.wheel_right, &windows.wheel_left].map(|side| largest(side));
+    let [Some(right), Some(left)] = fastest else {
+        return Vec::new();
+    };
+    let limit = MOVING_SHARE * right.max(left);
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    let mut first = None;
+    let moves = |i: usize| {
+        let sides = [&windows.wheel_right, &windows.wheel_left];
+        let speeds = sides.map(|side| side.get(i).map_or(f64::NAN, |speed| speed.abs()));
+        limit > 0.0 && speeds.iter().any(|speed| *speed > limit)
+    };
+    let seen = windows.pose_v.iter().any(|v| v.is_finite() && *v != 0.0);
+    if !seen {
+        return found;
+    }
+    for i in 0..=windows.pose_v.len() {
+        let still = match (windows.pose_v.get(i), windows.pose_w.get(i)) {
+            (Some(v), Some(w)) => v.is_nan() || (*v == 0.0 && *w == 0.0),
+            _ => false,
+        };
+        if still && moves(i) {
+            first.get_or_insert(i);
+        } else if let Some(from) = first.take().filter(|from| i - from >= WINDOWS) {
+            let at_s = |i: usize| windows.start_s + i as f64 * window_s;
+            found.push([at_s(from), at_s(i)]);
+        }
+    }
+    found
+}
