@@ -49,8 +49,8 @@ fn robot(rows: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<(Robot, Vec
     }
     let mut robot = rows.robot.clone();
     let mut findings = bursts;
-    if let (Some(faults), Some(wheels)) = (faults, robot.wheels.take()) {
-        robot.wheels = Some(mended_wheels(&wheels, &faults));
+    if let Some(faults) = faults {
+        robot.wheels = robot.wheels.map(|wheels| mended_wheels(&wheels, &faults));
         findings.extend(found);
     }
     for kind in BURSTING {

@@ -11,26 +11,35 @@ pub(crate) const BURSTING: [StreamKind; 3] =
 
 /// Findings about the columns of both wheels.
 pub(crate) fn of_wheels(robot: &str, wheels: &WheelFaults) -> Vec<Finding> {
+    let [right, left] = wheels.names;
+    let of_side = |fault| {
+        let counts = wheels.counts;
+        Column { counts, fault }.all()
+    };
     let mut findings = Vec::new();
-    for (name, fault) in wheels.names.into_iter().zip(&wheels.faults) {
-        let column = Column {
-            robot,
-            name,
-            counts: wheels.counts,
-            fault,
+    let lefts = of_side(&wheels.faults[1]);
+    for (of_right, of_left) in of_side(&wheels.faults[0]).into_iter().zip(lefts) {
+        let both = format!("{right} and {left}");
+        let told = match (of_right, of_left) {
+            (Some(told), Some(other)) if told == other => vec![(both, told)],
+            (of_right, of_left) => {
+                let named = |name: &str, told: Option<Told>| Some((name.to_owned(), told?));
+                [named(right, of_right), named(left, of_left)]
+                    .into_iter()
+                    .flatten()
+                    .collect()
+            }
         };
-        let all = [
-            column.wraps(),
-            column.unclear(),
-            column.glitches(),
-            column.jumps(true),
-            column.jumps(false),
-            column.no_counter(),
-        ];
-        findings.extend(all.into_iter().flatten());
+        for (name, (severity, id, statement, remedy)) in told {
+            let statement = format!("{name}: {statement}");
+            findings.push(Finding::new(severity, robot, id, statement, remedy));
+        }
     }
     findings
 }
+
+/// Severity, id, statement and remedy of a finding.
+type Told = (Severity, &'static str, String, &'static str);
 
 /// Notes about rows that arrive in bursts.
 pub(crate) fn of_bursts(robot: &RobotRows<'_>) -> Vec<Finding> {
@@ -80,22 +89,21 @@ pub(super) fn of_pose_jumps(robot: &RobotRows<'_>) -> Option<Finding> {
 
 /// One wheel's column.
 struct Column<'a> {
-    robot: &'a str,
-    name: &'static str,
     counts: bool,
     fault: &'a Fault,
 }
 
 impl Column<'_> {
-    fn finding(
-        &self,
-        severity: Severity,
-        id: &'static str,
-        statement: String,
-        remedy: &str,
-    ) -> Finding {
-        let statement = format!("{} {statement}", self.name);
-        Finding::new(severity, self.robot, id, statement, remedy)
+    /// What is said of it, kind by kind.
+    fn all(&self) -> [Option<Told>; 6] {
+        [
+            self.wraps(),
+            self.unclear(),
+            self.glitches(),
+            self.jumps(true),
+            self.jumps(false),
+            self.no_counter(),
+        ]
     }
 
     /// A size in the column's unit.
@@ -107,10 +115,10 @@ impl Column<'_> {
         }
     }
 
-    fn wraps(&self) -> Option<Finding> {
+    fn wraps(&self) -> Option<Told> {
         let modulus = self.fault.modulus?;
         let statement = format!(
-            "wraps: it jumps by {} {}; the diagnosis undoes it",
+            "the values wrap by {} {}; the diagnosis undoes it",
             self.size(modulus),
             mend::times(&self.fault.wraps_s),
         );
@@ -119,14 +127,14 @@ impl Column<'_> {
         } else {
             ("angles_wrap", "log angles that are not wrapped")
         };
-        Some(self.finding(Severity::Note, id, statement, remedy))
+        Some((Severity::Note, id, statement, remedy))
     }
 
-    fn unclear(&self) -> Option<Finding> {
+    fn unclear(&self) -> Option<Told> {
         let modulus = self.fault.modulus?;
         let (_, [from_s, to_s]) = *self.fault.unclear.first()?;
         let statement = format!(
-            "wraps at {}, and the wheel is fast enough to pass that more than once in a step of {:.2} s (from \
+            "the values wrap by {}, and the wheel is fast enough to pass that more than once in a step of {:.2} s (from \
              {from_s:.2} s to {to_s:.2} s, {} such steps in all): how far it went then is not known; the diagnosis \
              takes the longest part without such a step",
             self.size(modulus),
@@ -134,33 +142,33 @@ impl Column<'_> {
             self.fault.unclear.len(),
         );
         let remedy = "log more often, or a counter that does not wrap";
-        Some(self.finding(Severity::Warning, "wraps_unclear", statement, remedy))
+        Some((Severity::Warning, "wraps_unclear", statement, remedy))
     }
 
-    fn glitches(&self) -> Option<Finding> {
+    fn glitches(&self) -> Option<Told> {
         let times_s: Vec<f64> = self.fault.glitches.iter().map(|(_, t_s)| *t_s).collect();
         (!times_s.is_empty()).then(|| {
             let statement = format!(
-                "has {} at another value, back at the next row, {}; the diagnosis leaves {} out",
+                "{} at another value, back at the next row, {}; the diagnosis leaves {} out",
                 rows(times_s.len()),
                 mend::times(&times_s),
                 if times_s.len() == 1 { "it" } else { "them" },
             );
             let remedy = "look for bytes that are lost between encoder and logger";
-            self.finding(Severity::Note, "counter_glitches", statement, remedy)
+            (Severity::Note, "counter_glitches", statement, remedy)
         })
     }
 
     /// Jumps to zero, or the others.
-    fn jumps(&self, to_zero: bool) -> Option<Finding> {
+    fn jumps(&self, to_zero: bool) -> Option<Told> {
         let jumps = self.fault.jumps.iter();
         let jumps: Vec<&Jump> = jumps.filter(|jump| jump.to_zero == to_zero).collect();
         let times_s: Vec<f64> = jumps.iter().map(|jump| jump.between_s[1]).collect();
         let largest = jumps.iter().map(|jump| jump.step.abs()).reduce(f64::max)?;
         let (id, what) = if to_zero {
-            ("counter_resets", "is set to zero")
+            ("counter_resets", "the counter is set to zero")
         } else {
-            ("counter_jumps", "jumps and goes on from there")
+            ("counter_jumps", "the values jump and go on from there")
         };
         let statement = format!(
             "{what} {} (by {}{}); the diagnosis undoes it, with the speed before and after for the row between, in \
@@ -170,14 +178,14 @@ impl Column<'_> {
             if jumps.len() > 1 { " at most" } else { "" },
         );
         let remedy = "look for a driver that was started anew while the robot drove";
-        Some(self.finding(Severity::Warning, id, statement, remedy))
+        Some((Severity::Warning, id, statement, remedy))
     }
 
-    fn no_counter(&self) -> Option<Finding> {
+    fn no_counter(&self) -> Option<Told> {
         self.fault.is_no_counter.then(|| {
-            let statement = "jumps too often for a running counter".to_owned();
+            let statement = "the values jump too often for a running counter".to_owned();
             let remedy = "look whether the column is what its name says";
-            self.finding(Severity::Warning, "counter_jumps", statement, remedy)
+            (Severity::Warning, "counter_jumps", statement, remedy)
         })
     }
 }

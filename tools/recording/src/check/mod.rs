@@ -136,6 +136,8 @@ fn of_columns(
     let Some((seen, interval_s)) = seen else {
         return counters::of_wheels(name, faults);
     };
+    // values that are no counter have no faults of one
+    faults.faults = Default::default();
     faults.level = seen.level;
     if let Some(level) = seen.level {
         let each = windows.iter_mut();

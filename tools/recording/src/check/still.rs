@@ -8,8 +8,10 @@ use crate::rows::RobotRows;
 
 /// A wheel moves in a window if it turns faster than this share of its fastest.
 const MOVING_SHARE: f64 = 0.2;
-/// So many windows in a row are no coincidence (two seconds).
+/// So many windows in a row are no coincidence (two seconds), and one in so many of the recording: streams need not
+/// begin and end together.
 const WINDOWS: usize = 4;
+const ONE_IN: usize = 20;
 /// A robot that stays within this (m, rad) of noise over the whole recording does not drive.
 const STAYS_M_S: f64 = 0.02;
 const STAYS_RAD_S: f64 = 0.05;
@@ -106,6 +108,7 @@ fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
         let speeds = sides.map(|side| side.get(i).map_or(f64::NAN, |speed| speed.abs()));
         limit > 0.0 && speeds.iter().any(|speed| *speed > limit)
     };
+    let least = WINDOWS.max(windows.pose_v.len() / ONE_IN);
     let seen = windows.pose_v.iter().any(|v| v.is_finite() && *v != 0.0);
     if !seen {
         return found;
@@ -117,7 +120,7 @@ fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
         };
         if still && moves(i) {
             first.get_or_insert(i);
-        } else if let Some(from) = first.take().filter(|from| i - from >= WINDOWS) {
+        } else if let Some(from) = first.take().filter(|from| i - from >= least) {
             let at_s = |i: usize| windows.start_s + i as f64 * window_s;
             found.push([at_s(from), at_s(i)]);
         }

@@ -15,6 +15,11 @@ const FEWEST_COUNTS: f64 = 64.0;
 /// Fewest rows that can show a range.
 const FEWEST_ROWS: usize = 30;
 
+/// With so many steps through more than half of a usual range that is filled to this part, the column wraps, also
+/// where the wheel is too fast to tell how often.
+const MANY_TURNS: usize = 10;
+const FILLED_TO: f64 = 0.03;
+
 /// A step from one end of the range to the other.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
@@ -39,6 +44,10 @@ pub(super) fn modulus(
     let known_to = |turn: &Turn| KNOWN_TO * scale.reach(turn.dt_s) + f64::from(counts);
     let least = if counts { FEWEST_COUNTS } else { 0.9 * TAU };
     let agree = |turn: &Turn| (turn.size - size).abs() <= known_to(turn);
+    let crowded = full_range(high - low, counts, turn).filter(|_| turns.len() >= MANY_TURNS);
+    if crowded.is_some() {
+        return crowded;
+    }
     if size < least || size < KNOWN_TO * scale.reach(0.0) || !turns.iter().all(agree) {
         return None;
     }
@@ -96,6 +105,12 @@ fn at_ends(turn: &Turn, modulus: f64, known_to: f64) -> bool {
     let half = modulus / 2.0;
     let near = |value: f64, end: f64| (value - end).abs() <= known_to;
     (near(low, 0.0) && near(high, modulus)) || (near(low, -half) && near(high, half))
+}
+
+/// The usual modulus whose range the values fill.
+fn full_range(range: f64, counts: bool, turn: Option<f64>) -> Option<f64> {
+    let size = range * (1.0 + FILLED_TO / 2.0);
+    known_modulus(size, range * FILLED_TO / 2.0, range, counts, turn)
 }
 
 /// A modulus that is usual: a turn, or a power of two.
