@@ -16,7 +16,11 @@ pub fn contradictions(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let budgets = answer.budget.iter();
     let of_budgets = budgets.map(|own| (own.after, own.expected, NOTHING));
-    let channels = answer.held_out.channels.iter().filter(|own| own.channel != "link");
+    let channels = answer
+        .held_out
+        .channels
+        .iter()
+        .filter(|own| own.channel != "link");
     let of_channels = channels.map(|own| (own.rms_after, own.rms_expected, 0.0));
     let off = of_budgets
         .chain(of_channels)
@@ -25,10 +29,15 @@ pub fn contradictions(answer: &Answer) -> Vec<String> {
         .fold(0.0, f64::max);
     let certain = answer.verdict != Verdict::Unexplained;
     if certain && off > EXPLAINED {
-        all.push(format!("{:?} beside {off:.1} times the noise", answer.verdict));
+        all.push(format!(
+            "{:?} beside {off:.1} times the noise",
+            answer.verdict
+        ));
     }
     if answer.statement.contains("to within noise") && off > WITHIN {
-        all.push(format!("\"to within noise\" beside {off:.2} times the noise"));
+        all.push(format!(
+            "\"to within noise\" beside {off:.2} times the noise"
+        ));
     }
     if answer.verdict == Verdict::Match && !answer.findings.is_empty() {
         all.push("match with findings".to_owned());
@@ -53,7 +62,10 @@ fn of_budget(own: &Budget) -> Vec<String> {
     };
     for part in &own.parts {
         if !(part.share >= 0.0 && part.share <= own.before * (1.0 + ROUNDING)) {
-            add(format!("part {} is {} of {}", part.name, part.share, own.before));
+            add(format!(
+                "part {} is {} of {}",
+                part.name, part.share, own.before
+            ));
         }
     }
     if (sum(false) - own.before).abs() > ROUNDING * own.before {
@@ -61,15 +73,27 @@ fn of_budget(own: &Budget) -> Vec<String> {
     }
     // what is left beyond the error before was not there to be shared out
     if (sum(true) - own.after.min(own.before)).abs() > ROUNDING * own.before {
-        add(format!("what is left adds up to {} of {}", sum(true), own.after));
+        add(format!(
+            "what is left adds up to {} of {}",
+            sum(true),
+            own.after
+        ));
     }
     all
 }
 
 /// Units that a set of findings predicts worse than the model without, by more than 2 %.
 pub fn worse(answer: &Answer) -> Vec<String> {
-    let worse = answer.budget.iter().filter(|own| own.after > 1.02 * own.before);
+    let worse = answer
+        .budget
+        .iter()
+        .filter(|own| own.after > 1.02 * own.before);
     worse
-        .map(|own| format!("{} {}: {:.4} after {:.4}", own.robot, own.unit, own.after, own.before))
+        .map(|own| {
+            format!(
+                "{} {}: {:.4} after {:.4}",
+                own.robot, own.unit, own.after, own.before
+            )
+        })
         .collect()
 }

@@ -43,7 +43,10 @@ pub fn inputs(folder: &Path) -> Vec<Input> {
 }
 
 fn name(path: &Path, folder: &Path) -> String {
-    path.strip_prefix(folder).unwrap_or(path).display().to_string()
+    path.strip_prefix(folder)
+        .unwrap_or(path)
+        .display()
+        .to_string()
 }
 
 fn folders(folder: &Path) -> Vec<PathBuf> {
@@ -59,7 +62,7 @@ impl Input {
     pub fn read(&self) -> Result<(Recording, RobotModel), String> {
         let map = Map::read(None, self.columns.as_deref()).map_err(|error| error.to_string())?;
         let import = read_mapped(&self.recording, &map).map_err(|error| error.to_string())?;
-        let model = robot_file::read(&self.robot).map_err(|error| error.to_string())?;
+        let model = robot_file::read_model(&self.robot).map_err(|error| error.to_string())?;
         Ok((import.recording, model))
     }
 }

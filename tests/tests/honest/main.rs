@@ -82,7 +82,10 @@ fn no_verdict_contradicts_its_numbers() {
                     own.len(),
                     worse.join(", "),
                 );
-                all.extend(own.into_iter().map(|what| format!("{}: {what}", input.name)));
+                all.extend(
+                    own.into_iter()
+                        .map(|what| format!("{}: {what}", input.name)),
+                );
             }
         }
     }

@@ -176,7 +176,13 @@ fn found(answer: &Answer) -> Vec<(String, Vec<f64>)> {
 #[test]
 fn a_robot_that_does_as_it_is_told_matches() {
     let (answer, _) = diagnosed(NOMINAL, &model());
-    assert_eq!(answer.verdict, Verdict::Match, "{} {:?}", answer.statement, found(&answer));
+    assert_eq!(
+        answer.verdict,
+        Verdict::Match,
+        "{} {:?}",
+        answer.statement,
+        found(&answer)
+    );
 }
 
 #[test]
@@ -250,7 +256,13 @@ fn what_both_recordings_share_is_no_change() {
         ..NOMINAL
     };
     let answer = changed(truth, truth).unwrap();
-    assert_eq!(answer.verdict, Verdict::Match, "{} {:?}", answer.statement, found(&answer));
+    assert_eq!(
+        answer.verdict,
+        Verdict::Match,
+        "{} {:?}",
+        answer.statement,
+        found(&answer)
+    );
     assert_eq!(answer.against, ["speeds"]);
 }
 
@@ -347,7 +359,13 @@ fn a_copy_with_a_gap_and_an_outlier_matches_and_says_what_it_would_have_shown() 
         pose.values.y_m.drain(100..130);
         pose.values.yaw_rad.as_mut().unwrap().drain(100..130);
     });
-    assert_eq!(answer.verdict, Verdict::Match, "{} {:?}", answer.statement, found(&answer));
+    assert_eq!(
+        answer.verdict,
+        Verdict::Match,
+        "{} {:?}",
+        answer.statement,
+        found(&answer)
+    );
     let mut limits = answer.detectable.iter();
     let late = limits.find(|own| own.effect == "pose_latency").unwrap();
     let smallest_s = late.smallest.unwrap();

@@ -216,10 +216,6 @@ impl Search<'_> {
             drive_error(self.drive, &with.at)
                 < (1.0 - USE_SHARE) * drive_error(self.drive, &without.at)
         };
-        eprintln!(
-            "DBG full {} {:?} {}",
-            full.objective, full.at, full.converged
-        );
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
         let mut after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
@@ -232,17 +228,6 @@ impl Search<'_> {
         }
         let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
-        eprintln!(
-            "DBG after {} {:?} {} {:?}",
-            after.fit.objective,
-            after.fit.at,
-            after.fit.converged,
-            after
-                .kept
-                .iter()
-                .map(|k| (k.term.name, k.gain))
-                .collect::<Vec<_>>()
-        );
         Some(DriveFit {
             after,
             nominal: self.nominal,
@@ -376,14 +361,6 @@ impl Search<'_> {
         let own = self.response(&self.problem, terms);
         let plain = self.response(&self.plain, terms);
         let grown = self.problem.fit(&plain.at, &own.free, FULL);
-        eprintln!(
-            "DBG plain {} {:?} {}",
-            plain.objective, plain.at, plain.converged
-        );
-        eprintln!(
-            "DBG grown {} {:?} {}",
-            grown.objective, grown.at, grown.converged
-        );
         if grown.objective > own.objective {
             grown
         } else {

@@ -405,9 +405,16 @@ impl Machine<'_> {
         let measured = self.measured(&fits);
         let bench = Bench::new(&measured, &claims, &all);
         let judged = bench.judged();
-        let is_paired = self.joint.as_ref().is_some_and(|joint| joint.before.is_paired());
+        let is_paired = self
+            .joint
+            .as_ref()
+            .is_some_and(|joint| joint.before.is_paired());
         // a change between rows of one course is known far below what either recording is predicted to
-        let worse = if is_paired { Vec::new() } else { judged.worse() };
+        let worse = if is_paired {
+            Vec::new()
+        } else {
+            judged.worse()
+        };
         let figures = task
             .illustrate
             .filter(|_| worse.is_empty())
