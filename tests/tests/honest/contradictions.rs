@@ -16,11 +16,10 @@ pub fn contradictions(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let budgets = answer.budget.iter();
     let of_budgets = budgets.map(|own| (own.after, own.expected, NOTHING));
-    let channels = answer
-        .held_out
-        .channels
-        .iter()
-        .filter(|own| own.channel != "link");
+    // the position stands for x and y
+    let left_out = ["link", "pose_x", "pose_y"];
+    let channels = answer.held_out.channels.iter();
+    let channels = channels.filter(|own| !left_out.contains(&own.channel.as_str()));
     let of_channels = channels.map(|own| (own.rms_after, own.rms_expected, 0.0));
     let off = of_budgets
         .chain(of_channels)

@@ -39,6 +39,9 @@ fn short(size: f64) -> String {
     }
 }
 
+/// Parts of a budget that no finding takes away.
+const LEFT: [&str; 2] = ["unexplained", "sensor noise"];
+
 /// What the findings make of the error of one robot, in centimetres or degrees.
 pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
     let size = |value: f64| size(value, budget.unit);
@@ -47,12 +50,15 @@ pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
     } else {
         "heading"
     };
+    let is_found = |part: &slipstream_diagnose::BudgetPart| !LEFT.contains(&part.name.as_str());
+    let robot = &budget.robot;
     let mut text = format!(
-        "Robot {}: {what} error over {horizon_s:.0} s: {} rms with the model, {} with the findings",
-        budget.robot,
-        size(budget.before),
-        size(budget.after),
+        "Robot {robot}: {what} error over {horizon_s:.0} s: {} rms",
+        size(budget.before)
     );
+    if budget.parts.iter().any(is_found) {
+        text += &format!(" with the model, {} with the findings", size(budget.after));
+    }
     for part in &budget.parts {
         if part.share.abs() > SMALL_PART * budget.before {
             match part.name.as_str() {

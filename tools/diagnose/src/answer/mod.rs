@@ -240,7 +240,8 @@ pub struct HeldOutChannel {
     pub rms_before: f64,
     /// Root mean square error after, in that unit.
     pub rms_after: f64,
-    /// Root mean square error that the sensors' noise and the reported process noise predict.
+    /// Root mean square error below which the sensors' noise and the reported process noise stay with 95 %
+    /// confidence.
     pub rms_expected: f64,
 }
 
@@ -270,7 +271,7 @@ pub struct Budget {
     pub before: f64,
     /// The same after.
     pub after: f64,
-    /// The error that the sensors' noise and the reported process noise predict.
+    /// The error below which the sensors' noise and the reported process noise stay with 95 % confidence.
     pub expected: f64,
     /// Shares that add up to `before`.
     pub parts: Vec<BudgetPart>,

@@ -1,6 +1,6 @@
 //! The verdict: whether what is left is what noise predicts, and the sentence that says so.
 
-use super::score::{HEADING, PLACE, Score, is_channel};
+use super::score::{HEADING, PLACE, POSE, Score, is_channel};
 use super::{NAMES, QUANTITIES};
 use crate::answer::{Answer, Budget, Unexplained, Verdict};
 
@@ -33,7 +33,9 @@ struct Excess {
 
 impl Judged {
     fn excess(&self) -> Option<Excess> {
-        let all = (0..QUANTITIES).filter_map(|quantity| {
+        // x and y are judged together, as position
+        let all = (0..QUANTITIES).filter(|quantity| ![POSE, POSE + 1].contains(quantity));
+        let all = all.filter_map(|quantity| {
             let square = self.after.mean_square(quantity)?;
             let ratio = (square / self.after.expected(quantity)?).sqrt();
             let least = if [HEADING, PLACE].contains(&quantity) {
@@ -258,7 +260,7 @@ impl Numbers {
         };
         // an excess that shows in a channel alone is told by that channel
         let told = match excess.quantity {
-            HEADING | 4 => own("rad").map(|_| HEADING),
+            HEADING | 4 if excess.ratio > EXPLAINED => own("rad").map(|_| HEADING),
             own if is_channel(own) && excess.ratio > EXPLAINED && own != 2 && own != 3 => Some(own),
             _ => own("m").map(|_| PLACE).or(own("rad").map(|_| HEADING)),
         };

@@ -9,6 +9,9 @@ pub(crate) const GYRO: usize = 9;
 pub(crate) const PLACE: usize = 10;
 pub(crate) const HEADING: usize = 11;
 
+/// Deviations below which a normal number stays with 95 % confidence.
+const CONFIDENT: f64 = 1.645;
+
 /// Whether a quantity is a channel, and not made of channels.
 pub(crate) fn is_channel(quantity: usize) -> bool {
     quantity < PLACE
@@ -26,6 +29,7 @@ struct Sum {
     /// Variance that sensor and process noise together predict.
     expected: f64,
     rows: f64,
+    windows: f64,
 }
 
 /// What one or several windows score.
@@ -42,6 +46,9 @@ impl Score {
             return;
         }
         let sum = &mut self.sums[quantity];
+        if sum.rows == 0.0 {
+            sum.windows = 1.0;
+        }
         sum.squares += square;
         sum.levels += square / sensor;
         sum.sensor += sensor;
@@ -65,6 +72,7 @@ impl Score {
             own.sensor += other.sensor;
             own.expected += other.expected;
             own.rows += other.rows;
+            own.windows += other.windows;
         }
         self
     }
@@ -94,9 +102,12 @@ impl Score {
         self.mean(quantity, self.sums[quantity].sensor)
     }
 
-    /// Mean variance that noise predicts.
+    /// Mean square error below which noise stays with 95 % confidence: errors within a window go together, and the
+    /// mean over n independent windows has a deviation of √(2/n).
     pub(crate) fn expected(&self, quantity: usize) -> Option<f64> {
-        self.mean(quantity, self.sums[quantity].expected)
+        let sum = &self.sums[quantity];
+        let chance = 1.0 + CONFIDENT * (2.0 / sum.windows.max(1.0)).sqrt();
+        Some(self.mean(quantity, sum.expected)? * chance)
     }
 
     /// Root mean square over several channels in standard deviations of their sensors.
@@ -131,8 +142,9 @@ mod tests {
         score.add(PLACE, f64::NAN, 1.0, 2.0);
         score.add(PLACE, 0.0, 1.0, 0.5);
         assert_eq!(score.mean_square(PLACE), Some(2.0));
-        // noise is at least that of the sensor
-        assert_eq!(score.expected(PLACE), Some(1.5));
+        // noise is at least that of the sensor, and this is one window
+        let expected = score.expected(PLACE).unwrap();
+        assert!((expected - 1.5 * (1.0 + 1.645 * 2.0_f64.sqrt())).abs() < 1e-12);
         assert_eq!(score.mean_square(HEADING), None);
         assert_eq!(score.level(&[PLACE]), Some(2.0_f64.sqrt()));
     }
