@@ -415,3 +415,61 @@ fn recordings_that_cannot_be_compared_are_refused_in_words() {
     other.robots[0].wheels = None;
     refused(today, other, "shares no pose");
 }
+
+/// The same recording with other wheel angles.
+fn with_wheels(mut recording: Recording, change: impl Fn(usize, f64) -> f64) -> Recording {
+    let wheels = recording.robots[0].wheels.as_mut().unwrap();
+    if let Wheels::Angle {
+        right_rad,
+        left_rad,
+    } = &mut wheels.values
+    {
+        for side in [right_rad, left_rad] {
+            side.iter_mut()
+                .enumerate()
+                .for_each(|(row, angle)| *angle = change(row, *angle));
+        }
+    }
+    recording
+}
+
+#[test]
+fn angles_that_wrap_or_restart_are_diagnosed_as_those_that_run_on() {
+    let truth = Truth {
+        delay_s: 0.12,
+        ..NOMINAL
+    };
+    let answer = |recording: Recording| {
+        let (answer, _) = diagnose(&Request {
+            recordings: &[recording],
+            against: &[],
+            model_of: &|_| Some(model()),
+            excluded: &[],
+            excluded_s: &[],
+            progress: &|_| (),
+        })
+        .unwrap();
+        let said: Vec<String> = answer.warnings.iter().map(|w| w.id.clone()).collect();
+        (found(&answer), answer.held_out.nrmse_after, said)
+    };
+    let plain = answer(recorded(truth));
+    assert!(plain.2.is_empty(), "{:?}", plain.2);
+    let wrap = |_, angle: f64| angle.rem_euclid(std::f64::consts::TAU);
+    let restart = |row, angle: f64| if row < 700 { angle + 400.0 } else { angle };
+    for (changed, id) in [
+        (with_wheels(recorded(truth), wrap), "angles_wrap"),
+        (with_wheels(recorded(truth), restart), "counter_jumps"),
+    ] {
+        let (findings, after, said) = answer(changed);
+        let names = |all: &[(String, Vec<f64>)]| -> Vec<String> {
+            all.iter().map(|(name, _)| name.clone()).collect()
+        };
+        assert_eq!(names(&findings), names(&plain.0));
+        assert!((findings[0].1[0] - 0.12).abs() < 1e-3, "{findings:?}");
+        assert!((after - plain.1).abs() < 0.02, "{id}: {after}");
+        assert!(
+            said.iter().all(|said| said == id) && !said.is_empty(),
+            "{said:?}"
+        );
+    }
+}

@@ -1,7 +1,6 @@
 //! Rows that arrive together after a pause: their stamps are times of arrival, not of measurement.
 
-use super::MOST_FAULTS;
-use super::scale::intervals;
+use super::scale::{MOST_FAULTS, intervals};
 use crate::rows::Rows;
 
 /// A pause is longer than so many usual intervals.

@@ -1,8 +1,8 @@
 //! A row at another value, and back at the next row.
 
 use super::column::{Column, Sample};
-use super::scale::Scale;
-use super::{MOST_FAULTS, jumps::IMPLAUSIBLE};
+use super::jumps::IMPLAUSIBLE;
+use super::scale::{MOST_FAULTS, Scale};
 
 /// The rows on both sides of a glitch are no further apart than the wheel gets in that time.
 const BACK: f64 = 2.0;

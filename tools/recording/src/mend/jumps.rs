@@ -1,8 +1,7 @@
 //! Counters that go on from another value: a driver that was started anew, a counter that was set to zero.
 
-use super::MOST_FAULTS;
 use super::column::{Column, Sample};
-use super::scale::{Scale, fold};
+use super::scale::{MOST_FAULTS, Scale, fold};
 
 /// A step of so many times what the wheel gets in that time is no motion. Recordings of real robots have up to
 /// six, where rows were lost and the stamps do not show it.

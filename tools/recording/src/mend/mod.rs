@@ -23,6 +23,3 @@ pub(crate) use scale::interval_s;
 pub(crate) use undo::MendedWheels;
 pub(crate) use wheels::{Fault, Level, WheelFaults, wheels};
 pub(crate) use words::times;
-
-/// Most faults of one kind that are kept; further ones are not looked for.
-const MOST_FAULTS: usize = 10_000;

@@ -2,8 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::MOST_FAULTS;
-use super::scale::quantile;
+use super::scale::{MOST_FAULTS, quantile};
 use crate::recording::Unwrap;
 use crate::rows::Rows;
 

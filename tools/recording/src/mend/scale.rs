@@ -3,6 +3,8 @@
 use super::column::{Column, Sample};
 use crate::rows::Rows;
 
+/// Most faults of one kind that are kept; further ones are not looked for.
+pub(super) const MOST_FAULTS: usize = 10_000;
 /// Steps that are kept to take quantiles of.
 const MOST_STEPS: usize = 8192;
 /// Fewest steps with a change; fewer say nothing about the speed of a column.

@@ -6,9 +6,12 @@ use std::ops::Range;
 use super::column::Column;
 use super::glitches::glitches;
 use super::jumps::{Jump, jumps};
-use super::scale::{Scale, fold};
+use super::scale::{MOST_FAULTS, Scale, fold};
 use super::wraps::modulus;
 use crate::rows::Rows;
+
+/// A step of half of the modulus may as well be one back; a little less, since nearly the fastest counts.
+const KNOWN_STEP: f64 = 0.45;
 
 /// What the columns of angles or counts hold instead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -153,12 +156,12 @@ fn look_at_wraps(
         };
         let step: f64 = sample.value - value;
         let (dt_s, folded) = (sample.t_s - t_s, fold(step, Some(modulus)));
-        if (step - folded).abs() > 0.5 * modulus && fault.wraps_s.len() < super::MOST_FAULTS {
+        if (step - folded).abs() > 0.5 * modulus && fault.wraps_s.len() < MOST_FAULTS {
             fault.wraps_s.push(sample.t_s);
         }
         // a wheel that comes back to the same value has rested
-        let may_be_more = scale.fastest_per_s * dt_s.max(scale.interval_s) > 0.5 * modulus;
-        if may_be_more && folded != 0.0 && fault.unclear.len() < super::MOST_FAULTS {
+        let may_be_more = scale.fastest_per_s * dt_s.max(scale.interval_s) > KNOWN_STEP * modulus;
+        if may_be_more && folded != 0.0 && fault.unclear.len() < MOST_FAULTS {
             fault.unclear.push((sample.row, [t_s, sample.t_s]));
         }
     });

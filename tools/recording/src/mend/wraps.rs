@@ -2,9 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::MOST_FAULTS;
 use super::column::{Column, Sample};
-use super::scale::{Scale, quantile};
+use super::scale::{MOST_FAULTS, Scale, quantile};
 
 /// A step of more than this share of all that the column ever shows is no motion of a wheel.
 const SHARE_OF_RANGE: f64 = 0.5;
@@ -15,6 +14,8 @@ const FEWEST_COUNTS: f64 = 64.0;
 /// Fewest rows that can show a range.
 const FEWEST_ROWS: usize = 30;
 
+/// The mean of sizes is within so many median deviations over the root of their number.
+const DEVIATIONS: f64 = 4.0;
 /// With so many steps through more than half of a usual range that is filled to this part, the column wraps, also
 /// where the wheel is too fast to tell how often.
 const MANY_TURNS: usize = 10;
@@ -44,22 +45,28 @@ pub(super) fn modulus(
     let known_to = |turn: &Turn| KNOWN_TO * scale.reach(turn.dt_s) + f64::from(counts);
     let least = if counts { FEWEST_COUNTS } else { 0.9 * TAU };
     let agree = |turn: &Turn| (turn.size - size).abs() <= known_to(turn);
-    let crowded = full_range(high - low, counts, turn).filter(|_| turns.len() >= MANY_TURNS);
-    if crowded.is_some() {
-        return crowded;
-    }
     if size < least || size < KNOWN_TO * scale.reach(0.0) || !turns.iter().all(agree) {
-        return None;
+        return full_range(high - low, counts, turn).filter(|_| turns.len() >= MANY_TURNS);
     }
     let error = turns.iter().map(known_to).fold(f64::INFINITY, f64::min);
+    let error = error.min(precision(&turns, size, counts).unwrap_or(error));
     let known = known_modulus(size, error, high - low, counts, turn);
     let is_sure =
         |modulus: &f64| turns.len() > 1 || turns.iter().all(|t| at_ends(t, *modulus, known_to(t)));
     match known {
         Some(modulus) => Some(modulus).filter(is_sure),
-        None if turns.len() > 1 && counts => roundest([high - low + 1.0, size + error]),
+        None if turns.len() > 1 && counts => {
+            roundest([high - low + 1.0, (size + error).max(high - low + 1.0)])
+        }
         None => (turns.len() > 1).then_some(size),
     }
+}
+
+/// How well the size of several wraps is known; `None` for one.
+fn precision(turns: &[Turn], size: f64, counts: bool) -> Option<f64> {
+    let away = turns.iter().map(|turn| (turn.size - size).abs()).collect();
+    let deviation = quantile(away, 0.5).filter(|_| turns.len() > 1)?;
+    Some(DEVIATIONS * deviation / (turns.len() as f64).sqrt() + f64::from(counts))
 }
 
 /// Smallest and largest value.

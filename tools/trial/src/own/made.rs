@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_recording::{Recording, robot_toml, write_folder};
+use slipstream_recording::{Recording, mended, robot_toml, write_folder};
 use slipstream_sim::effects::find;
 
 use super::change::Change;
@@ -51,7 +51,9 @@ pub fn make(
         let remedy = "give one with wheels or commands, and poses or a gyro";
         return Err(InputError::new(&recording.name, "holds no robot", remedy).into());
     };
-    let own = alone(recording);
+    // a change must meet what a diagnosis reads: a counter that wraps is not stretched
+    let (recording, _) = mended(recording, &|_| Some(model.clone()));
+    let own = alone(&recording);
     let model_file = folder.join("robot.toml");
     std::fs::write(&model_file, robot_toml::to_text(model))
         .map_err(TrialError::system(model_file.display()))?;
