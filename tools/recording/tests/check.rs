@@ -101,7 +101,7 @@ fn a_clean_drive_has_no_findings() {
 #[test]
 fn each_fault_is_found_under_its_id() {
     type Fault = fn(&mut Recording);
-    let cases: [(&str, &str, Fault); 10] = [
+    let cases: [(&str, &str, Fault); 13] = [
         ("units", "yaw is in degrees", |r| {
             scale(
                 pose(r).values.yaw_rad.as_mut().unwrap(),
@@ -119,10 +119,25 @@ fn each_fault_is_found_under_its_id() {
                 180.0 / std::f64::consts::PI,
             );
         }),
-        ("units", "wheels's angles are in degrees", |r| {
+        ("wheel_scale", "wheels's angles are in degrees", |r| {
             let (right, left) = wheels(r);
             scale(right, 180.0 / std::f64::consts::PI);
             scale(left, 180.0 / std::f64::consts::PI);
+        }),
+        ("wheel_scale", "quadrature x4", |r| {
+            let (right, left) = wheels(r);
+            scale(right, 4.0);
+            scale(left, 4.0);
+        }),
+        ("wheel_scale", "a diameter in place of a radius", |r| {
+            let (right, left) = wheels(r);
+            scale(right, 0.5);
+            scale(left, 0.5);
+        }),
+        ("wheel_scale", "in turns where degrees", |r| {
+            let (right, left) = wheels(r);
+            scale(right, 1.0 / 360.0);
+            scale(left, 1.0 / 360.0);
         }),
         ("wheels_swapped", "right and left wheel are swapped", |r| {
             let (right, left) = wheels(r);
@@ -160,7 +175,13 @@ fn each_fault_is_found_under_its_id() {
             .iter()
             .find(|f| f.id == id && f.statement.contains(words));
         let found = found.unwrap_or_else(|| panic!("{words}: {report}"));
-        assert_eq!(found.severity, Severity::Error);
+        // a diagnosis measures a scale of the wheels
+        let severity = if id == "wheel_scale" {
+            Severity::Warning
+        } else {
+            Severity::Error
+        };
+        assert_eq!(found.severity, severity);
         // Findings of other kinds follow from the same fault.
         let others = report
             .findings

@@ -7,6 +7,7 @@ mod figures;
 #[cfg(test)]
 mod fixture;
 mod manoeuvre;
+mod miscount;
 mod setup;
 pub(crate) mod shape;
 pub(crate) mod statement;

@@ -2,6 +2,7 @@
 
 use slipstream_sim::effects::Role;
 
+use crate::answer::miscount::cause;
 use crate::answer::{Finding, ParameterEstimate};
 use crate::answer::{in_digits, manoeuvre};
 
@@ -20,7 +21,8 @@ pub(crate) fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], know
         "which the model leaves out"
     };
     let numbers: Vec<String> = finding.parameters.iter().filter_map(number).collect();
-    let numbers = numbers.join(", ");
+    let cause = cause(finding).map_or_else(String::new, |cause| format!(": {cause}"));
+    let numbers = numbers.join(", ") + &cause;
     let told = told(finding);
     format!("Robot {robot}, {channel}, {when}: {summary}, {how}; {numbers}. {told}.")
 }

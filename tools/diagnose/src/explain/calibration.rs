@@ -342,7 +342,12 @@ impl Search<'_> {
                     .any(|own| own == i)
         };
         let still = free_of(&|i| !is_clock(i), terms);
-        let mut at = gaussian.fit(self.nominal, &still, ROUGH).at;
+        let mut start = self.nominal.to_vec();
+        let crude = self.machine.crude_scale;
+        if !self.machine.before.any() && still.contains(&COMMON) && crude != 0.0 {
+            start[COMMON] = crude;
+        }
+        let mut at = gaussian.fit(&start, &still, ROUGH).at;
         for index in self.noise {
             at[*index] -= 0.3;
         }

@@ -6,6 +6,12 @@ use slipstream_sim::effects::{Domain, find};
 use crate::answer::shape::resemblance;
 use crate::model::nominal::number;
 
+/// Factors that robots have without a mistake: a radius, encoders or motors that differ from their data.
+const USUAL_FACTOR: f64 = 2.0;
+/// A factor beyond that is one where it is known this well (half width of the interval of its logarithm):
+/// streams that hardly follow each other do not tell it to 1 %.
+const KNOWN_FACTOR: f64 = 0.01;
+
 /// How a parameter changes from its nominal value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scale {
@@ -122,6 +128,16 @@ impl Value {
         self.applied(nominal, self.change)
     }
 
+    /// Whether it is no factor, or one that robots have.
+    fn is_usual(&self) -> bool {
+        self.scale != Scale::Factor || self.change.abs() <= USUAL_FACTOR.ln()
+    }
+
+    /// Whether it is a factor that is known well.
+    fn is_known(&self) -> bool {
+        self.half[0].max(self.half[1]) < KNOWN_FACTOR
+    }
+
     pub(crate) fn interval(&self, nominal: Option<f64>) -> [f64; 2] {
         let [below, above] = self.half;
         let [a, b] = [self.change - below, self.change + above].map(|c| self.applied(nominal, c));
@@ -150,7 +166,9 @@ impl Claim {
         self.values.iter().all(|value| {
             let estimate = value.estimate(self.nominal(model, value.name));
             match info.parameter(value.name).map(|own| own.domain) {
-                Some(Domain::Number { lower, upper, .. }) => (lower..=upper).contains(&estimate),
+                Some(Domain::Number { lower, upper, .. }) => {
+                    (lower..=upper).contains(&estimate) && (value.is_usual() || value.is_known())
+                }
                 _ => true,
             }
         })

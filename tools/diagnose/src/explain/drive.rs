@@ -371,9 +371,12 @@ impl Search<'_> {
     /// Delay, lag and gain from several starts.
     fn response(&self, problem: &Problem<'_>, terms: &[Term]) -> Fit {
         let free = self.free(&[DELAY_TERM, LAG_TERM, GAIN_TERM], terms);
-        let before = self.noise_alone(problem);
+        let mut before = self.noise_alone(problem);
+        if !self.drive.before.any() && has_term(terms, GAIN_TERM) {
+            before.at[GAIN] += self.drive.crude_gain;
+        }
         let gained = problem.fit(&before.at, &self.free(&[GAIN_TERM], terms), ROUGH);
-        let has = |name: &str| terms.iter().any(|t| t.name == name);
+        let has = |name: &str| has_term(terms, name);
         let (mut starts, mut fits) = (Vec::new(), vec![gained.clone()]);
         let delays_s: &[f64] = if has(DELAY_TERM) { &DELAYS_S } else { &[0.0] };
         let lags_s: &[f64] = if has(LAG_TERM) { &LAGS_S } else { &[0.0] };
@@ -397,6 +400,10 @@ impl Search<'_> {
             .max_by(|a, b| a.objective.total_cmp(&b.objective));
         best.unwrap_or(gained)
     }
+}
+
+fn has_term(terms: &[Term], name: &str) -> bool {
+    terms.iter().any(|term| term.name == name)
 }
 
 /// Whether a parameter belongs to the slow response, which is no effect.

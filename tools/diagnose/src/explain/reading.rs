@@ -30,6 +30,9 @@ const ALIKE: f64 = 3.0;
 /// Latencies within this (s) count as one.
 const ALIKE_S: f64 = 2e-3;
 
+/// Factor from which on a wheel is no longer of another size.
+const FAR: f64 = 1.8;
+
 /// A number and its deviation; what was not needed is 0 and known.
 #[derive(Debug, Clone, Copy, Default)]
 struct Known {
@@ -397,12 +400,36 @@ impl Reading<'_> {
             self.turning(fitted, asymmetry, track, claims);
             return;
         }
-        if clear {
+        if clear && self.is_miscounted(&wheels) {
+            claims.push(self.miscounted(fitted, &wheels));
+        } else if clear {
             claims.push(self.wheel_radius(fitted, &wheels));
         }
         if !self.calibration.is_some_and(|c| c.by_run[1]) && fitted.is_clear(track) {
             claims.push(track_width(fitted, track, vec![TRACK]));
         }
+    }
+
+    /// Wheels whose size is far from the model's, with no command that tells them from encoders: no wheel is
+    /// that much larger than its data, encoders and gears are.
+    fn is_miscounted(&self, wheels: &[Known; 2]) -> bool {
+        let far = |wheel: &Known| wheel.value.abs() > FAR.ln();
+        self.drive.is_none() && !self.machine.is_commanded() && wheels.iter().any(far)
+    }
+
+    /// Encoders that count wrong, where the calibration alone shows it.
+    fn miscounted(&self, fitted: &Fitted<'_>, wheels: &[Known; 2]) -> Claim {
+        let values = ["right_scale", "left_scale"].into_iter().zip(wheels);
+        let values = values.map(|(name, known)| {
+            let counted = Known {
+                value: -known.value,
+                ..*known
+            };
+            fitted.value(name, Scale::Factor, counted)
+        });
+        let mut claim = claim("encoder_scale", wheels[0], values, [COMMON, ASYMMETRY]);
+        claim.confused = vec!["wheel_radius"];
+        claim
     }
 
     fn wheel_radius(&self, fitted: &Fitted<'_>, wheels: &[Known; 2]) -> Claim {

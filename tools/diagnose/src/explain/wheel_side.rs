@@ -14,6 +14,10 @@ use crate::model::from_wheels::{
 use crate::select::criterion::{Criterion, TIE_NATS};
 use crate::select::elimination::Selected;
 
+/// Logarithms of the factor from which on a gain is far from 1, and of what one factor differs by.
+const FAR_LN: f64 = std::f64::consts::LN_2;
+const SAME_LN: f64 = 0.03;
+
 /// What may be the encoders'.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Doubt {
@@ -95,14 +99,23 @@ pub(crate) fn settle(
                     advantage(machine, nominal, fitted, rivals, (&shifts, None))
                 }
             };
+            let undone =
+                doubt == Doubt::Gain && !by_run && is_undone(nominal, calibration, change(GAIN));
             Settled {
                 doubt,
-                is_wheels: advantage > 0.0,
-                tie: advantage.abs() < TIE_NATS,
+                is_wheels: advantage > 0.0 || undone,
+                tie: advantage.abs() < TIE_NATS && !undone,
                 shifts,
             }
         })
         .collect()
+}
+
+/// Whether a gain far from 1 (its logarithm) is undone by the reference: motors and wheels that are both off
+/// by one factor, in opposite directions, would be a coincidence.
+fn is_undone(nominal: &[f64], calibration: &Calibration, gain: f64) -> bool {
+    let scale = calibration.after.fit.at[COMMON] - nominal[COMMON];
+    gain.abs() > FAR_LN && (scale + gain).abs() < SAME_LN
 }
 
 /// Log-likelihood by which the calibration with `shifts` is better than the one without; the rivals'

@@ -6,6 +6,7 @@ use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
 use super::comparison::{self, Before, SHARES};
+use super::crude;
 use super::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
     SATURATION, SLOW_SHARE, SLOW_TIME,
@@ -50,6 +51,8 @@ pub(crate) struct CommandToWheels {
     pub(crate) runs: Vec<DriveRun>,
     /// Largest commanded wheel speed (rad/s).
     pub(crate) largest_rad_s: f64,
+    /// Crude logarithm of what wheels turn over what they are told, where it is beyond a factor of 2; else 0.
+    pub(crate) crude_gain: f64,
     /// What it is compared with.
     pub(crate) before: Before,
 }
@@ -74,7 +77,8 @@ impl CommandToWheels {
         }
         let largest = runs.iter().map(|run| run.commands.largest_rad_s());
         let largest_rad_s = largest.fold(0.0, f64::max);
-        (largest_rad_s > 0.0).then_some(Self {
+        (largest_rad_s > 0.0).then(|| Self {
+            crude_gain: crude::gain_ln(&runs),
             runs,
             largest_rad_s,
             before: Before::default(),
@@ -156,6 +160,7 @@ impl CommandToWheels {
     /// Priors: weak ones, about the nominal values.
     fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
         let mut deviations = deviations(self.largest_rad_s).to_vec();
+        deviations[GAIN] = deviations[GAIN].max(self.crude_gain.abs());
         deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
         if self.before.any() {
             deviations.extend_from_within(..DRIVE);

@@ -10,6 +10,7 @@ use slipstream_sim::Scalar;
 
 use super::command_to_wheels::{self, drive_of};
 use super::comparison::{self, Before, SHARES};
+use super::crude;
 use super::drive::{DRIVE, SATURATION};
 use super::nominal::{self, clock_rate, number};
 use super::run::{RUN_NOISE, Run, Source};
@@ -67,6 +68,9 @@ pub(crate) struct FromWheels {
     pub(crate) com_to_axle_m: f64,
     /// Knots of laws over turn rate (rad/s) and speed (m/s).
     pub(crate) knots: [Knots; 2],
+    /// Crude logarithm of the way of the reference over that of the wheels, where it is beyond a factor of 2;
+    /// else 0.
+    pub(crate) crude_scale: f64,
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
     /// What it is compared with.
@@ -96,6 +100,7 @@ impl FromWheels {
             half_track_m: b,
             com_to_axle_m: model.robot.com_to_axle_m.unwrap_or(0.0),
             knots: [Knots::default(); 2],
+            crude_scale: 0.0,
             skids: robots.iter().any(|robot| skids(robot)),
             before: Before::default(),
             offsets: Vec::new(),
@@ -111,6 +116,7 @@ impl FromWheels {
         for i in 0..machine.runs.len() {
             machine.runs[i].first_heading_rad = machine.first_heading(&machine.runs[i]);
         }
+        machine.crude_scale = crude::scale_ln(&machine.runs, machine.wheel_radius_m);
         let mut ranges = [[0.0_f64; 2]; 2];
         for run in &machine.runs {
             let [w, v] = run.wheels.ranges_rad_s();
@@ -341,6 +347,7 @@ impl FromWheels {
         ];
         let run = [0.3, track, 0.02, 0.1, 0.005];
         let mut deviations = machine.to_vec();
+        deviations[COMMON] = deviations[COMMON].max(self.crude_scale.abs());
         deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
         deviations.extend([self.law_prior_m_s(); LAW]);
         for i in 0..self.runs.len() {

@@ -3,6 +3,7 @@
 pub(crate) mod breakaway;
 pub(crate) mod command_to_wheels;
 pub(crate) mod comparison;
+mod crude;
 pub(crate) mod drive;
 pub(crate) mod from_wheels;
 pub(crate) mod hypothesis;

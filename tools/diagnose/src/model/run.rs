@@ -5,6 +5,7 @@ use slipstream_recording::recording::{PosePoint, Robot};
 use slipstream_sim::Scalar;
 
 use super::comparison::course;
+use super::crude;
 use super::drive::{DRIVE, Response};
 use crate::data::command::{self, CommandPath};
 use crate::data::reference::{Span, Thinned, gyro, poses};
@@ -19,6 +20,8 @@ pub(super) const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
+/// Where a reference went that far, wheels may have counted too little by this factor: turns for degrees.
+const MOST_FACTOR: f64 = 400.0;
 /// Speeds and turns that take less than this share of the time lie beyond the knots of a law.
 const RARE_SHARE: f64 = 0.005;
 /// Interval at which the wheels of a simulated drive count as known (s).
@@ -171,9 +174,6 @@ impl Run {
     ) -> Option<Self> {
         let origin_s = crate::data::origin_of(robot);
         let wheels = Source::new(robot, model, origin_s)?;
-        if wheels.turned_rad() * model.robot.wheel_radius_m < LEAST_WAY * model.robot.half_track_m {
-            return None;
-        }
         let wheel_interval_s = wheels.interval_s();
         let span = Span {
             origin_s,
@@ -181,6 +181,14 @@ impl Run {
             wheels_s: wheels.span_s(),
         };
         let pose = poses(robot, span);
+        let way_m = wheels.turned_rad() * model.robot.wheel_radius_m;
+        let seen_m = pose.as_ref().map_or(0.0, |pose| {
+            crude::way_m(pose.all.iter().map(|(t_s, z)| (*t_s, [z[0], z[1]])))
+        });
+        let least_m = LEAST_WAY * model.robot.half_track_m;
+        if way_m < least_m && (seen_m < least_m || way_m * MOST_FACTOR < least_m) {
+            return None;
+        }
         let gyro = gyro(robot, span, wheel_interval_s);
         let ends = |rows: Option<(f64, f64)>| rows.into_iter().flat_map(|(a, b)| [a, b]);
         let pose_ends = pose

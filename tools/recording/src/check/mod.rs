@@ -18,6 +18,7 @@ mod still;
 mod torque;
 mod two_sources;
 mod units;
+mod wheel_scale;
 mod wheels;
 
 use slipstream_bus::RobotModel;

@@ -7,6 +7,7 @@ use std::f64::consts::TAU;
 use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::similarity;
+use super::wheel_scale;
 use crate::rows::RobotRows;
 
 /// Degrees per radian.
@@ -29,14 +30,9 @@ struct Pair<'a> {
 }
 
 /// Known factors between forward speeds.
-const SPEEDS: [(f64, &str); 6] = [
+const SPEEDS: [(f64, &str); 4] = [
     (1000.0, "the first is in mm, or the second in km"),
     (100.0, "the first is in cm"),
-    (
-        DEGREES,
-        "the second's angles are off by the factor from degrees to radians",
-    ),
-    (1.0 / DEGREES, "the second's angles are in degrees"),
     (0.01, "the second is in cm"),
     (0.001, "the second is in mm"),
 ];
@@ -53,12 +49,17 @@ pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec
     let (wheels_v, wheels_w) = windows.wheel_twist();
     // With a yaw in degrees, neither speed nor yaw rate of the pose means anything.
     let with_pose = !yaw_in_degrees;
-    for pair in pairs(windows, &wheels_v, &wheels_w, with_pose) {
+    let miscounted = wheel_scale::check(robot, windows, &wheels_v, with_pose);
+    // what miscounts says nothing about the units of others
+    let apart =
+        |pair: &Pair<'_>| miscounted.is_some() && [pair.first, pair.second].contains(&"wheels");
+    for pair in pairs(windows, &wheels_v, &wheels_w, with_pose).filter(|pair| !apart(pair)) {
         if let Some(finding) = known_factor(&robot.robot.name, &pair) {
             yaw_in_degrees &= finding.id != "units";
             findings.push(finding);
         }
     }
+    findings.extend(miscounted);
     if yaw_in_degrees {
         let statement = "the pose's yaw is in degrees: only then does it point along the motion";
         let remedy = "convert yaw_rad to radians";

@@ -7,6 +7,7 @@
 
 use super::quantity::Quantity;
 use crate::answer::Finding;
+use crate::answer::miscount::cause;
 use crate::answer::setup::{Setup, Told};
 
 pub(super) fn wheel_radius(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
@@ -99,10 +100,9 @@ pub(super) fn encoder_scale(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<
             right.text()
         ),
     };
-    Some(vec![
-        first,
-        "keep wheel_radius and its multipliers: they would correct the commands too".to_owned(),
-    ])
+    let cause = cause(finding).map(|cause| format!("look for the mistake: {cause}"));
+    let last = "keep wheel_radius and its multipliers: they would correct the commands too";
+    Some(cause.into_iter().chain([first, last.to_owned()]).collect())
 }
 
 pub(super) fn pose_offset(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
