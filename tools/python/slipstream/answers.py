@@ -83,6 +83,8 @@ class Channel:
     unit: str
     rms_before: float
     rms_after: float
+    rms_expected: float
+    """Below which noise stays with 95 % confidence."""
     nrmse_before: float
     nrmse_after: float
 
@@ -113,6 +115,8 @@ class Budget:
     unit: str
     before: float
     after: float
+    expected: float
+    """Below which noise stays with 95 % confidence."""
     parts: List[Part]
 
 
@@ -203,6 +207,8 @@ class Diagnosis:
     """What a diagnosis found."""
 
     verdict: str
+    statement: str
+    """The verdict as a sentence with its numbers."""
     findings: List[Finding]
     held_out: HeldOut
     budget: List[Budget]
@@ -224,6 +230,7 @@ class Diagnosis:
         held_out = own["held_out"]
         return cls(
             verdict=own["verdict"],
+            statement=own["statement"],
             findings=[_finding(each) for each in own["findings"]],
             held_out=HeldOut(**{**held_out, "channels": [Channel(**each) for each in held_out["channels"]]}),
             budget=[
