@@ -12,7 +12,7 @@ const WITHIN: f64 = 1.2;
 const NOTHING: f64 = 1e-3;
 
 /// Every contradiction of an answer, in words.
-pub fn contradictions(answer: &Answer) -> Vec<String> {
+pub(crate) fn contradictions(answer: &Answer) -> Vec<String> {
     let mut all = Vec::new();
     let budgets = answer.budget.iter();
     let of_budgets = budgets.map(|own| (own.after, own.expected, NOTHING));
@@ -47,7 +47,7 @@ pub fn contradictions(answer: &Answer) -> Vec<String> {
     if answer.statement.is_empty() {
         all.push("no statement".to_owned());
     }
-    all.extend(answer.budget.iter().flat_map(|own| of_budget(own)));
+    all.extend(answer.budget.iter().flat_map(of_budget));
     all
 }
 
@@ -82,7 +82,7 @@ fn of_budget(own: &Budget) -> Vec<String> {
 }
 
 /// Units that a set of findings predicts worse than the model without, by more than 2 %.
-pub fn worse(answer: &Answer) -> Vec<String> {
+pub(crate) fn worse(answer: &Answer) -> Vec<String> {
     let worse = answer
         .budget
         .iter()

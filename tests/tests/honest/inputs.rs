@@ -6,16 +6,16 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::{Map, Recording, read_mapped, robot_file};
 
 /// A recording to be diagnosed.
-pub struct Input {
-    pub name: String,
-    pub recording: PathBuf,
-    pub columns: Option<PathBuf>,
-    pub robot: PathBuf,
+pub(crate) struct Input {
+    pub(crate) name: String,
+    pub(crate) recording: PathBuf,
+    pub(crate) columns: Option<PathBuf>,
+    pub(crate) robot: PathBuf,
 }
 
 /// What is there to be diagnosed in a folder of folders, by name: recordings with their `robot.toml`, and folders
 /// that hold a bag or a table beside one.
-pub fn inputs(folder: &Path) -> Vec<Input> {
+pub(crate) fn inputs(folder: &Path) -> Vec<Input> {
     let mut all = Vec::new();
     for own in folders(folder) {
         let robot = own.join("robot.toml");
@@ -59,7 +59,7 @@ fn folders(folder: &Path) -> Vec<PathBuf> {
 
 impl Input {
     /// Recording and model; the message of one that cannot be read.
-    pub fn read(&self) -> Result<(Recording, RobotModel), String> {
+    pub(crate) fn read(&self) -> Result<(Recording, RobotModel), String> {
         let map = Map::read(None, self.columns.as_deref()).map_err(|error| error.to_string())?;
         let import = read_mapped(&self.recording, &map).map_err(|error| error.to_string())?;
         let model = robot_file::read_model(&self.robot).map_err(|error| error.to_string())?;

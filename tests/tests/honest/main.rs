@@ -3,12 +3,6 @@
 //! `SLIPSTREAM_LONG=1` diagnoses all of them and prints a table; the short form takes those of the repository and the
 //! small ones beside it.
 
-#![expect(
-    clippy::unwrap_used,
-    clippy::panic,
-    reason = "a test that cannot go on says so and stops"
-)]
-
 mod contradictions;
 mod inputs;
 
