@@ -81,6 +81,31 @@ fn the_guess_finds_the_streams_and_is_in_the_warnings() {
     );
 }
 
+/// A driver fills the pose of its odometry and leaves the twist zero.
+#[test]
+fn the_speeds_of_an_odometry_with_a_zero_twist_are_those_of_its_pose() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("robot.mcap");
+    if python::script("write_bag.py", &[&file, Path::new("idle")]).is_none() {
+        return;
+    }
+    let import = read(&file).unwrap();
+    let said = "the twist of /odom is zero throughout although its pose moves";
+    let warned = import.warnings.iter().any(|own| own.contains(said));
+    assert!(warned, "{:?}", import.warnings);
+    let odometry = import.recording.robots[0].odometry.as_ref().unwrap();
+    // one row between each two of a hundred poses, in their middle
+    assert_eq!(odometry.t_s.len(), 99);
+    assert!(
+        (odometry.t_s[0] - 0.025).abs() < 1e-6,
+        "{}",
+        odometry.t_s[0]
+    );
+    let w_rad_s = odometry.values.w_rad_s.as_ref().unwrap();
+    assert!((odometry.values.v_m_s[0] - 0.5).abs() < 1e-4);
+    assert!((w_rad_s[50] - 0.1).abs() < 1e-9, "{}", w_rad_s[50]);
+}
+
 #[test]
 fn a_map_is_followed_and_its_errors_are_reported() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,8 +2,10 @@
 
 mod links;
 mod sample;
+mod speeds;
 mod streams;
 
 pub(crate) use links::{LinksBuilder, RoundTripsBuilder};
 pub(crate) use sample::{JointState, MessageSelector, NoSample, Sample};
+pub(crate) use speeds::PoseSpeeds;
 pub(crate) use streams::StreamBuilder;

@@ -36,7 +36,7 @@ pub(crate) struct Sample {
     /// x (m), y (m), yaw (rad).
     pub(super) pose: [f64; 3],
     /// Forward speed (m/s), yaw rate (rad/s).
-    twist: [f64; 2],
+    pub(super) twist: [f64; 2],
     /// Wheel angles (rad).
     angle: [f64; 2],
     /// Wheel speeds (rad/s).

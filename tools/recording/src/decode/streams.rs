@@ -1,6 +1,7 @@
 //! A robot's stream assembled from messages that arrive one by one.
 
 use super::sample::{MessageSelector, NoSample, Sample};
+use super::speeds::PoseSpeeds;
 use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::recording::UnknownColumn;
 use crate::ros::cdr::decode;
@@ -17,6 +18,8 @@ pub(crate) struct StreamBuilder {
     pub(crate) kind: StreamKind,
     /// Which part of a message to read.
     pub(crate) selector: MessageSelector,
+    /// Where the speeds are those of the poses.
+    pub(crate) speeds: Option<PoseSpeeds>,
     spool: Spool,
     /// For each column of the channel its place in the table.
     places: Vec<usize>,
@@ -55,6 +58,7 @@ impl StreamBuilder {
             robot: robot.to_owned(),
             kind,
             selector: MessageSelector::default(),
+            speeds: None,
             spool: Spool::new(disk, Table::new(&columns, unknown)),
             places,
             has_values: vec![false; columns.len()],
@@ -70,12 +74,19 @@ impl StreamBuilder {
         data: &[u8],
         t_s: impl FnOnce(Option<i64>) -> f64,
     ) -> VisitResult {
-        let sample = match Sample::decode(channel, &self.selector, data) {
+        let mut sample = match Sample::decode(channel, &self.selector, data) {
             Ok(sample) => sample,
             Err(NoSample::NotSelected) => return Ok(()),
             Err(NoSample::Undecodable) => return Err(Undecodable),
         };
-        self.push_sample(t_s(sample.t_ns), &sample);
+        let mut t_s = t_s(sample.t_ns);
+        if let Some(speeds) = &mut self.speeds {
+            let Some((middle_s, twist)) = speeds.push(t_s, sample.pose) else {
+                return Ok(());
+            };
+            (t_s, sample.twist) = (middle_s, twist);
+        }
+        self.push_sample(t_s, &sample);
         Ok(())
     }
 

@@ -15,12 +15,13 @@ use super::reading::{Reading, read_streams};
 use super::survey::{Topic, survey};
 use super::topic_map::{Source, TopicMap};
 use crate::bag::{Bag, Loss};
-use crate::decode::StreamBuilder;
+use crate::decode::{PoseSpeeds, StreamBuilder};
 use crate::error::Result;
 use crate::import::Spooled;
 use crate::recording::{PosePoint, Recording, Robot};
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
+use crate::table::StreamKind;
 
 /// Reads a bag of another robot, and the descriptions of robots in it. Without a map, one is guessed and given in the
 /// warnings; `wheels_of` tells it the wheels of a description. Times count from the first message of the mapped topics.
@@ -54,6 +55,7 @@ pub(crate) fn read_foreign(
     }
     let disk = Disk::default();
     let mut streams = open_streams(&disk, path, chosen, &topics)?;
+    warnings.extend(idle_twists(&mut streams, &topics));
     let clock = clock(chosen, &streams, &topics, &mut warnings);
     let (loss, mut left_out) = read_streams(bag, &mut streams, clock)?;
     for own in &described {
@@ -242,6 +244,31 @@ fn open_streams(
         });
     }
     Ok(streams)
+}
+
+/// Takes the speeds of an odometry from its poses, where its driver leaves them zero. Returns a note for each.
+fn idle_twists(streams: &mut [Reading], topics: &[Topic]) -> Vec<String> {
+    let idle = topics.iter().filter(|topic| topic.has_idle_twist());
+    let mut notes = Vec::new();
+    for name in idle.map(|topic| &topic.channel.topic) {
+        let is_own = |own: &Reading, kind| own.source.topic == *name && own.source.kind == kind;
+        // its pose cannot be compared with itself
+        let is_pose = streams.iter().any(|own| is_own(own, StreamKind::Pose));
+        let odometry = streams
+            .iter_mut()
+            .find(|own| is_own(own, StreamKind::Odometry));
+        let Some(odometry) = odometry else {
+            continue;
+        };
+        let statement = format!("the twist of {name} is zero throughout although its pose moves");
+        notes.push(if is_pose {
+            format!("{statement}; let the driver fill it")
+        } else {
+            odometry.stream.speeds = Some(PoseSpeeds::default());
+            format!("{statement}; the speeds of the odometry are those of its pose")
+        });
+    }
+    notes
 }
 
 /// The transforms that lead to a pose, if none of the topic does alone.

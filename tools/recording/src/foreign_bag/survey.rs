@@ -33,6 +33,8 @@ pub(super) struct Topic {
     pub(super) description: Option<String>,
     /// The frame of the first message's header.
     pub(super) frame: Option<String>,
+    /// What an odometry tells of its motion.
+    told: Told,
 }
 
 /// What was seen of a transform.
@@ -44,6 +46,27 @@ pub(super) struct Seen {
     pub(super) place: Option<Rigid>,
     /// Whether a place differed from the one before it.
     pub(super) varies: bool,
+}
+
+/// What an odometry tells of its motion.
+#[derive(Debug, Default)]
+struct Told {
+    /// The first pose: x (m), y (m), yaw (rad).
+    first: Option<[f64; 3]>,
+    /// Whether a pose was another than the first.
+    moves: bool,
+    /// Whether a speed was not zero.
+    has_speed: bool,
+}
+
+impl Told {
+    fn add(&mut self, sample: &Sample) {
+        let pose = ["x_m", "y_m", "yaw_rad"].map(|name| sample.number(name));
+        self.moves |= *self.first.get_or_insert(pose) != pose;
+        self.has_speed |= ["v_m_s", "w_rad_s"]
+            .iter()
+            .any(|name| sample.number(name) != 0.0);
+    }
 }
 
 /// Which lists of a joint state have values for a joint.
@@ -125,6 +148,7 @@ impl Topic {
             frames: BTreeMap::new(),
             description: None,
             frame: None,
+            told: Told::default(),
         }
     }
 
@@ -136,6 +160,11 @@ impl Topic {
     /// Whether its messages are lists of transforms.
     pub(super) fn has_transforms(&self) -> bool {
         matches!(self.type_name(), "TFMessage" | "tfMessage")
+    }
+
+    /// Whether it is an odometry whose pose moves although its speeds are zero throughout.
+    pub(super) fn has_idle_twist(&self) -> bool {
+        self.told.moves && !self.told.has_speed
     }
 
     fn add(&mut self, log_ns: i64, data: &[u8]) -> VisitResult {
@@ -151,7 +180,12 @@ impl Topic {
                 None
             }
             _ => match Sample::decode(&self.channel, &MessageSelector::default(), data) {
-                Ok(sample) => sample.t_ns,
+                Ok(sample) => {
+                    if self.type_name() == "Odometry" {
+                        self.told.add(&sample);
+                    }
+                    sample.t_ns
+                }
                 Err(NoSample::NotSelected) => return Ok(()),
                 Err(NoSample::Undecodable) => return Err(Undecodable),
             },

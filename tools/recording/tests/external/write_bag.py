@@ -1,6 +1,8 @@
 """Writes a ROS 2 bag as another robot would, with other programs.
 
-usage: write_bag.py FILE.mcap
+usage: write_bag.py FILE.mcap [idle]
+
+idle: the odometry's twist is zero, as of a driver that fills its pose alone.
 """
 
 import math
@@ -21,7 +23,7 @@ def turn(yaw):
     return {"x": 0.0, "y": 0.0, "z": math.sin(yaw / 2), "w": math.cos(yaw / 2)}
 
 
-def write(path):
+def write(path, idle):
     with open(path, "wb") as stream:
         writer = Writer(stream)
         schemas = {}
@@ -37,6 +39,7 @@ def write(path):
             stamp = {"sec": t_ns // 10**9, "nanosec": t_ns % 10**9}
             header = {"stamp": stamp, "frame_id": "odom"}
             twist = {"linear": vector(0.5), "angular": vector(z=0.1)}
+            rest = {"linear": vector(), "angular": vector()}
             pose = {"position": vector(0.025 * k, 1.0), "orientation": turn(0.005 * k)}
             # A message without stamp has only its log time, 2 ms later.
             put("/cmd_vel", "geometry_msgs/msg/Twist", t_ns + 2_000_000, twist)
@@ -48,7 +51,7 @@ def write(path):
                     "header": header,
                     "child_frame_id": "base_link",
                     "pose": {"pose": pose, "covariance": [0.0] * 36},
-                    "twist": {"twist": twist, "covariance": [0.0] * 36},
+                    "twist": {"twist": rest if idle else twist, "covariance": [0.0] * 36},
                 },
             )
             put(
@@ -69,4 +72,4 @@ def write(path):
 
 
 if __name__ == "__main__":
-    write(sys.argv[1])
+    write(sys.argv[1], "idle" in sys.argv[2:])
