@@ -234,6 +234,51 @@ fn encoders_that_count_too_much_are_neither_gain_nor_radius() {
     );
 }
 
+/// A robot that does as it is told, without its commands; `poses_s` and `wheels_s` late.
+fn late(poses_s: f64, wheels_s: f64) -> Recording {
+    let mut recording = recorded(NOMINAL);
+    let robot = &mut recording.robots[0];
+    robot.command = None;
+    let pose = robot.pose.as_mut().unwrap();
+    pose.t_s.iter_mut().for_each(|t_s| *t_s += poses_s);
+    let wheels = robot.wheels.as_mut().unwrap();
+    wheels.t_s.iter_mut().for_each(|t_s| *t_s += wheels_s);
+    recording
+}
+
+#[test]
+fn a_delay_between_two_streams_is_named_as_between_them() {
+    for (poses_s, wheels_s, effect, other) in [
+        (0.0, 0.1, "wheels_latency", "pose_latency"),
+        (0.1, 0.0, "pose_latency", "wheels_latency"),
+    ] {
+        let recording = late(poses_s, wheels_s);
+        let ask = |nominal: &RobotModel| {
+            let request = Request {
+                recordings: std::slice::from_ref(&recording),
+                against: &[],
+                model_of: &|_| Some(nominal.clone()),
+                excluded: &[],
+                excluded_s: &[],
+                progress: &|_| (),
+            };
+            diagnose(&request).unwrap()
+        };
+        let (answer, improved) = ask(&model());
+        let all = found(&answer);
+        assert_eq!(all.len(), 1, "{all:?}");
+        assert_eq!(all[0].0, effect, "{all:?}");
+        assert!((all[0].1[0] - 0.1).abs() < 5e-3, "{all:?}");
+        let finding = &answer.findings[0];
+        assert_eq!(finding.confused_with, [other]);
+        for words in ["s behind, or the stamps of", "a command or a gyro"] {
+            assert!(finding.statement.contains(words), "{}", finding.statement);
+        }
+        let (again, _) = ask(&improved[0].1);
+        assert_eq!(again.verdict, Verdict::Match, "{:?}", found(&again));
+    }
+}
+
 /// What changed from `before` to `today`, whose poses have other errors.
 fn changed(before: Truth, today: Truth) -> Result<Answer, slipstream_bus::InputError> {
     let request = Request {

@@ -4,6 +4,15 @@ use slipstream_sim::effects::find;
 
 /// The manoeuvre whose recording shows an effect, or tells several apart.
 pub fn manoeuvre(effects: &[&str]) -> String {
+    if effects.len() > 1 && effects.iter().all(|own| own.ends_with("_latency")) {
+        // no motion tells which of two streams is late
+        let third = if effects.contains(&"imu_latency") {
+            "pose"
+        } else {
+            "gyro"
+        };
+        return format!("a command or a {third} in the recording");
+    }
     let mut all: Vec<&str> = effects.iter().map(|effect| of(effect)).collect();
     all.dedup();
     all.join("; ")

@@ -208,7 +208,28 @@ fn told(finding: &Finding) -> String {
     let mut all: Vec<&str> = vec![&finding.effect];
     all.extend(finding.confused_with.iter().map(String::as_str));
     let which = manoeuvre(&all);
-    format!("This recording cannot tell it from {others}; what would: {which}")
+    let between = between(finding).map_or_else(String::new, |words| format!(": {words}"));
+    format!("This recording cannot tell it from {others}{between}; what would: {which}")
+}
+
+/// The two sides of a delay between two streams, where either may be the late one.
+fn between(finding: &Finding) -> Option<String> {
+    let stream = |effect: &str| match effect {
+        "pose_latency" => Some("pose"),
+        "wheels_latency" => Some("wheels or odometry"),
+        "imu_latency" => Some("gyro"),
+        _ => None,
+    };
+    let [other] = finding.confused_with.as_slice() else {
+        return None;
+    };
+    let [late, early] = [stream(&finding.effect)?, stream(other)?];
+    let latency = finding.parameters.first()?;
+    let estimate = latency.estimate?;
+    let [size, ..] = in_digits(estimate.abs(), latency.ci95?);
+    Some(format!(
+        "{late} {size} s behind, or the stamps of {early} {size} s ahead"
+    ))
 }
 
 #[cfg(test)]

@@ -248,10 +248,36 @@ impl Reading<'_> {
             (pose, "pose_latency", POSE_LATENCY),
             (gyro, "imu_latency", GYRO_LATENCY),
         ] {
-            if known.needed {
+            if known.needed && self.has_two_streams() {
+                claims.push(self.between(effect, known, index));
+            } else if known.needed {
                 claims.push(self.late(effect, known, &[index]));
             }
         }
+    }
+
+    /// Whether wheels and one reference are all that there is: nothing tells which of both is late.
+    fn has_two_streams(&self) -> bool {
+        let references = [self.machine.has_pose(), self.machine.has_gyro()];
+        self.drive.is_none() && !self.machine.is_commanded() && references != [true; 2]
+    }
+
+    /// The claim of a delay between wheels and their only reference, `effect` if that is the late one. A
+    /// stream that is stamped before it is measured is the less likely of the two.
+    fn between(&self, effect: &'static str, known: Known, index: usize) -> Claim {
+        let wheels = "wheels_latency";
+        if known.value > 0.0 {
+            let mut claim = self.late(effect, known, &[index]);
+            claim.confused = vec![wheels];
+            return claim;
+        }
+        let late = Known {
+            value: -known.value,
+            ..known
+        };
+        let mut claim = self.late(wheels, late, &[index]);
+        claim.confused = vec![effect];
+        claim
     }
 
     fn delay(&self, delay: Known) -> Claim {

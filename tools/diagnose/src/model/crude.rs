@@ -68,8 +68,8 @@ pub(super) fn gain_ln(runs: &[DriveRun]) -> f64 {
             let Some(told) = run.commands.at(pair[0].time_s) else {
                 continue;
             };
-            for (i, speed_rad_s) in told.into_iter().enumerate() {
-                told_rad += speed_rad_s.abs() * h;
+            for (i, told) in told.into_iter().enumerate() {
+                told_rad += told.abs() * h;
                 turned_rad += match run.wheels.kind {
                     WheelKind::Angle => (pair[1].values[i] - pair[0].values[i]).abs(),
                     WheelKind::Speed => pair[0].values[i].abs() * h,
