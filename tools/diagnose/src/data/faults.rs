@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 
 use slipstream_bus::RobotModel;
-use slipstream_recording::{Finding as Fault, Recording, faults};
+use slipstream_recording::{Finding as Fault, Recording, Severity, faults};
 
 use crate::answer::Warning;
 use crate::diagnosis::Request;
@@ -12,9 +12,7 @@ use slipstream_bus::InputError;
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name
 /// a wrong physics.
-const REFUSED: [&str; 10] = [
-    "counts_per_row",
-    "speeds_as_angles",
+const REFUSED: [&str; 8] = [
     "units",
     "two_sources",
     "wheels_swapped",
@@ -24,6 +22,20 @@ const REFUSED: [&str; 10] = [
     "opposite_signs",
     "no_overlap",
 ];
+
+/// Faults that are refused where they are errors: what the wheels did is then not known.
+const REFUSED_ERRORS: [&str; 4] = [
+    "counts_per_row",
+    "speeds_as_angles",
+    "wraps_unclear",
+    "wheel_never_changes",
+];
+
+fn is_refused(fault: &Fault) -> bool {
+    let id = &&*fault.id;
+    let is_error = fault.severity == Severity::Error;
+    REFUSED.contains(id) || (is_error && REFUSED_ERRORS.contains(id))
+}
 
 /// The recordings as they are read: counters run on, rows that say nothing are left out. And what was done.
 pub(crate) fn mended<'a>(
@@ -55,7 +67,7 @@ pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, InputError
     let mut warnings = Vec::new();
     for recording in request.recordings {
         for fault in faults(recording, request.model_of) {
-            if REFUSED.contains(&&*fault.id) {
+            if is_refused(&fault) {
                 return Err(refusal(&recording.name, fault));
             }
             warnings.push(warning(&recording.name, fault));

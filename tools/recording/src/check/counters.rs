@@ -1,7 +1,7 @@
 //! What the diagnosis undoes or leaves out: counters that wrap, restart or glitch, and rows in bursts.
 
 use super::report::{Finding, Severity};
-use crate::mend::{self, Fault, Jump, WheelFaults};
+use crate::mend::{self, Fault, Jump, PoseJump, WheelFaults};
 use crate::rows::RobotRows;
 use crate::table::StreamKind;
 
@@ -61,10 +61,24 @@ pub(crate) fn of_bursts(robot: &RobotRows<'_>) -> Vec<Finding> {
     found.collect()
 }
 
+/// The poses of a robot that jump and stay, where its wheels do not tell the same.
+pub(super) fn pose_jumps(robot: &RobotRows<'_>, faults: Option<&WheelFaults>) -> Vec<PoseJump> {
+    let Some(pose) = robot.stream(StreamKind::Pose) else {
+        return Vec::new();
+    };
+    // values that are no counter tell no path
+    let faults = faults.filter(|faults| faults.level.is_none());
+    let wheels = robot.stream(StreamKind::Wheels).zip(faults);
+    mend::pose_jumps(pose, wheels, &robot.robot.name)
+}
+
 /// Warnings about poses that jump and stay.
-pub(super) fn of_pose_jumps(robot: &RobotRows<'_>) -> Option<Finding> {
+pub(super) fn of_pose_jumps(
+    robot: &RobotRows<'_>,
+    faults: Option<&WheelFaults>,
+) -> Option<Finding> {
     let name = &robot.robot.name;
-    let jumps = mend::pose_jumps(robot.stream(StreamKind::Pose)?, name);
+    let jumps = pose_jumps(robot, faults);
     let largest = jumps.iter().map(|jump| jump.distance_m).reduce(f64::max)?;
     let turn = jumps
         .iter()
@@ -116,7 +130,7 @@ impl Column<'_> {
     }
 
     fn wraps(&self) -> Option<Told> {
-        let modulus = self.fault.modulus?;
+        let modulus = self.fault.modulus.filter(|_| !self.fault.is_too_fast)?;
         let statement = format!(
             "the values wrap by {} {}; the diagnosis undoes it",
             self.size(modulus),
@@ -132,6 +146,15 @@ impl Column<'_> {
 
     fn unclear(&self) -> Option<Told> {
         let modulus = self.fault.modulus?;
+        let remedy = "log more often, or a counter that does not wrap";
+        if self.fault.is_too_fast {
+            let statement = format!(
+                "the values wrap by {}, and the wheel turns by half of that or more from row to row: how far it went \
+                 is not known, and the wheels cannot be used",
+                self.size(modulus),
+            );
+            return Some((Severity::Error, "wraps_unclear", statement, remedy));
+        }
         let (_, [from_s, to_s]) = *self.fault.unclear.first()?;
         let statement = format!(
             "the values wrap by {}, and the wheel is fast enough to pass that more than once in a step of {:.2} s (from \
@@ -141,7 +164,6 @@ impl Column<'_> {
             to_s - from_s,
             self.fault.unclear.len(),
         );
-        let remedy = "log more often, or a counter that does not wrap";
         Some((Severity::Warning, "wraps_unclear", statement, remedy))
     }
 

@@ -52,6 +52,9 @@ impl Spooled {
     }
 }
 
+/// A recording that is shorter has one window of a prediction (5 s) and no second one to test it (s).
+const SHORT_S: f64 = 10.0;
+
 fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     let model = model.or(rows.recording.model.as_ref());
     let mut findings = Vec::new();
@@ -61,6 +64,7 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
         compare_sources(robot, model, &mut findings);
     }
     links::check(rows, &mut findings);
+    findings.extend(short(rows));
     sort(&mut findings);
     let (can_judge, missing) = coverage::coverage(rows, model);
     Report {
@@ -88,7 +92,8 @@ pub fn faults(
         compare_sources(robot, model.as_ref(), &mut findings);
     }
     links::check(&rows, &mut findings);
-    findings.retain(|finding| finding.severity < Severity::Note || finding.id == "gaps");
+    findings.extend(short(&rows));
+    findings.retain(is_worth_knowing);
     sort(&mut findings);
     findings
 }
@@ -97,11 +102,9 @@ pub fn faults(
 pub fn pose_jumps(recording: &Recording) -> Vec<PoseJump> {
     let rows = AllRows::of(recording);
     let each = rows.robots.iter();
-    let all = each.filter_map(|robot| {
-        let pose = robot.stream(StreamKind::Pose)?;
-        Some(mend::pose_jumps(pose, &robot.robot.name))
-    });
-    all.flatten().collect()
+    let model = recording.model.as_ref();
+    let all = each.flat_map(|robot| counters::pose_jumps(robot, counters(robot, model).as_ref()));
+    all.collect()
 }
 
 /// What is wrong with the wheels' columns, and the findings about it.
@@ -147,6 +150,26 @@ fn of_columns(
     vec![seen.finding(name, faults)]
 }
 
+/// Whether a diagnosis must know of it.
+fn is_worth_knowing(finding: &Finding) -> bool {
+    finding.severity < Severity::Note || ["gaps", "short", "sides_unclear"].contains(&&*finding.id)
+}
+
+/// A note about a recording that is too short to hold time out.
+fn short(rows: &AllRows<'_>) -> Option<Finding> {
+    let spans = rows.robots.iter().filter_map(motion::span);
+    let total_s = spans.map(|[start, end]| end - start).reduce(|a, b| a + b)?;
+    (total_s < SHORT_S).then(|| Finding {
+        severity: Severity::Note,
+        robot: None,
+        id: "short".into(),
+        statement: format!(
+            "{total_s:.1} s of data: what is found holds for this one piece of a course, and there is none to test it on"
+        ),
+        remedy: format!("record for {:.0} s or longer, with straights and turns", 3.0 * SHORT_S),
+    })
+}
+
 /// Compares the sources of a robot's motion with each other.
 fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
     let window_s = motion::window_s(robot);
@@ -159,7 +182,7 @@ fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: 
         findings.extend(of_columns(robot, faults, all));
     }
     findings.extend(of_bursts(robot));
-    findings.extend(counters::of_pose_jumps(robot));
+    findings.extend(counters::of_pose_jumps(robot, faults.as_ref()));
     two_sources::check(robot, findings);
     still::check(robot, &windows, window_s, findings);
     clocks::check(robot, &steps, findings);

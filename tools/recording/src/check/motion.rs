@@ -145,7 +145,7 @@ pub(super) fn windows<const N: usize>(
 }
 
 /// First and last time (s) of the streams that describe the motion.
-fn span(robot: &RobotRows<'_>) -> Option<[f64; 2]> {
+pub(super) fn span(robot: &RobotRows<'_>) -> Option<[f64; 2]> {
     let streams = robot.streams.iter();
     let of_motion = streams.filter(|(kind, _)| *kind != StreamKind::Motor);
     of_motion

@@ -3,7 +3,7 @@
 
 use super::motion::Windows;
 use super::report::{Finding, Severity};
-use crate::mend::times;
+use super::similarity::combine;
 use crate::rows::RobotRows;
 
 /// A wheel moves in a window if it turns faster than this share of its fastest.
@@ -24,12 +24,13 @@ pub(super) fn check(
     findings: &mut Vec<Finding>,
 ) {
     let name = &robot.robot.name;
-    let mut add = |id, statement: String, remedy: &str| {
-        findings.push(Finding::new(Severity::Warning, name, id, statement, remedy));
+    let mut add = |severity, id, statement: String, remedy: &str| {
+        findings.push(Finding::new(severity, name, id, statement, remedy));
     };
     if nothing_moves(windows) {
         let statement = "nothing moves: wheels, poses and gyro stand still, so nothing about the motion can be judged";
         add(
+            Severity::Warning,
             "nothing_moves",
             statement.to_owned(),
             "record a drive with straights and turns",
@@ -38,28 +39,31 @@ pub(super) fn check(
     }
     if let Some(side) = still_wheel(windows) {
         let other = if side == "right" { "left" } else { "right" };
-        let statement = format!(
-            "the {side} wheel never changes while the {other} one turns: its encoder is not read, or it stands all \
-             the time; what is said about the wheels rests on it"
-        );
-        add(
-            "wheel_never_changes",
-            statement,
-            "look at that encoder and its cable, and record again",
-        );
+        let (severity, why) = if pose_turns(windows, side) {
+            let why = "by the pose it turns as well, so its encoder is not read";
+            (Severity::Error, why)
+        } else {
+            let why = "its encoder is not read, or it stands all the time";
+            (Severity::Warning, why)
+        };
+        let statement =
+            format!("the {side} wheel never changes while the {other} one turns: {why}");
+        let remedy = "look at that encoder and its cable, and record again";
+        add(severity, "wheel_never_changes", statement, remedy);
     }
     let lost_s = lost(windows, window_s);
-    if let Some(first_s) = lost_s.first() {
+    if let Some([from_s, to_s]) = lost_s.first() {
         let total_s: f64 = lost_s.iter().map(|[from_s, to_s]| to_s - from_s).sum();
-        let starts_s: Vec<f64> = lost_s.iter().map(|[from_s, _]| *from_s).collect();
+        let further = match lost_s.len() {
+            1 => String::new(),
+            count => format!(" and {} times more, {total_s:.1} s in all", count - 1),
+        };
         let statement = format!(
-            "the pose stays at one value or is missing while the wheels turn, from {}, for {total_s:.1} s in all: \
-             the reference lost itself, and says nothing about that time",
-            times(&starts_s).trim_start_matches("at "),
+            "the pose stays at one value or is missing while the wheels turn, from {from_s:.1} s to {to_s:.1} s{further}: \
+             the reference lost itself, and says nothing about that time"
         );
-        let [from_s, to_s] = first_s;
         let remedy = format!("leave that time out (--exclude-time {from_s:.1}:{to_s:.1})");
-        add("reference_lost", statement, &remedy);
+        add(Severity::Warning, "reference_lost", statement, &remedy);
     }
 }
 
@@ -94,6 +98,29 @@ fn still_wheel(windows: &Windows) -> Option<&'static str> {
     }
 }
 
+/// Whether the pose tells that the wheel of this side turns, at a speed (rad/s) that is a share of the other one's.
+fn pose_turns(windows: &Windows, side: &str) -> bool {
+    let Some([r, b]) = windows.size_m else {
+        return false;
+    };
+    let (sign, other) = match side {
+        "right" => (1.0, &windows.wheel_left),
+        _ => (-1.0, &windows.wheel_right),
+    };
+    let turns = combine(&windows.pose_v, &windows.pose_w, |v, w| {
+        (v + sign * b * w) / r
+    });
+    let size = |speeds: &[f64]| {
+        let known: Vec<f64> = speeds
+            .iter()
+            .filter(|s| s.is_finite())
+            .map(|s| s.abs())
+            .collect();
+        known.iter().sum::<f64>() / known.len().max(1) as f64
+    };
+    size(&turns) > MOVING_SHARE * size(other)
+}
+
 /// The times in which the pose stays at one value, or is missing, while a wheel turns (s).
 fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
     let fastest = [&windows.wheel_right, &windows.wheel_left].map(|side| largest(side));
@@ -102,7 +129,6 @@ fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
     };
     let limit = MOVING_SHARE * right.max(left);
     let mut found: Vec<[f64; 2]> = Vec::new();
-    let mut first = None;
     let moves = |i: usize| {
         let sides = [&windows.wheel_right, &windows.wheel_left];
         let speeds = sides.map(|side| side.get(i).map_or(f64::NAN, |speed| speed.abs()));
@@ -113,16 +139,20 @@ fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
     if !seen {
         return found;
     }
+    let (mut first, mut moving) = (None, 0);
     for i in 0..=windows.pose_v.len() {
         let still = match (windows.pose_v.get(i), windows.pose_w.get(i)) {
             (Some(v), Some(w)) => v.is_nan() || (*v == 0.0 && *w == 0.0),
             _ => false,
         };
-        if still && moves(i) {
+        if still && (first.is_some() || moves(i)) {
             first.get_or_insert(i);
-        } else if let Some(from) = first.take().filter(|from| i - from >= least) {
+            moving += usize::from(moves(i));
+        } else if let Some(from) = first.take() {
             let at_s = |i: usize| windows.start_s + i as f64 * window_s;
-            found.push([at_s(from), at_s(i)]);
+            if std::mem::take(&mut moving) >= least {
+                found.push([at_s(from), at_s(i)]);
+            }
         }
     }
     found

@@ -3,6 +3,8 @@
 use std::collections::VecDeque;
 
 use super::scale::{MOST_FAULTS, quantile};
+use super::undo::MendedWheels;
+use super::wheels::WheelFaults;
 use crate::recording::Unwrap;
 use crate::rows::Rows;
 
@@ -11,6 +13,8 @@ const IMPLAUSIBLE: f64 = 8.0;
 /// Rows on both sides of a jump that must stay where they are, to within [`STAYS`] of it.
 const AROUND: usize = 3;
 const STAYS: f64 = 0.3;
+/// A jump is further than so many times what the wheels tell.
+const MORE_THAN_WHEELS: f64 = 3.0;
 /// Rows that are kept to take quantiles of.
 const MOST_STEPS: usize = 8192;
 /// Fewest rows that tell what is usual.
@@ -36,14 +40,24 @@ pub struct PoseJump {
 /// Time (s), x (m), y (m), heading without jumps of whole turns (rad; 0 without).
 type Row = [f64; 4];
 
-/// The jumps of a robot's poses.
-pub(crate) fn pose_jumps(pose: &Rows<'_>, robot: &str) -> Vec<PoseJump> {
+/// The jumps of a robot's poses. A step that the wheels tell as well is none.
+pub(crate) fn pose_jumps(
+    pose: &Rows<'_>,
+    wheels: Option<(&Rows<'_>, &WheelFaults)>,
+    robot: &str,
+) -> Vec<PoseJump> {
     let Some(usual) = Usual::of(pose) else {
         return Vec::new();
     };
-    let mut found = Vec::new();
+    let (mut found, mut steps_s) = (Vec::new(), Vec::new());
+    let mut path = [0.0; 2];
+    let mut last = None::<Row>;
     let mut near: VecDeque<Row> = VecDeque::with_capacity(2 * AROUND + 1);
     visit(pose, &mut |row| {
+        if let Some(last) = last.replace(row) {
+            path[0] += distance(&last, &row);
+            path[1] += turn(&last, &row);
+        }
         near.push_back(row);
         if near.len() > 2 * AROUND {
             near.pop_front();
@@ -51,6 +65,8 @@ pub(crate) fn pose_jumps(pose: &Rows<'_>, robot: &str) -> Vec<PoseJump> {
         if near.len() == 2 * AROUND && usual.has_jump(near.make_contiguous()) {
             let (a, b) = (near[AROUND - 1], near[AROUND]);
             if found.len() < MOST_FAULTS {
+                // a stamp may be an interval late
+                steps_s.push([a[0] - usual.interval_s, b[0] + usual.interval_s]);
                 found.push(PoseJump {
                     robot: robot.to_owned(),
                     t_s: b[0],
@@ -60,10 +76,67 @@ pub(crate) fn pose_jumps(pose: &Rows<'_>, robot: &str) -> Vec<PoseJump> {
             }
         }
     });
+    if let Some((rows, faults)) = wheels {
+        let wheels = WheelPath::over(rows, faults, &steps_s);
+        let mut parts = wheels.parts.iter();
+        found.retain(|jump| {
+            let part = parts.next().copied().unwrap_or_default();
+            // the path of the poses for that of the wheels, which noise only lengthens
+            let told = |i: usize| MORE_THAN_WHEELS * path[i] / wheels.whole[i] * part[i];
+            jump.distance_m > told(0) || jump.turn_rad.abs() > told(1)
+        });
+    }
     if found.len() * ROWS_PER_JUMP > pose.len() {
         found.clear();
     }
     found
+}
+
+/// How far the wheels went: sum and difference of both, without regard to their sign.
+#[derive(Default)]
+struct WheelPath {
+    whole: [f64; 2],
+    /// In each of the asked times.
+    parts: Vec<[f64; 2]>,
+}
+
+impl WheelPath {
+    /// Over the whole recording, and within each of these times (s, ascending).
+    fn over(rows: &Rows<'_>, faults: &WheelFaults, times_s: &[[f64; 2]]) -> Self {
+        let mut path = Self {
+            parts: vec![[0.0; 2]; times_s.len()],
+            ..Self::default()
+        };
+        let mut mended = MendedWheels::new(faults);
+        let mut last: Option<[f64; 2]> = None;
+        let mut cursor = rows.clone().cursor();
+        while let Some(block) = cursor.next_block() {
+            let (times, [right, left]) = mended.block(block);
+            for ((t_s, right), left) in times.iter().zip(right).zip(left) {
+                if right.is_nan() || left.is_nan() {
+                    continue;
+                }
+                if let Some([last_right, last_left]) = last.replace([right, left]) {
+                    let steps = [right - last_right, left - last_left];
+                    path.add(*t_s, steps, times_s);
+                }
+            }
+        }
+        path
+    }
+
+    fn add(&mut self, t_s: f64, [right, left]: [f64; 2], times_s: &[[f64; 2]]) {
+        let sizes = [(right + left).abs(), (right - left).abs()];
+        let first = times_s.partition_point(|[_, to_s]| *to_s < t_s);
+        let within = times_s.iter().zip(&mut self.parts).skip(first);
+        let within = within.take_while(|([from_s, _], _)| *from_s <= t_s);
+        let parts = within.map(|(_, part)| part);
+        for part in parts.chain([&mut self.whole]) {
+            part.iter_mut()
+                .zip(sizes)
+                .for_each(|(sum, size)| *sum += size);
+        }
+    }
 }
 
 /// What the poses do from row to row.

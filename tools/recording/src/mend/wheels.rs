@@ -35,6 +35,8 @@ pub(crate) struct Fault {
     pub(crate) jumps: Vec<Jump>,
     /// Whether there are too many of them for a counter.
     pub(crate) is_no_counter: bool,
+    /// Whether the wheel is so fast that no step is known.
+    pub(crate) is_too_fast: bool,
     /// Pauses in which the wheel may have wrapped more often than it shows: row after, and times (s).
     pub(crate) unclear: Vec<(usize, [f64; 2])>,
 }
@@ -89,6 +91,9 @@ impl WheelFaults {
 
     /// Whether nothing is wrong that can be undone.
     pub(crate) fn is_clean(&self) -> bool {
+        if self.faults.iter().any(|fault| fault.is_too_fast) {
+            return true;
+        }
         let clean = |fault: &Fault| {
             fault.glitches.is_empty() && fault.modulus.is_none() && fault.jumps.is_empty()
         };
@@ -149,6 +154,7 @@ fn look_at_wraps(
     scale: &Scale,
     fault: &mut Fault,
 ) {
+    fault.is_too_fast = scale.fastest_per_s * scale.interval_s > KNOWN_STEP * modulus;
     let mut last = None;
     column.visit_but(left_out, &mut |sample| {
         let Some((t_s, value)) = last.replace((sample.t_s, sample.value)) else {
