@@ -12,7 +12,7 @@ use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Earlier, Learnt, Task};
 use crate::explain::links::{self, Course};
-use crate::judge::{Judged, conclude};
+use crate::judge::{Predictions, conclude};
 
 /// What is asked.
 pub struct Request<'a> {
@@ -37,7 +37,7 @@ pub(crate) struct Collected {
     pub(crate) answer: Answer,
     pub(crate) improved: Vec<(String, RobotModel)>,
     pub(crate) courses: Vec<Course>,
-    pub(crate) judged: Vec<Judged>,
+    pub(crate) predictions: Vec<Predictions>,
 }
 
 /// The answer, each robot's improved model, and the figures of each machine.
@@ -122,7 +122,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         mut answer,
         mut improved,
         courses,
-        judged,
+        predictions,
     } = collected;
     if let [recording] = request.recordings {
         links::add(
@@ -135,7 +135,7 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     }
     advise(&mut answer, &improved, request.recordings);
     answer.against = request.against.iter().map(|own| own.name.clone()).collect();
-    conclude(&mut answer, &judged);
+    conclude(&mut answer, &predictions);
     Ok((answer, improved, all))
 }
 
@@ -221,7 +221,7 @@ fn by_filter(
     collected
         .improved
         .push((name.clone(), found.improved.clone()));
-    collected.judged.push(found.judged);
+    collected.predictions.push(found.predictions);
     collected.courses.extend(
         found
             .courses

@@ -9,9 +9,13 @@
     reason = "a test that cannot go on says so and stops"
 )]
 
+mod common;
+
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
-use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
+use slipstream_recording::recording::Wheels;
+
+use common::recording;
 
 const RADIUS_M: f64 = 0.05;
 const HALF_TRACK_M: f64 = 0.12;
@@ -72,54 +76,7 @@ fn recorded(lag_s: f64, rounding_rad: f64) -> Recording {
         y += way * (yaw + turn / 2.0).sin();
         yaw += turn;
     }
-    recording(columns)
-}
-
-/// The recording of these columns: commands, wheels, poses.
-fn recording(columns: [Vec<f64>; 10]) -> Recording {
-    let [
-        told_s,
-        told_right,
-        told_left,
-        wheels_s,
-        right_rad,
-        left_rad,
-        seen_s,
-        x_m,
-        y_m,
-        yaw,
-    ] = columns;
-    let mut robot = Robot::named("r1");
-    robot.command = Some(Stream {
-        t_s: told_s,
-        values: Command::WheelSpeed {
-            right_rad_s: told_right,
-            left_rad_s: told_left,
-        },
-        unknown: vec![],
-    });
-    robot.wheels = Some(Stream {
-        t_s: wheels_s,
-        values: Wheels::Angle {
-            right_rad,
-            left_rad,
-        },
-        unknown: vec![],
-    });
-    robot.pose = Some(Stream {
-        t_s: seen_s,
-        values: Pose {
-            x_m,
-            y_m,
-            yaw_rad: Some(yaw),
-        },
-        unknown: vec![],
-    });
-    Recording {
-        name: "angles".to_owned(),
-        robots: vec![robot],
-        ..Recording::default()
-    }
+    recording("angles", columns)
 }
 
 fn diagnosed(lag_s: f64, rounding_rad: f64) -> Answer {

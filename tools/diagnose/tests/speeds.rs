@@ -5,10 +5,14 @@
     reason = "a test that cannot go on says so and stops"
 )]
 
+mod common;
+
 use slipstream_bus::RobotModel;
 use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
-use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
+use slipstream_recording::recording::{Robot, Wheels};
+
+use common::recording;
 
 const RADIUS_M: f64 = 0.05;
 const HALF_TRACK_M: f64 = 0.12;
@@ -95,54 +99,7 @@ fn recorded_with(truth: Truth, seed: f64) -> Recording {
         y += way * (yaw + turn / 2.0).sin();
         yaw += turn;
     }
-    recording(columns)
-}
-
-/// The recording of these columns: commands, wheels, poses.
-fn recording(columns: [Vec<f64>; 10]) -> Recording {
-    let [
-        told_s,
-        right_rad_s,
-        left_rad_s,
-        wheels_s,
-        right_rad,
-        left_rad,
-        seen_s,
-        x_m,
-        y_m,
-        yaw,
-    ] = columns;
-    let mut robot = Robot::named("r1");
-    robot.command = Some(Stream {
-        t_s: told_s,
-        values: Command::WheelSpeed {
-            right_rad_s,
-            left_rad_s,
-        },
-        unknown: vec![],
-    });
-    robot.wheels = Some(Stream {
-        t_s: wheels_s,
-        values: Wheels::Angle {
-            right_rad,
-            left_rad,
-        },
-        unknown: vec![],
-    });
-    robot.pose = Some(Stream {
-        t_s: seen_s,
-        values: Pose {
-            x_m,
-            y_m,
-            yaw_rad: Some(yaw),
-        },
-        unknown: vec![],
-    });
-    Recording {
-        name: "speeds".to_owned(),
-        robots: vec![robot],
-        ..Recording::default()
-    }
+    recording("speeds", columns)
 }
 
 fn diagnosed(truth: Truth, nominal: &RobotModel) -> (Answer, RobotModel) {

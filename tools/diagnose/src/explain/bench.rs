@@ -6,17 +6,13 @@ use slipstream_recording::recording::Robot;
 use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
-use super::open_loop::HORIZON_S;
 use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
-use crate::answer::{Budget, HeldOut};
 use crate::data::wheel_rows::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;
-use crate::judge::{
-    self, HEADING, Judged, NAMES, PLACE, Player, QUANTITIES, Score, Squares, culprits,
-};
-use crate::model::command_to_wheels::CommandToWheels;
+use crate::judge::{Predictions, QUANTITIES, Score, Worth, name};
+use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
 use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{
     DRIVE_FIRST, FromWheels, RUN_BIAS, RUN_LATE, RUN_RATE, Reference, View,
@@ -24,16 +20,22 @@ use crate::model::from_wheels::{
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
-/// A pose with a smaller probability of being ordinary is an outlier, and the share of all poses up to which
-/// outliers are few.
-const ORDINARY: f64 = 0.5;
+/// A row with a smaller probability of being ordinary is an outlier.
+pub(super) const ORDINARY: f64 = 0.5;
+/// Share of all poses up to which outliers are few.
 const FEW: f64 = 0.1;
 /// A window begins this long after an outlier (s).
 const AFTER_S: f64 = 1e-6;
 /// Most windows of a run that a budget predicts.
 const BUDGET_WINDOWS: usize = 40;
-/// Most players of a budget: every subset of them is predicted once.
+/// Most effects of a budget: every subset of them is predicted once.
 const PLAYERS: usize = 10;
+
+/// Claims of one effect, and the parameters of the machine that they explain.
+struct Player {
+    name: &'static str,
+    toggles: Vec<usize>,
+}
 
 /// A machine and what was fitted to it.
 pub(super) struct Measured<'a> {
@@ -57,13 +59,8 @@ pub(super) struct Bench<'a> {
     pub(super) fitted: Vec<f64>,
     /// Standard deviations of the sensors of each run.
     pub(super) deviations: Vec<[f64; QUANTITIES]>,
-}
-
-/// The predictions of each run, without and with what was found.
-pub(super) struct Predicted {
-    pub(super) errors: Vec<[Errors; 2]>,
-    before: Score,
-    after: Score,
+    /// Begin and end of the windows of each run (s).
+    windows: Vec<Vec<[f64; 2]>>,
 }
 
 /// The players of these claims, those that bring most first.
@@ -91,6 +88,7 @@ impl<'a> Bench<'a> {
             nominal: own.nominal.to_vec(),
             fitted: Vec::new(),
             deviations: Vec::new(),
+            windows: Vec::new(),
         };
         // biases and clocks of single runs belong to sensors and are no effect
         for run in 0..own.machine.runs.len() {
@@ -104,6 +102,7 @@ impl<'a> Bench<'a> {
         bench.deviations = runs
             .map(|run| deviations(run, bench.drive_of(run.robot), &own.robots[run.robot].noise))
             .collect();
+        bench.windows = bench.cut();
         bench
     }
 
@@ -116,7 +115,7 @@ impl<'a> Bench<'a> {
         with
     }
 
-    fn drive_of(&self, robot: usize) -> Option<&'a crate::model::command_to_wheels::DriveRun> {
+    fn drive_of(&self, robot: usize) -> Option<&'a DriveRun> {
         let mut drives = self.own.drive.iter().flat_map(|drive| &drive.runs);
         drives.find(|drive| drive.robot == robot)
     }
@@ -138,7 +137,7 @@ impl<'a> Bench<'a> {
 
     /// Windows of each run. Where a few poses jump, no prediction runs over them: they count as outliers, which
     /// are told, and say nothing of the model.
-    fn windows(&self) -> Vec<Vec<[f64; 2]>> {
+    fn cut(&self) -> Vec<Vec<[f64; 2]>> {
         let view = View {
             machine: self.own.machine,
             robust: true,
@@ -158,50 +157,39 @@ impl<'a> Bench<'a> {
         .collect()
     }
 
-    /// Predicts every window by the nominal model, and by a model fitted without it.
-    pub(super) fn judged(&self) -> Predicted {
-        let windows = self.windows();
-        let folds = self.folds(&windows);
-        let each = windows.iter().enumerate().map(|(run, own)| {
+    /// Predicts every window of each run by the nominal model, and by a model fitted without it.
+    pub(super) fn errors(&self) -> Vec<[Errors; 2]> {
+        let folds = self.folds();
+        let mut number = 0..;
+        let each = self.windows.iter().enumerate().map(|(run, own)| {
             let predictor = self.predictor(run);
             let before = predictor.errors(run, &self.nominal, own, true);
-            let first: usize = windows[..run].iter().map(Vec::len).sum();
-            let after = own.iter().enumerate().map(|(k, window)| {
-                let at = &folds[(first + k) % folds.len()];
-                predictor.errors(run, at, &[*window], true)
+            let after = own.iter().zip(&mut number).map(|(window, k)| {
+                predictor.errors(run, &folds[k % folds.len()], &[*window], true)
             });
             [before, after.fold(Errors::default(), Errors::and)]
         });
-        let errors: Vec<[Errors; 2]> = each.collect();
-        let sum = |side: usize| Score::of_all(errors.iter().map(|pair| &pair[side].score));
-        Predicted {
-            before: sum(0),
-            after: sum(1),
-            errors,
-        }
+        each.collect()
     }
 
     /// Parameters fitted without the windows of each fold; with a single window there is nothing beside it.
-    fn folds(&self, windows: &[Vec<[f64; 2]>]) -> Vec<Vec<f64>> {
-        let count = windows.iter().map(Vec::len).sum::<usize>();
+    fn folds(&self) -> Vec<Vec<f64>> {
+        let count = self.windows.iter().map(Vec::len).sum::<usize>();
         if self.players.is_empty() || count < 2 {
             return vec![self.fitted.clone()];
         }
-        let folds = 0..FOLDS.min(count);
-        let folds_count = folds.len();
-        folds
-            .map(|fold| {
-                let mut number = 0..;
-                let left_out: Vec<Vec<[f64; 2]>> = windows
-                    .iter()
-                    .map(|own| {
-                        let own = own.iter().zip(&mut number);
-                        let own = own.filter(|(_, k)| k % folds_count == fold);
-                        own.map(|(window, _)| *window).collect()
-                    })
-                    .collect();
-                self.fitted_without(&left_out)
-            })
+        let folds = FOLDS.min(count);
+        let left_out = |fold: usize| -> Vec<Vec<[f64; 2]>> {
+            let mut number = 0..;
+            let of_run = |own: &Vec<[f64; 2]>| {
+                let own = own.iter().zip(&mut number);
+                let own = own.filter(|(_, k)| k % folds == fold);
+                own.map(|(window, _)| *window).collect()
+            };
+            self.windows.iter().map(of_run).collect()
+        };
+        (0..folds)
+            .map(|fold| self.fitted_without(&left_out(fold)))
             .collect()
     }
 
@@ -256,114 +244,54 @@ impl<'a> Bench<'a> {
         self.with(&at)
     }
 
-    /// What every subset of the players (as bits) scores on some windows, all fitted together.
-    fn worth(&self) -> Vec<Score> {
-        let windows: Vec<Vec<[f64; 2]>> = self
-            .windows()
-            .into_iter()
-            .map(|all| {
-                let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
-                all.into_iter().step_by(stride).collect()
-            })
-            .collect();
+    /// What every subset of the effects that were found is worth.
+    pub(super) fn worth(&self) -> Worth {
+        let thinned = |all: &Vec<[f64; 2]>| {
+            let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
+            all.iter().copied().step_by(stride).collect()
+        };
+        let windows: Vec<Vec<[f64; 2]>> = self.windows.iter().map(thinned).collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
-        let subsets = 0..1_usize << players.len();
-        subsets
-            .map(|subset| {
-                let mut at = self.nominal.clone();
-                let own = players.iter().enumerate();
-                for (_, player) in own.filter(|(i, _)| subset >> i & 1 == 1) {
-                    player.toggles.iter().for_each(|i| at[*i] = self.fitted[*i]);
-                }
-                let runs = windows.iter().enumerate();
-                let scores =
-                    runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
-                scores.fold(Score::default(), |sum, own| sum.and(&own))
-            })
-            .collect()
+        let score = |subset: usize| {
+            let mut at = self.nominal.clone();
+            let own = players.iter().enumerate();
+            for (_, player) in own.filter(|(i, _)| subset >> i & 1 == 1) {
+                player.toggles.iter().for_each(|i| at[*i] = self.fitted[*i]);
+            }
+            let runs = windows.iter().enumerate();
+            let scores =
+                runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
+            scores.fold(Score::default(), |sum, own| sum.and(&own))
+        };
+        Worth {
+            names: players.iter().map(|own| own.name).collect(),
+            scores: (0..1_usize << players.len()).map(score).collect(),
+        }
     }
 
-    /// Of quantities that are predicted worse, the effect that makes the first of them so.
-    pub(super) fn culprit(&self, worse: &[usize]) -> Option<(&'static str, &'static str)> {
-        let quantity = *worse.iter().max()?;
-        let worth = self.worth();
-        let squares: Option<Vec<f64>> = worth.iter().map(|own| own.mean_square(quantity)).collect();
-        let count = self.players.len().min(PLAYERS);
-        let (player, _) = *culprits(count, &squares?).first()?;
-        let player = self.players.get(player)?;
-        Some((player.name, NAMES[quantity]))
-    }
-
-    /// Where the error of position and heading went.
-    pub(super) fn budget(&self, predicted: &Predicted) -> Vec<Budget> {
-        let worth = self.worth();
-        let names: Vec<&str> = self
-            .players
-            .iter()
-            .take(PLAYERS)
-            .map(|own| own.name)
-            .collect();
-        let both = [("m", PLACE), ("rad", HEADING)];
-        let own = both.into_iter().filter_map(|(unit, quantity)| {
-            let squares = Squares {
-                robot: self.own.name,
-                unit,
-                held_out: [
-                    predicted.before.mean_square(quantity)?,
-                    predicted.after.mean_square(quantity)?,
-                ],
-                sensor: predicted.after.sensor(quantity)?,
-                expected: predicted.after.expected(quantity)?,
-            };
-            let worth: Option<Vec<f64>> =
-                worth.iter().map(|own| own.mean_square(quantity)).collect();
-            judge::budget(&squares, &names, &worth?)
+    /// What the judge is told of the machine.
+    pub(super) fn predictions(&self, errors: &[[Errors; 2]]) -> Predictions {
+        let runs = errors.iter().zip(&self.own.machine.runs);
+        let spans = runs.flat_map(|(pair, run)| {
+            let own = pair[1].windows.iter();
+            own.map(|(window, _)| window.map(|t_s| t_s + run.origin_s))
         });
-        own.collect()
+        let side = |side: usize| {
+            let windows = errors.iter().flat_map(|pair| &pair[side].windows);
+            windows.map(|(_, score)| *score).collect()
+        };
+        Predictions::new(self.own.name, spans.collect(), [side(0), side(1)])
     }
 
-    fn unit(&self, channel: usize) -> &'static str {
+    /// Unit of a channel.
+    pub(super) fn unit(&self, channel: usize) -> &'static str {
         let mut drives = self.own.drive.iter().flat_map(|drive| &drive.runs);
         let speeds = drives.any(|drive| drive.wheels.kind == WheelKind::Speed);
-        match NAMES[channel] {
+        match name(channel) {
             "pose_x" | "pose_y" => "m",
             "imu_gz" => "rad/s",
             "wheel_right" | "wheel_left" if speeds => "rad/s",
             _ => "rad",
-        }
-    }
-}
-
-impl Predicted {
-    /// Quantities that are predicted worse than by the nominal model.
-    pub(super) fn worse(&self) -> Vec<usize> {
-        let side = |side: usize| {
-            let windows = self.errors.iter().flat_map(|pair| &pair[side].windows);
-            windows.map(|(_, score)| *score).collect::<Vec<Score>>()
-        };
-        judge::worse(&side(0), &side(1))
-    }
-
-    pub(super) fn held_out(&self, bench: &Bench<'_>) -> HeldOut {
-        let both = [&self.before, &self.after];
-        judge::held_out(bench.own.name, HORIZON_S, both, &|channel| {
-            bench.unit(channel)
-        })
-    }
-
-    /// What the judge is told of the machine.
-    pub(super) fn machine(&self, name: &str, machine: &FromWheels) -> Judged {
-        let runs = self.errors.iter().zip(&machine.runs);
-        let windows = runs.flat_map(|(pair, run)| {
-            let own = pair[1].windows.iter();
-            own.map(|(window, score)| (window.map(|t_s| t_s + run.origin_s), *score))
-        });
-        Judged {
-            robot: name.to_owned(),
-            before: self.before,
-            after: self.after,
-            windows: windows.collect(),
-            refused: Vec::new(),
         }
     }
 }

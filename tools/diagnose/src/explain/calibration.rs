@@ -6,6 +6,7 @@ use super::prediction::reference_error;
 use super::terms::{self, FLOOR, GEOMETRY, OFFSET, OFFSET_TURN};
 use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
+use crate::estimate::blocks;
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::model::drive::{DEAD_BAND, DEAD_ZONE, DELAY, LAG, SATURATION};
@@ -16,7 +17,6 @@ use crate::model::from_wheels::{
 use crate::model::run::Source;
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Kept, Selected, Shared, Term};
-use crate::select::halves::Halves;
 
 /// The first fit, without outliers: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -201,15 +201,11 @@ impl Search<'_> {
         let mut elimination = self.elimination(&terms);
         let after = elimination.settled(fit, &mut terms)?;
         let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
-        let mut after = self.offsets_together(after, &terms)?;
-        let kept: Vec<Term> = after.kept.iter().map(|kept| kept.term.clone()).collect();
-        let (_, physics) = elimination.free(&kept);
-        let before = self.machine.before.runs.checked_sub(1);
-        let first = before.map_or(0, |last| self.machine.runs[last].blocks.end());
-        if !self.machine.before.is_paired() {
-            // rows of one course are compared pair by pair, and their halves with them
-            after.halves = Halves::new(self.problem, &after.fit, physics, first);
-        }
+        let after = self.offsets_together(after, &terms)?;
+        let before = &self.machine.before;
+        let runs = self.machine.runs.iter().take(before.runs);
+        let first = blocks::total(runs.map(|run| run.blocks));
+        let after = elimination.halved(after, before.is_paired(), first);
         Some(Calibration {
             after,
             by_run,

@@ -7,6 +7,7 @@ use super::calibration::{RATE_NATS, USE_SHARE};
 use super::open_loop::drive_error;
 use super::terms::RATE_CAUTION;
 use super::thresholds::{Thresholds, levels};
+use crate::estimate::blocks;
 use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
 use crate::model::command_to_wheels::{CommandToWheels, Plain};
 use crate::model::drive::{
@@ -15,7 +16,6 @@ use crate::model::drive::{
 };
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected, Shared, Term};
-use crate::select::halves::Halves;
 
 /// The first fits need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -218,14 +218,11 @@ impl Search<'_> {
         };
         let mut elimination = self.elimination(&terms, &useful);
         let after = elimination.settled(full, &mut terms)?;
-        let mut after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
-        let kept: Vec<Term> = after.kept.iter().map(|kept| kept.term.clone()).collect();
-        let (_, physics) = elimination.free(&kept);
-        let before = self.drive.before.runs.checked_sub(1);
-        let first = before.map_or(0, |last| self.drive.runs[last].blocks.end());
-        if !self.drive.before.is_paired() {
-            after.halves = Halves::new(&self.problem, &after.fit, physics, first);
-        }
+        let after = elimination.rivals(after, [DELAY_TERM, LAG_TERM], &terms)?;
+        let before = &self.drive.before;
+        let runs = self.drive.runs.iter().take(before.runs);
+        let first = blocks::total(runs.map(|run| run.blocks));
+        let after = elimination.halved(after, before.is_paired(), first);
         let after = self.with_one_speed(after);
         let criterion = elimination.criterion;
         Some(DriveFit {

@@ -5,11 +5,6 @@ use crate::filter::{gyro, wheels_to_pose};
 use crate::model::from_wheels::{gyro_parameters, pose_parameters};
 use crate::model::run::Run;
 
-/// What wanders of a turn rate by itself, and its least value, as shares of the motion: as the filter of the
-/// gyro has them.
-const STRAIGHT_SHARE: f64 = 0.01;
-const LEAST_RATE2: f64 = 1e-6;
-
 /// The noise of one run.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct NoiseOf {
@@ -159,24 +154,18 @@ impl OfGyro {
         dt: f64,
     ) -> f64 {
         let straight = speed / (2.0 * half_track_m);
-        let motion2 = turning * turning + straight * straight * STRAIGHT_SHARE + LEAST_RATE2;
-        let size2 = noise.size2 * motion2;
+        let disturbance = gyro::Disturbance {
+            variance: noise.size2 * gyro::motion2(turning, straight),
+            time_s: noise.time_s,
+        };
         if !self.begun {
-            (self.begun, self.p[2]) = (true, size2);
+            (self.begun, self.p[2]) = (true, disturbance.variance);
         }
         self.over_s += dt;
-        let decay = (-dt / noise.time_s.max(1e-9)).exp();
-        let g = noise.time_s * (1.0 - decay);
-        let new = size2 * (1.0 - decay * decay);
         let walk = noise.yaw_per_m * (speed * dt).abs()
             + noise.yaw_per_rad * (turning * dt).abs()
             + noise.yaw_per_s * dt;
-        let [yaw, both, rate] = self.p;
-        self.p = [
-            yaw + 2.0 * g * both + g * g * rate + walk + new * dt * dt / 3.0,
-            decay * (both + g * rate) + new * dt / 2.0,
-            decay * decay * rate + new,
-        ];
+        self.p = disturbance.carry(disturbance.step(dt), self.p, walk, dt);
         self.heading = self.p[0] + noise.drive.angle(self.over_s);
         self.p[2] + noise.drive.size_rad_s * noise.drive.size_rad_s
     }

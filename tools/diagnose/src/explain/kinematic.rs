@@ -5,10 +5,11 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot;
 
-use super::bench::{Bench, Measured};
+use super::bench::{Bench, Measured, ORDINARY};
 use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
+use super::open_loop::HORIZON_S;
 use super::pictures::{self, Scene};
 use super::reading::Reading;
 use super::sight;
@@ -16,15 +17,13 @@ use super::today;
 use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
 use crate::filter::motion_law::DRIVERS;
-use crate::judge::{Judged, QUANTITIES};
+use crate::judge::{Culprit, Predictions, QUANTITIES, passing};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::comparison::Before;
 use crate::model::from_wheels::{
     COMMON, FromWheels, LAW_FIRST, MACHINE, RUN_SCALE, RUN_TRACK, TRACK, View,
 };
 
-/// A row with a smaller probability of being ordinary counts as an outlier.
-const ORDINARY: f64 = 0.5;
 /// Least deviation of scale or track among runs that differ.
 const LEAST_SPREAD: f64 = 0.006;
 /// What two simulators differ by, in metres or radians; a smaller part is none.
@@ -34,9 +33,7 @@ const NOTHING: f64 = 1e-6;
 pub(crate) struct Found {
     pub(crate) claims: Vec<Claim>,
     pub(crate) held_out: HeldOut,
-    pub(crate) judged: Judged,
-    /// The effect by which predictions become worse than those of the nominal model, where they do, and of what.
-    culprit: Option<(&'static str, &'static str)>,
+    pub(crate) predictions: Predictions,
     pub(crate) detectable: Vec<Detectable>,
     pub(crate) budget: Vec<Budget>,
     pub(crate) outliers: Vec<Outliers>,
@@ -122,29 +119,12 @@ pub(crate) struct Learnt {
 /// # Errors
 /// A machine that is not known to have moved, or of which nothing can be compared.
 pub(crate) fn examine(task: &Task<'_>) -> Result<Found, InputError> {
-    let mut refused: Vec<String> = Vec::new();
-    loop {
-        let excluded = [task.excluded, refused.as_slice()].concat();
-        let own = Task {
-            excluded: &excluded,
-            ..*task
-        };
-        let mut found = Machine::new(&own)?.examine(&own)?;
-        match found.culprit {
-            // what predicts worse is not published: the best set without it is
-            Some((effect, quantity)) => {
-                let what = format!(
-                    "{quantity} is predicted worse with {effect}: looking for better findings"
-                );
-                (task.progress)(&what.replace('_', " "));
-                refused.push(effect.to_owned());
-            }
-            None => {
-                found.judged.refused = refused;
-                return Ok(found);
-            }
-        }
-    }
+    let (mut found, refused) = passing(task.excluded, task.progress, |excluded| {
+        let own = Task { excluded, ..*task };
+        Ok(Machine::new(&own)?.examine(&own))
+    })?;
+    found.predictions.refused = refused;
+    Ok(found)
 }
 
 /// What the runs of one machine say of it, to compare others with.
@@ -389,7 +369,8 @@ impl Machine<'_> {
         }
     }
 
-    fn examine(mut self, task: &Task<'_>) -> Result<Found, InputError> {
+    /// What is found; or by which effect it predicts worse than the nominal model.
+    fn examine(mut self, task: &Task<'_>) -> Result<Found, Culprit> {
         let mut warnings = Vec::new();
         let fits = self.fits(task, &mut warnings);
         let (calibration, drive) = (&fits.calibration, &fits.drive);
@@ -404,49 +385,44 @@ impl Machine<'_> {
         (task.progress)("predicting 5 s ahead, with and without the findings");
         let measured = self.measured(&fits);
         let bench = Bench::new(&measured, &claims, &all);
-        let judged = bench.judged();
+        let errors = bench.errors();
+        let predictions = bench.predictions(&errors);
         let is_paired = self
             .joint
             .as_ref()
             .is_some_and(|joint| joint.before.is_paired());
         // a change between rows of one course is known far below what either recording is predicted to
-        let worse = if is_paired {
-            Vec::new()
-        } else {
-            judged.worse()
-        };
-        let figures = task
-            .illustrate
-            .filter(|_| worse.is_empty())
-            .map(|first_finding| {
-                (task.progress)("computing what the page shows");
-                pictures::figures(&Scene {
-                    robot: self.name,
-                    machine: &self.machine,
-                    predictors: (0..self.machine.runs.len())
-                        .map(|run| bench.predictor(run))
-                        .collect(),
-                    excluded: task.excluded,
-                    claims: &claims,
-                    first_finding,
-                    calibration: calibration.as_ref(),
-                    drive: drive.as_ref(),
-                    driven: self.drive.as_ref(),
-                    joint_drive: self.joint_drive.as_ref(),
-                    nominal: &bench.nominal,
-                    fitted: &bench.fitted,
-                    errors: &judged.errors,
-                    deviations: &bench.deviations,
-                    nominal_of: &|claim, name| claim.nominal(self.model, name),
-                })
-            });
+        if !is_paired && let Some(culprit) = predictions.culprit(|| bench.worth()) {
+            return Err(culprit);
+        }
+        let figures = task.illustrate.map(|first_finding| {
+            (task.progress)("computing what the page shows");
+            pictures::figures(&Scene {
+                robot: self.name,
+                machine: &self.machine,
+                predictors: (0..self.machine.runs.len())
+                    .map(|run| bench.predictor(run))
+                    .collect(),
+                excluded: task.excluded,
+                claims: &claims,
+                first_finding,
+                calibration: calibration.as_ref(),
+                drive: drive.as_ref(),
+                driven: self.drive.as_ref(),
+                joint_drive: self.joint_drive.as_ref(),
+                nominal: &bench.nominal,
+                fitted: &bench.fitted,
+                errors: &errors,
+                deviations: &bench.deviations,
+                nominal_of: &|claim, name| claim.nominal(self.model, name),
+            })
+        });
         Ok(Found {
             figures,
             detectable: self.detectable(&fits, task.excluded),
-            held_out: judged.held_out(&bench),
-            culprit: bench.culprit(&worse),
-            budget: bench.budget(&judged),
-            judged: judged.machine(self.name, &self.machine),
+            held_out: predictions.held_out(HORIZON_S, &|channel| bench.unit(channel)),
+            budget: predictions.budgets(&bench.worth()),
+            predictions,
             outliers: self.outliers(&all),
             process_noise: self.process_noise(calibration.is_some(), &all),
             improved: self.improved(&claims),

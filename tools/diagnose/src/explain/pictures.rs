@@ -9,7 +9,7 @@ use super::prediction::{CHANNELS, Errors, Predictor};
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
 use crate::data::wheel_rows::WheelKind;
 use crate::filter::wheel_path::Turned;
-use crate::judge::{HEADING, NAMES, PLACE, QUANTITIES};
+use crate::judge::{self, HEADING, PLACE, QUANTITIES};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::{FromWheels, drive_parameters};
 
@@ -116,7 +116,7 @@ impl Scene<'_> {
         CHANNELS
             .into_iter()
             .filter_map(|channel| {
-                let name = NAMES[channel];
+                let name = judge::name(channel);
                 let before = line(before, channel, self.origin_s(run));
                 let after = match self.claims {
                     [] => Vec::new(),

@@ -21,6 +21,37 @@ const LEAST_RATE2: f64 = 1e-6;
 /// Least variance of an innovation (rad²).
 const LEAST_VARIANCE: f64 = 1e-16;
 
+/// Square of the motion that scales the disturbance (rad²/s²): turn rate, and what driving straight adds.
+pub(crate) fn motion2<S: Scalar>(turn_rad_s: S, straight_rad_s: S) -> S {
+    turn_rad_s * turn_rad_s + straight_rad_s * straight_rad_s * STRAIGHT_SHARE + LEAST_RATE2
+}
+
+/// An Ornstein-Uhlenbeck disturbance of the turn rate.
+pub(crate) struct Disturbance<S> {
+    /// rad²/s².
+    pub(crate) variance: S,
+    pub(crate) time_s: S,
+}
+
+impl<S: Scalar> Disturbance<S> {
+    /// What is left of it after `dt` (s), and the yaw that it adds meanwhile for each rad/s (s).
+    pub(crate) fn step(&self, dt: S) -> [S; 2] {
+        let decay = (-dt / self.time_s).exp();
+        [decay, self.time_s * (S::constant(1.0) - decay)]
+    }
+
+    /// Variance of the yaw, covariance, and variance of the disturbance after a step of `dt` (s), in which the
+    /// process adds this variance to the yaw.
+    pub(crate) fn carry(&self, [decay, g]: [S; 2], cov: [S; 3], process: S, dt: S) -> [S; 3] {
+        let added = self.variance * (S::constant(1.0) - decay * decay);
+        [
+            cov[0] + g * cov[1] * 2.0 + g * g * cov[2] + process + added * dt * dt / 3.0,
+            decay * (cov[1] + g * cov[2]) + added * dt * 0.5,
+            decay * decay * cov[2] + added,
+        ]
+    }
+}
+
 /// One robot's data and nominal geometry.
 #[derive(Debug)]
 pub(crate) struct Gyro<'a> {
@@ -75,17 +106,15 @@ impl Gyro<'_> {
                 let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
                 let w = nominal_turn / dt;
                 let straight = way / dt / (2.0 * self.half_track_m);
-                let decay = (-dt / time_constant_s).exp();
-                let g = time_constant_s * (S::constant(1.0) - decay);
-                let motion2 = w * w + straight * straight * STRAIGHT_SHARE + LEAST_RATE2;
-                let size2 = q[5] * motion2 * (S::constant(1.0) - decay * decay);
+                let disturbance = Disturbance {
+                    variance: q[5] * motion2(w, straight),
+                    time_s: time_constant_s,
+                };
                 let process = q[0] * way + q[1] * nominal_turn.abs() + q[2] * dt;
+                let step = disturbance.step(dt);
+                let [decay, g] = step;
                 state = [state[0] + g * state[1], decay * state[1]];
-                cov = [
-                    cov[0] + g * cov[1] * 2.0 + g * g * cov[2] + process + size2 * dt * dt / 3.0,
-                    decay * (cov[1] + g * cov[2]) + size2 * dt * 0.5,
-                    decay * decay * cov[2] + size2,
-                ];
+                cov = disturbance.carry(step, cov, process, dt);
                 measured += S::constant(row.1 - before.1) - turn - p[5] * (row.0 - before.0);
                 let sensor = q[3] + q[4] * w * w;
                 let difference = measured - state[0];

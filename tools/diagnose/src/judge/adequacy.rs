@@ -1,28 +1,18 @@
 //! The verdict: whether what is left is what noise predicts, and the sentence that says so.
 
-use super::score::{HEADING, PLACE, POSE, Score, is_channel};
-use super::{NAMES, QUANTITIES};
+use super::predictions::Predictions;
+use super::score::{HEADING, PLACE, POSE, QUANTITIES, name};
 use crate::answer::{Answer, Budget, Unexplained, Verdict};
 
 /// A root mean square error up to so many times what noise predicts is explained by it, and up to so many
 /// times it is within the noise (CONTRACT: "What a verdict may say").
 const EXPLAINED: f64 = 2.0;
 const WITHIN: f64 = 1.2;
-/// What nobody would call an error: the share of the error before at which the rest is written off, and the
-/// least error of a place (m) and of an angle (rad).
+/// An error of a place (m) or of a heading (rad) that nobody would call one.
 const NOTHING: f64 = 1e-3;
 
-/// One machine before the judge.
-pub(crate) struct Judged {
-    pub(crate) robot: String,
-    /// All windows before and after.
-    pub(crate) before: Score,
-    pub(crate) after: Score,
-    /// Begin, end (s) and score of each window after.
-    pub(crate) windows: Vec<([f64; 2], Score)>,
-    /// Findings that fitted best and were not published, for they predict worse.
-    pub(crate) refused: Vec<String>,
-}
+/// The heading as a channel.
+const POSE_YAW: usize = POSE + 2;
 
 /// The quantity that is furthest from what noise predicts, and how many times that it is.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +21,7 @@ struct Excess {
     ratio: f64,
 }
 
-impl Judged {
+impl Predictions {
     fn excess(&self) -> Option<Excess> {
         // x and y are judged together, as position
         let all = (0..QUANTITIES).filter(|quantity| ![POSE, POSE + 1].contains(quantity));
@@ -51,7 +41,7 @@ impl Judged {
     /// When a quantity is further off than noise explains (s).
     fn intervals_s(&self, quantity: usize) -> Vec<[f64; 2]> {
         let mut intervals: Vec<[f64; 2]> = Vec::new();
-        for ([from_s, to_s], score) in &self.windows {
+        for ([from_s, to_s], score) in self.windows() {
             let off = score
                 .mean_square(quantity)
                 .zip(score.expected(quantity))
@@ -68,21 +58,17 @@ impl Judged {
     /// What remains, as an entry of `unexplained`.
     fn remainder(&self, excess: Excess) -> Unexplained {
         let Excess { quantity, ratio } = excess;
-        let of = |score: &Score| score.mean_square(quantity).unwrap_or(0.0).sqrt();
-        let what = match quantity {
-            PLACE => "position".to_owned(),
-            HEADING => "heading".to_owned(),
-            own => NAMES[own].to_owned(),
-        };
+        let error = self.after.mean_square(quantity).unwrap_or(0.0).sqrt();
         Unexplained {
             robot: self.robot.clone(),
             channel: channel(quantity).to_owned(),
             driver: "t".to_owned(),
             intervals_s: self.intervals_s(quantity),
             shape: format!(
-                "{what}: predictions over 5 s miss by {}, {ratio:.1} times what the noise of the sensors and \
-                 the reported process noise explain",
-                size(of(&self.after), quantity),
+                "{}: predictions over 5 s miss by {}, {ratio:.1} times what the noise of the sensors and the \
+                 reported process noise explain",
+                name(quantity),
+                size(error, quantity),
             ),
         }
     }
@@ -90,9 +76,8 @@ impl Judged {
 
 /// The channel of the vocabulary in which an error of a quantity shows.
 fn channel(quantity: usize) -> &'static str {
-    match NAMES[quantity] {
-        "wheel_right" => "wheel_right",
-        "wheel_left" => "wheel_left",
+    match name(quantity) {
+        own @ ("wheel_right" | "wheel_left") => own,
         "pose_yaw" | "odometry_w" | "imu_gz" | "heading" => "yaw",
         "imu_ay" => "lateral",
         _ => "longitudinal",
@@ -101,9 +86,9 @@ fn channel(quantity: usize) -> &'static str {
 
 /// An error in the unit that a person uses.
 fn size(error: f64, quantity: usize) -> String {
-    let (factor, unit) = match NAMES[quantity] {
-        "pose_x" | "pose_y" | "position" if error < 1.0 => (100.0, "cm"),
-        "pose_x" | "pose_y" | "position" => (1.0, "m"),
+    let (factor, unit) = match name(quantity) {
+        "position" if error < 1.0 => (100.0, "cm"),
+        "position" => (1.0, "m"),
         "pose_yaw" | "heading" => (1.0_f64.to_degrees(), "degrees"),
         "odometry_v" => (1.0, "m/s"),
         "imu_ax" | "imu_ay" => (1.0, "m/s²"),
@@ -116,15 +101,15 @@ fn size(error: f64, quantity: usize) -> String {
 }
 
 /// Draws verdict and statement of an answer from its findings and from what the judge saw.
-pub(crate) fn conclude(answer: &mut Answer, judged: &[Judged]) {
-    let worst = judged
+pub(crate) fn conclude(answer: &mut Answer, machines: &[Predictions]) {
+    let worst = machines
         .iter()
         .filter_map(|own| Some((own, own.excess()?)))
         .max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio));
     let ratio = worst.as_ref().map_or(1.0, |(_, excess)| excess.ratio);
     let left = ratio > EXPLAINED;
     let beside = !answer.unexplained.is_empty();
-    for own in judged {
+    for own in machines {
         if let Some(excess) = own.excess().filter(|own| own.ratio > EXPLAINED) {
             answer.unexplained.push(own.remainder(excess));
         }
@@ -137,8 +122,8 @@ pub(crate) fn conclude(answer: &mut Answer, judged: &[Judged]) {
     answer.statement = statement(answer, worst, beside);
 }
 
-fn statement(answer: &Answer, worst: Option<(&Judged, Excess)>, beside: bool) -> String {
-    let Some((judged, excess)) = worst else {
+fn statement(answer: &Answer, worst: Option<(&Predictions, Excess)>, beside: bool) -> String {
+    let Some((machine, excess)) = worst else {
         return match answer.verdict {
             Verdict::Match => {
                 "Match: nothing was found that the model lacks; nothing could be predicted over 5 s"
@@ -150,9 +135,9 @@ fn statement(answer: &Answer, worst: Option<(&Judged, Excess)>, beside: bool) ->
         }
         .to_owned();
     };
-    let numbers = Numbers::new(answer, judged, excess);
+    let numbers = Numbers::new(answer, machine, excess);
     let whose = if answer.robots().len() > 1 {
-        format!(" of robot {}", judged.robot)
+        format!(" of robot {}", machine.robot)
     } else {
         String::new()
     };
@@ -176,13 +161,13 @@ fn statement(answer: &Answer, worst: Option<(&Judged, Excess)>, beside: bool) ->
         Verdict::Explained => format!(
             "Explained: the findings below explain {explained}; {after} are left, {times} what noise explains"
         ),
-        Verdict::Unexplained => unexplained(answer, judged, &numbers, &explained, beside),
+        Verdict::Unexplained => unexplained(answer, machine, &numbers, &explained, beside),
     }
 }
 
 fn unexplained(
     answer: &Answer,
-    judged: &Judged,
+    machine: &Predictions,
     numbers: &Numbers,
     explained: &str,
     beside: bool,
@@ -206,8 +191,8 @@ fn unexplained(
             format!("Not explained: {after} remain over 5 s, where noise explains {noise}")
         }
     };
-    if !judged.refused.is_empty() {
-        let names: Vec<String> = judged
+    if !machine.refused.is_empty() {
+        let names: Vec<String> = machine
             .refused
             .iter()
             .map(|id| id.replace('_', " "))
@@ -253,25 +238,25 @@ struct Numbers {
 }
 
 impl Numbers {
-    fn new(answer: &Answer, judged: &Judged, excess: Excess) -> Self {
+    fn new(answer: &Answer, machine: &Predictions, excess: Excess) -> Self {
         let own = |unit: &str| -> Option<&Budget> {
             let mut all = answer.budget.iter();
-            all.find(|own| own.robot == judged.robot && own.unit == unit)
+            all.find(|own| own.robot == machine.robot && own.unit == unit)
         };
         // an excess that shows in a channel alone is told by that channel
         let told = match excess.quantity {
-            HEADING | 4 if excess.ratio > EXPLAINED => own("rad").map(|_| HEADING),
-            own if is_channel(own) && excess.ratio > EXPLAINED && own != 2 && own != 3 => Some(own),
+            HEADING | POSE_YAW if excess.ratio > EXPLAINED => own("rad").map(|_| HEADING),
+            own if own < PLACE && excess.ratio > EXPLAINED => Some(own),
             _ => own("m").map(|_| PLACE).or(own("rad").map(|_| HEADING)),
         };
         let quantity = told.unwrap_or(excess.quantity);
         let root = |square: Option<f64>| square.unwrap_or(0.0).sqrt();
-        let before = root(judged.before.mean_square(quantity));
-        let after = root(judged.after.mean_square(quantity));
+        let before = root(machine.before.mean_square(quantity));
+        let after = root(machine.after.mean_square(quantity));
         Self {
             before: size(before, quantity),
             after: size(after, quantity),
-            noise: size(root(judged.after.expected(quantity)), quantity),
+            noise: size(root(machine.after.expected(quantity)), quantity),
             times: format!("{:.1} times", excess.ratio),
             share: 1.0 - after / before.max(1e-300),
         }

@@ -6,24 +6,16 @@ use crate::answer::{Budget, BudgetPart};
 /// Errors below are none (m, rad).
 const NOTHING: f64 = 1e-6;
 
-/// One player: findings of one effect, by name.
-#[derive(Debug, Clone)]
-pub(crate) struct Player {
-    pub(crate) name: &'static str,
-    /// Parameters that they explain.
-    pub(crate) toggles: Vec<usize>,
-}
-
 /// Mean square errors of one quantity of one robot.
-pub(crate) struct Squares<'a> {
-    pub(crate) robot: &'a str,
+pub(super) struct Squares<'a> {
+    pub(super) robot: &'a str,
     /// `m` or `rad`.
-    pub(crate) unit: &'static str,
+    pub(super) unit: &'static str,
     /// On time that no fit has seen, without and with the findings.
-    pub(crate) held_out: [f64; 2],
+    pub(super) held_out: [f64; 2],
     /// Of the sensor, and what noise altogether predicts.
-    pub(crate) sensor: f64,
-    pub(crate) expected: f64,
+    pub(super) sensor: f64,
+    pub(super) expected: f64,
 }
 
 /// Share of each player in `worth(none) − worth(all)`, given what every subset (as bits) is worth.
@@ -48,12 +40,11 @@ fn shares(players: usize, worth: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Numbers of the players by how much they take away of what every subset is worth, the least first: the one
-/// that makes predictions worst.
-pub(crate) fn culprits(players: usize, worth: &[f64]) -> Vec<(usize, f64)> {
-    let mut all: Vec<(usize, f64)> = shares(players, worth).into_iter().enumerate().collect();
-    all.sort_by(|a, b| a.1.total_cmp(&b.1));
-    all
+/// Number of the player that takes least away of what every subset is worth: that makes predictions worst.
+pub(super) fn culprit(players: usize, worth: &[f64]) -> Option<usize> {
+    let all = shares(players, worth).into_iter().enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(player, _)| player)
 }
 
 /// Names with their shares, none negative: a player that makes predictions worse is joined with the one
@@ -86,7 +77,7 @@ fn joined(names: &[&str], worth: &[f64]) -> Vec<(String, f64)> {
 /// called `names` (as bits); none of an error that is none.
 ///
 /// Parts are at least 0 and add up to `before`; what is unexplained and the sensor's noise add up to `after`.
-pub(crate) fn budget(squares: &Squares<'_>, names: &[&str], worth: &[f64]) -> Option<Budget> {
+pub(super) fn budget(squares: &Squares<'_>, names: &[&str], worth: &[f64]) -> Option<Budget> {
     let [before, after] = squares.held_out.map(f64::sqrt);
     if !(before >= NOTHING && after.is_finite()) {
         return None;

@@ -5,28 +5,12 @@
 
 mod adequacy;
 mod budget;
-mod held_out;
+mod passing;
+mod predictions;
 mod score;
 mod worse;
 
-pub(crate) use adequacy::{Judged, conclude};
-pub(crate) use budget::{Player, Squares, budget, culprits};
-pub(crate) use held_out::held_out;
-pub(crate) use score::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score};
-pub(crate) use worse::worse;
-
-/// Names of the quantities that are scored: the channels, then distance and heading.
-pub(crate) const NAMES: [&str; QUANTITIES] = [
-    "wheel_right",
-    "wheel_left",
-    "pose_x",
-    "pose_y",
-    "pose_yaw",
-    "odometry_v",
-    "odometry_w",
-    "imu_ax",
-    "imu_ay",
-    "imu_gz",
-    "position",
-    "heading",
-];
+pub(crate) use adequacy::conclude;
+pub(crate) use passing::{Culprit, passing};
+pub(crate) use predictions::{Predictions, Worth};
+pub(crate) use score::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score, name};

@@ -1,20 +1,26 @@
 //! Sums of the errors of predictions.
 
+use crate::data::track::{CHANNEL_NAMES, CHANNELS};
+
 /// How many quantities are scored: the channels, then distance and heading.
-pub(crate) const QUANTITIES: usize = 12;
+pub(crate) const QUANTITIES: usize = CHANNELS + 2;
 /// The first channel of the pose, and the turn rate of the gyro.
 pub(crate) const POSE: usize = 2;
 pub(crate) const GYRO: usize = 9;
 /// Distance from where the robot was seen (m), and error of the heading (rad).
-pub(crate) const PLACE: usize = 10;
-pub(crate) const HEADING: usize = 11;
+pub(crate) const PLACE: usize = CHANNELS;
+pub(crate) const HEADING: usize = CHANNELS + 1;
 
 /// Deviations below which a normal number stays with 95 % confidence.
 const CONFIDENT: f64 = 1.645;
 
-/// Whether a quantity is a channel, and not made of channels.
-pub(crate) fn is_channel(quantity: usize) -> bool {
-    quantity < PLACE
+/// What a quantity is called.
+pub(crate) fn name(quantity: usize) -> &'static str {
+    match quantity {
+        PLACE => "position",
+        HEADING => "heading",
+        channel => CHANNEL_NAMES[channel],
+    }
 }
 
 /// Sums over the rows of one quantity.

@@ -11,7 +11,7 @@ const AT_NOISE: f64 = 1.2;
 
 /// Quantities of which windows are predicted worse after than before, beyond the spread between the windows.
 /// Both hold the same windows in the same order.
-pub(crate) fn worse(before: &[Score], after: &[Score]) -> Vec<usize> {
+pub(super) fn worse(before: &[Score], after: &[Score]) -> Vec<usize> {
     // the pose is judged as position and heading: what it is along x or y says how the axes lie
     let of_pose = POSE..POSE + 3;
     let all = (0..QUANTITIES).filter(|quantity| !of_pose.contains(quantity));

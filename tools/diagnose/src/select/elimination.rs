@@ -384,6 +384,17 @@ impl Elimination<'_> {
         Some(found)
     }
 
+    /// The same with what the halves of the blocks from `first` on say by themselves. Rows of one course are
+    /// compared pair by pair, and their halves with them.
+    pub(crate) fn halved(&self, mut found: Selected, is_paired: bool, first: usize) -> Selected {
+        if !is_paired {
+            let kept: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
+            let (_, physics) = self.free(&kept);
+            found.halves = Halves::new(self.problem, &found.fit, physics, first);
+        }
+        found
+    }
+
     /// Tries to remove each term, the weakest first.
     fn round(&self, fit: &Fit, left: &[Term], terms: &[Term]) -> Option<Round> {
         let (_, physics) = self.free(left);

@@ -6,15 +6,14 @@ use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::machine::Machine;
 use super::precision::Known;
-use super::prediction::Predicted;
 use super::selection::{Selected, Selection};
-use super::{answer, compare, pictures};
+use super::{answer, compare, pictures, prediction};
 use crate::answer::statement::changed;
 use crate::answer::{Figures, Finding};
 use crate::data::track::{Sensor, Track};
 use crate::diagnosis::{Collected, Request, Runs};
 use crate::explain::links::Course;
-use crate::judge;
+use crate::judge::{Predictions, passing};
 use crate::model::hypothesis::{self, Hypothesis, with};
 use crate::predict::predictor::Predictor;
 
@@ -51,50 +50,42 @@ pub(crate) fn examine(
 ) -> Result<Option<Figures>, InputError> {
     let name = &runs[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
-    let mut refused: Vec<String> = Vec::new();
-    loop {
-        let excluded = [request.excluded, refused.as_slice()].concat();
+    let (mut found, refused) = passing(request.excluded, &progress, |excluded| {
         let own = Request {
-            excluded: &excluded,
+            excluded,
             ..*request
         };
-        let predictor = Predictor::new(&own, runs)?;
-        let found = looked_for(&own, predictor, before, &progress)?;
-        progress("how well it predicts");
-        let predicted = Predicted::new(
-            &found.judged.machine,
-            &found.predictor,
-            &found.judged.selected.fit,
-        );
-        let Some((effect, quantity)) = predicted.culprit() else {
-            let judged = predicted.judged(refused);
-            add(&predicted, &found, before, judged, collected);
-            return Ok(illustrate.then(|| illustrated(&found, collected, &progress)));
-        };
-        // what predicts worse is not published: the best set without it is
-        let what =
-            format!("{quantity} is predicted worse with {effect}: looking for better findings");
-        progress(&what.replace('_', " "));
-        refused.push(effect.to_owned());
-    }
+        let found = looked_for(&own, runs, before, &progress)?;
+        let worth = || prediction::worth(&found.predictor, &found.judged.selected.fit);
+        Ok(match found.predictions.culprit(worth) {
+            Some(culprit) => Err(culprit),
+            None => Ok(found),
+        })
+    })?;
+    found.predictions.refused = refused;
+    add(&found, before, collected);
+    let figures = illustrate.then(|| illustrated(&found, collected, &progress));
+    collected.predictions.push(found.predictions);
+    Ok(figures)
 }
 
 /// A machine, what it is predicted by, and what was found on it.
 struct Found {
     predictor: Predictor,
     judged: Judged,
+    predictions: Predictions,
 }
 
 fn looked_for(
     request: &Request<'_>,
-    mut predictor: Predictor,
+    runs: &Runs<'_>,
     before: Option<&Vec<(&Recording, &Recorded)>>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, InputError> {
+    let mut predictor = Predictor::new(request, runs)?;
     let unusable = || {
         let remedy = "check masses, lengths and units, and the kind of the commands";
-        let name = &predictor.tracks[0].robot;
-        InputError::new(name, "cannot be simulated by its model", remedy)
+        InputError::new(&runs[0].1.name, "cannot be simulated by its model", remedy)
     };
     let judged = match before {
         None => alone(request, &predictor, progress).ok_or_else(unusable)?,
@@ -105,17 +96,17 @@ fn looked_for(
         }
     };
     predictor.model = judged.machine.model.clone();
-    Ok(Found { predictor, judged })
+    progress("how well it predicts");
+    let predictions = prediction::predictions(&judged.machine, &predictor, &judged.selected.fit);
+    Ok(Found {
+        predictor,
+        judged,
+        predictions,
+    })
 }
 
 /// Adds what was found to the answer.
-fn add(
-    predicted: &Predicted<'_>,
-    found: &Found,
-    before: Option<&Vec<(&Recording, &Recorded)>>,
-    judged: judge::Judged,
-    collected: &mut Collected,
-) {
+fn add(found: &Found, before: Option<&Vec<(&Recording, &Recorded)>>, collected: &mut Collected) {
     let Judged {
         machine,
         selected,
@@ -128,8 +119,11 @@ fn add(
     answer
         .findings
         .extend(findings(machine, selected, known.as_ref(), before, nominal));
-    answer.held_out.merge(&predicted.held_out());
-    answer.budget.extend(predicted.budgets());
+    answer
+        .held_out
+        .merge(&prediction::held_out(machine, &found.predictions));
+    let worth = prediction::worth(&found.predictor, fit);
+    answer.budget.extend(found.predictions.budgets(&worth));
     let noise = answer::process_noise(machine, selected.whole());
     answer.warnings.extend(answer::wandering(machine, &noise));
     answer.warnings.extend(answer::gusts(machine));
@@ -144,7 +138,6 @@ fn add(
     let name = machine.tracks[0].robot.clone();
     collected.improved.push((name, improved));
     collected.courses.extend(course(machine, fit));
-    collected.judged.push(judged);
 }
 
 /// The figures of a machine whose findings are the last of the answer.

@@ -5,10 +5,10 @@ use rayon::prelude::*;
 use super::channels::NO_CHANNEL;
 use super::fit::{Fit, valued, values};
 use super::machine::Machine;
-use crate::answer::{Budget, HeldOut};
+use crate::answer::HeldOut;
 use crate::data::track::Sensor;
 use crate::filter::dynamic::open_loop::{Sums, add_variances};
-use crate::judge::{self, HEADING, Judged, PLACE, POSE, Score, Squares, culprits};
+use crate::judge::{HEADING, PLACE, POSE, Predictions, Score, Worth};
 use crate::model::hypothesis::Hypothesis;
 use crate::predict::predictor::{FITTED_S, Predictor, unit};
 use crate::predict::window::{WINDOW_S, Window};
@@ -21,113 +21,48 @@ const ITERATIONS: usize = 3;
 const BUDGET_WINDOWS: usize = 12;
 const PLAYERS: usize = 5;
 
-/// What every window scores, without and with what was found.
-pub(crate) struct Predicted<'a> {
-    machine: &'a Machine,
-    predictor: &'a Predictor,
-    fit: &'a Fit,
-    windows: [Vec<Score>; 2],
-    sums: [Score; 2],
+/// What every window scores by the nominal model, and by effects that were fitted without it.
+pub(crate) fn predictions(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Predictions {
+    let windows = &predictor.windows;
+    let before = predictor.scores(windows, &[]);
+    let mut after = if fit.hypotheses.is_empty() {
+        before.clone()
+    } else {
+        unseen(machine, predictor, fit)
+    };
+    let expected = expected(machine, fit);
+    for score in &mut after {
+        for (quantity, mean) in &expected {
+            score.expect(*quantity, *mean);
+        }
+    }
+    let spans_s = windows.iter().map(|window| [window.from_s, window.to_s]);
+    Predictions::new(&machine.tracks[0].robot, spans_s.collect(), [before, after])
 }
 
-impl<'a> Predicted<'a> {
-    /// Predicts every window by the nominal model, and by effects that were fitted without it.
-    pub(crate) fn new(machine: &'a Machine, predictor: &'a Predictor, fit: &'a Fit) -> Self {
-        let windows = &predictor.windows;
-        let before = predictor.scores(windows, &[]);
-        let mut after = if fit.hypotheses.is_empty() {
-            before.clone()
-        } else {
-            unseen(machine, predictor, fit)
+/// The predictions of a machine as they are answered.
+pub(crate) fn held_out(machine: &Machine, predictions: &Predictions) -> HeldOut {
+    let angles = machine.tracks[0].of(Sensor::WheelAngle).is_some();
+    predictions.held_out(WINDOW_S, &|channel| unit(channel, angles))
+}
+
+/// What every subset of the effects that were found is worth.
+pub(crate) fn worth(predictor: &Predictor, fit: &Fit) -> Worth {
+    let windows = predictor.some_windows(BUDGET_WINDOWS);
+    let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.truncate(PLAYERS);
+    let subsets = (0..1_usize << names.len()).into_par_iter().map(|subset| {
+        let has = |h: &&Hypothesis| match names.iter().position(|n| *n == h.info.id) {
+            Some(place) => subset >> place & 1 == 1,
+            None => true,
         };
-        let expected = expected(machine, fit);
-        for score in &mut after {
-            expected
-                .iter()
-                .for_each(|(quantity, mean)| score.expect(*quantity, *mean));
-        }
-        Self {
-            machine,
-            predictor,
-            fit,
-            sums: [Score::of_all(&before), Score::of_all(&after)],
-            windows: [before, after],
-        }
-    }
-
-    /// The effect by which predictions become worse than those of the nominal model; `None` where they do not.
-    pub(crate) fn culprit(&self) -> Option<(&'static str, &'static str)> {
-        let [before, after] = &self.windows;
-        let quantity = judge::worse(before, after).into_iter().max()?;
-        let (names, worth) = self.worth();
-        let squares: Option<Vec<f64>> = worth.iter().map(|own| own.mean_square(quantity)).collect();
-        let (player, _) = *culprits(names.len(), &squares?).first()?;
-        Some((names.get(player).copied()?, judge::NAMES[quantity]))
-    }
-
-    pub(crate) fn held_out(&self) -> HeldOut {
-        let track = &self.machine.tracks[0];
-        let angles = track.of(Sensor::WheelAngle).is_some();
-        let [before, after] = &self.sums;
-        judge::held_out(&track.robot, WINDOW_S, [before, after], &|channel| {
-            unit(channel, angles)
-        })
-    }
-
-    /// What the judge is told of the machine.
-    pub(crate) fn judged(&self, refused: Vec<String>) -> Judged {
-        let windows = self.predictor.windows.iter().zip(&self.windows[1]);
-        Judged {
-            robot: self.machine.tracks[0].robot.clone(),
-            before: self.sums[0],
-            after: self.sums[1],
-            windows: windows
-                .map(|(window, score)| ([window.from_s, window.to_s], *score))
-                .collect(),
-            refused,
-        }
-    }
-
-    /// Where the error of predictions went, in metres and radians.
-    pub(crate) fn budgets(&self) -> Vec<Budget> {
-        let (names, worth) = self.worth();
-        let [before, after] = &self.sums;
-        let of = |(unit, quantity): (&'static str, usize)| {
-            let worth: Option<Vec<f64>> =
-                worth.iter().map(|own| own.mean_square(quantity)).collect();
-            let squares = Squares {
-                robot: &self.machine.tracks[0].robot,
-                unit,
-                held_out: [before.mean_square(quantity)?, after.mean_square(quantity)?],
-                sensor: after.sensor(quantity)?,
-                expected: after.expected(quantity)?,
-            };
-            judge::budget(&squares, &names, &worth?)
-        };
-        [("m", PLACE), ("rad", HEADING)]
-            .into_iter()
-            .filter_map(of)
-            .collect()
-    }
-
-    /// Effects, and what every subset of them (as bits) scores on some windows.
-    fn worth(&self) -> (Vec<&'static str>, Vec<Score>) {
-        let windows = self.predictor.some_windows(BUDGET_WINDOWS);
-        let mut names: Vec<&'static str> = self.fit.hypotheses.iter().map(|h| h.info.id).collect();
-        names.sort_unstable();
-        names.dedup();
-        names.truncate(PLAYERS);
-        let subsets = (0..1_usize << names.len()).into_par_iter().map(|subset| {
-            let has = |h: &&Hypothesis| match names.iter().position(|n| *n == h.info.id) {
-                Some(place) => subset >> place & 1 == 1,
-                None => true,
-            };
-            let own: Vec<Hypothesis> = self.fit.hypotheses.iter().filter(has).cloned().collect();
-            Score::of_all(&self.predictor.scores(&windows, &own))
-        });
-        let worth = subsets.collect();
-        (names, worth)
-    }
+        let own: Vec<Hypothesis> = fit.hypotheses.iter().filter(has).cloned().collect();
+        Score::of_all(&predictor.scores(&windows, &own))
+    });
+    let scores = subsets.collect();
+    Worth { names, scores }
 }
 
 /// What each window scores by effects that were fitted without it.

@@ -4,18 +4,13 @@
 use super::gains::{NOT_MEASURED, Pass, start_covariance};
 use super::update::Covariance;
 use super::{N, Noise, ROLLING, Run, SLIP, Sensor};
-
-/// Channels in the order of [`crate::data::track::CHANNEL_NAMES`].
-pub(crate) const CHANNELS: usize = 10;
-/// The channels of the odometry's speeds.
-const ODOMETRY: usize = 5;
+use crate::data::track::{CHANNELS, Sensor as Stream};
 
 /// Sums of variances without those of the sensors, and counts, of each channel.
 pub(crate) type Sums = [[f64; 2]; CHANNELS];
 
 /// Adds the variances by which process noise and starts displace the rows of a pass, predicted over windows of
-/// `horizon_s` whose start is
-/// fitted to their first `fitted_s` (s).
+/// `horizon_s` whose start is fitted to their first `fitted_s` (s).
 pub(crate) fn add_variances(
     run: &Run,
     pass: &Pass,
@@ -52,10 +47,11 @@ fn add<const M: usize>(
         } else {
             let variance = covariance.unheard(&row.step, &row.variance);
             let first = match run.rows[row.row].sensor {
-                Sensor::WheelAngle | Sensor::WheelSpeed => 0,
-                Sensor::Pose => 2,
-                Sensor::Imu => 7,
+                Sensor::WheelAngle | Sensor::WheelSpeed => Stream::WheelAngle,
+                Sensor::Pose => Stream::Pose,
+                Sensor::Imu => Stream::Imu,
             };
+            let first = first.channel();
             for (part, own) in variance.into_iter().enumerate() {
                 if row.variance[part] < NOT_MEASURED
                     && let Some([sum, count]) = sums.get_mut(first + part)
@@ -65,7 +61,7 @@ fn add<const M: usize>(
                 }
             }
             for part in 0..2 {
-                let [sum, count] = &mut sums[ODOMETRY + part];
+                let [sum, count] = &mut sums[Stream::Odometry.channel() + part];
                 *sum += covariance.p[ROLLING + part][ROLLING + part];
                 *count += 1.0;
             }
