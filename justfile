@@ -56,6 +56,10 @@ battery:
     cargo build --release -p slipstream
     target/release/slipstream trial --plan battery --json target/battery.json --report target/battery.html
 
+# Long form of the test that no verdict contradicts its numbers: all recordings beside the repository, as a table.
+honest:
+    SLIPSTREAM_LONG=1 cargo test --release -p slipstream-tests --test honest -- --nocapture
+
 # Write the page of real robots, tests/real_robots (some minutes). RECORDINGS: the folder of their recordings.
 real RECORDINGS="../shared/recordings":
     cargo run --release -p slipstream-tests --example real -- {{RECORDINGS}}

@@ -24,8 +24,9 @@ use crate::{progress, provenance};
 /// Find what a robot model lacks, from a recording
 ///
 /// Prints one of three verdicts. Explained: effects of the catalogue that the model lacks, with
-/// parameters, 95 % intervals, and when they act. Match: the model lacks nothing. Unexplained: a
-/// difference that no effect of the catalogue explains, and what it depends on.
+/// parameters, 95 % intervals, and when they act. Match: nothing was found that the model lacks. For both, the
+/// error over 5 s is at most twice what noise explains. Unexplained: more is left, or something outside of the
+/// catalogue acts.
 ///
 /// Example: slipstream diagnose RECORDING --robot robot.toml --improved better.toml
 #[derive(Debug, Args)]
