@@ -5,7 +5,7 @@ use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
 
 /// The recording of one robot `r1` with these columns: time, right and left of commanded speeds (rad/s), the same of
 /// wheel angles (rad); time, x, y (m) and yaw (rad) of poses.
-pub fn recording(name: &str, columns: [Vec<f64>; 10]) -> Recording {
+pub(crate) fn recording(name: &str, columns: [Vec<f64>; 10]) -> Recording {
     let [
         told_s,
         right_rad_s,
