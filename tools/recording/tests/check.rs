@@ -88,6 +88,13 @@ fn scale(values: &mut [f64], by: f64) {
     values.iter_mut().for_each(|value| *value *= by);
 }
 
+/// Scales the angles of both wheels.
+fn scale_both(recording: &mut Recording, by: f64) {
+    let (right, left) = wheels(recording);
+    scale(right, by);
+    scale(left, by);
+}
+
 #[test]
 fn a_clean_drive_has_no_findings() {
     let report = check(&drive(), None);
@@ -120,24 +127,14 @@ fn each_fault_is_found_under_its_id() {
             );
         }),
         ("wheel_scale", "wheels's angles are in degrees", |r| {
-            let (right, left) = wheels(r);
-            scale(right, 180.0 / std::f64::consts::PI);
-            scale(left, 180.0 / std::f64::consts::PI);
+            scale_both(r, 180.0 / std::f64::consts::PI)
         }),
-        ("wheel_scale", "quadrature x4", |r| {
-            let (right, left) = wheels(r);
-            scale(right, 4.0);
-            scale(left, 4.0);
-        }),
+        ("wheel_scale", "quadrature x4", |r| scale_both(r, 4.0)),
         ("wheel_scale", "a diameter in place of a radius", |r| {
-            let (right, left) = wheels(r);
-            scale(right, 0.5);
-            scale(left, 0.5);
+            scale_both(r, 0.5)
         }),
         ("wheel_scale", "in turns where degrees", |r| {
-            let (right, left) = wheels(r);
-            scale(right, 1.0 / 360.0);
-            scale(left, 1.0 / 360.0);
+            scale_both(r, 1.0 / 360.0)
         }),
         ("wheels_swapped", "right and left wheel are swapped", |r| {
             let (right, left) = wheels(r);
@@ -150,9 +147,7 @@ fn each_fault_is_found_under_its_id() {
             scale(wheels(r).0, -1.0)
         }),
         ("wheels_reversed", "both wheels count backwards", |r| {
-            let (right, left) = wheels(r);
-            scale(right, -1.0);
-            scale(left, -1.0);
+            scale_both(r, -1.0)
         }),
         (
             "opposite_signs",
