@@ -293,6 +293,31 @@ fn a_pause_in_which_the_counter_may_wrap_more_often_is_said_and_cut_at() {
 }
 
 #[test]
+fn a_pause_through_which_the_wheels_go_on_is_no_wrap() {
+    // whatever the pause, also where most of the way lies in it
+    for pause in [20..60, 30..130, 10..200] {
+        let mut recording = drive(plain());
+        let wheels = recording.robots[0].wheels.as_mut().unwrap();
+        let is_kept = |row: usize| !pause.contains(&row) && row < 240;
+        let kept = |column: &mut Vec<i64>| {
+            let rows = column.drain(..).enumerate();
+            rows.filter(|(row, _)| is_kept(*row))
+                .map(|(_, count)| Some(count))
+                .collect()
+        };
+        let Wheels::Ticks { right, left } = &mut wheels.values else {
+            panic!("no ticks");
+        };
+        let of = |column: &mut Vec<Option<i64>>| kept(&mut column.drain(..).flatten().collect());
+        (*right, *left) = (of(right), of(left));
+        let mut row = 0..;
+        wheels.t_s.retain(|_| row.next().is_some_and(is_kept));
+        assert_eq!(found(&recording), [""; 0], "{pause:?}");
+        assert_eq!(values(&read(&recording)), values(&recording), "{pause:?}");
+    }
+}
+
+#[test]
 fn counters_that_restart_run_on_with_the_speed_before_and_after() {
     let right = drive(plain());
     let resets: [&[usize]; 3] = [&[300], &[150, 320, 600], &[90]];

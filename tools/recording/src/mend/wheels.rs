@@ -107,7 +107,7 @@ fn fault(column: Column<'_>, counts: bool, turn: Option<f64>) -> Fault {
     };
     let mut wrong = glitches(column, &scale);
     let mut rows: Vec<usize> = wrong.iter().map(|sample| sample.row).collect();
-    let modulus = modulus(column, &rows, counts, turn);
+    let modulus = modulus(column, &rows, &scale, counts, turn);
     if modulus.is_some() {
         // a wheel that rests where its counter wraps goes to and fro
         let outside = |value: f64| is_outside(column, &rows, value);

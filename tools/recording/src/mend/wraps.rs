@@ -7,6 +7,8 @@ use super::scale::{MOST_FAULTS, Scale, quantile};
 
 /// A step of more than this share of all that the column ever shows is no motion of a wheel.
 const SHARE_OF_RANGE: f64 = 0.5;
+/// A step over a pause of more than so many intervals may be motion: it is where the wheel gets that far meanwhile.
+const PAUSE: f64 = 3.0;
 /// The size of a wrap is known to so many reaches of the wheel in one row.
 const KNOWN_TO: f64 = 2.0;
 /// Smallest modulus of counts: that of 7 bits. Counts of fewer than that are steps of a coarse encoder.
@@ -31,15 +33,16 @@ struct Turn {
     dt_s: f64,
 }
 
-/// The modulus of a column, if it wraps. `turn` is the number of counts of a turn, where known, or 2 π.
+/// The modulus of a column, if it wraps. `plain` is its scale as if it did not; `turn` is the number of counts of a turn, where known, or 2 π.
 pub(super) fn modulus(
     column: Column<'_>,
     left_out: &[usize],
+    plain: &Scale,
     counts: bool,
     turn: Option<f64>,
 ) -> Option<f64> {
     let [low, high] = range(column, left_out)?;
-    let turns = turns(column, left_out, high - low);
+    let turns = turns(column, left_out, plain, high - low);
     let size = quantile(turns.iter().map(|turn| turn.size).collect(), 0.5)?;
     let scale = Scale::of(column, left_out, Some(size))?;
     let known_to = |turn: &Turn| KNOWN_TO * scale.reach(turn.dt_s) + f64::from(counts);
@@ -80,8 +83,8 @@ fn range(column: Column<'_>, left_out: &[usize]) -> Option<[f64; 2]> {
     (rows >= FEWEST_ROWS && high > low).then_some([low, high])
 }
 
-/// The steps through more than half of the range.
-fn turns(column: Column<'_>, left_out: &[usize], range: f64) -> Vec<Turn> {
+/// The steps through more than half of the range that are no motion.
+fn turns(column: Column<'_>, left_out: &[usize], plain: &Scale, range: f64) -> Vec<Turn> {
     let mut turns = Vec::new();
     let (mut last, mut per_s) = (None::<Sample>, 0.0);
     column.visit_but(left_out, &mut |sample| {
@@ -89,7 +92,9 @@ fn turns(column: Column<'_>, left_out: &[usize], range: f64) -> Vec<Turn> {
             return;
         };
         let (step, dt_s) = (sample.value - before.value, sample.t_s - before.t_s);
-        if step.abs() <= SHARE_OF_RANGE * range {
+        let is_pause = dt_s > PAUSE * plain.interval_s;
+        let is_motion = is_pause && step.abs() <= KNOWN_TO * plain.reach(dt_s);
+        if is_motion || step.abs() <= SHARE_OF_RANGE * range {
             per_s = if dt_s > 0.0 { step / dt_s } else { per_s };
         } else if turns.len() < MOST_FAULTS {
             let size = (step - per_s * dt_s).abs();
