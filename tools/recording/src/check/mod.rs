@@ -3,6 +3,7 @@
 //! Needs no model. Sources of the same motion (pose, wheels, command, gyro, odometry) are compared
 //! over time windows ([`motion`]); a known factor or a reversed sign between two sources is reported.
 
+mod assignment;
 mod clocks;
 mod counters;
 mod coverage;
@@ -26,6 +27,7 @@ use slipstream_bus::RobotModel;
 pub(crate) use counters::{BURSTING, of_bursts};
 pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
+use self::motion::Windows;
 use crate::error::Result;
 use crate::import::Spooled;
 use crate::mend::{self, PoseJump, WheelFaults};
@@ -59,10 +61,13 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     let model = model.or(rows.recording.model.as_ref());
     let mut findings = Vec::new();
     let mut robots = Vec::new();
+    let mut machine = Machine::default();
     for robot in &rows.robots {
         robots.push(rates::report(robot, &mut findings));
-        compare_sources(robot, model, &mut findings);
+        let windows = compare_sources(robot, model, &mut findings);
+        machine.add(rows, robot, windows, &mut findings);
     }
+    machine.check(&mut findings);
     links::check(rows, &mut findings);
     findings.extend(short(rows));
     sort(&mut findings);
@@ -86,11 +91,14 @@ pub fn faults(
 ) -> Vec<Finding> {
     let rows = AllRows::of(recording);
     let mut findings = Vec::new();
+    let mut machine = Machine::default();
     for robot in &rows.robots {
         let model = model_of(&robot.robot.name).or_else(|| recording.model.clone());
         rates::report(robot, &mut findings);
-        compare_sources(robot, model.as_ref(), &mut findings);
+        let windows = compare_sources(robot, model.as_ref(), &mut findings);
+        machine.add(&rows, robot, windows, &mut findings);
     }
+    machine.check(&mut findings);
     links::check(&rows, &mut findings);
     findings.extend(short(&rows));
     findings.retain(is_worth_knowing);
@@ -129,7 +137,7 @@ fn counters(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<WheelFa
 fn of_columns(
     robot: &RobotRows<'_>,
     faults: &mut WheelFaults,
-    windows: &mut [&mut motion::Windows],
+    windows: &mut [&mut Windows],
 ) -> Vec<Finding> {
     let name = &robot.robot.name;
     let interval_s = robot.stream(StreamKind::Wheels).and_then(mend::interval_s);
@@ -170,8 +178,49 @@ fn short(rows: &AllRows<'_>) -> Option<Finding> {
     })
 }
 
-/// Compares the sources of a robot's motion with each other.
-fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: &mut Vec<Finding>) {
+/// The runs of one machine, which are judged together.
+#[derive(Default)]
+struct Machine {
+    /// The first robot with its windows, and those of all others behind.
+    runs: Option<(String, Windows)>,
+}
+
+impl Machine {
+    /// Adds a run; a robot that is a machine of its own is judged at once.
+    fn add(
+        &mut self,
+        rows: &AllRows<'_>,
+        robot: &RobotRows<'_>,
+        windows: Windows,
+        findings: &mut Vec<Finding>,
+    ) {
+        let name = &robot.robot.name;
+        match &mut self.runs {
+            _ if !rows.recording.same_robot => judge(name, &windows, findings),
+            Some((_, all)) => all.append(windows),
+            None => self.runs = Some((name.clone(), windows)),
+        }
+    }
+
+    fn check(self, findings: &mut Vec<Finding>) {
+        if let Some((name, windows)) = self.runs {
+            judge(&name, &windows, findings);
+        }
+    }
+}
+
+/// Adds to `robot` what all runs of a machine tell of its wheels.
+fn judge(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
+    wheel_scale::check(robot, windows, findings);
+    wheels::check(robot, windows, findings);
+}
+
+/// Compares the sources of a robot's motion with each other. Returns the motion.
+fn compare_sources(
+    robot: &RobotRows<'_>,
+    model: Option<&RobotModel>,
+    findings: &mut Vec<Finding>,
+) -> Windows {
     let window_s = motion::window_s(robot);
     let lengths_s = [window_s, clocks::STEP_S, torque::WINDOW_S];
     let mut faults = counters(robot, model);
@@ -187,8 +236,8 @@ fn compare_sources(robot: &RobotRows<'_>, model: Option<&RobotModel>, findings: 
     still::check(robot, &windows, window_s, findings);
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
-    wheels::check(robot, &windows, findings);
     torque::check(robot, model, &short, findings);
+    windows
 }
 
 /// Sorts by robot, then by severity.

@@ -83,6 +83,37 @@ impl Windows {
         [self.wheel_right, self.wheel_left] = self.levels.each_ref().map(speeds);
     }
 
+    /// Adds the windows of another run of the machine behind these. A source that one of both does not have is NaN
+    /// there.
+    pub(super) fn append(&mut self, mut other: Windows) {
+        let longest = |all: &mut [&mut Vec<f64>]| all.iter().map(|own| own.len()).max();
+        let [before, behind] = [&mut *self, &mut other].map(|own| longest(&mut own.motions()));
+        let (before, behind) = (before.unwrap_or(0), behind.unwrap_or(0));
+        for (own, next) in self.motions().into_iter().zip(other.motions()) {
+            own.resize(before, f64::NAN);
+            next.resize(behind, f64::NAN);
+            own.append(next);
+        }
+    }
+
+    /// Everything of which there is one value per window.
+    fn motions(&mut self) -> [&mut Vec<f64>; 12] {
+        [
+            &mut self.pose_v,
+            &mut self.pose_w,
+            &mut self.wheel_right,
+            &mut self.wheel_left,
+            &mut self.gyro_w,
+            &mut self.odometry_v,
+            &mut self.command_v,
+            &mut self.command_w,
+            &mut self.command_right,
+            &mut self.command_left,
+            &mut self.drive_right,
+            &mut self.drive_left,
+        ]
+    }
+
     /// Forward speed (m/s) and yaw rate (rad/s) according to the wheels; empty if the size of the
     /// robot or the counts per revolution are unknown.
     pub(super) fn wheel_twist(&self) -> (Vec<f64>, Vec<f64>) {

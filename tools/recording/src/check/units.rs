@@ -49,7 +49,7 @@ pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec
     let (wheels_v, wheels_w) = windows.wheel_twist();
     // With a yaw in degrees, neither speed nor yaw rate of the pose means anything.
     let with_pose = !yaw_in_degrees;
-    let miscounted = wheel_scale::check(robot, windows, &wheels_v, with_pose);
+    let miscounted = wheel_scale::known(windows, &wheels_v, with_pose);
     // what miscounts says nothing about the units of others
     let apart =
         |pair: &Pair<'_>| miscounted.is_some() && [pair.first, pair.second].contains(&"wheels");
@@ -59,7 +59,6 @@ pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec
             findings.push(finding);
         }
     }
-    findings.extend(miscounted);
     if yaw_in_degrees {
         let statement = "the pose's yaw is in degrees: only then does it point along the motion";
         let remedy = "convert yaw_rad to radians";

@@ -9,17 +9,18 @@ use std::f64::consts::TAU;
 use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::similarity;
-use crate::rows::RobotRows;
-use crate::table::StreamKind;
 
 /// Degrees per radian.
 const DEGREES: f64 = 360.0 / TAU;
 /// Smallest cosine similarity at which wheels and reference follow each other, so that the factor between
 /// them is one of counts.
-const FOLLOWS: f64 = 0.9;
-/// Largest deviation of a factor from a known one, as a natural logarithm: less than half of what lies
-/// between two of them (2 pi and 4: 0.45).
-const NEAR_LN: f64 = 0.15;
+const FOLLOWS: f64 = 0.95;
+/// Largest deviation of a factor from a known one, as a natural logarithm. Slip makes any small factor, but no
+/// large one.
+const NEAR_LN: f64 = 0.05;
+const NEAR_LARGE_LN: f64 = 0.25;
+/// Logarithm of a factor that is large.
+const LARGE_LN: f64 = 3.0;
 
 /// Known factors of what wheels measure over what they do, with what makes them.
 const KNOWN: [(f64, &str); 10] = [
@@ -59,13 +60,32 @@ const KNOWN: [(f64, &str); 10] = [
     ),
 ];
 
-/// A finding if the wheels go a known multiple of the way of the pose, or of the command.
-pub(super) fn check(
-    robot: &RobotRows<'_>,
+/// Adds a finding to `robot` if the wheels go a known multiple of the way of the pose, or of the command.
+/// `windows` are those of all runs of the machine: the slip of one of them is no factor.
+pub(super) fn check(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
+    let (wheels_v, _) = windows.wheel_twist();
+    let Some((name, size, meaning)) = known(windows, &wheels_v, true) else {
+        return;
+    };
+    let statement = format!("the wheels go {size:.3} times the way of {name}: {meaning}");
+    let remedy = "look up counts per revolution, gear and unit; where speeds are commanded, diagnose \
+        measures the factor";
+    // a model of forces has no such factor
+    let (severity, id) = if windows.drive_right.iter().any(|own| own.is_finite()) {
+        (Severity::Error, "units")
+    } else {
+        (Severity::Warning, "wheel_scale")
+    };
+    findings.push(Finding::new(severity, robot, id, statement, remedy));
+}
+
+/// What the wheels follow, the factor and its meaning, if it is a known one. `with_pose`: the pose's speed means
+/// something.
+pub(super) fn known(
     windows: &Windows,
     wheels_v: &[f64],
     with_pose: bool,
-) -> Option<Finding> {
+) -> Option<(&'static str, f64, &'static str)> {
     let pose = ("the pose", &windows.pose_v);
     let command = ("the command", &windows.command_v);
     let sources = [pose, command].into_iter().skip(usize::from(!with_pose));
@@ -73,26 +93,10 @@ pub(super) fn check(
         let found = similarity(wheels_v, own)?;
         (found.cosine.abs() > FOLLOWS).then(|| (name, found.factor.abs()))
     })?;
-    let near = |known: f64| (size / known).ln().abs() < NEAR_LN;
-    let (_, meaning) = KNOWN.iter().find(|(known, _)| near(*known))?;
-    let statement = format!("the wheels go {size:.3} times the way of {name}: {meaning}");
-    let remedy = "look up counts per revolution, gear and unit; where speeds are commanded, diagnose \
-        measures the factor";
-    let (severity, id) = if is_forced(robot) {
-        (Severity::Error, "units")
-    } else {
-        (Severity::Warning, "wheel_scale")
+    let near = |known: f64| {
+        let is_large = known.ln().abs() > LARGE_LN;
+        (size / known).ln().abs() < if is_large { NEAR_LARGE_LN } else { NEAR_LN }
     };
-    Some(Finding::new(
-        severity,
-        &robot.robot.name,
-        id,
-        statement,
-        remedy,
-    ))
-}
-
-/// Whether torques or voltages are commanded: a model of forces has no such factor.
-fn is_forced(robot: &RobotRows<'_>) -> bool {
-    robot.has_any(StreamKind::Command, &["torque_right_nm", "voltage_right_v"])
+    let (_, meaning) = KNOWN.iter().find(|(known, _)| near(*known))?;
+    Some((name, size, meaning))
 }

@@ -1,15 +1,20 @@
 //! Sides and signs: swapped or reversed wheels, and sources with opposite signs.
+//!
+//! Asked of all runs of a machine together: in one of them a strong side may drag the other backwards.
 
+use super::assignment::{Assignment, Regression};
 use super::motion::Windows;
 use super::report::{Finding, Severity};
-use super::similarity::{combine, cosine};
-use crate::rows::RobotRows;
+use super::similarity::cosine;
 
 /// Smallest cosine similarity at which two sources count as the same motion.
 const SAME_MOTION: f64 = 0.7;
 /// By how much the similarity of a wheel that is taken for the other one, or for its reverse, must exceed
 /// that of the wheel as it is.
 const CROSSED_MARGIN: f64 = 0.2;
+/// Share of the motion that even the best assignment leaves, from which on wheels and reference tell
+/// different motions.
+const UNCLEAR: f64 = 0.75;
 
 /// A source of the robot's speed and yaw rate.
 struct Reference<'a> {
@@ -21,16 +26,10 @@ struct Reference<'a> {
 /// Severity, id, statement and remedy of a finding.
 type Verdict = (Severity, &'static str, String, &'static str);
 
-/// Adds findings about sides and signs.
-pub(super) fn check(robot: &RobotRows<'_>, windows: &Windows, findings: &mut Vec<Finding>) {
+/// Adds findings about sides and signs to `robot`. `windows` are those of all runs of the machine.
+pub(super) fn check(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
     let mut add = |(severity, id, statement, remedy): Verdict| {
-        findings.push(Finding::new(
-            severity,
-            &robot.robot.name,
-            id,
-            statement,
-            remedy,
-        ));
+        findings.push(Finding::new(severity, robot, id, statement, remedy));
     };
     let references = [
         Reference {
@@ -118,56 +117,56 @@ fn crossed_commands(windows: &Windows) -> Option<Verdict> {
     })
 }
 
-/// Compares sum and difference of the wheel speeds with speed and yaw rate of the reference.
+/// The assignment of sides and signs that the reference tells, where it is another than the given one.
 fn sides(windows: &Windows, reference: &Reference<'_>) -> Option<Verdict> {
-    let sum = combine(&windows.wheel_right, &windows.wheel_left, |r, l| r + l);
-    let difference = combine(&windows.wheel_right, &windows.wheel_left, |r, l| r - l);
-    let sum_v = cosine(&sum, reference.v)?;
-    let difference_w = cosine(&difference, reference.w)?;
-    let sum_w = cosine(&sum, reference.w)?;
-    let difference_v = cosine(&difference, reference.v)?;
     let name = reference.name;
-    let numbers = format!("(cosines with the {name}: speed {sum_v:.2}, turning {difference_w:.2})");
-    // on one circle speed and yaw rate are alike, and so are both readings
-    let straight = sum_v.abs().min(difference_w.abs());
-    let crossed = sum_w.abs().min(difference_v.abs());
-    if crossed > SAME_MOTION && crossed > straight + CROSSED_MARGIN {
-        let side = if difference_v > 0.0 { "left" } else { "right" };
-        let statement = format!("the {side} wheel counts backwards {numbers}");
-        return Some((
-            Severity::Error,
+    let wheels: [&[f64]; 2] = [&windows.wheel_right, &windows.wheel_left];
+    let half_track_m = windows.size_m.map(|[_, b]| b);
+    let regression = Regression::new(wheels, [reference.v, reference.w], half_track_m)?;
+    let Some(other) = regression.other() else {
+        return (regression.least_left() > UNCLEAR).then(|| {
+            let statement = format!("wheels and {name} tell different motions");
+            let remedy = "look for slip, a wrong clock, or too little motion to tell";
+            (Severity::Note, "sides_unclear", statement, remedy)
+        });
+    };
+    let (id, what, remedy) = words(other);
+    let statement = format!("{what} (by the {name})");
+    Some((Severity::Error, id, statement, remedy))
+}
+
+/// Id, statement and remedy of an assignment that is not the given one.
+fn words(own: Assignment) -> (&'static str, &'static str, &'static str) {
+    match (own.swapped, own.backwards) {
+        (false, [false, true]) => (
             "wheel_reversed",
-            statement,
+            "the left wheel counts backwards",
             "turn the sign of that wheel",
-        ));
-    }
-    let (severity, id, what, remedy) = match (sum_v, difference_w) {
-        (v, w) if v < -SAME_MOTION && w < -SAME_MOTION => (
-            Severity::Error,
+        ),
+        (false, [true, false]) => (
+            "wheel_reversed",
+            "the right wheel counts backwards",
+            "turn the sign of that wheel",
+        ),
+        (false, _) => (
             "wheels_reversed",
-            "both wheels count backwards".to_owned(),
+            "both wheels count backwards",
             "turn the sign of both wheels",
         ),
-        (v, w) if v > SAME_MOTION && w < -SAME_MOTION => (
-            Severity::Error,
+        (true, [false, false]) => (
             "wheels_swapped",
-            "right and left wheel are swapped, or yaw is clockwise".to_owned(),
+            "right and left wheel are swapped, or yaw is clockwise",
             "swap the wheels' columns; if the gyro agrees with the wheels, turn the yaw's sign",
         ),
-        (v, w) if v < -SAME_MOTION && w > SAME_MOTION => (
-            Severity::Error,
+        (true, [true, true]) => (
             "wheels_swapped_and_reversed",
-            "the wheels are swapped and count backwards, or the heading points to the back"
-                .to_owned(),
+            "the wheels are swapped and count backwards, or the heading points to the back",
             "swap the wheels and turn their signs, or turn the yaw by half a turn",
         ),
-        (v, w) if v.abs() < SAME_MOTION && w.abs() < SAME_MOTION => (
-            Severity::Note,
-            "sides_unclear",
-            format!("wheels and {name} tell different motions"),
-            "look for slip, a wrong clock, or too little motion to tell",
+        (true, _) => (
+            "wheels_swapped_and_reversed",
+            "the wheels are swapped and one of them counts backwards",
+            "swap the wheels' columns, then turn the sign of the wheel that still turns against the motion",
         ),
-        _ => return None,
-    };
-    Some((severity, id, format!("{what} {numbers}"), remedy))
+    }
 }

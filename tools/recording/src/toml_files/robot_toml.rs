@@ -455,7 +455,7 @@ mod tests {
             ),
             (
                 &format!("{ok}[effects]\nwheel_radius = {{ right_scale = 1, left_scale = 9 }}\n"),
-                "robot.toml:6: effects.wheel_radius.left_scale is 9; give a number from 0.5 to 2",
+                "robot.toml:6: effects.wheel_radius.left_scale is 9; give a number from 0.4 to 2.5",
             ),
             (
                 &format!("{ok}[effects]\npush = {{ t_s = \"x\" }}\n"),
