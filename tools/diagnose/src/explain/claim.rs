@@ -6,7 +6,7 @@ use slipstream_sim::effects::{Domain, find};
 use crate::answer::shape::resemblance;
 use crate::model::nominal::number;
 
-/// Factors that robots have without a mistake: a radius, encoders or motors that differ from their data.
+/// Factors that wheels and encoders have without a mistake.
 const USUAL_FACTOR: f64 = 2.0;
 /// A factor beyond that is one where it is known this well (half width of the interval of its logarithm):
 /// streams that hardly follow each other do not tell it to 1 %.
@@ -163,11 +163,14 @@ impl Claim {
         let Some(info) = find(self.effect) else {
             return true;
         };
+        // a floor may make any track of skid steering
+        let of_wheels = ["wheel_radius", "encoder_scale"].contains(&self.effect);
         self.values.iter().all(|value| {
             let estimate = value.estimate(self.nominal(model, value.name));
             match info.parameter(value.name).map(|own| own.domain) {
                 Some(Domain::Number { lower, upper, .. }) => {
-                    (lower..=upper).contains(&estimate) && (value.is_usual() || value.is_known())
+                    let sure = !of_wheels || value.is_usual() || value.is_known();
+                    (lower..=upper).contains(&estimate) && sure
                 }
                 _ => true,
             }

@@ -64,7 +64,7 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     let mut machine = Machine::default();
     for robot in &rows.robots {
         robots.push(rates::report(robot, &mut findings));
-        let windows = compare_sources(robot, model, &mut findings);
+        let windows = compare_sources(robot, model, &mut findings, &mut machine.of_torques);
         machine.add(rows, robot, windows, &mut findings);
     }
     machine.check(&mut findings);
@@ -95,7 +95,8 @@ pub fn faults(
     for robot in &rows.robots {
         let model = model_of(&robot.robot.name).or_else(|| recording.model.clone());
         rates::report(robot, &mut findings);
-        let windows = compare_sources(robot, model.as_ref(), &mut findings);
+        let of_torques = &mut machine.of_torques;
+        let windows = compare_sources(robot, model.as_ref(), &mut findings, of_torques);
         machine.add(&rows, robot, windows, &mut findings);
     }
     machine.check(&mut findings);
@@ -183,6 +184,8 @@ fn short(rows: &AllRows<'_>) -> Option<Finding> {
 struct Machine {
     /// The first robot with its windows, and those of all others behind.
     runs: Option<(String, Windows)>,
+    /// What their torques tell: it stands behind what follows from the wheels alone.
+    of_torques: Vec<Finding>,
 }
 
 impl Machine {
@@ -206,6 +209,7 @@ impl Machine {
         if let Some((name, windows)) = self.runs {
             judge(&name, &windows, findings);
         }
+        findings.extend(self.of_torques);
     }
 }
 
@@ -220,6 +224,7 @@ fn compare_sources(
     robot: &RobotRows<'_>,
     model: Option<&RobotModel>,
     findings: &mut Vec<Finding>,
+    of_torques: &mut Vec<Finding>,
 ) -> Windows {
     let window_s = motion::window_s(robot);
     let lengths_s = [window_s, clocks::STEP_S, torque::WINDOW_S];
@@ -236,7 +241,7 @@ fn compare_sources(
     still::check(robot, &windows, window_s, findings);
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
-    torque::check(robot, model, &short, findings);
+    torque::check(robot, model, &short, of_torques);
     windows
 }
 
