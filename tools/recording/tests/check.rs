@@ -145,9 +145,7 @@ fn encoders_that_count_by_a_known_factor_are_a_warning_with_its_cause() {
         (1.0 / 360.0, "in turns where degrees"),
     ] {
         let mut recording = drive();
-        let (right, left) = wheels(&mut recording);
-        scale(right, factor);
-        scale(left, factor);
+        scale_both(&mut recording, factor);
         let report = check(&recording, None);
         let [found] = &report.findings[..] else {
             panic!("{words}: {report}");
@@ -180,16 +178,6 @@ fn each_fault_is_found_under_its_id() {
                 imu.values.gz_rad_s.as_mut().unwrap(),
                 180.0 / std::f64::consts::PI,
             );
-        }),
-        ("wheel_scale", "wheels's angles are in degrees", |r| {
-            scale_both(r, 180.0 / std::f64::consts::PI)
-        }),
-        ("wheel_scale", "quadrature x4", |r| scale_both(r, 4.0)),
-        ("wheel_scale", "a diameter in place of a radius", |r| {
-            scale_both(r, 0.5)
-        }),
-        ("wheel_scale", "in turns where degrees", |r| {
-            scale_both(r, 1.0 / 360.0)
         }),
         ("wheels_swapped", "right and left wheel are swapped", |r| {
             let (right, left) = wheels(r);
