@@ -298,6 +298,14 @@ impl Predictor<'_> {
                 errors.draw_place(row.stamp_s, [dx, dy], yaw_rad);
             }
             let turned = wrapped(start[2] + row.yaw_rad - row.measured[2]);
+            let gone = [0, 1, 2].map(|i| row.measured[i] - rows[0].measured[i]);
+            let squares = [
+                [gone[0].powi(2) + gone[1].powi(2), wrapped(gone[2]).powi(2)],
+                [dx * dx + dy * dy, turned * turned],
+                [2.0 * place2, yaw2],
+            ];
+            let half_track_m = self.machine.half_track_m;
+            errors.score.follow(half_track_m, squares);
             if turned.is_finite() {
                 errors.add(HEADING, turned, yaw2, expected[2]);
                 errors.add(POSE + 2, turned, yaw2, expected[2]);

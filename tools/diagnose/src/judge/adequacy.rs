@@ -1,5 +1,7 @@
 //! The verdict: whether what is left is what noise predicts, and the sentence that says so.
 
+use std::cmp::Ordering;
+
 use super::predictions::Predictions;
 use super::score::{HEADING, PLACE, POSE, QUANTITIES, name};
 use crate::answer::{Answer, Budget, Unexplained, Verdict};
@@ -8,6 +10,11 @@ use crate::answer::{Answer, Budget, Unexplained, Verdict};
 /// times it is within the noise (CONTRACT: "What a verdict may say").
 const EXPLAINED: f64 = 2.0;
 const WITHIN: f64 = 1.2;
+/// A model that misses more than this share of the way that the robot goes does not tell its motion, whatever noise
+/// would explain that.
+const MISSED: f64 = 0.5;
+/// Fewest windows: with one, nothing is left that the fit has not seen.
+const WINDOWS: usize = 2;
 /// An error of a place (m) or of a heading (rad) that nobody would call one.
 const NOTHING: f64 = 1e-3;
 
@@ -36,6 +43,11 @@ impl Predictions {
             (square.sqrt() > least).then_some(Excess { quantity, ratio })
         });
         all.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// The share of the robot's way that predictions miss, where it is too much for any noise.
+    fn missed(&self) -> Option<f64> {
+        self.after.missed_share().filter(|share| *share > MISSED)
     }
 
     /// When a quantity is further off than noise explains (s).
@@ -74,6 +86,20 @@ impl Predictions {
     }
 }
 
+/// An entry of `unexplained` for predictions that miss a share of the way.
+fn missed(machine: &Predictions, share: f64) -> Unexplained {
+    Unexplained {
+        robot: machine.robot.clone(),
+        channel: channel(PLACE).to_owned(),
+        driver: "t".to_owned(),
+        intervals_s: Vec::new(),
+        shape: format!(
+            "predictions over 5 s miss {:.0} % of the way that the robot goes: no noise, but another motion",
+            100.0 * share
+        ),
+    }
+}
+
 /// The channel of the vocabulary in which an error of a quantity shows.
 fn channel(quantity: usize) -> &'static str {
     match name(quantity) {
@@ -102,16 +128,22 @@ fn size(error: f64, quantity: usize) -> String {
 
 /// Draws verdict and statement of an answer from its findings and from what the judge saw.
 pub(crate) fn conclude(answer: &mut Answer, machines: &[Predictions]) {
+    let rank = |(own, excess): &(&Predictions, Excess)| {
+        let first = excess.ratio > EXPLAINED || own.missed().is_some();
+        (first, excess.ratio)
+    };
     let worst = machines
         .iter()
         .filter_map(|own| Some((own, own.excess()?)))
-        .max_by(|a, b| a.1.ratio.total_cmp(&b.1.ratio));
-    let ratio = worst.as_ref().map_or(1.0, |(_, excess)| excess.ratio);
-    let left = ratio > EXPLAINED;
+        .max_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
+    let untested = !machines.is_empty() && machines.iter().all(|own| own.seen() < WINDOWS);
+    let left = untested || worst.as_ref().is_some_and(|own| rank(own).0);
     let beside = !answer.unexplained.is_empty();
     for own in machines {
         if let Some(excess) = own.excess().filter(|own| own.ratio > EXPLAINED) {
             answer.unexplained.push(own.remainder(excess));
+        } else if let Some(share) = own.missed() {
+            answer.unexplained.push(missed(own, share));
         }
     }
     answer.verdict = match (answer.findings.is_empty(), left || beside) {
@@ -119,22 +151,39 @@ pub(crate) fn conclude(answer: &mut Answer, machines: &[Predictions]) {
         (true, false) => Verdict::Match,
         (false, false) => Verdict::Explained,
     };
-    answer.statement = statement(answer, worst, beside);
+    answer.statement = match worst {
+        _ if untested => untested_statement(answer),
+        Some((machine, excess)) => statement(answer, machine, excess, beside),
+        None => unpredicted(answer.verdict).to_owned(),
+    };
 }
 
-fn statement(answer: &Answer, worst: Option<(&Predictions, Excess)>, beside: bool) -> String {
-    let Some((machine, excess)) = worst else {
-        return match answer.verdict {
-            Verdict::Match => {
-                "Match: nothing was found that the model lacks; nothing could be predicted over 5 s"
-            }
-            Verdict::Explained => {
-                "Explained by the findings below; nothing could be predicted over 5 s"
-            }
-            Verdict::Unexplained => "Unexplained: something outside of the catalogue acts",
+/// Where there is nothing to predict.
+fn unpredicted(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Match => {
+            "Match: nothing was found that the model lacks; nothing could be predicted over 5 s"
         }
-        .to_owned();
+        Verdict::Explained => {
+            "Explained by the findings below; nothing could be predicted over 5 s"
+        }
+        Verdict::Unexplained => "Unexplained: something outside of the catalogue acts",
+    }
+}
+
+/// Where nothing was left to test the findings on.
+fn untested_statement(answer: &Answer) -> String {
+    let found = if answer.findings.is_empty() {
+        "nothing was found that the model lacks"
+    } else {
+        "the findings below fit"
     };
+    format!(
+        "Not tested: {found}, but the recording leaves no 5 s to test it on that the fit has not seen"
+    )
+}
+
+fn statement(answer: &Answer, machine: &Predictions, excess: Excess, beside: bool) -> String {
     let numbers = Numbers::new(answer, machine, excess);
     let whose = if answer.robots().len() > 1 {
         format!(" of robot {}", machine.robot)
@@ -172,23 +221,21 @@ fn unexplained(
     explained: &str,
     beside: bool,
 ) -> String {
-    let Numbers { after, noise, .. } = numbers;
+    let Numbers { after, limit, .. } = numbers;
     let known = answer.findings.iter().any(|own| own.effect != "unknown");
     let mut text = match (known, beside) {
         (true, false) => format!(
-            "Partly explained: the findings explain {explained}; {after} are left, where noise explains \
-             {noise}, and follow nothing that was looked at"
+            "Partly explained: the findings explain {explained}; {after} are left, {limit}, and follow nothing that was looked at"
         ),
         (true, true) => format!(
             "Partly explained: the findings explain {explained}; {after} are left, and something outside of the \
              catalogue acts"
         ),
         (false, true) => format!(
-            "Not explained: something outside of the catalogue acts; 5 s ahead the model misses by {after}, where \
-             noise explains {noise}"
+            "Not explained: something outside of the catalogue acts; 5 s ahead the model misses by {after}, {limit}"
         ),
         (false, false) => {
-            format!("Not explained: {after} remain over 5 s, where noise explains {noise}")
+            format!("Not explained: {after} remain over 5 s, {limit}")
         }
     };
     if !machine.refused.is_empty() {
@@ -232,6 +279,8 @@ struct Numbers {
     before: String,
     after: String,
     noise: String,
+    /// What the error is measured by.
+    limit: String,
     times: String,
     /// Share of the error that the findings take away.
     share: f64,
@@ -253,10 +302,18 @@ impl Numbers {
         let root = |square: Option<f64>| square.unwrap_or(0.0).sqrt();
         let before = root(machine.before.mean_square(quantity));
         let after = root(machine.after.mean_square(quantity));
+        let noise = size(root(machine.after.expected(quantity)), quantity);
+        let limit = match machine.missed() {
+            Some(share) if excess.ratio <= EXPLAINED => {
+                format!("{:.0} % of the way that the robot goes", 100.0 * share)
+            }
+            _ => format!("where noise explains {noise}"),
+        };
         Self {
             before: size(before, quantity),
             after: size(after, quantity),
-            noise: size(root(machine.after.expected(quantity)), quantity),
+            noise,
+            limit,
             times: format!("{:.1} times", excess.ratio),
             share: 1.0 - after / before.max(1e-300),
         }

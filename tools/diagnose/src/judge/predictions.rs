@@ -2,7 +2,7 @@
 
 use super::budget::{Squares, budget, culprit};
 use super::passing::Culprit;
-use super::score::{GYRO, HEADING, PLACE, POSE, Score, name};
+use super::score::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score, name};
 use super::worse::worse;
 use crate::answer::{Budget, HeldOut, HeldOutChannel};
 
@@ -50,6 +50,12 @@ impl Predictions {
             scores,
             refused: Vec::new(),
         }
+    }
+
+    /// How many windows anything was measured in.
+    pub(super) fn seen(&self) -> usize {
+        let has = |score: &&Score| (0..QUANTITIES).any(|quantity| score.has(quantity));
+        self.scores[1].iter().filter(has).count()
     }
 
     /// Begin, end (s) and score of each window after.

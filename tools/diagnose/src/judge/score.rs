@@ -11,6 +11,8 @@ pub(crate) const GYRO: usize = 9;
 pub(crate) const PLACE: usize = CHANNELS;
 pub(crate) const HEADING: usize = CHANNELS + 1;
 
+/// An error of a way up to so many times that of the sensor is noise of the sensor.
+const SEEN: f64 = 2.0;
 /// Deviations below which a normal number stays with 95 % confidence.
 const CONFIDENT: f64 = 1.645;
 
@@ -38,10 +40,20 @@ struct Sum {
     windows: f64,
 }
 
+/// How far the wheels of a robot go, and how far off they are predicted: sums of squares (m²) over the poses.
+#[derive(Debug, Clone, Copy, Default)]
+struct Way {
+    off_m2: f64,
+    gone_m2: f64,
+    /// What noise of the sensor alone would be off.
+    sensor_m2: f64,
+}
+
 /// What one or several windows score.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Score {
     sums: [Sum; QUANTITIES],
+    way: Way,
 }
 
 impl Score {
@@ -62,6 +74,35 @@ impl Score {
         sum.rows += 1.0;
     }
 
+    /// Adds how far the robot went since the window began, how far off that is predicted, and how far off noise of
+    /// the sensor would be: square of the distance (m²) and of the turn (rad²; NaN where not measured) each.
+    pub(crate) fn follow(&mut self, half_track_m: f64, squares: [[f64; 2]; 3]) {
+        let [gone, off, sensor] = squares.map(|[place_m2, turn_rad2]| {
+            let turn_rad2 = if turn_rad2.is_finite() {
+                turn_rad2
+            } else {
+                0.0
+            };
+            place_m2 + half_track_m * half_track_m * turn_rad2
+        });
+        if off.is_finite() {
+            self.way.gone_m2 += gone;
+            self.way.off_m2 += off;
+            self.way.sensor_m2 += sensor;
+        }
+    }
+
+    /// The share of the way of the wheels by which a prediction misses; `None` without poses, and where no more than
+    /// noise of the sensor is seen.
+    pub(crate) fn missed_share(&self) -> Option<f64> {
+        let Way {
+            off_m2,
+            gone_m2,
+            sensor_m2,
+        } = self.way;
+        (off_m2 > SEEN * SEEN * sensor_m2).then(|| (off_m2 / gone_m2).sqrt())
+    }
+
     /// Takes back that so many rows of a sensor with this variance count: they repeat others.
     pub(crate) fn repeat(&mut self, quantity: usize, rows: f64, sensor: f64) {
         let sum = &mut self.sums[quantity];
@@ -80,6 +121,9 @@ impl Score {
             own.rows += other.rows;
             own.windows += other.windows;
         }
+        self.way.gone_m2 += other.way.gone_m2;
+        self.way.off_m2 += other.way.off_m2;
+        self.way.sensor_m2 += other.way.sensor_m2;
         self
     }
 

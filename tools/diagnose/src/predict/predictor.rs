@@ -158,7 +158,8 @@ impl Predictor {
             let first = series.sensor.channel();
             let width = series.sensor.width();
             let variance = series.deviation.map(|own| own * own);
-            for (_, _, base) in window.measured(track, which) {
+            let mut first_pose = None;
+            for (_, values, base) in window.measured(track, which) {
                 let square = |part: usize| residuals[base + part].powi(2) * variance[part];
                 for (part, variance) in variance.iter().enumerate().take(width) {
                     score.add(first + part, square(part), *variance, *variance);
@@ -167,6 +168,11 @@ impl Predictor {
                     let both = variance[0] + variance[1];
                     score.add(PLACE, square(0) + square(1), both, both);
                     score.add(HEADING, square(2), variance[2], variance[2]);
+                    let first = *first_pose.get_or_insert(values);
+                    let gone = [0, 1, 2].map(|part| (values[part] - first[part]).powi(2));
+                    let each = [gone, [0, 1, 2].map(square), variance];
+                    let squares = each.map(|[x, y, yaw]| [x + y, yaw]);
+                    score.follow(self.model.robot.half_track_m, squares);
                 }
             }
         }
