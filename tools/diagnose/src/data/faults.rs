@@ -24,7 +24,8 @@ const REFUSED: [&str; 8] = [
 ];
 
 /// Faults that are refused where they are errors: what the wheels did is then not known.
-const REFUSED_ERRORS: [&str; 4] = [
+const REFUSED_ERRORS: [&str; 5] = [
+    "position_never_changes",
     "counts_per_row",
     "speeds_as_angles",
     "wraps_unclear",

@@ -261,12 +261,11 @@ impl<'a> Bench<'a> {
             let runs = windows.iter().enumerate();
             let scores =
                 runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
-            scores.fold(Score::default(), |sum, own| sum.and(&own))
+            scores.collect()
         };
-        Worth {
-            names: players.iter().map(|own| own.name).collect(),
-            scores: (0..1_usize << players.len()).map(score).collect(),
-        }
+        let names = players.iter().map(|own| own.name).collect();
+        let scores: Vec<Vec<Score>> = (0..1_usize << players.len()).map(score).collect();
+        Worth::new(names, &scores)
     }
 
     /// What the judge is told of the machine.

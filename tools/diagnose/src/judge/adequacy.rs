@@ -320,7 +320,12 @@ impl Numbers {
     }
 
     fn explained(&self, whose: &str) -> String {
-        let percent = (100.0 * self.share).floor().max(0.0);
-        format!("{percent:.0} % of {}{whose}", self.before)
+        let percent = (100.0 * self.share).floor();
+        let part = if percent < 1.0 {
+            "less than 1 %".to_owned()
+        } else {
+            format!("{percent:.0} %")
+        };
+        format!("{part} of {}{whose}", self.before)
     }
 }

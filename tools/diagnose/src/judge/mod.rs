@@ -8,6 +8,7 @@ mod budget;
 mod passing;
 mod predictions;
 mod score;
+mod starts;
 mod worse;
 
 pub(crate) use adequacy::conclude;

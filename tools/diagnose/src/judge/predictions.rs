@@ -3,6 +3,7 @@
 use super::budget::{Squares, budget, culprit};
 use super::passing::Culprit;
 use super::score::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score, name};
+use super::starts::known;
 use super::worse::worse;
 use crate::answer::{Budget, HeldOut, HeldOutChannel};
 
@@ -27,10 +28,21 @@ pub(crate) struct Predictions {
 /// What every subset of the effects that were found (as bits) scores on some windows, all fitted together.
 pub(crate) struct Worth {
     pub(crate) names: Vec<&'static str>,
-    pub(crate) scores: Vec<Score>,
+    scores: Vec<Score>,
 }
 
 impl Worth {
+    /// What every subset of `names` scores on every window; where all together do not know a start, the window says
+    /// nothing.
+    pub(crate) fn new(names: Vec<&'static str>, windows: &[Vec<Score>]) -> Self {
+        let starts = windows.last().map_or_else(Vec::new, |own| known(own));
+        let sum = |own: &Vec<Score>| Score::of_all(&kept(own, &starts));
+        Self {
+            names,
+            scores: windows.iter().map(sum).collect(),
+        }
+    }
+
     /// Mean square error of a quantity for every subset; `None` where it was not measured.
     fn squares(&self, quantity: usize) -> Option<Vec<f64>> {
         let all = self.scores.iter();
@@ -38,9 +50,19 @@ impl Worth {
     }
 }
 
+/// Those of which `which` says so.
+fn kept<T: Copy>(all: &[T], which: &[bool]) -> Vec<T> {
+    let pairs = all.iter().zip(which);
+    pairs.filter(|(_, is)| **is).map(|(own, _)| *own).collect()
+}
+
 impl Predictions {
     /// The windows of a machine: begin and end (s), and what each scores before and after.
     pub(crate) fn new(robot: &str, spans_s: Vec<[f64; 2]>, scores: [Vec<Score>; 2]) -> Self {
+        // a window whose start no model knows says nothing of them
+        let starts = known(&scores[1]);
+        let spans_s = kept(&spans_s, &starts);
+        let scores = scores.map(|own| kept(&own, &starts));
         let [before, after] = &scores;
         Self {
             robot: robot.to_owned(),

@@ -54,6 +54,8 @@ struct Way {
 pub(crate) struct Score {
     sums: [Sum; QUANTITIES],
     way: Way,
+    /// How far the start of a window is from what it was fitted to (standard deviations).
+    start: f64,
 }
 
 impl Score {
@@ -72,6 +74,16 @@ impl Score {
         sum.sensor += sensor;
         sum.expected += expected.max(sensor);
         sum.rows += 1.0;
+    }
+
+    /// Sets how far the start is from what it was fitted to (standard deviations).
+    pub(crate) fn begin(&mut self, level: f64) {
+        self.start = level;
+    }
+
+    /// How far the start of the window is from what it was fitted to (standard deviations).
+    pub(super) fn start(&self) -> f64 {
+        self.start
     }
 
     /// Adds how far the robot went since the window began, how far off that is predicted, and how far off noise of

@@ -6,6 +6,8 @@ use super::score::{POSE, QUANTITIES, Score};
 const SAME: f64 = 1.02;
 /// Standard errors of the difference between windows up to which it may be chance.
 const CHANCE: f64 = 2.0;
+/// An error of so many times the one before, and of what noise explains, is no chance.
+const MUCH: f64 = 2.0;
 /// A prediction this near to the sensor's noise is as good as one can be.
 const AT_NOISE: f64 = 1.2;
 
@@ -42,7 +44,10 @@ fn is_worse(before: &[Score], after: &[Score], quantity: usize) -> bool {
     let spread: f64 = differences.iter().map(|d| (d - mean) * (d - mean)).sum();
     // standard error of a sum of independent windows; of a single window there is none
     let error = (spread * count / (count - 1.0).max(1.0)).sqrt();
-    sum > CHANCE * error
+    // where one window makes up the sum, the spread is as large as that
+    let noise = last.expected(quantity).unwrap_or(f64::INFINITY);
+    let is_far = after_square > (MUCH * MUCH) * before_square.max(noise);
+    sum > CHANCE * error || is_far
 }
 
 #[cfg(test)]
@@ -73,6 +78,13 @@ mod tests {
         let before = windows(&[1.0, 1.0, 1.0, 1.0]);
         let after = windows(&[0.9, 0.9, 0.9, 1.35]);
         assert!(worse(&before, &after).is_empty());
+    }
+
+    #[test]
+    fn one_window_that_is_lost_is_no_chance() {
+        let before = windows(&[1.0, 1.0, 1.0, 1.0]);
+        let after = windows(&[0.9, 0.9, 0.9, 300.0]);
+        assert_eq!(worse(&before, &after), [HEADING]);
     }
 
     #[test]

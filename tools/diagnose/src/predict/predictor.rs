@@ -9,7 +9,7 @@ use slipstream_sim::{CommandKind, Robot};
 
 use crate::data::track::{CHANNEL_NAMES, Sensor, Track};
 use crate::diagnosis::{Request, model_of};
-use crate::judge::{HEADING, PLACE, Score};
+use crate::judge::{HEADING, PLACE, POSE, Score};
 use crate::model::hypothesis::{
     Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
 };
@@ -27,6 +27,8 @@ const SHORT_STEP_S: f64 = 2e-3;
 const STEP_S: f64 = 4e-3;
 const LONG_STEP_S: f64 = 0.02;
 
+/// Channels that tell whether a start is known: wheels and pose.
+const FITTED: [usize; 5] = [0, 1, POSE, POSE + 1, POSE + 2];
 /// Time over which the start of a window is fitted (s), and up to how many times as long where the
 /// pose was seen less often than `SEEN` times in it.
 pub(crate) const FITTED_S: f64 = 0.5;
@@ -137,7 +139,7 @@ impl Predictor {
     }
 
     fn one(&self, simulated: &Simulated, window: &Window) -> Option<Misfit> {
-        Some(Misfit::new(window, &self.judged(simulated, window)?))
+        Some(Misfit::new(window, &self.judged(simulated, window)?.0))
     }
 
     /// What each of `windows` scores by the model with `hypotheses`.
@@ -145,7 +147,10 @@ impl Predictor {
         let simulated = self.simulated(hypotheses);
         let one = |window: &Window| {
             let simulated = simulated.as_ref()?;
-            Some(self.score(window, &self.judged(simulated, window)?))
+            let (residuals, start) = self.judged(simulated, window)?;
+            let mut score = self.score(window, &residuals);
+            score.begin(start);
+            Some(score)
         };
         let all = windows.par_iter().map(|own| one(own).unwrap_or_default());
         all.collect()
@@ -185,9 +190,19 @@ impl Predictor {
         score
     }
 
-    /// Residuals (deviations) behind what the start of a window was fitted to; NaN for that.
-    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<Vec<f64>> {
+    /// Residuals (deviations) behind what the start of a window was fitted to; NaN for that. And how far the channel
+    /// that is worst is from it (deviations).
+    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<(Vec<f64>, f64)> {
         let (mut residuals, fitted_s) = self.predicted(simulated, window)?;
+        let mut head = residuals.clone();
+        for (residual, stamp_s) in head.iter_mut().zip(&window.stamps_s) {
+            if *stamp_s >= window.from_s + fitted_s {
+                *residual = f64::NAN;
+            }
+        }
+        let head = Misfit::new(window, &head);
+        let levels = FITTED.map(|channel| head.mean_square(channel).sqrt());
+        let start = levels.into_iter().fold(0.0, f64::max);
         let acceleration = [0, 1].map(|part| Sensor::Imu.channel() + part);
         let stamped = window.stamps_s.iter().zip(&window.channels);
         for (residual, (stamp_s, channel)) in residuals.iter_mut().zip(stamped) {
@@ -197,7 +212,7 @@ impl Predictor {
                 *residual = hardened(*residual);
             }
         }
-        Some(residuals)
+        Some((residuals, start))
     }
 
     /// Residuals (deviations) of the prediction of one window, what its start was fitted to included,

@@ -85,9 +85,14 @@ pub(super) fn of_pose_jumps(
         .map(|jump| jump.turn_rad.abs())
         .fold(0.0, f64::max);
     let times_s: Vec<f64> = jumps.iter().map(|jump| jump.t_s).collect();
+    let joined = if robot.has_any(StreamKind::Pose, &["yaw_rad"]) {
+        "the diagnosis joins them by the speeds before and after"
+    } else {
+        "nothing that spans the jump can be judged"
+    };
     let statement = format!(
         "the pose jumps and stays there {} (by {}{largest:.2} m and {turn:.2} rad): the poses before and after are in \
-         different frames, and nothing that spans the jump can be judged",
+         different frames; {joined}",
         mend::times(&times_s),
         if jumps.len() > 1 { "at most " } else { "" },
     );

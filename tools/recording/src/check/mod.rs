@@ -116,17 +116,50 @@ pub fn pose_jumps(recording: &Recording) -> Vec<PoseJump> {
     all.collect()
 }
 
-/// What is wrong with the wheels' columns, and the findings about it.
-pub(crate) fn wheel_faults(
-    robot: &RobotRows<'_>,
-    model: Option<&RobotModel>,
-) -> (Option<WheelFaults>, Vec<Finding>) {
-    let mut faults = counters(robot, model);
-    let [mut windows] = motion::windows(robot, model, [motion::window_s(robot)], faults.as_ref());
-    let findings = faults.as_mut().map_or_else(Vec::new, |faults| {
+/// What is wrong with a robot's wheels and poses, and what is said of columns, jumps, and a heading that was not
+/// measured.
+pub(crate) struct Faults {
+    pub(crate) wheels: Option<WheelFaults>,
+    pub(crate) poses: PoseFaults,
+    pub(crate) of_wheels: Vec<Finding>,
+    pub(crate) of_jumps: Option<Finding>,
+    pub(crate) of_heading: Option<Finding>,
+}
+
+/// What is wrong with a robot's poses.
+#[derive(Debug, Default)]
+pub(crate) struct PoseFaults {
+    pub(crate) jumps: Vec<PoseJump>,
+    /// Times in which the pose stays at one value while the wheels turn (s), known to `window_s`.
+    pub(crate) lost_s: Vec<[f64; 2]>,
+    pub(crate) window_s: f64,
+}
+
+impl PoseFaults {
+    pub(crate) fn is_clean(&self) -> bool {
+        self.jumps.is_empty() && self.lost_s.is_empty()
+    }
+}
+
+/// What is wrong with a robot's wheels and poses.
+pub(crate) fn faults_of(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Faults {
+    let mut wheels = counters(robot, model);
+    let window_s = motion::window_s(robot);
+    let [mut windows] = motion::windows(robot, model, [window_s], wheels.as_ref());
+    let of_wheels = wheels.as_mut().map_or_else(Vec::new, |faults| {
         of_columns(robot, faults, &mut [&mut windows])
     });
-    (faults, findings)
+    Faults {
+        of_jumps: counters::of_pose_jumps(robot, wheels.as_ref()),
+        of_heading: still::heading(&robot.robot.name, &windows, window_s),
+        poses: PoseFaults {
+            jumps: counters::pose_jumps(robot, wheels.as_ref()),
+            lost_s: still::lost(&windows, window_s),
+            window_s,
+        },
+        wheels,
+        of_wheels,
+    }
 }
 
 fn counters(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<WheelFaults> {
@@ -239,6 +272,7 @@ fn compare_sources(
     findings.extend(counters::of_pose_jumps(robot, faults.as_ref()));
     two_sources::check(robot, findings);
     still::check(robot, &windows, window_s, findings);
+    findings.extend(still::heading(&robot.robot.name, &windows, window_s));
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
     torque::check(robot, model, &short, of_torques);

@@ -4,7 +4,8 @@
 use super::motion::Windows;
 use super::report::{Finding, Severity};
 use super::similarity::combine;
-use crate::rows::RobotRows;
+use crate::rows::{RobotRows, Rows};
+use crate::table::StreamKind;
 
 /// A wheel moves in a window if it turns faster than this share of its fastest.
 const MOVING_SHARE: f64 = 0.2;
@@ -12,6 +13,9 @@ const MOVING_SHARE: f64 = 0.2;
 /// begin and end together.
 const WINDOWS: usize = 4;
 const ONE_IN: usize = 20;
+/// A robot that turned by more (rad) and drove further (m) changes both axes and its heading.
+const TURNS_RAD: f64 = 1.0;
+const DRIVES_M: f64 = 0.1;
 /// A robot that stays within this (m, rad) of noise over the whole recording does not drive.
 const STAYS_M_S: f64 = 0.02;
 const STAYS_RAD_S: f64 = 0.05;
@@ -51,6 +55,13 @@ pub(super) fn check(
         let remedy = "look at that encoder and its cable, and record again";
         add(severity, "wheel_never_changes", statement, remedy);
     }
+    if let Some(axis) = robot.stream(StreamKind::Pose).and_then(still_axis) {
+        let statement = format!(
+            "{axis} of the pose never changes, although the robot turns and drives: it is not measured"
+        );
+        let remedy = "look at what writes it, and at the map of columns or topics";
+        add(Severity::Error, "position_never_changes", statement, remedy);
+    }
     let lost_s = lost(windows, window_s);
     if let Some([from_s, to_s]) = lost_s.first() {
         let total_s: f64 = lost_s.iter().map(|[from_s, to_s]| to_s - from_s).sum();
@@ -62,8 +73,8 @@ pub(super) fn check(
             "the pose stays at one value or is missing while the wheels turn, from {from_s:.1} s to {to_s:.1} s{further}: \
              the reference lost itself, and says nothing about that time"
         );
-        let remedy = format!("leave that time out (--exclude-time {from_s:.1}:{to_s:.1})");
-        add(Severity::Warning, "reference_lost", statement, &remedy);
+        let remedy = "the diagnosis leaves these poses out; look for what the reference lost there";
+        add(Severity::Warning, "reference_lost", statement, remedy);
     }
 }
 
@@ -121,8 +132,52 @@ fn pose_turns(windows: &Windows, side: &str) -> bool {
     size(&turns) > MOVING_SHARE * size(other)
 }
 
+/// The finding about a heading that was not measured.
+pub(super) fn heading(name: &str, windows: &Windows, window_s: f64) -> Option<Finding> {
+    let statement = "the heading of the pose never changes while the wheels turn the robot: it is not measured, and the \
+                     diagnosis reads the positions alone";
+    let remedy = "leave the heading out, or write the one that was measured";
+    let id = "heading_never_changes";
+    has_no_heading(windows, window_s)
+        .then(|| Finding::new(Severity::Warning, name, id, statement, remedy))
+}
+
+/// Whether the heading has one value although the wheels turn the robot and it drives.
+fn has_no_heading(windows: &Windows, window_s: f64) -> bool {
+    let (_, turning) = windows.wheel_twist();
+    let (mut turned_rad, mut span) = (0.0, [0.0_f64; 2]);
+    for w in turning.iter().filter(|w| w.is_finite()) {
+        turned_rad += w * window_s;
+        span = [span[0].min(turned_rad), span[1].max(turned_rad)];
+    }
+    let moves = |speeds: &[f64]| speeds.iter().any(|own| own.is_finite() && *own != 0.0);
+    let known = windows.pose_w.iter().any(|w| w.is_finite());
+    known && !moves(&windows.pose_w) && moves(&windows.pose_v) && span[1] - span[0] > TURNS_RAD
+}
+
+/// The axis of the pose that has one value although the other one and the heading change.
+fn still_axis(pose: &Rows<'_>) -> Option<&'static str> {
+    let mut spans = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+    let mut cursor = pose.clone().cursor();
+    while let Some(block) = cursor.next_block() {
+        for i in 0..block.t_s.len() {
+            for (span, name) in spans.iter_mut().zip(["x_m", "y_m", "yaw_rad"]) {
+                let value = block.number_named(name, i);
+                *span = [span[0].min(value), span[1].max(value)];
+            }
+        }
+    }
+    let [x, y, turn] = spans.map(|[low, high]| high - low);
+    match (x == 0.0 && y > DRIVES_M, y == 0.0 && x > DRIVES_M) {
+        _ if turn < TURNS_RAD => None,
+        (true, _) => Some("x"),
+        (_, true) => Some("y"),
+        _ => None,
+    }
+}
+
 /// The times in which the pose stays at one value, or is missing, while a wheel turns (s).
-fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
+pub(super) fn lost(windows: &Windows, window_s: f64) -> Vec<[f64; 2]> {
     let fastest = [&windows.wheel_right, &windows.wheel_left].map(|side| largest(side));
     let [Some(right), Some(left)] = fastest else {
         return Vec::new();

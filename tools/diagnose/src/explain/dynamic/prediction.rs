@@ -59,10 +59,10 @@ pub(crate) fn worth(predictor: &Predictor, fit: &Fit) -> Worth {
             None => true,
         };
         let own: Vec<Hypothesis> = fit.hypotheses.iter().filter(has).cloned().collect();
-        Score::of_all(&predictor.scores(&windows, &own))
+        predictor.scores(&windows, &own)
     });
-    let scores = subsets.collect();
-    Worth { names, scores }
+    let scores: Vec<Vec<Score>> = subsets.collect();
+    Worth::new(names, &scores)
 }
 
 /// What each window scores by effects that were fitted without it.

@@ -1,10 +1,12 @@
 //! A recording as a diagnosis reads it: with counters that run on, without rows whose stamps or values say nothing.
 
+mod poses;
+
 use std::borrow::Cow;
 
 use slipstream_bus::RobotModel;
 
-use crate::check::{self, BURSTING, Finding};
+use crate::check::{self, BURSTING, Faults, Finding};
 use crate::mend::{self, Level, MendedWheels, WheelFaults};
 use crate::recording::{Imu, Pose, Recording, Robot, Stream, Wheels};
 use crate::rows::{AllRows, RobotRows, Rows};
@@ -41,17 +43,34 @@ pub fn mended<'a>(
 
 /// The robot mended, and what was undone; `None` where there is nothing to undo.
 fn robot(rows: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<(Robot, Vec<Finding>)> {
-    let (faults, found) = check::wheel_faults(rows, model);
+    let Faults {
+        wheels: faults,
+        poses: of_poses,
+        of_wheels,
+        of_jumps,
+        of_heading,
+    } = check::faults_of(rows, model);
     let faults = faults.filter(|faults| !faults.is_clean());
     let bursts = check::of_bursts(rows);
-    if faults.is_none() && bursts.is_empty() {
+    if faults.is_none() && bursts.is_empty() && of_poses.is_clean() && of_heading.is_none() {
         return None;
     }
     let mut robot = rows.robot.clone();
     let mut findings = bursts;
     if let Some(faults) = faults {
         robot.wheels = robot.wheels.map(|wheels| mended_wheels(&wheels, &faults));
-        findings.extend(found);
+        findings.extend(of_wheels);
+    }
+    if let Some(poses) = &mut robot.pose {
+        // of positions alone nobody knows how the frame turned: they stay, and the warning about the recording too
+        if poses.values.yaw_rad.is_some() {
+            findings.extend(of_jumps);
+        }
+        poses::mended(poses, &of_poses);
+        if of_heading.is_some() {
+            poses.values.yaw_rad = None;
+        }
+        findings.extend(of_heading);
     }
     for kind in BURSTING {
         leave_out_bursts(&mut robot, kind);
@@ -190,7 +209,12 @@ fn leave_out_bursts(robot: &mut Robot, kind: StreamKind) {
         .collect();
     match kind {
         StreamKind::Wheels => keep_wheels(robot.wheels.as_mut(), &kept),
-        StreamKind::Pose => keep_poses(robot.pose.as_mut(), &kept),
+        StreamKind::Pose => {
+            if let Some(stream) = &mut robot.pose {
+                keep_rows(stream, &kept);
+                keep_poses(&mut stream.values, &kept);
+            }
+        }
         StreamKind::Imu => keep_imu(robot.imu.as_mut(), &kept),
         StreamKind::Command | StreamKind::Odometry | StreamKind::Motor => {}
     }
@@ -218,10 +242,8 @@ fn keep_wheels(stream: Option<&mut Stream<Wheels>>, kept: &[usize]) {
     }
 }
 
-fn keep_poses(stream: Option<&mut Stream<Pose>>, kept: &[usize]) {
-    let Some(stream) = stream else { return };
-    keep_rows(stream, kept);
-    let Pose { x_m, y_m, yaw_rad } = &mut stream.values;
+fn keep_poses(poses: &mut Pose, kept: &[usize]) {
+    let Pose { x_m, y_m, yaw_rad } = poses;
     [Some(x_m), Some(y_m), yaw_rad.as_mut()]
         .into_iter()
         .flatten()
