@@ -14,7 +14,7 @@ const COUNTS: u32 = 4096;
 const STEP_S: f64 = 0.05;
 const ROWS: usize = 700;
 /// Everything that this file is about.
-const IDS: [&str; 12] = [
+const IDS: [&str; 14] = [
     "counter_wraps",
     "angles_wrap",
     "wraps_unclear",
@@ -24,7 +24,9 @@ const IDS: [&str; 12] = [
     "counts_per_row",
     "speeds_as_angles",
     "bursts",
+    "heading_never_changes",
     "pose_jumps",
+    "position_never_changes",
     "nothing_moves",
     "reference_lost",
 ];
@@ -479,8 +481,6 @@ fn a_pose_that_jumps_and_stays_is_said_with_time_and_size() {
         pose.yaw_rad.as_mut().unwrap()[row] = turn(row) + 0.002 * still;
     }
     assert_eq!(pose_jumps(&rests), []);
-    // poses are not changed
-    assert!(mended(&recording, &|_| None).1.is_empty());
     // one wrong pose is an outlier, no jump
     let mut outlier = drive(plain());
     outlier.robots[0].pose.as_mut().unwrap().values.x_m[333] += 0.6;
@@ -528,7 +528,69 @@ fn what_stands_still_is_said() {
             said.contains("from 2") && said.contains("s to 39.5 s"),
             "{said}"
         );
+        // the poses that stayed are left out, but the first
+        let kept = read(&lost).robots[0].pose.as_ref().unwrap().t_s.len();
+        assert_eq!(kept, 401);
     }
+}
+
+/// The poses of a recording: x, y and heading of each row.
+fn poses(recording: &Recording) -> Vec<[f64; 3]> {
+    let pose = &recording.robots[0].pose.as_ref().unwrap().values;
+    let yaw_rad = pose.yaw_rad.as_ref().unwrap();
+    let rows = pose.x_m.iter().zip(&pose.y_m).zip(yaw_rad);
+    rows.map(|((x, y), yaw)| [*x, *y, *yaw]).collect()
+}
+
+#[test]
+fn poses_before_and_after_a_jump_are_joined() {
+    let as_it_was = drive(plain());
+    let mut jumps = as_it_was.clone();
+    let pose = &mut jumps.robots[0].pose.as_mut().unwrap().values;
+    let (sin, cos) = 0.8_f64.sin_cos();
+    for row in 333..ROWS {
+        let (x, y) = (pose.x_m[row], pose.y_m[row]);
+        pose.x_m[row] = x * cos - y * sin + 3.0;
+        pose.y_m[row] = x * sin + y * cos - 1.0;
+        pose.yaw_rad.as_mut().unwrap()[row] += 0.8;
+    }
+    let pairs = poses(&as_it_was).into_iter().zip(poses(&read(&jumps)));
+    for (row, (was, is)) in pairs.enumerate() {
+        let apart: f64 = (0..3).map(|i| (was[i] - is[i]).abs()).fold(0.0, f64::max);
+        // the speeds change little from row to row
+        assert!(
+            apart < if row < 333 { 1e-12 } else { 2e-3 },
+            "{row}: {apart}"
+        );
+    }
+    let (_, said) = mended(&jumps, &|_| None);
+    assert!(
+        said[0].statement.contains("joins them"),
+        "{}",
+        said[0].statement
+    );
+    // nobody knows how a frame turned that shows no heading
+    jumps.robots[0].pose.as_mut().unwrap().values.yaw_rad = None;
+    let x_m = |own: &Recording| own.robots[0].pose.as_ref().unwrap().values.x_m.clone();
+    assert_eq!(x_m(&read(&jumps)), x_m(&jumps));
+    assert!(statement(&jumps, "pose_jumps").contains("nothing that spans the jump"));
+}
+
+#[test]
+fn a_column_of_the_pose_that_never_changes_is_not_measured() {
+    let mut recording = drive(plain());
+    let pose = &mut recording.robots[0].pose.as_mut().unwrap().values;
+    pose.yaw_rad.as_mut().unwrap().fill(0.0);
+    assert_eq!(found(&recording), ["heading_never_changes"]);
+    let (read, said) = mended(&recording, &|_| None);
+    assert_eq!(said[0].id, "heading_never_changes");
+    assert_eq!(read.robots[0].pose.as_ref().unwrap().values.yaw_rad, None);
+
+    let mut recording = drive(plain());
+    let pose = &mut recording.robots[0].pose.as_mut().unwrap().values;
+    pose.y_m.fill(0.0);
+    assert_eq!(found(&recording), ["position_never_changes"]);
+    assert!(statement(&recording, "position_never_changes").starts_with('y'));
 }
 
 #[test]
