@@ -44,7 +44,7 @@ pub(crate) fn start(folder: &Path, arguments: &[&str]) -> (Child, Vec<Role>) {
     let mut processes = Vec::new();
     let recording = folder.join("disturbed.mcap");
     let mut described = None;
-    wait_for("start", Duration::from_secs(20), || {
+    wait_for("start", Duration::from_secs(60), || {
         processes = roles(child.id());
         let length = std::fs::metadata(&recording).map_or(0, |m| m.len());
         if length > 0 {

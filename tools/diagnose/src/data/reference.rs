@@ -7,7 +7,7 @@ use crate::filter::wheel_path::median_interval;
 use crate::filter::wheels_to_pose::PoseRow;
 
 /// Rows that a reference needs.
-const LEAST_POSES: usize = 20;
+const LEAST_POSES: usize = 2;
 const LEAST_RATES: usize = 40;
 /// Time between the rows of a thinned series (s): poses, gyro.
 pub(crate) const POSE_STEP_S: f64 = 0.5;
