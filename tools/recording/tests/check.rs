@@ -8,7 +8,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::{
     Command, Imu, LinkMessage, Links, Pose, Recording, Robot, Stream, Wheels,
 };
-use slipstream_recording::{Report, Severity, check};
+use slipstream_recording::{Finding, Report, Severity, check, faults};
 
 const R: f64 = 0.0365;
 const B: f64 = 0.105;
@@ -120,12 +120,27 @@ fn a_wheel_that_is_dragged_backwards_in_one_run_is_not_reversed() {
                 robot
             })
             .collect();
-        let report = check(&recording, None);
-        let errors = report
-            .findings
+        let errors = |findings: Vec<Finding>| {
+            let errors = findings.into_iter();
+            let errors = errors.filter(|f| f.severity == Severity::Error);
+            errors.map(|f| f.id.into_owned()).collect::<Vec<String>>()
+        };
+        let of_one = errors(check(&recording, None).findings);
+        // the same runs in recordings of their own
+        let each: Vec<Recording> = std::mem::take(&mut recording.robots)
             .into_iter()
-            .filter(|f| f.severity == Severity::Error);
-        errors.map(|f| f.id.into_owned()).collect::<Vec<String>>()
+            .map(|mut robot| {
+                robot.name = "r1".to_owned();
+                Recording {
+                    robots: vec![robot],
+                    same_robot: false,
+                    ..recording.clone()
+                }
+            })
+            .collect();
+        let of_each = errors(faults(&each, &|_| None).into_iter().flatten().collect());
+        assert_eq!(of_one, of_each);
+        of_one
     };
     assert_eq!(of_sides([1.0, -0.5, 1.0]), Vec::<String>::new());
     // the control: in all of them, and it is the encoder

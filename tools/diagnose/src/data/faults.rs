@@ -66,8 +66,9 @@ pub(crate) fn mended<'a>(
 /// What cannot be diagnosed as it is.
 pub(crate) fn warnings(request: &Request<'_>) -> Result<Vec<Warning>, InputError> {
     let mut warnings = Vec::new();
-    for recording in request.recordings {
-        for fault in faults(recording, request.model_of) {
+    let all = faults(request.recordings, request.model_of);
+    for (recording, faults) in request.recordings.iter().zip(all) {
+        for fault in faults {
             if is_refused(&fault) {
                 return Err(refusal(&recording.name, fault));
             }

@@ -10,6 +10,7 @@ mod coverage;
 mod display;
 mod levels;
 mod links;
+mod machines;
 mod motion;
 mod rates;
 mod report;
@@ -27,6 +28,7 @@ use slipstream_bus::RobotModel;
 pub(crate) use counters::{BURSTING, of_bursts};
 pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
+use self::machines::Machines;
 use self::motion::Windows;
 use crate::error::Result;
 use crate::import::Spooled;
@@ -61,13 +63,14 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     let model = model.or(rows.recording.model.as_ref());
     let mut findings = Vec::new();
     let mut robots = Vec::new();
-    let mut machine = Machine::default();
+    let mut machines = Machines::default();
     for robot in &rows.robots {
         robots.push(rates::report(robot, &mut findings));
-        let windows = compare_sources(robot, model, &mut findings, &mut machine.of_torques);
-        machine.add(rows, robot, windows, &mut findings);
+        let mut of_torques = Vec::new();
+        let windows = compare_sources(robot, model, &mut findings, &mut of_torques);
+        machines.add((0, rows.recording), &robot.robot.name, windows, of_torques);
     }
-    machine.check(&mut findings);
+    findings.extend(machines.findings().into_iter().map(|(_, finding)| finding));
     links::check(rows, &mut findings);
     findings.extend(short(rows));
     sort(&mut findings);
@@ -82,29 +85,38 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     }
 }
 
-/// The findings of [`check`] that a diagnosis must know: errors, warnings, and gaps in streams.
-/// `model_of` gives the model of each robot; without one, the model that came with the recording is
-/// used.
+/// The findings of [`check`] that a diagnosis must know, for each recording: errors, warnings, and gaps in streams.
+/// Recordings of one machine are judged together. `model_of` gives the model of each robot; without one, the model
+/// that came with the recording is used.
 pub fn faults(
-    recording: &Recording,
+    recordings: &[Recording],
     model_of: &dyn Fn(&str) -> Option<RobotModel>,
-) -> Vec<Finding> {
-    let rows = AllRows::of(recording);
-    let mut findings = Vec::new();
-    let mut machine = Machine::default();
-    for robot in &rows.robots {
-        let model = model_of(&robot.robot.name).or_else(|| recording.model.clone());
-        rates::report(robot, &mut findings);
-        let of_torques = &mut machine.of_torques;
-        let windows = compare_sources(robot, model.as_ref(), &mut findings, of_torques);
-        machine.add(&rows, robot, windows, &mut findings);
+) -> Vec<Vec<Finding>> {
+    let mut machines = Machines::default();
+    let mut all = Vec::new();
+    for (number, recording) in recordings.iter().enumerate() {
+        let rows = AllRows::of(recording);
+        let mut findings = Vec::new();
+        for robot in &rows.robots {
+            let model = model_of(&robot.robot.name).or_else(|| recording.model.clone());
+            rates::report(robot, &mut findings);
+            let mut of_torques = Vec::new();
+            let windows = compare_sources(robot, model.as_ref(), &mut findings, &mut of_torques);
+            let name = &robot.robot.name;
+            machines.add((number, recording), name, windows, of_torques);
+        }
+        links::check(&rows, &mut findings);
+        findings.extend(short(&rows));
+        all.push(findings);
     }
-    machine.check(&mut findings);
-    links::check(&rows, &mut findings);
-    findings.extend(short(&rows));
-    findings.retain(is_worth_knowing);
-    sort(&mut findings);
-    findings
+    for (number, finding) in machines.findings() {
+        all[number].push(finding);
+    }
+    for findings in &mut all {
+        findings.retain(is_worth_knowing);
+        sort(findings);
+    }
+    all
 }
 
 /// The jumps of all robots' poses that stay: the poses before and after are in different frames.
@@ -210,46 +222,6 @@ fn short(rows: &AllRows<'_>) -> Option<Finding> {
         ),
         remedy: format!("record for {:.0} s or longer, with straights and turns", 3.0 * SHORT_S),
     })
-}
-
-/// The runs of one machine, which are judged together.
-#[derive(Default)]
-struct Machine {
-    /// The first robot with its windows, and those of all others behind.
-    runs: Option<(String, Windows)>,
-    /// What their torques tell: it stands behind what follows from the wheels alone.
-    of_torques: Vec<Finding>,
-}
-
-impl Machine {
-    /// Adds a run; a robot that is a machine of its own is judged at once.
-    fn add(
-        &mut self,
-        rows: &AllRows<'_>,
-        robot: &RobotRows<'_>,
-        windows: Windows,
-        findings: &mut Vec<Finding>,
-    ) {
-        let name = &robot.robot.name;
-        match &mut self.runs {
-            _ if !rows.recording.same_robot => judge(name, &windows, findings),
-            Some((_, all)) => all.append(windows),
-            None => self.runs = Some((name.clone(), windows)),
-        }
-    }
-
-    fn check(self, findings: &mut Vec<Finding>) {
-        if let Some((name, windows)) = self.runs {
-            judge(&name, &windows, findings);
-        }
-        findings.extend(self.of_torques);
-    }
-}
-
-/// Adds to `robot` what all runs of a machine tell of its wheels.
-fn judge(robot: &str, windows: &Windows, findings: &mut Vec<Finding>) {
-    wheel_scale::check(robot, windows, findings);
-    wheels::check(robot, windows, findings);
 }
 
 /// Compares the sources of a robot's motion with each other. Returns the motion.
