@@ -1,11 +1,6 @@
 //! References that see a robot before and after each drive alone: a tape measure, a scan that needs the robot to
 //! stand.
 
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test that cannot go on says so and stops"
-)]
-
 mod common;
 
 use slipstream_diagnose::{Request, diagnose};

@@ -388,7 +388,10 @@ impl Predictor<'_> {
             let of_rate =
                 spread.advance(&noise.gyro, self.machine.half_track_m, [speed, turning], dt);
             let of_stamp = noise.gyro.stamp_s2 * jerk * jerk;
-            errors.add(GYRO, residual, sensor, sensor + of_rate + of_stamp);
+            // the turn of the wheels between two of their rows, both of which are rounded
+            let of_wheels = 2.0 * noise.gyro.angle / (2.0 * half_s).powi(2);
+            let expected = sensor + of_rate + of_stamp + of_wheels;
+            errors.add(GYRO, residual, sensor, expected);
             if draw {
                 errors.residuals.push((stamp_s, GYRO, residual));
             }

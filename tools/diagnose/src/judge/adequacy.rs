@@ -12,7 +12,7 @@ const EXPLAINED: f64 = 2.0;
 const WITHIN: f64 = 1.2;
 /// A model that misses more than this share of the way that the robot goes does not tell its motion, whatever noise
 /// would explain that.
-const MISSED: f64 = 0.5;
+const MISSED: f64 = 1.0 / 3.0;
 /// Fewest windows: with one, nothing is left that the fit has not seen.
 const WINDOWS: usize = 2;
 /// An error of a place (m) or of a heading (rad) that nobody would call one.
