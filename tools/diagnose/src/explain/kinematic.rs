@@ -17,7 +17,7 @@ use super::today;
 use super::wheel_side::{Settled, settle};
 use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
 use crate::filter::motion_law::DRIVERS;
-use crate::judge::{Culprit, Predictions, QUANTITIES, passing};
+use crate::judge::{Culprit, Predictions, QUANTITIES, Score, passing};
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::comparison::Before;
 use crate::model::from_wheels::{
@@ -112,6 +112,8 @@ pub(crate) struct Learnt {
     /// Parameters of the machine as they were fitted, but for laws.
     pub(crate) at: Vec<f64>,
     pub(crate) drive: Option<DriveFit>,
+    /// What is left of its own predictions with that model.
+    pub(crate) errors: Score,
 }
 
 /// Diagnoses one machine.
@@ -148,7 +150,13 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     });
     let spread: Vec<Option<f64>> = spread.collect();
     let model = machine.improved(&claims);
+    let errors = {
+        let measured = machine.measured(&fits);
+        let bench = Bench::new(&measured, &claims, &fitted);
+        bench.predictions(&bench.errors()).after()
+    };
     Ok(Learnt {
+        errors,
         offsets: machine.offsets(&fitted, &model),
         model,
         spread: [spread[0], spread[1]],
@@ -386,7 +394,10 @@ impl Machine<'_> {
         let measured = self.measured(&fits);
         let bench = Bench::new(&measured, &claims, &all);
         let errors = bench.errors();
-        let predictions = bench.predictions(&errors);
+        let mut predictions = bench.predictions(&errors);
+        if let Some(earlier) = &task.before {
+            predictions.expect_as(&earlier.learnt.errors, !claims.is_empty());
+        }
         let is_paired = self
             .joint
             .as_ref()

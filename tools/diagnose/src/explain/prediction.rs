@@ -450,13 +450,20 @@ impl Predictor<'_> {
             }
         });
         let known = 1.0 + 1.0 / head.max(1) as f64;
-        for (t_s, rest, speed) in &rests[head..] {
+        let start = rows.get(first).filter(|_| is_angle);
+        let zeros = start.map_or([0.0; 2], |row| row.values);
+        for ((t_s, rest, speed), row) in rests[head..].iter().zip(&rows[first + head..end]) {
+            let gone = [0, 1].map(|i| row.values[i] - zeros[i]);
             // the zero is the mean over the head: its middle is where the disturbance begins to count
             let over_s = t_s - window[0] - FITTED_S / 2.0;
             for i in 0..2 {
                 let sensor = self.deviations[i].powi(2);
                 let own = noise.wheels.variance(is_angle, over_s, speed[i]);
                 let error = rest[i] - zero[i];
+                if self.run.pose.is_none() {
+                    let squares = [gone[i] * gone[i], error * error, sensor];
+                    errors.score.follow_wheel(squares);
+                }
                 errors.add(
                     i,
                     error,

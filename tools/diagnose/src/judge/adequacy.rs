@@ -15,7 +15,7 @@ const WITHIN: f64 = 1.2;
 const MISSED: f64 = 1.0 / 3.0;
 /// Fewest windows: with one, nothing is left that the fit has not seen.
 const WINDOWS: usize = 2;
-/// An error of a place (m) or of a heading (rad) that nobody would call one.
+/// An error (m, rad and their rates) that nobody would call one.
 const NOTHING: f64 = 1e-3;
 
 /// The heading as a channel.
@@ -35,12 +35,7 @@ impl Predictions {
         let all = all.filter_map(|quantity| {
             let square = self.after.mean_square(quantity)?;
             let ratio = (square / self.after.expected(quantity)?).sqrt();
-            let least = if [HEADING, PLACE].contains(&quantity) {
-                NOTHING
-            } else {
-                0.0
-            };
-            (square.sqrt() > least).then_some(Excess { quantity, ratio })
+            (square.sqrt() > NOTHING).then_some(Excess { quantity, ratio })
         });
         all.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
     }
@@ -191,7 +186,7 @@ fn statement(answer: &Answer, machine: &Predictions, excess: Excess, beside: boo
         String::new()
     };
     if !answer.against.is_empty() {
-        return changes(answer, &numbers);
+        return changes(answer, &numbers, &whose);
     }
     let Numbers { after, times, .. } = &numbers;
     let explained = numbers.explained(&whose);
@@ -256,9 +251,10 @@ fn unexplained(
 }
 
 /// What changed.
-fn changes(answer: &Answer, numbers: &Numbers) -> String {
+fn changes(answer: &Answer, numbers: &Numbers, whose: &str) -> String {
     let before = answer.against.join(", ");
-    let after = &numbers.after;
+    let Numbers { after, noise, .. } = numbers;
+    let known = answer.findings.iter().any(|own| own.effect != "unknown");
     match answer.verdict {
         Verdict::Match => {
             format!("Match: nothing changed since {before}; 5 s ahead it misses by {after}")
@@ -266,10 +262,14 @@ fn changes(answer: &Answer, numbers: &Numbers) -> String {
         Verdict::Explained => format!(
             "Explained: the findings below changed since {before}; with them the model misses by {after} over 5 s"
         ),
+        Verdict::Unexplained if known => format!(
+            "Partly explained: what changed since {before} explains {}; {after} are left over 5 s, where {noise} \
+             would be left without a change",
+            numbers.explained(whose)
+        ),
         Verdict::Unexplained => format!(
-            "Unexplained: what changed since {before} is not explained; {after} are left over 5 s, where {} would \
-             be left without a change",
-            numbers.noise
+            "Unexplained: what changed since {before} is not explained; {after} are left over 5 s, where {noise} would \
+             be left without a change"
         ),
     }
 }

@@ -80,6 +80,18 @@ impl Predictions {
         self.scores[1].iter().filter(has).count()
     }
 
+    /// What all windows score after.
+    pub(crate) fn after(&self) -> Score {
+        self.after
+    }
+
+    /// Sets that the error of another recording is expected; if something changed since, at least that.
+    pub(crate) fn expect_as(&mut self, other: &Score, has_changed: bool) {
+        self.after.expect_as(other, has_changed);
+        let windows = self.scores[1].iter_mut();
+        windows.for_each(|score| score.expect_as(other, has_changed));
+    }
+
     /// Begin, end (s) and score of each window after.
     pub(super) fn windows(&self) -> impl Iterator<Item = (&[f64; 2], &Score)> {
         self.spans_s.iter().zip(&self.scores[1])

@@ -40,13 +40,15 @@ struct Sum {
     windows: f64,
 }
 
-/// How far the wheels of a robot go, and how far off they are predicted: sums of squares (m²) over the poses.
+/// How far the wheels of a robot go, and how far off they are predicted: sums of squares over the poses (m²), or over
+/// the rows of the wheels (rad²) where there is none.
 #[derive(Debug, Clone, Copy, Default)]
 struct Way {
     off_m2: f64,
     gone_m2: f64,
     /// What noise of the sensor alone would be off.
     sensor_m2: f64,
+    rows: f64,
 }
 
 /// What one or several windows score.
@@ -101,7 +103,14 @@ impl Score {
             self.way.gone_m2 += gone;
             self.way.off_m2 += off;
             self.way.sensor_m2 += sensor;
+            self.way.rows += 1.0;
         }
+    }
+
+    /// The same of one wheel's angle or speed, where no pose was seen: squares of what it went, of what the prediction is
+    /// off, and of the sensor.
+    pub(crate) fn follow_wheel(&mut self, [gone, off, sensor]: [f64; 3]) {
+        self.follow(0.0, [gone, off, sensor].map(|square| [square, 0.0]));
     }
 
     /// The share of the way of the wheels by which a prediction misses; `None` without poses, and where no more than
@@ -111,6 +120,7 @@ impl Score {
             off_m2,
             gone_m2,
             sensor_m2,
+            ..
         } = self.way;
         (off_m2 > SEEN * SEEN * sensor_m2).then(|| (off_m2 / gone_m2).sqrt())
     }
@@ -136,6 +146,7 @@ impl Score {
         self.way.gone_m2 += other.way.gone_m2;
         self.way.off_m2 += other.way.off_m2;
         self.way.sensor_m2 += other.way.sensor_m2;
+        self.way.rows += other.way.rows;
         self
     }
 
@@ -187,6 +198,24 @@ impl Score {
         sum.expected = sum.sensor + sum.rows * process;
     }
 
+    /// Sets that the error of another recording is expected, as it is or in proportion to a longer way; if something
+    /// changed since, at least that.
+    pub(crate) fn expect_as(&mut self, other: &Self, has_changed: bool) {
+        let [own_m2, other_m2] = [self, other].map(|score| score.way.gone_m2 / score.way.rows);
+        let longer = Some(own_m2 / other_m2).filter(|ratio| *ratio > 1.0);
+        for (sum, other) in self.sums.iter_mut().zip(&other.sums) {
+            if other.rows > 0.0 {
+                let square = other.squares / other.rows * longer.unwrap_or(1.0);
+                let least = if has_changed {
+                    sum.expected
+                } else {
+                    sum.sensor
+                };
+                sum.expected = least.max(sum.rows * square);
+            }
+        }
+    }
+
     fn mean(&self, quantity: usize, sum: f64) -> Option<f64> {
         let rows = self.sums[quantity].rows;
         (rows > 0.0).then(|| sum / rows)
@@ -196,6 +225,28 @@ impl Score {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_another_recording_misses_is_expected_in_proportion_to_the_way() {
+        let of = |error_m: f64, way_m: f64| {
+            let mut score = Score::default();
+            let [off, gone] = [error_m, way_m].map(|own| own * own);
+            score.add(PLACE, off, 1e-6, 1.0);
+            score.follow(0.1, [[gone, 0.0], [off, 0.0], [1e-6, 0.0]]);
+            score
+        };
+        let mut score = of(0.3, 4.0);
+        // one window: 1 + 1.645 √2 times as much is chance
+        let expected =
+            |score: &Score| score.expected(PLACE).unwrap() / (1.0 + 1.645 * 2.0_f64.sqrt());
+        score.expect_as(&of(0.1, 2.0), false);
+        assert!((expected(&score) - 0.04).abs() < 1e-9);
+        score.expect_as(&of(0.1, 8.0), false);
+        assert!((expected(&score) - 0.01).abs() < 1e-9);
+        // a change may bring noise of its own
+        score.expect_as(&of(0.05, 8.0), true);
+        assert!((expected(&score) - 0.01).abs() < 1e-9);
+    }
 
     #[test]
     fn means_are_over_the_rows_that_were_measured() {

@@ -159,21 +159,33 @@ impl Predictor {
     fn score(&self, window: &Window, residuals: &[f64]) -> Score {
         let mut score = Score::default();
         let track = &self.tracks[window.run];
+        let has_pose = track.of(Sensor::Pose).is_some();
         for (which, series) in track.series.iter().enumerate() {
             let first = series.sensor.channel();
             let width = series.sensor.width();
             let variance = series.deviation.map(|own| own * own);
-            let mut first_pose = None;
+            let mut first_row = None;
             for (_, values, base) in window.measured(track, which) {
                 let square = |part: usize| residuals[base + part].powi(2) * variance[part];
                 for (part, variance) in variance.iter().enumerate().take(width) {
                     score.add(first + part, square(part), *variance, *variance);
                 }
+                if let (Sensor::WheelAngle | Sensor::WheelSpeed, false) = (series.sensor, has_pose)
+                {
+                    let zero = match series.sensor {
+                        Sensor::WheelAngle => *first_row.get_or_insert(values),
+                        _ => [0.0; 3],
+                    };
+                    for part in 0..width {
+                        let gone = (values[part] - zero[part]).powi(2);
+                        score.follow_wheel([gone, square(part), variance[part]]);
+                    }
+                }
                 if series.sensor == Sensor::Pose {
                     let both = variance[0] + variance[1];
                     score.add(PLACE, square(0) + square(1), both, both);
                     score.add(HEADING, square(2), variance[2], variance[2]);
-                    let first = *first_pose.get_or_insert(values);
+                    let first = *first_row.get_or_insert(values);
                     let gone = [0, 1, 2].map(|part| (values[part] - first[part]).powi(2));
                     let each = [gone, [0, 1, 2].map(square), variance];
                     let squares = each.map(|[x, y, yaw]| [x + y, yaw]);

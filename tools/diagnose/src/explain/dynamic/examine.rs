@@ -13,7 +13,7 @@ use crate::answer::{Figures, Finding};
 use crate::data::track::{Sensor, Track};
 use crate::diagnosis::{Collected, Request, Runs};
 use crate::explain::links::Course;
-use crate::judge::{Predictions, passing};
+use crate::judge::{Predictions, Score, passing};
 use crate::model::hypothesis::{self, Hypothesis, with};
 use crate::predict::predictor::Predictor;
 
@@ -87,17 +87,27 @@ fn looked_for(
         let remedy = "check masses, lengths and units, and the kind of the commands";
         InputError::new(&runs[0].1.name, "cannot be simulated by its model", remedy)
     };
-    let judged = match before {
-        None => alone(request, &predictor, progress).ok_or_else(unusable)?,
+    let (judged, other) = match before {
+        None => (
+            alone(request, &predictor, progress).ok_or_else(unusable)?,
+            None,
+        ),
         Some(runs) => {
             let other = Predictor::new(request, runs)?;
             let judged = compare::judged(request, [&other, &predictor], progress);
-            judged.ok_or_else(unusable)?
+            (judged.ok_or_else(unusable)?, Some(other))
         }
     };
     predictor.model = judged.machine.model.clone();
     progress("how well it predicts");
-    let predictions = prediction::predictions(&judged.machine, &predictor, &judged.selected.fit);
+    let fit = &judged.selected.fit;
+    let mut predictions = prediction::predictions(&judged.machine, &predictor, fit);
+    if let Some(mut other) = other {
+        // what was learnt from before is in the model by now
+        other.model = judged.machine.model.clone();
+        let scores = other.scores(&other.windows, &[]);
+        predictions.expect_as(&Score::of_all(&scores), !fit.hypotheses.is_empty());
+    }
     Ok(Found {
         predictor,
         judged,
