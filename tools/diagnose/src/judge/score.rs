@@ -191,11 +191,10 @@ impl Score {
         (rows > 0.0).then(|| (levels / rows).sqrt())
     }
 
-    /// Sets the mean variance that process noise and the start add to that of the sensor, where it is known over
-    /// all windows alone.
+    /// Adds the mean variance that process noise adds, where it is known over all windows alone.
     pub(crate) fn expect(&mut self, quantity: usize, process: f64) {
         let sum = &mut self.sums[quantity];
-        sum.expected = sum.sensor + sum.rows * process;
+        sum.expected += sum.rows * process;
     }
 
     /// Sets that the error of another recording is expected, as it is or in proportion to a longer way; if something

@@ -27,6 +27,10 @@ const SHORT_STEP_S: f64 = 2e-3;
 const STEP_S: f64 = 4e-3;
 const LONG_STEP_S: f64 = 0.02;
 
+/// Variance of a heading of which nothing is known (rad²): that of any angle alike.
+const ANY_HEADING: f64 = std::f64::consts::PI * std::f64::consts::PI / 3.0;
+/// Variance of a heading above which it is not known (rad²): that of 18 degrees.
+const UNKNOWN_HEADING: f64 = 0.1;
 /// Channels that tell whether a start is known: wheels and pose.
 const FITTED: [usize; 5] = [0, 1, POSE, POSE + 1, POSE + 2];
 /// Time over which the start of a window is fitted (s), and up to how many times as long where the
@@ -60,6 +64,73 @@ impl Simulated {
             robot: &self.robot,
             step_s: self.step_s,
         }
+    }
+}
+
+/// A window that was predicted.
+struct Judged {
+    /// Residuals (deviations) behind what the start was fitted to; NaN for that.
+    residuals: Vec<f64>,
+    /// How far the channel that is worst is from what the start was fitted to (deviations).
+    start: f64,
+    /// How long that is (s).
+    fitted_s: f64,
+}
+
+/// How well the heading at the start is known where positions alone are seen: from the way over the poses that the
+/// start was fitted to.
+struct Facing {
+    /// The middle of those positions (m).
+    middle: [f64; 2],
+    /// Variance of the heading (rad²); 0 where it was measured.
+    variance: f64,
+}
+
+impl Facing {
+    fn new(window: &Window, track: &Track, which: usize, fitted_s: f64) -> Self {
+        let series = &track.series[which];
+        let poses = || {
+            window
+                .measured(track, which)
+                .map(|(t_s, values, _)| (t_s, values))
+        };
+        let mut own = Self {
+            middle: [0.0; 2],
+            variance: 0.0,
+        };
+        if series.sensor != Sensor::Pose || poses().any(|(_, pose)| pose[2].is_finite()) {
+            return own;
+        }
+        let head: Vec<[f64; 3]> = poses()
+            .filter(|(t_s, pose)| *t_s < window.from_s + fitted_s && pose[0].is_finite())
+            .map(|(_, pose)| pose)
+            .collect();
+        let count = head.len().max(1) as f64;
+        own.middle = [0, 1].map(|i| head.iter().map(|pose| pose[i]).sum::<f64>() / count);
+        let squares: f64 = head.iter().map(|pose| own.apart2(*pose)).sum();
+        // a robot that stands is seen at places apart by noise as well: twice the deviation of such squares is none
+        let noise = series.deviation[0].powi(2);
+        let way = squares - noise * (2.0 * (count - 1.0) + 4.0 * count.sqrt());
+        own.variance = if way > 0.0 {
+            (noise / way).min(ANY_HEADING)
+        } else {
+            ANY_HEADING
+        };
+        own
+    }
+
+    /// Square distance from the middle (m²).
+    fn apart2(&self, pose: [f64; 3]) -> f64 {
+        (pose[0] - self.middle[0]).powi(2) + (pose[1] - self.middle[1]).powi(2)
+    }
+
+    /// Variances that an error of the heading adds to a pose.
+    fn spread(&self, pose: [f64; 3]) -> [f64; 3] {
+        if self.variance == 0.0 {
+            return [0.0; 3];
+        }
+        let [dx, dy] = [0, 1].map(|i| pose[i] - self.middle[i]);
+        [dy * dy, dx * dx, 0.0].map(|square| self.variance * square)
     }
 }
 
@@ -139,7 +210,10 @@ impl Predictor {
     }
 
     fn one(&self, simulated: &Simulated, window: &Window) -> Option<Misfit> {
-        Some(Misfit::new(window, &self.judged(simulated, window)?.0))
+        Some(Misfit::new(
+            window,
+            &self.judged(simulated, window)?.residuals,
+        ))
     }
 
     /// What each of `windows` scores by the model with `hypotheses`.
@@ -147,28 +221,34 @@ impl Predictor {
         let simulated = self.simulated(hypotheses);
         let one = |window: &Window| {
             let simulated = simulated.as_ref()?;
-            let (residuals, start) = self.judged(simulated, window)?;
-            let mut score = self.score(window, &residuals);
-            score.begin(start);
-            Some(score)
+            let judged = self.judged(simulated, window)?;
+            Some(self.score(window, &judged))
         };
         let all = windows.par_iter().map(|own| one(own).unwrap_or_default());
         all.collect()
     }
 
-    fn score(&self, window: &Window, residuals: &[f64]) -> Score {
+    fn score(&self, window: &Window, judged: &Judged) -> Score {
+        let residuals = &judged.residuals;
         let mut score = Score::default();
+        let mut start = judged.start;
         let track = &self.tracks[window.run];
         let has_pose = track.of(Sensor::Pose).is_some();
         for (which, series) in track.series.iter().enumerate() {
             let first = series.sensor.channel();
             let width = series.sensor.width();
             let variance = series.deviation.map(|own| own * own);
+            let facing = Facing::new(window, track, which, judged.fitted_s);
+            if facing.variance > UNKNOWN_HEADING {
+                start = f64::INFINITY;
+            }
             let mut first_row = None;
             for (_, values, base) in window.measured(track, which) {
                 let square = |part: usize| residuals[base + part].powi(2) * variance[part];
-                for (part, variance) in variance.iter().enumerate().take(width) {
-                    score.add(first + part, square(part), *variance, *variance);
+                let of_start = facing.spread(values);
+                for part in 0..width {
+                    let expected = variance[part] + of_start[part];
+                    score.add(first + part, square(part), variance[part], expected);
                 }
                 if let (Sensor::WheelAngle | Sensor::WheelSpeed, false) = (series.sensor, has_pose)
                 {
@@ -183,11 +263,13 @@ impl Predictor {
                 }
                 if series.sensor == Sensor::Pose {
                     let both = variance[0] + variance[1];
-                    score.add(PLACE, square(0) + square(1), both, both);
+                    let expected = both + of_start[0] + of_start[1];
+                    score.add(PLACE, square(0) + square(1), both, expected);
                     score.add(HEADING, square(2), variance[2], variance[2]);
                     let first = *first_row.get_or_insert(values);
                     let gone = [0, 1, 2].map(|part| (values[part] - first[part]).powi(2));
-                    let each = [gone, [0, 1, 2].map(square), variance];
+                    let known = [0, 1, 2].map(|part| variance[part] + of_start[part]);
+                    let each = [gone, [0, 1, 2].map(square), known];
                     let squares = each.map(|[x, y, yaw]| [x + y, yaw]);
                     score.follow(self.model.robot.half_track_m, squares);
                 }
@@ -199,12 +281,11 @@ impl Predictor {
             let channel = usize::from(window.channels[rest[0]]);
             score.repeat(channel, more as f64, self.deviation(channel).powi(2));
         }
+        score.begin(start);
         score
     }
 
-    /// Residuals (deviations) behind what the start of a window was fitted to; NaN for that. And how far the channel
-    /// that is worst is from it (deviations).
-    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<(Vec<f64>, f64)> {
+    fn judged(&self, simulated: &Simulated, window: &Window) -> Option<Judged> {
         let (mut residuals, fitted_s) = self.predicted(simulated, window)?;
         let mut head = residuals.clone();
         for (residual, stamp_s) in head.iter_mut().zip(&window.stamps_s) {
@@ -224,7 +305,11 @@ impl Predictor {
                 *residual = hardened(*residual);
             }
         }
-        Some((residuals, start))
+        Some(Judged {
+            residuals,
+            start,
+            fitted_s,
+        })
     }
 
     /// Residuals (deviations) of the prediction of one window, what its start was fitted to included,
