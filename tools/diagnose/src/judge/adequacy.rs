@@ -147,7 +147,7 @@ pub(crate) fn conclude(answer: &mut Answer, machines: &[Predictions]) {
         (false, false) => Verdict::Explained,
     };
     answer.statement = match worst {
-        _ if untested => untested_statement(answer),
+        _ if untested => untested_statement(answer, worst),
         Some((machine, excess)) => statement(answer, machine, excess, beside),
         None => unpredicted(answer.verdict).to_owned(),
     };
@@ -167,11 +167,18 @@ fn unpredicted(verdict: Verdict) -> &'static str {
 }
 
 /// Where nothing was left to test the findings on.
-fn untested_statement(answer: &Answer) -> String {
-    let found = if answer.findings.is_empty() {
-        "nothing was found that the model lacks"
-    } else {
-        "the findings below fit"
+fn untested_statement(answer: &Answer, worst: Option<(&Predictions, Excess)>) -> String {
+    let found = match worst {
+        Some((machine, _)) if !answer.findings.is_empty() => {
+            let excess = Excess {
+                quantity: PLACE,
+                ratio: 1.0,
+            };
+            let explained = Numbers::new(answer, machine, excess).explained("");
+            format!("the findings below explain {explained}")
+        }
+        _ if answer.findings.is_empty() => "nothing was found that the model lacks".to_owned(),
+        _ => "the findings below fit".to_owned(),
     };
     format!(
         "Not tested: {found}, but the recording leaves no 5 s to test it on that the fit has not seen"

@@ -42,12 +42,12 @@ fn is_worse(before: &[Score], after: &[Score], quantity: usize) -> bool {
     let sum: f64 = differences.iter().sum();
     let mean = sum / count;
     let spread: f64 = differences.iter().map(|d| (d - mean) * (d - mean)).sum();
-    // standard error of a sum of independent windows; of a single window there is none
+    // standard error of a sum of independent windows; a single window has no spread
     let error = (spread * count / (count - 1.0).max(1.0)).sqrt();
     // where one window makes up the sum, the spread is as large as that
     let noise = last.expected(quantity).unwrap_or(f64::INFINITY);
     let is_far = after_square > (MUCH * MUCH) * before_square.max(noise);
-    sum > CHANCE * error || is_far
+    (count > 1.0 && sum > CHANCE * error) || is_far
 }
 
 #[cfg(test)]
@@ -78,6 +78,13 @@ mod tests {
         let before = windows(&[1.0, 1.0, 1.0, 1.0]);
         let after = windows(&[0.9, 0.9, 0.9, 1.35]);
         assert!(worse(&before, &after).is_empty());
+    }
+
+    #[test]
+    fn a_single_window_has_no_spread() {
+        let before = windows(&[1.0]);
+        assert!(worse(&before, &windows(&[1.2])).is_empty());
+        assert_eq!(worse(&before, &windows(&[3.0])), [HEADING]);
     }
 
     #[test]

@@ -25,10 +25,11 @@ const PLAYERS: usize = 5;
 pub(crate) fn predictions(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Predictions {
     let windows = &predictor.windows;
     let before = predictor.scores(windows, &[]);
-    let mut after = if fit.hypotheses.is_empty() {
-        before.clone()
-    } else {
-        unseen(machine, predictor, fit)
+    let mut after = match (fit.hypotheses.is_empty(), windows.len()) {
+        (true, _) => before.clone(),
+        // beside a single window there is nothing to fit to
+        (_, 1) => predictor.scores(windows, &fit.hypotheses),
+        _ => unseen(machine, predictor, fit),
     };
     let expected = expected(machine, fit);
     for score in &mut after {
