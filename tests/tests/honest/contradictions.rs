@@ -8,7 +8,7 @@ const ROUNDING: f64 = 1e-9;
 /// "to within noise".
 const EXPLAINED: f64 = 2.0;
 const WITHIN: f64 = 1.2;
-/// An error that nobody would call one (m, rad).
+/// An error that nobody would call one (m, rad and their rates).
 const NOTHING: f64 = 1e-3;
 
 /// Every contradiction of an answer, in words.
@@ -20,7 +20,7 @@ pub(crate) fn contradictions(answer: &Answer) -> Vec<String> {
     let left_out = ["link", "pose_x", "pose_y"];
     let channels = answer.held_out.channels.iter();
     let channels = channels.filter(|own| !left_out.contains(&own.channel.as_str()));
-    let of_channels = channels.map(|own| (own.rms_after, own.rms_expected, 0.0));
+    let of_channels = channels.map(|own| (own.rms_after, own.rms_expected, NOTHING));
     let off = of_budgets
         .chain(of_channels)
         .filter(|(after, _, least)| after > least)

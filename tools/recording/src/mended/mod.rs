@@ -66,7 +66,9 @@ fn robot(rows: &RobotRows<'_>, model: Option<&RobotModel>) -> Option<(Robot, Vec
         if poses.values.yaw_rad.is_some() {
             findings.extend(of_jumps);
         }
-        poses::mended(poses, &of_poses);
+        let kept = poses::mended(poses, &of_poses);
+        keep_rows(poses, &kept);
+        keep_poses(&mut poses.values, &kept);
         if of_heading.is_some() {
             poses.values.yaw_rad = None;
         }

@@ -2,7 +2,6 @@
 
 use std::cmp::Ordering;
 
-use super::{keep_poses, keep_rows};
 use crate::check::PoseFaults;
 use crate::mend::PoseJump;
 use crate::recording::{Pose, Stream};
@@ -10,14 +9,19 @@ use crate::recording::{Pose, Stream};
 /// Rows before and behind a jump whose speeds tell the way over it.
 const AROUND: usize = 3;
 
-/// The poses mended.
-pub(super) fn mended(poses: &mut Stream<Pose>, faults: &PoseFaults) {
+/// Joins the poses before and after each jump, and returns the rows that no lost reference wrote.
+pub(super) fn mended(poses: &mut Stream<Pose>, faults: &PoseFaults) -> Vec<usize> {
     for jump in &faults.jumps {
         join(poses, jump);
     }
-    for lost_s in &faults.lost_s {
-        leave_out_lost(poses, *lost_s, faults.window_s);
-    }
+    let lost = faults.lost_s.iter();
+    let kept = lost.map(|lost_s| kept(poses, *lost_s, faults.window_s));
+    let all = (0..poses.t_s.len()).collect();
+    kept.fold(all, |both, own| {
+        both.into_iter()
+            .filter(|row| own.binary_search(row).is_ok())
+            .collect()
+    })
 }
 
 /// x (m), y (m) and heading (rad) of a row.
@@ -84,9 +88,9 @@ fn move_row(poses: &mut Pose, row: usize, to: impl Fn(Place) -> Place) {
     }
 }
 
-/// Leaves out the poses that stay at one value for all of this time (s), but the first of them. The time is known to
-/// `window_s`.
-fn leave_out_lost(poses: &mut Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: f64) {
+/// The rows without poses that stay at one value for all of this time (s), but for the first of them. The time is
+/// known to `window_s`.
+fn kept(poses: &Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: f64) -> Vec<usize> {
     let values = &poses.values;
     let place = |row: usize| {
         let yaw_rad = values.yaw_rad.as_ref().map_or(0.0, |yaw_rad| yaw_rad[row]);
@@ -101,16 +105,12 @@ fn leave_out_lost(poses: &mut Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: 
         .partition_point(|t_s| *t_s < f64::midpoint(from_s, to_s));
     let around = (from_s - window_s)..(to_s + window_s);
     let mut has_first = false;
-    let kept: Vec<usize> = (0..poses.t_s.len())
+    (0..poses.t_s.len())
         .filter(|row| {
             let is_lost = middle < poses.t_s.len()
                 && around.contains(&poses.t_s[*row])
                 && is_same(*row, middle);
             !is_lost || !std::mem::replace(&mut has_first, true)
         })
-        .collect();
-    if kept.len() < poses.t_s.len() {
-        keep_rows(poses, &kept);
-        keep_poses(&mut poses.values, &kept);
-    }
+        .collect()
 }
