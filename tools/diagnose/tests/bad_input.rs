@@ -9,7 +9,7 @@ mod common;
 mod drive;
 
 use slipstream_bus::InputError;
-use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_diagnose::{Answer, Verdict};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Wheels};
 
@@ -28,15 +28,8 @@ fn poses(recording: &mut Recording) -> &mut Pose {
 }
 
 fn answer_to(recording: Recording) -> Result<Answer, InputError> {
-    let request = Request {
-        recordings: &[recording],
-        against: &[],
-        model_of: &|_| Some(slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M)),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    };
-    diagnose(&request).map(|(answer, _)| answer)
+    let nominal = slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M);
+    common::diagnosed(recording, &nominal).map(|(answer, _)| answer)
 }
 
 /// The lag is found and explains the recording, and a warning with this id says what is wrong.

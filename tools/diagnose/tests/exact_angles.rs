@@ -12,7 +12,7 @@
 mod common;
 mod drive;
 
-use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_diagnose::{Answer, Verdict};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Wheels;
 
@@ -25,15 +25,8 @@ fn diagnosed(lag_s: f64, rounding_rad: f64) -> Answer {
 }
 
 fn answer_to(recording: Recording) -> Answer {
-    let request = Request {
-        recordings: &[recording],
-        against: &[],
-        model_of: &|_| Some(slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M)),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    };
-    diagnose(&request).unwrap().0
+    let nominal = slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M);
+    common::diagnosed(recording, &nominal).unwrap().0
 }
 
 #[test]

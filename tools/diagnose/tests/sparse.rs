@@ -3,11 +3,10 @@
 
 mod common;
 
-use slipstream_diagnose::{Request, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot;
 
-use common::recording;
+use common::{diagnosed, noise, recording};
 
 const RADIUS_M: f64 = 0.04;
 const HALF_TRACK_M: f64 = 0.12;
@@ -20,10 +19,7 @@ const DRIVE_S: f64 = 8.0;
 /// A drive on an arc: wheels at 20 Hz, one pose at its begin and one at its end, with 2 mm and 3 mrad.
 fn drive(number: u32) -> Robot {
     let k = f64::from(number);
-    let noise = |part: f64| {
-        let k = k + part;
-        2.0 * ((k * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
-    };
+    let noise = |part: f64| noise(k + part);
     let (v, w) = (0.2 + 0.01 * k, 0.3 * (1.7 * k).sin());
     let [right, left] = [1.0, -1.0].map(|side| {
         let rim_m_s = v + side * TRACK_SCALE * HALF_TRACK_M * w;
@@ -66,15 +62,8 @@ fn two_poses_a_drive_tell_the_sizes_of_the_robot() {
         robots: (0..DRIVES).map(drive).collect(),
         ..Recording::default()
     };
-    let request = Request {
-        recordings: &[recording],
-        against: &[],
-        model_of: &|_| Some(slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M)),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    };
-    let answer = diagnose(&request).unwrap().0;
+    let nominal = slipstream_testkit::kinematic(RADIUS_M, HALF_TRACK_M);
+    let (answer, _) = diagnosed(recording, &nominal).unwrap();
     let of = |effect: &str| {
         let found = answer.findings.iter().find(|own| own.effect == effect);
         let first = found.and_then(|own| own.parameters.first());

@@ -12,7 +12,7 @@ use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Robot, Wheels};
 
-use common::recording;
+use common::{noise, recording};
 
 const RADIUS_M: f64 = 0.05;
 const HALF_TRACK_M: f64 = 0.12;
@@ -56,7 +56,7 @@ fn recorded(truth: Truth) -> Recording {
 
 /// The same, with other errors of the poses for each `seed`.
 fn recorded_with(truth: Truth, seed: f64) -> Recording {
-    let noise = |k: f64| 2.0 * (((k + seed) * 12.9898).sin() * 43758.5453).rem_euclid(1.0) - 1.0;
+    let noise = |k: f64| noise(k + seed);
     let mut columns: [Vec<f64>; 10] = Default::default();
     let mut add = |from: usize, row: &[f64]| {
         row.iter()
@@ -103,16 +103,7 @@ fn recorded_with(truth: Truth, seed: f64) -> Recording {
 }
 
 fn diagnosed(truth: Truth, nominal: &RobotModel) -> (Answer, RobotModel) {
-    let (answer, mut improved) = diagnose(&Request {
-        recordings: &[recorded(truth)],
-        against: &[],
-        model_of: &|_| Some(nominal.clone()),
-        excluded: &[],
-        excluded_s: &[],
-        progress: &|_| (),
-    })
-    .unwrap();
-    (answer, improved.remove(0).1)
+    common::diagnosed(recorded(truth), nominal).unwrap()
 }
 
 /// Effects and their parameters, by name.
@@ -442,15 +433,7 @@ fn angles_that_wrap_or_restart_are_diagnosed_as_those_that_run_on() {
         ..NOMINAL
     };
     let answer = |recording: Recording| {
-        let (answer, _) = diagnose(&Request {
-            recordings: &[recording],
-            against: &[],
-            model_of: &|_| Some(model()),
-            excluded: &[],
-            excluded_s: &[],
-            progress: &|_| (),
-        })
-        .unwrap();
+        let (answer, _) = common::diagnosed(recording, &model()).unwrap();
         let said: Vec<String> = answer.warnings.iter().map(|w| w.id.clone()).collect();
         (found(&answer), answer.held_out.nrmse_after, said)
     };

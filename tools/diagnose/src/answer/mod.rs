@@ -77,12 +77,12 @@ pub struct Detectable {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// Nothing beyond the noise was found.
+    /// Nothing was found, and the error over the horizon is at most twice what noise explains.
     #[default]
     Match,
-    /// The findings bring the residuals to noise.
+    /// With the findings it is.
     Explained,
-    /// Something significant remains.
+    /// More remains, or nothing was left to test the findings on.
     Unexplained,
 }
 
@@ -242,7 +242,7 @@ pub struct HeldOutChannel {
     /// Root mean square error after, in that unit.
     pub rms_after: f64,
     /// Root mean square error below which the sensors' noise and the reported process noise stay with 95 %
-    /// confidence.
+    /// confidence; of what changed, what the recordings from before miss.
     pub rms_expected: f64,
 }
 
@@ -272,7 +272,7 @@ pub struct Budget {
     pub before: f64,
     /// The same after.
     pub after: f64,
-    /// The error below which the sensors' noise and the reported process noise stay with 95 % confidence.
+    /// The same as `rms_expected` of a channel.
     pub expected: f64,
     /// Shares that add up to `before`.
     pub parts: Vec<BudgetPart>,

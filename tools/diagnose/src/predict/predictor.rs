@@ -13,6 +13,7 @@ use crate::judge::{HEADING, PLACE, POSE, Score};
 use crate::model::hypothesis::{
     Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
 };
+use crate::predict::facing::Facing;
 use crate::predict::misfit::Misfit;
 use crate::predict::simulation::{Simulation, hardened, is_exact_at_any_step};
 use crate::predict::start::Start;
@@ -27,10 +28,6 @@ const SHORT_STEP_S: f64 = 2e-3;
 const STEP_S: f64 = 4e-3;
 const LONG_STEP_S: f64 = 0.02;
 
-/// Variance of a heading of which nothing is known (rad²): that of any angle alike.
-const ANY_HEADING: f64 = std::f64::consts::PI * std::f64::consts::PI / 3.0;
-/// Variance of a heading above which it is not known (rad²): that of 18 degrees.
-const UNKNOWN_HEADING: f64 = 0.1;
 /// Channels that tell whether a start is known: wheels and pose.
 const FITTED: [usize; 5] = [0, 1, POSE, POSE + 1, POSE + 2];
 /// Time over which the start of a window is fitted (s), and up to how many times as long where the
@@ -75,63 +72,6 @@ struct Judged {
     start: f64,
     /// How long that is (s).
     fitted_s: f64,
-}
-
-/// How well the heading at the start is known where positions alone are seen: from the way over the poses that the
-/// start was fitted to.
-struct Facing {
-    /// The middle of those positions (m).
-    middle: [f64; 2],
-    /// Variance of the heading (rad²); 0 where it was measured.
-    variance: f64,
-}
-
-impl Facing {
-    fn new(window: &Window, track: &Track, which: usize, fitted_s: f64) -> Self {
-        let series = &track.series[which];
-        let poses = || {
-            window
-                .measured(track, which)
-                .map(|(t_s, values, _)| (t_s, values))
-        };
-        let mut own = Self {
-            middle: [0.0; 2],
-            variance: 0.0,
-        };
-        if series.sensor != Sensor::Pose || poses().any(|(_, pose)| pose[2].is_finite()) {
-            return own;
-        }
-        let head: Vec<[f64; 3]> = poses()
-            .filter(|(t_s, pose)| *t_s < window.from_s + fitted_s && pose[0].is_finite())
-            .map(|(_, pose)| pose)
-            .collect();
-        let count = head.len().max(1) as f64;
-        own.middle = [0, 1].map(|i| head.iter().map(|pose| pose[i]).sum::<f64>() / count);
-        let squares: f64 = head.iter().map(|pose| own.apart2(*pose)).sum();
-        // a robot that stands is seen at places apart by noise as well: twice the deviation of such squares is none
-        let noise = series.deviation[0].powi(2);
-        let way = squares - noise * (2.0 * (count - 1.0) + 4.0 * count.sqrt());
-        own.variance = if way > 0.0 {
-            (noise / way).min(ANY_HEADING)
-        } else {
-            ANY_HEADING
-        };
-        own
-    }
-
-    /// Square distance from the middle (m²).
-    fn apart2(&self, pose: [f64; 3]) -> f64 {
-        (pose[0] - self.middle[0]).powi(2) + (pose[1] - self.middle[1]).powi(2)
-    }
-
-    /// Variances that an error of the heading adds to a pose.
-    fn spread(&self, pose: [f64; 3]) -> [f64; 3] {
-        if self.variance == 0.0 {
-            return [0.0; 3];
-        }
-        let [dx, dy] = [0, 1].map(|i| pose[i] - self.middle[i]);
-        [dy * dy, dx * dx, 0.0].map(|square| self.variance * square)
-    }
 }
 
 impl Predictor {
@@ -239,7 +179,7 @@ impl Predictor {
             let width = series.sensor.width();
             let variance = series.deviation.map(|own| own * own);
             let facing = Facing::new(window, track, which, judged.fitted_s);
-            if facing.variance > UNKNOWN_HEADING {
+            if facing.is_unknown() {
                 start = f64::INFINITY;
             }
             let mut first_row = None;

@@ -1,7 +1,31 @@
 //! What several tests share.
 
+use slipstream_bus::{InputError, RobotModel};
+use slipstream_diagnose::{Answer, Request, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
+
+/// What is found of a recording of one robot with this model, and the model with it.
+pub(crate) fn diagnosed(
+    recording: Recording,
+    nominal: &RobotModel,
+) -> Result<(Answer, RobotModel), InputError> {
+    let request = Request {
+        recordings: &[recording],
+        against: &[],
+        model_of: &|_| Some(nominal.clone()),
+        excluded: &[],
+        excluded_s: &[],
+        progress: &|_| (),
+    };
+    let (answer, mut improved) = diagnose(&request)?;
+    Ok((answer, improved.remove(0).1))
+}
+
+/// Noise between -1 and 1 without a pattern, the same for the same `k`.
+pub(crate) fn noise(k: f64) -> f64 {
+    2.0 * ((k * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0) - 1.0
+}
 
 /// The recording of one robot `r1` with these columns: time, right and left of commanded speeds (rad/s), the same of
 /// wheel angles (rad); time, x, y (m) and yaw (rad) of poses.

@@ -2,7 +2,7 @@
 
 use slipstream_recording::Recording;
 
-use super::common::recording;
+use super::common::{noise, recording};
 
 pub(crate) const RADIUS_M: f64 = 0.05;
 pub(crate) const HALF_TRACK_M: f64 = 0.12;
@@ -21,7 +21,6 @@ fn told(step: u32, stride: usize) -> [f64; 2] {
 /// 20 Hz with 2 mm and 4 mrad.
 /// `stride` sets the order of the speeds.
 pub(crate) fn recorded(stride: usize, lag_s: f64, rounding_rad: f64) -> Recording {
-    let noise = |k: f64| 2.0 * ((k * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0) - 1.0;
     let rounded = |angle: f64| {
         if rounding_rad > 0.0 {
             (angle / rounding_rad).floor() * rounding_rad

@@ -72,13 +72,9 @@ pub(super) fn pose_jumps(robot: &RobotRows<'_>, faults: Option<&WheelFaults>) ->
     mend::pose_jumps(pose, wheels, &robot.robot.name)
 }
 
-/// Warnings about poses that jump and stay.
-pub(super) fn of_pose_jumps(
-    robot: &RobotRows<'_>,
-    faults: Option<&WheelFaults>,
-) -> Option<Finding> {
+/// The warning about poses that jump and stay.
+pub(super) fn of_pose_jumps(robot: &RobotRows<'_>, jumps: &[PoseJump]) -> Option<Finding> {
     let name = &robot.robot.name;
-    let jumps = pose_jumps(robot, faults);
     let largest = jumps.iter().map(|jump| jump.distance_m).reduce(f64::max)?;
     let turn = jumps
         .iter()

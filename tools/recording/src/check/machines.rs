@@ -5,6 +5,12 @@ use super::report::Finding;
 use super::{wheel_scale, wheels};
 use crate::recording::Recording;
 
+/// What a run adds to its machine: the motion, and what torques tell.
+pub(super) struct OfRun {
+    pub(super) windows: Windows,
+    pub(super) of_torques: Vec<Finding>,
+}
+
 /// One machine: its first run, and the windows of all.
 struct Machine<'a> {
     /// The robot, and the recording of the first run; `None` where all robots of a recording are one machine.
@@ -25,17 +31,15 @@ pub(super) struct Machines<'a> {
 impl<'a> Machines<'a> {
     /// Adds a run of a robot in the recording of this number. Robots of one name are one machine in several
     /// recordings, and all of them are in recordings of the same robot.
-    pub(super) fn add(
-        &mut self,
-        recording: (usize, &'a Recording),
-        robot: &'a str,
-        windows: Windows,
-        of_torques: Vec<Finding>,
-    ) {
+    pub(super) fn add(&mut self, recording: (usize, &'a Recording), robot: &'a str, run: OfRun) {
         let (number, recording) = recording;
+        let OfRun {
+            windows,
+            of_torques,
+        } = run;
         let of = (!recording.same_robot).then_some(robot);
-        let behind = of_torques.into_iter().map(|finding| (number, finding));
-        self.of_torques.extend(behind);
+        let of_torques = of_torques.into_iter().map(|finding| (number, finding));
+        self.of_torques.extend(of_torques);
         match self.all.iter_mut().find(|machine| machine.of == of) {
             Some(machine) => machine.windows.append(windows),
             None => self.all.push(Machine {

@@ -28,7 +28,7 @@ use slipstream_bus::RobotModel;
 pub(crate) use counters::{BURSTING, of_bursts};
 pub use report::{Finding, Report, RobotReport, Severity, StreamReport};
 
-use self::machines::Machines;
+use self::machines::{Machines, OfRun};
 use self::motion::Windows;
 use crate::error::Result;
 use crate::import::Spooled;
@@ -66,9 +66,8 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     let mut machines = Machines::default();
     for robot in &rows.robots {
         robots.push(rates::report(robot, &mut findings));
-        let mut of_torques = Vec::new();
-        let windows = compare_sources(robot, model, &mut findings, &mut of_torques);
-        machines.add((0, rows.recording), &robot.robot.name, windows, of_torques);
+        let run = compare_sources(robot, model, &mut findings);
+        machines.add((0, rows.recording), &robot.robot.name, run);
     }
     findings.extend(machines.findings().into_iter().map(|(_, finding)| finding));
     links::check(rows, &mut findings);
@@ -100,10 +99,8 @@ pub fn faults(
         for robot in &rows.robots {
             let model = model_of(&robot.robot.name).or_else(|| recording.model.clone());
             rates::report(robot, &mut findings);
-            let mut of_torques = Vec::new();
-            let windows = compare_sources(robot, model.as_ref(), &mut findings, &mut of_torques);
-            let name = &robot.robot.name;
-            machines.add((number, recording), name, windows, of_torques);
+            let run = compare_sources(robot, model.as_ref(), &mut findings);
+            machines.add((number, recording), &robot.robot.name, run);
         }
         links::check(&rows, &mut findings);
         findings.extend(short(&rows));
@@ -161,11 +158,12 @@ pub(crate) fn faults_of(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Fa
     let of_wheels = wheels.as_mut().map_or_else(Vec::new, |faults| {
         of_columns(robot, faults, &mut [&mut windows])
     });
+    let jumps = counters::pose_jumps(robot, wheels.as_ref());
     Faults {
-        of_jumps: counters::of_pose_jumps(robot, wheels.as_ref()),
+        of_jumps: counters::of_pose_jumps(robot, &jumps),
         of_heading: still::heading(&robot.robot.name, &windows, window_s),
         poses: PoseFaults {
-            jumps: counters::pose_jumps(robot, wheels.as_ref()),
+            jumps,
             lost_s: still::lost(&windows, window_s),
             window_s,
         },
@@ -224,13 +222,12 @@ fn short(rows: &AllRows<'_>) -> Option<Finding> {
     })
 }
 
-/// Compares the sources of a robot's motion with each other. Returns the motion.
+/// Compares the sources of a robot's motion with each other. Returns what its machine is judged by.
 fn compare_sources(
     robot: &RobotRows<'_>,
     model: Option<&RobotModel>,
     findings: &mut Vec<Finding>,
-    of_torques: &mut Vec<Finding>,
-) -> Windows {
+) -> OfRun {
     let window_s = motion::window_s(robot);
     let lengths_s = [window_s, clocks::STEP_S, torque::WINDOW_S];
     let mut faults = counters(robot, model);
@@ -241,14 +238,19 @@ fn compare_sources(
         findings.extend(of_columns(robot, faults, all));
     }
     findings.extend(of_bursts(robot));
-    findings.extend(counters::of_pose_jumps(robot, faults.as_ref()));
+    let jumps = counters::pose_jumps(robot, faults.as_ref());
+    findings.extend(counters::of_pose_jumps(robot, &jumps));
     two_sources::check(robot, findings);
     still::check(robot, &windows, window_s, findings);
     findings.extend(still::heading(&robot.robot.name, &windows, window_s));
     clocks::check(robot, &steps, findings);
     units::check(robot, &windows, findings);
-    torque::check(robot, model, &short, of_torques);
-    windows
+    let mut of_torques = Vec::new();
+    torque::check(robot, model, &short, &mut of_torques);
+    OfRun {
+        windows,
+        of_torques,
+    }
 }
 
 /// Sorts by robot, then by severity.

@@ -14,14 +14,13 @@ pub(super) fn mended(poses: &mut Stream<Pose>, faults: &PoseFaults) -> Vec<usize
     for jump in &faults.jumps {
         join(poses, jump);
     }
-    let lost = faults.lost_s.iter();
-    let kept = lost.map(|lost_s| kept(poses, *lost_s, faults.window_s));
-    let all = (0..poses.t_s.len()).collect();
-    kept.fold(all, |both, own| {
-        both.into_iter()
-            .filter(|row| own.binary_search(row).is_ok())
-            .collect()
-    })
+    let mut is_kept = vec![true; poses.t_s.len()];
+    for lost_s in &faults.lost_s {
+        for row in lost(poses, *lost_s, faults.window_s) {
+            is_kept[row] = false;
+        }
+    }
+    (0..is_kept.len()).filter(|row| is_kept[*row]).collect()
 }
 
 /// x (m), y (m) and heading (rad) of a row.
@@ -88,10 +87,10 @@ fn move_row(poses: &mut Pose, row: usize, to: impl Fn(Place) -> Place) {
     }
 }
 
-/// The rows without poses that stay at one value for all of this time (s), but for the first of them. The time is
-/// known to `window_s`.
-fn kept(poses: &Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: f64) -> Vec<usize> {
-    let values = &poses.values;
+/// The rows whose poses stay at one value for all of this time (s), but for the first of them. The time is known to
+/// `window_s`.
+fn lost(poses: &Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: f64) -> Vec<usize> {
+    let Stream { t_s, values, .. } = poses;
     let place = |row: usize| {
         let yaw_rad = values.yaw_rad.as_ref().map_or(0.0, |yaw_rad| yaw_rad[row]);
         [values.x_m[row], values.y_m[row], yaw_rad]
@@ -100,17 +99,9 @@ fn kept(poses: &Stream<Pose>, [from_s, to_s]: [f64; 2], window_s: f64) -> Vec<us
         let mut both = place(a).into_iter().zip(place(b));
         both.all(|(a, b)| a.total_cmp(&b) == Ordering::Equal)
     };
-    let middle = poses
-        .t_s
-        .partition_point(|t_s| *t_s < f64::midpoint(from_s, to_s));
-    let around = (from_s - window_s)..(to_s + window_s);
-    let mut has_first = false;
-    (0..poses.t_s.len())
-        .filter(|row| {
-            let is_lost = middle < poses.t_s.len()
-                && around.contains(&poses.t_s[*row])
-                && is_same(*row, middle);
-            !is_lost || !std::mem::replace(&mut has_first, true)
-        })
-        .collect()
+    let row_at = |time_s: f64| t_s.partition_point(|t_s| *t_s < time_s);
+    let middle = row_at(f64::midpoint(from_s, to_s));
+    let around = row_at(from_s - window_s)..row_at(to_s + window_s);
+    let stay = around.filter(|row| middle < t_s.len() && is_same(*row, middle));
+    stay.skip(1).collect()
 }
