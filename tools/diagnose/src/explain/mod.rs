@@ -2,24 +2,21 @@
 
 pub(crate) mod against;
 mod bench;
-pub(crate) mod calibration;
 pub(crate) mod claim;
 pub(crate) mod drawn_span;
-pub(crate) mod drive;
 pub(crate) mod dynamic;
 pub(crate) mod finding;
+mod fitted;
 mod fitted_noise;
 pub(crate) mod kinematic;
 mod limits;
 pub(crate) mod links;
+mod naming;
 mod open_loop;
 pub(crate) mod pictures;
 pub(crate) mod prediction;
-pub(crate) mod reading;
+mod search;
 mod sight;
 mod spread;
-mod terms;
 mod thinning;
-mod thresholds;
 mod today;
-mod wheel_side;

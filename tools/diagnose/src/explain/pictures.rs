@@ -1,16 +1,14 @@
 //! What the figures of a report show of a machine that is told speeds or nothing.
 
-use super::calibration::Calibration;
 use super::claim::{Claim, Value};
 use super::drawn_span::drawn_span;
-use super::drive::DriveFit;
+use super::fitted::Fitted;
 use super::limits::limits;
 use super::prediction::{CHANNELS, Errors, Predictor};
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
 use crate::data::wheel_rows::WheelKind;
 use crate::filter::wheel_path::Turned;
 use crate::judge::{self, HEADING, PLACE, QUANTITIES};
-use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::{FromWheels, drive_parameters};
 
 /// Names of the pose's channels in the figures: as seen from the robot.
@@ -35,19 +33,17 @@ pub(crate) struct Scene<'a> {
     pub(crate) robot: &'a str,
     pub(crate) machine: &'a FromWheels,
     pub(crate) predictors: Vec<Predictor<'a>>,
-    pub(crate) excluded: &'a [String],
+    /// What was fitted to the runs of today, and to all runs.
+    pub(crate) own: Fitted<'a>,
+    pub(crate) all: Fitted<'a>,
+    /// Fitted parameters with what was found alone.
+    pub(crate) at: Vec<f64>,
     pub(crate) claims: &'a [Claim],
     /// Number of the first claim among all findings.
     pub(crate) first_finding: usize,
-    pub(crate) calibration: Option<&'a Calibration>,
-    pub(crate) drive: Option<&'a DriveFit>,
-    /// Commands and wheels of all runs.
-    pub(crate) driven: Option<&'a CommandToWheels>,
-    /// The same with runs from before.
-    pub(crate) joint_drive: Option<&'a CommandToWheels>,
-    /// Parameters without and with what was found.
+    /// What predicts without and with what was found.
     pub(crate) nominal: &'a [f64],
-    pub(crate) fitted: &'a [f64],
+    pub(crate) with_all: &'a [f64],
     pub(crate) errors: &'a [[Errors; 2]],
     pub(crate) deviations: &'a [[f64; QUANTITIES]],
     /// The nominal value of a claim's parameter.
@@ -175,7 +171,7 @@ impl Scene<'_> {
         }
         let after = match self.claims {
             [] => Vec::new(),
-            _ => drawn(self.fitted).predicted,
+            _ => drawn(self.with_all).predicted,
         };
         Some(Paths {
             run,
@@ -204,12 +200,9 @@ impl Scene<'_> {
             .max_by(|a, b| sharp(a).total_cmp(&sharp(b)))?;
         let nominal = (self.nominal_of)(claim, main.name);
         let at = |share: f64| {
-            let mut at = self.fitted.to_vec();
-            for index in &claim.toggles {
-                at[*index] =
-                    self.nominal[*index] + share * (self.fitted[*index] - self.nominal[*index]);
-            }
-            at
+            let mut at = self.at.clone();
+            claim.toggles.iter().for_each(|index| at[*index] *= share);
+            self.own.machine_at(&at)
         };
         let all = (-SIZES / 4..=SIZES + SIZES / 2).map(|k| f64::from(k) / f64::from(SIZES));
         let worth: Vec<(f64, Errors)> = all.map(|share| (share, self.sum(&at(share)))).collect();

@@ -8,8 +8,7 @@ use slipstream_sim::Scalar;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
 use super::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
-    SATURATION, SLOW_SHARE, SLOW_TIME,
+    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG, SATURATION,
 };
 use super::nominal::{clock_rate, number};
 use crate::data::command::{CommandPath, commands};
@@ -19,8 +18,7 @@ use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::pairs::{self, Share, Side, Whitened};
-use crate::estimate::scoring::Problem;
-use crate::estimate::{BlockScore, Likelihood, Prior};
+use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
 use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
 
@@ -57,8 +55,12 @@ pub(crate) struct CommandToWheels {
     pub(crate) before: Before,
 }
 
-/// Its likelihood without outliers: a start for the one with them.
-pub(crate) struct Plain<'a>(pub(crate) &'a CommandToWheels);
+/// Its likelihood, with or without outliers.
+pub(crate) struct DriveView<'a> {
+    pub(crate) drive: &'a CommandToWheels,
+    /// Whether rows may be outliers. Without, the likelihood has one smooth maximum: a start.
+    pub(crate) robust: bool,
+}
 
 impl CommandToWheels {
     /// The drive of these runs; `None` without a run that has commanded speeds and wheels.
@@ -111,8 +113,17 @@ impl CommandToWheels {
         };
     }
 
+    /// Number of parameters, noise sizes included.
+    pub(crate) fn parameters(&self) -> usize {
+        if self.before.any() {
+            Self::SHARE + 1
+        } else {
+            DRIVE + NOISE
+        }
+    }
+
     /// Index of the share that runs from before and of today do not have in common.
-    const SHARE: usize = Self::shared(DRIVE);
+    pub(crate) const SHARE: usize = Self::shared(DRIVE);
 
     /// Index of a parameter that runs from before share with those of today.
     pub(crate) const fn shared(parameter: usize) -> usize {
@@ -157,51 +168,6 @@ impl CommandToWheels {
         at
     }
 
-    /// Priors: weak ones, about the nominal values.
-    fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
-        let mut deviations = deviations(self.largest_rad_s).to_vec();
-        deviations[GAIN] = deviations[GAIN].max(self.crude_gain.abs());
-        deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
-        if self.before.any() {
-            deviations.extend_from_within(..DRIVE);
-            deviations.push(pairs::DEVIATION);
-        }
-        let pairs = nominal.iter().zip(deviations);
-        let mut priors: Vec<Prior> = pairs
-            .map(|(&mean, deviation)| Prior { mean, deviation })
-            .collect();
-        // without a saturation nothing is known of one but the order of its size
-        let known = self.before.any() && nominal[Self::shared(SATURATION)] != 0.0;
-        if nominal[SATURATION] == 0.0 && !known {
-            priors[SATURATION].mean = self.largest_rad_s;
-        }
-        priors
-    }
-
-    /// The problem of fitting it by a likelihood, about nominal values.
-    pub(crate) fn problem<'a>(
-        &self,
-        likelihood: &'a dyn Likelihood,
-        nominal: &[f64],
-    ) -> Problem<'a> {
-        Problem {
-            likelihood,
-            priors: self.priors(nominal),
-            longest: self.longest(),
-        }
-    }
-
-    /// Longest step of each parameter in one iteration of a fit.
-    fn longest(&self) -> Vec<f64> {
-        let mut longest = longest(self.largest_rad_s).to_vec();
-        longest.extend([1.0; NOISE]);
-        if self.before.any() {
-            longest.extend_from_within(..DRIVE);
-            longest.push(pairs::LONGEST);
-        }
-        longest
-    }
-
     /// Indices of the noise sizes.
     pub(crate) fn noise(&self) -> Vec<usize> {
         let share = self.before.is_paired().then_some(Self::SHARE);
@@ -228,28 +194,6 @@ pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
     at[DELAY] += plain("wheels_latency", "latency_s");
     at[CLOCK] = clock_rate(model, "wheels").unwrap_or(0.0);
     at
-}
-
-/// How far each parameter of the drive may plausibly lie from its nominal value.
-pub(crate) fn deviations(top_rad_s: f64) -> [f64; DRIVE] {
-    let mut all = [0.0; DRIVE];
-    all[DELAY] = 0.3;
-    all[LAG] = 0.5;
-    all[GAIN] = 0.3;
-    all[GAIN_ASYMMETRY] = 0.3;
-    all[DEAD_BAND] = top_rad_s;
-    all[DEAD_ZONE] = 0.3 * top_rad_s;
-    all[SATURATION] = top_rad_s;
-    all[SAG] = 0.02;
-    all[SLOW_SHARE] = 0.3;
-    all[SLOW_TIME] = 2.0;
-    all[CLOCK] = 0.005;
-    all
-}
-
-/// Longest step of each parameter of the drive in one iteration.
-pub(crate) fn longest(top_rad_s: f64) -> [f64; DRIVE] {
-    deviations(top_rad_s).map(|deviation| deviation / 4.0)
 }
 
 impl DriveRun {
@@ -372,7 +316,8 @@ impl CommandToWheels {
     /// Score and information of each block with such tails.
     fn score_with(&self, tails: Tails, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
         let keep = self.before.is_paired();
-        let mut blocks = empty(Likelihood::blocks(self), free.len());
+        let count = blocks::total(self.runs.iter().map(|run| run.blocks));
+        let mut blocks = empty(count, free.len());
         let all = self.runs.par_iter().enumerate().map(|(i, run)| {
             let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
@@ -399,76 +344,53 @@ impl CommandToWheels {
     }
 }
 
-impl Likelihood for CommandToWheels {
+impl DriveView<'_> {
+    fn tails(&self) -> Tails {
+        if self.robust {
+            Tails::Student
+        } else {
+            Tails::Normal
+        }
+    }
+}
+
+impl Likelihood for DriveView<'_> {
     fn blocks(&self) -> usize {
-        blocks::total(self.runs.iter().map(|run| run.blocks))
+        blocks::total(self.drive.runs.iter().map(|run| run.blocks))
     }
 
     fn run_of(&self) -> Vec<usize> {
-        blocks::run_of(self.runs.iter().map(|run| run.blocks))
+        blocks::run_of(self.drive.runs.iter().map(|run| run.blocks))
     }
 
     fn clusters(&self) -> Option<&[usize]> {
-        self.before.clusters.as_deref()
+        self.drive.before.clusters.as_deref()
     }
 
     fn is_shared(&self, _: usize) -> bool {
-        self.before.shows_spread(self.runs.len(), LEAST_RUNS)
+        let runs = self.drive.runs.len();
+        self.drive.before.shows_spread(runs, LEAST_RUNS)
     }
 
     fn apart(&self, at: &[f64]) -> f64 {
-        if self.before.is_paired() {
-            Share::new(at[Self::SHARE]).value
+        if self.drive.before.is_paired() {
+            Share::new(at[CommandToWheels::SHARE]).value
         } else {
             1.0
         }
     }
 
     fn loosen(&self, at: &mut [f64]) {
-        if self.before.is_paired() {
-            at[Self::SHARE] = 0.0;
+        if self.drive.before.is_paired() {
+            at[CommandToWheels::SHARE] = 0.0;
         }
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
-        self.value_with(Tails::Student, at)
+        self.drive.value_with(self.tails(), at)
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        self.score_with(Tails::Student, at, free)
-    }
-}
-
-impl Likelihood for Plain<'_> {
-    fn blocks(&self) -> usize {
-        Likelihood::blocks(self.0)
-    }
-
-    fn run_of(&self) -> Vec<usize> {
-        self.0.run_of()
-    }
-
-    fn clusters(&self) -> Option<&[usize]> {
-        self.0.clusters()
-    }
-
-    fn is_shared(&self, parameter: usize) -> bool {
-        self.0.is_shared(parameter)
-    }
-
-    fn apart(&self, at: &[f64]) -> f64 {
-        self.0.apart(at)
-    }
-
-    fn loosen(&self, at: &mut [f64]) {
-        self.0.loosen(at);
-    }
-
-    fn value(&self, at: &[f64]) -> Vec<f64> {
-        self.0.value_with(Tails::Normal, at)
-    }
-
-    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        self.0.score_with(Tails::Normal, at, free)
+        self.drive.score_with(self.tails(), at, free)
     }
 }
