@@ -12,6 +12,7 @@ pub(crate) mod matched;
 pub(crate) mod noise;
 pub(crate) mod reference;
 pub(crate) mod track;
+pub(crate) mod wheel_path;
 pub(crate) mod wheel_rows;
 pub(crate) mod wheels;
 

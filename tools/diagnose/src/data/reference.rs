@@ -3,8 +3,7 @@
 use slipstream_recording::recording::Robot;
 
 use super::matched::Stamps;
-use crate::filter::wheel_path::median_interval;
-use crate::filter::wheels_to_pose::PoseRow;
+use crate::data::wheel_path::median_interval;
 
 /// Rows that a reference needs.
 const LEAST_POSES: usize = 2;
@@ -19,6 +18,12 @@ const ALL_ROWS: f64 = 2500.0;
 const MOST_SERIES: f64 = 5.0;
 /// A pose may lie this far outside of the wheels' rows (s).
 const BEYOND_S: f64 = 0.3;
+
+/// Steps of the reference over which its noise is small beside its way (s).
+const WAY_STEP_S: f64 = 0.5;
+
+/// A row of poses: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
+pub(crate) type PoseRow = (f64, [f64; 3]);
 
 /// Rows of a stream, and the same thinned.
 #[derive(Debug, Clone, Default)]
@@ -184,4 +189,32 @@ fn numbers(times_s: &[f64], step_s: f64) -> Vec<Vec<usize>> {
     (0..count)
         .map(|k| (0..rows).skip(k * stride / count).step_by(stride).collect())
         .collect()
+}
+
+/// Way of the poses (m), in steps of half a second, which noise hardly lengthens.
+pub(crate) fn seen_way_m(rows: &[PoseRow]) -> f64 {
+    let mut last: Option<(f64, [f64; 2])> = None;
+    let mut way = 0.0;
+    let points = rows.iter().map(|(t_s, [x, y, _])| (*t_s, [*x, *y]));
+    for (t_s, at) in points.filter(|(_, at)| at.iter().all(|x| x.is_finite())) {
+        match last {
+            Some((before_s, _)) if t_s - before_s < WAY_STEP_S => continue,
+            Some((_, from)) => way += (at[0] - from[0]).hypot(at[1] - from[1]),
+            None => {}
+        }
+        last = Some((t_s, at));
+    }
+    way
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_within_half_a_second_is_no_way() {
+        let at = |k: u32| (f64::from(k) * 0.1, [f64::from(k % 5), 0.0, 0.0]);
+        let rows: Vec<PoseRow> = (0..50).map(at).collect();
+        assert_eq!(seen_way_m(&rows), 0.0);
+    }
 }

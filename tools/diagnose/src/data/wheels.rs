@@ -4,7 +4,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
 
 use super::wheel_rows::{WheelKind, values};
-use crate::filter::wheel_path::{WheelPath, median_interval};
+use crate::data::wheel_path::{WheelPath, median_interval};
 
 /// Rows that a wheel path needs.
 const LEAST_ROWS: usize = 8;

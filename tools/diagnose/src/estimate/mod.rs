@@ -9,6 +9,7 @@ pub(crate) mod information;
 pub(crate) mod masked;
 pub(crate) mod pairs;
 pub(crate) mod scoring;
+pub(crate) mod whitened;
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,9 +1,13 @@
 //! Calibration of one machine from its wheels and a reference: a fit with every term, from several
 //! starts, then backward elimination.
 
-use super::drive::{BAND_TERM, DEAD_ZONE_SHARE, DELAY_TERM, LAG_TERM, SATURATION_TERM};
+use super::drive_terms::DEAD_ZONE_SHARE;
 use super::prediction::reference_error;
-use super::terms::{self, FLOOR, GEOMETRY, OFFSET, OFFSET_TURN};
+use super::term::{
+    BAND_TERM, DELAY_TERM, FLOOR, GEOMETRY, LAG_TERM, OFFSET, OFFSET_TURN, RATE_NATS,
+    SATURATION_TERM, USE_SHARE,
+};
+use super::terms;
 use super::thinning::is_white;
 use super::thresholds::{Thresholds, levels};
 use crate::estimate::blocks;
@@ -41,10 +45,6 @@ const LAG_S: f64 = 0.05;
 const FOLLOWED_NATS: f64 = 5.0;
 /// A start beside the best this much worse is not followed (nats).
 const BESIDE_NATS: f64 = 20.0;
-/// What the rate of a clock has to gain before anything may lean on it (nats).
-pub(super) const RATE_NATS: f64 = 6.0;
-/// What lasts has to lower the error of predictions by this share.
-pub(super) const USE_SHARE: f64 = 0.02;
 /// Runs differ when the probability of their spread without a difference is below this.
 const RUNS_DIFFER: f64 = 1e-3;
 /// Differences of scale and of track between runs that nobody would call one.

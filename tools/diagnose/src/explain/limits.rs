@@ -1,8 +1,8 @@
 //! From which size on an effect that was not found would have been seen, of a machine that is told speeds
 //! or nothing: beside the findings, by its deviation.
 
-use super::pictures::{Scene, some_windows};
 use super::prediction::{Errors, Predictor};
+use super::scene::{Scene, some_windows};
 use super::sight::{self, SIGMAS};
 use super::terms;
 use crate::answer::{Limit, Seen};
@@ -71,7 +71,7 @@ fn driven(scene: &Scene<'_>, base: &Base) -> Vec<Limit> {
         return Vec::new();
     };
     let problem = machine.problem(machine, &drive.nominal);
-    let all = super::drive::terms_of(machine, scene.excluded);
+    let all = super::drive_terms::terms_of(machine, scene.excluded);
     of_terms((scene, base), &problem, &drive.after, &all, DRIVE_FIRST)
 }
 
@@ -85,7 +85,7 @@ fn of_terms(
 ) -> Vec<Limit> {
     let judged = all
         .iter()
-        .filter(|term| !term.by_profile && !super::drive::is_nuisance(term));
+        .filter(|term| !term.by_profile && !super::drive_terms::is_nuisance(term));
     let apart = problem.likelihood.apart(&found.fit.at).max(LEAST_APART);
     let claimed = |index: &usize| {
         scene

@@ -6,12 +6,10 @@
 
 use super::calibration::Calibration;
 use super::claim::{Claim, Law, Scale, Value};
-use super::drive::{
-    BAND_TERM, CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM, LAG_TERM, SAG_TERM, SATURATION_TERM,
-    ZONE_TERM,
-};
-use super::terms::{
-    FLOOR, GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAW_TERMS, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE,
+use super::drive::DriveFit;
+use super::term::{
+    BAND_TERM, CLOCK_TERM, DELAY_TERM, FLOOR, GAIN_TERM, GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAG_TERM,
+    LAW_TERMS, OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE, SAG_TERM, SATURATION_TERM, ZONE_TERM,
 };
 use super::wheel_side::{Doubt, Settled};
 use crate::filter::motion_law::{DRIVERS, VALUES};

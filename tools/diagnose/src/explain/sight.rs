@@ -1,7 +1,8 @@
 //! From which size on an effect that was not found would have been found: what these recordings cannot show.
 
 use super::calibration::Calibration;
-use super::drive::{self, DriveFit, is_nuisance};
+use super::drive::DriveFit;
+use super::drive_terms::{is_nuisance, terms_of};
 use super::terms;
 use crate::answer::Detectable;
 use crate::estimate::cluster::Precision;
@@ -125,7 +126,7 @@ pub(super) fn detectable(
         all.extend(asked.each(robot, &OF_REFERENCE));
     }
     if let Some((machine, own)) = driven {
-        let mut terms = drive::terms_of(machine, excluded);
+        let mut terms = terms_of(machine, excluded);
         terms.retain(|term| !is_nuisance(term) && !term.by_profile);
         let asked = Asked {
             problem: &machine.problem(machine, &own.nominal),

@@ -1,6 +1,10 @@
 //! The terms that wheels and a reference can show, with what nobody would call a difference.
 
-use super::drive::{self, CLOCK_TERM, DELAY_TERM, GAIN_TERM, LAG_TERM};
+use super::drive_terms as drive;
+use super::term::{
+    CLOCK_TERM, DELAY_TERM, FLOOR, GAIN_TERM, GEOMETRY, GYRO_CLOCK, GYRO_LATE, LAG_TERM, LAW_TERMS,
+    OFFSET, OFFSET_TURN, POSE_CLOCK, POSE_LATE, RATE_CAUTION, term,
+};
 use crate::filter::motion_law::VALUES;
 use crate::model::drive::{DEAD_ZONE, LAG, SAG, SATURATION};
 use crate::model::from_wheels::{
@@ -18,9 +22,8 @@ const LEAST_TURN_RAD_S: f64 = 0.02;
 const LEAST_SPEED_M_S: f64 = 5e-3;
 /// A turn rate that jumps is integrated late or early by up to this share of the gyro's interval.
 const GYRO_STEP_SHARE: f64 = 0.5;
-/// A latency of a log wanders more slowly than blocks see, its rate still more slowly.
+/// A latency of a log wanders more slowly than blocks see.
 const LATENCY_CAUTION: f64 = 1.3;
-pub(super) const RATE_CAUTION: f64 = 1.75;
 /// Two simulators differ by this much in factors and angles, and in lengths by this share of the half
 /// track.
 const FACTOR_FLOOR: f64 = 1e-4;
@@ -37,18 +40,6 @@ const UNNOTICED_OFFSET: f64 = 0.02;
 const UNNOTICED_YAW_RAD: f64 = 5e-3;
 const UNNOTICED_S: f64 = 5e-3;
 const UNNOTICED_RATE: f64 = 2e-4;
-/// Radii and track are one calibration: they are estimated, kept and removed together.
-pub(crate) const GEOMETRY: &str = "geometry";
-/// Scale and track of single runs, beside recordings from before: what floor and load changed.
-pub(crate) const FLOOR: &str = "floor";
-pub(crate) const LAW_TERMS: [&str; 2] = ["law of w", "law of v"];
-pub(crate) const OFFSET: &str = "offset";
-pub(crate) const OFFSET_TURN: &str = "offset yaw";
-pub(crate) const POSE_LATE: &str = "pose latency";
-pub(crate) const POSE_CLOCK: &str = "pose rate";
-pub(crate) const GYRO_LATE: &str = "gyro latency";
-pub(crate) const GYRO_CLOCK: &str = "gyro rate";
-
 /// Every term that the streams can show, without effects that are excluded. `by_run`: scale and track
 /// are those of each run.
 pub(crate) fn terms(machine: &FromWheels, excluded: &[String], by_run: [bool; 2]) -> Vec<Term> {
@@ -248,18 +239,5 @@ fn shared_or_of_runs(machine: &FromWheels, by_run: bool, shared: usize, own: usi
             .collect()
     } else {
         vec![shared]
-    }
-}
-
-pub(super) fn term(name: &'static str, parameters: &[(usize, f64)], caution: f64) -> Term {
-    Term {
-        name,
-        parameters: parameters.iter().map(|(index, _)| *index).collect(),
-        floors: parameters.iter().map(|(_, floor)| floor * floor).collect(),
-        unnoticed: vec![0.0; parameters.len()],
-        caution,
-        by_profile: false,
-        positive: false,
-        lasting: false,
     }
 }

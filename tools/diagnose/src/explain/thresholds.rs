@@ -1,7 +1,7 @@
 //! Thresholds of commands: a likelihood that has several maxima by a saturation, and no derivative by a
 //! dead band, is searched by profiles.
 
-use super::drive::{BAND_TERM, SATURATION_TERM};
+use super::term::{BAND_TERM, SATURATION_TERM};
 use crate::data::command::CommandPath;
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
 use crate::model::drive::{DEAD_BAND, SATURATION};

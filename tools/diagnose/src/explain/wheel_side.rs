@@ -3,8 +3,10 @@
 //! the calibration and the likelihoods are compared.
 
 use super::calibration::Calibration;
-use super::drive::{CLOCK_TERM, DELAY_TERM, DriveFit, GAIN_TERM};
-use super::terms::{GEOMETRY, GYRO_CLOCK, GYRO_LATE, POSE_CLOCK, POSE_LATE};
+use super::drive::DriveFit;
+use super::term::{
+    CLOCK_TERM, DELAY_TERM, GAIN_TERM, GEOMETRY, GYRO_CLOCK, GYRO_LATE, POSE_CLOCK, POSE_LATE,
+};
 use crate::estimate::Prior;
 use crate::estimate::scoring::FULL;
 use crate::model::drive::{CLOCK, DELAY, GAIN, GAIN_ASYMMETRY};

@@ -7,7 +7,7 @@ use slipstream_sim::Scalar;
 
 use super::Innovation;
 use super::mixture::{COMPONENTS, PROBABILITY, PROCESS, SENSOR, posterior};
-use super::wheel_path::Turned;
+use crate::data::wheel_path::Turned;
 
 /// Physical parameters.
 pub(crate) const PHYSICS: usize = 6;

@@ -10,8 +10,9 @@ use slipstream_sim::Scalar;
 
 use super::motion_law::{self, Knots, LAW};
 use super::row_update::{Row, State};
-use super::wheel_path::Turned;
 use super::{Innovation, wrapped};
+use crate::data::reference::PoseRow;
+use crate::data::wheel_path::Turned;
 
 /// Physical parameters: see [`Physics`].
 pub(crate) const PHYSICS: usize = 8 + LAW;
@@ -19,9 +20,6 @@ pub(crate) const PHYSICS: usize = 8 + LAW;
 pub(crate) const NOISE: usize = 9;
 /// Longest piece of an arc (s).
 const PIECE_S: f64 = 0.2;
-
-/// Rows of one series: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
-pub(crate) type PoseRow = (f64, [f64; 3]);
 
 /// One robot's data and nominal geometry.
 #[derive(Debug)]
