@@ -8,6 +8,7 @@ pub(crate) mod cluster;
 pub(crate) mod information;
 pub(crate) mod masked;
 pub(crate) mod pairs;
+mod raised;
 pub(crate) mod scoring;
 pub(crate) mod whitened;
 

@@ -9,6 +9,7 @@ pub(crate) mod dynamic;
 pub(crate) mod gyro;
 pub(crate) mod mixture;
 pub(crate) mod motion_law;
+pub(crate) mod ornstein_uhlenbeck;
 mod row_update;
 pub(crate) mod wheel_channel;
 pub(crate) mod wheels_to_pose;
