@@ -171,8 +171,8 @@ mod tests {
             -information[1] / det,
             information[0] / det,
         ];
-        for i in 0..3 {
-            assert!((after.cov[i] - wanted[i]).abs() < 1e-12, "{after:?}");
+        for (own, wanted) in after.cov.iter().zip(wanted) {
+            assert!((own - wanted).abs() < 1e-12, "{after:?}");
         }
         assert!((after.mean[0] - (1.0 + wanted[0] / sensor * 0.4)).abs() < 1e-12);
         assert!((after.mean[1] - (0.5 + wanted[1] / sensor * 0.4)).abs() < 1e-12);
