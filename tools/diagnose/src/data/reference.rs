@@ -3,6 +3,7 @@
 use slipstream_recording::recording::Robot;
 
 use super::matched::Stamps;
+use super::streams;
 use crate::data::wheel_path::median_interval;
 
 /// Rows that a reference needs.
@@ -55,18 +56,10 @@ impl Span<'_> {
 
 /// Poses of a robot; `None` with too few.
 pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
-    let stream = robot.pose.as_ref()?;
-    let yaw = stream.values.yaw_rad.as_deref();
     let mut all: Vec<PoseRow> = Vec::new();
-    for (i, stamp_s) in stream.t_s.iter().enumerate() {
-        let row = [
-            stream.values.x_m[i],
-            stream.values.y_m[i],
-            yaw.map_or(f64::NAN, |yaw| yaw[i]),
-        ];
-        let seen = row[0].is_finite() && row[1].is_finite();
+    for (stamp_s, row) in streams::poses(robot)? {
         let t_s = stamp_s - span.origin_s;
-        if seen && span.has(*stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
+        if span.has(stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
             all.push((t_s, row));
         }
     }
@@ -80,14 +73,12 @@ pub(crate) fn gyro(
     span: Span<'_>,
     wheel_interval_s: f64,
 ) -> Option<Thinned<(f64, f64)>> {
-    let stream = robot.imu.as_ref()?;
-    let rates = stream.values.gz_rad_s.as_ref()?;
     let mut all: Vec<(f64, f64)> = Vec::new();
-    for (stamp_s, rate) in stream.t_s.iter().zip(rates) {
+    for (stamp_s, [.., rate]) in streams::inertial(robot)? {
         let t_s = stamp_s - span.origin_s;
         let later = all.last().is_none_or(|(last, _)| t_s > *last);
-        if rate.is_finite() && span.has(*stamp_s, 0.0) && later {
-            all.push((t_s, *rate));
+        if rate.is_finite() && span.has(stamp_s, 0.0) && later {
+            all.push((t_s, rate));
         }
     }
     let step_s = gyro_step_s(wheel_interval_s);

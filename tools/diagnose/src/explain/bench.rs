@@ -7,7 +7,7 @@ use super::calibration::Calibration;
 use super::claim::Claim;
 use super::drive::DriveFit;
 use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
-use crate::data::wheel_rows::WheelKind;
+use crate::data::streams::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;

@@ -6,8 +6,8 @@ use super::limits::limits;
 use super::prediction::{CHANNELS, Errors};
 use super::scene::{Scene, some_windows};
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
+use crate::data::streams::WheelKind;
 use crate::data::wheel_path::Turned;
-use crate::data::wheel_rows::WheelKind;
 use crate::judge::{self, HEADING, PLACE};
 use crate::model::from_wheels::drive_parameters;
 

@@ -14,7 +14,8 @@ use super::drive::{
 use super::nominal::clock_rate;
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
-use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, match_wheels, rows};
+use crate::data::streams::WheelKind;
+use crate::data::wheel_rows::{WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};

@@ -7,7 +7,8 @@
 use super::run::{Run, Source};
 use crate::data::command::CommandPath;
 use crate::data::reference::seen_way_m;
-use crate::data::wheel_rows::{WheelKind, WheelRows};
+use crate::data::streams::WheelKind;
+use crate::data::wheel_rows::WheelRows;
 
 /// Logarithm of the factor beyond which it counts.
 const FAR_LN: f64 = std::f64::consts::LN_2;
