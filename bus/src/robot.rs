@@ -157,6 +157,15 @@ impl RobotModel {
         self
     }
 
+    /// The number `parameter` of the first effect `effect` that the model lists; `None` where it lists none.
+    pub fn number(&self, effect: &str, parameter: &str) -> Option<f64> {
+        let spec = self.effects.iter().find(|spec| spec.effect == effect)?;
+        spec.parameters.iter().find_map(|(own, value)| match value {
+            Parameter::Number(value) if own == parameter => Some(*value),
+            _ => None,
+        })
+    }
+
     /// The paper's robot with wheel slip on the paper's floor: μ_s = 0.241, μ_k = 0.239 (section
     /// 3).
     pub fn paper_with_slip() -> Self {

@@ -56,6 +56,8 @@ pub use parts::command::{Command, CommandKind};
 pub use parts::parameters::{Friction, Streams};
 pub use parts::scalar::{Pair, Scalar};
 pub use robot::body::ContactForces;
-pub use robot::{GRAVITY_M_S2, ListedEffect, Robot, lift, lift_entries, read_effects};
+pub use robot::{
+    GRAVITY_M_S2, ListedEffect, Robot, breakaway_nm, lift, lift_entries, read_effects,
+};
 pub use sensors::{Sample, Stream};
 pub use world::{Setup, Truth, World};

@@ -18,7 +18,7 @@ const FLOORS: [&[&str]; 10] = [
     &["slipstream-ipc", "slipstream-trial-plant"],
     &["slipstream-agents", "slipstream-hosts", "slipstream-sim"],
     &["slipstream-recording"],
-    &["slipstream-live", "slipstream-testkit"],
+    &["slipstream-answer", "slipstream-live", "slipstream-testkit"],
     &[
         "slipstream-diagnose",
         "slipstream-launch",
@@ -191,9 +191,6 @@ fn every_external_crate_has_its_reason() {
     assert_eq!(used, listed, "crates used, and crates listed in Cargo.toml");
 }
 
-/// The package without an order of rooms: a new engine replaces the diagnosis.
-const FREE: [&str; 1] = ["tools/diagnose"];
-
 /// The order of rooms of each package that has one, as ARCHITECTURE.md lists it.
 fn orders(text: &str) -> BTreeMap<String, Order> {
     let section = text.split("## Inside the packages").nth(1).unwrap();
@@ -218,8 +215,10 @@ fn imports_inside_a_package_run_down_its_order_of_rooms() {
     let text = read(&root().join("ARCHITECTURE.md"));
     let orders = orders(&text);
     for folder in packages().keys() {
-        let held = orders.contains_key(folder) || FREE.contains(&folder.as_str());
-        assert!(held, "ARCHITECTURE.md lists no rooms of {folder}");
+        assert!(
+            orders.contains_key(folder),
+            "ARCHITECTURE.md lists no rooms of {folder}"
+        );
     }
     let mut wrong = Vec::new();
     for (folder, order) in orders {
@@ -243,10 +242,7 @@ fn imports_inside_a_package_run_down_its_order_of_rooms() {
 
 #[test]
 fn no_files_import_each_other_in_a_circle() {
-    for folder in packages()
-        .into_keys()
-        .filter(|folder| !FREE.contains(&folder.as_str()))
-    {
+    for folder in packages().into_keys() {
         let circles = source(&folder).circles();
         assert!(circles.is_empty(), "{folder}: {circles:?}");
     }

@@ -2,6 +2,7 @@
 //! continuous state and of its mode.
 
 pub(crate) mod body;
+mod breakaway;
 mod constants;
 mod dry_friction;
 mod effect_list;
@@ -9,5 +10,6 @@ mod jacobian;
 pub(crate) mod mode;
 mod normal_load;
 
+pub use breakaway::breakaway_nm;
 pub use constants::{GRAVITY_M_S2, Robot};
 pub use effect_list::{ListedEffect, lift, lift_entries, read_effects};

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use slipstream_diagnose::{Finding, InputError};
+use slipstream_answer::Finding;
+use slipstream_diagnose::InputError;
 use slipstream_recording::Recording;
 
 use crate::study::{Found, Study};

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use slipstream_diagnose::{Answer, ParameterEstimate, Prediction, in_digits};
+use slipstream_answer::{Answer, ParameterEstimate, in_digits};
+use slipstream_diagnose::Prediction;
 use toml::Value;
 
 use crate::agreement::{Agreement, Estimate, agree};

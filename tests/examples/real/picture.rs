@@ -1,6 +1,7 @@
 //! Pictures of the prediction before and after.
 
-use slipstream_diagnose::{Point, Prediction};
+use slipstream_answer::Point;
+use slipstream_diagnose::Prediction;
 use slipstream_report::parts::{Frame, Ink, Scale, floor_scales, svg};
 
 use crate::study::Study;

@@ -1,7 +1,8 @@
 //! One recording: its diagnosis, and its prediction by the nominal, the intermediate and the improved model.
 
+use slipstream_answer::Answer;
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Answer, InputError, Prediction, Request, diagnose, predict};
+use slipstream_diagnose::{InputError, Prediction, Request, diagnose, predict};
 use slipstream_recording::Recording;
 
 /// Diagnosis of recordings of one or several machines.

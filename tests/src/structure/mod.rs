@@ -80,4 +80,13 @@ mod tests {
         assert!(package.upward(&Order::parse("lib > a")).is_err());
         assert!(package.upward(&Order::parse("lib > a > b > d")).is_err());
     }
+
+    #[test]
+    fn a_package_under_another_name_is_no_file() {
+        let package = package(&[
+            ("lib.rs", "mod a;\nuse other as b;\n"),
+            ("a.rs", "use crate::b::Two;\n"),
+        ]);
+        assert_eq!(package.imports, []);
+    }
 }

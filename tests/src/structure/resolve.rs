@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::source::{Key, Module};
 
-/// The file that defines what an absolute path names.
+/// The file that defines what an absolute path names; `None` where another package does.
 pub(super) fn resolve(
     modules: &BTreeMap<Key, Module>,
     path: &[String],
@@ -30,6 +30,9 @@ pub(super) fn resolve(
     };
     if module.items.contains(item) {
         return Some(key);
+    }
+    if module.foreign.contains(item) {
+        return None;
     }
     for behind in module.imports.get(item).into_iter().flatten() {
         let mut target = behind.clone();

@@ -17,6 +17,8 @@ pub(super) struct Module {
     pub(super) items: BTreeSet<String>,
     /// Imported name to the path behind it; `*` lists the globs.
     pub(super) imports: BTreeMap<String, Vec<Vec<String>>>,
+    /// Names of other packages: `use package as name;`.
+    pub(super) foreign: BTreeSet<String>,
     /// Absolute paths that the file names, with the line.
     pub(super) paths: Vec<(Vec<String>, usize)>,
     pub(super) functions: Vec<(String, usize)>,
@@ -37,6 +39,7 @@ pub(super) fn parse(path: &Path, key: &Key) -> Result<Module, String> {
             children: BTreeSet::new(),
             items: BTreeSet::new(),
             imports: BTreeMap::new(),
+            foreign: BTreeSet::new(),
             paths: Vec::new(),
             functions: Vec::new(),
         },
@@ -72,8 +75,12 @@ impl Reader {
                 let mut leaves = Vec::new();
                 flatten(&import.tree, &mut Vec::new(), &mut leaves);
                 for (path, name) in leaves {
-                    if let Some(path) = self.absolute(&path) {
-                        self.module.imports.entry(name).or_default().push(path);
+                    match self.absolute(&path) {
+                        Some(path) => self.module.imports.entry(name).or_default().push(path),
+                        None if path.len() == 1 && path[0] != name => {
+                            self.module.foreign.insert(name);
+                        }
+                        None => {}
                     }
                 }
                 return;

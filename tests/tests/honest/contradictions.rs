@@ -1,6 +1,6 @@
 //! What an answer says against its own numbers.
 
-use slipstream_diagnose::{Answer, Budget, Verdict};
+use slipstream_answer::{Answer, Budget, Verdict};
 
 /// Parts of a budget add up to within this share of it.
 const ROUNDING: f64 = 1e-9;

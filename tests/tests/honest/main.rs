@@ -8,7 +8,8 @@ mod inputs;
 
 use std::path::{Path, PathBuf};
 
-use slipstream_diagnose::{Answer, Request, diagnose};
+use slipstream_answer::Answer;
+use slipstream_diagnose::{Request, diagnose};
 
 use contradictions::{contradictions, worse};
 use inputs::{Input, inputs};

@@ -8,37 +8,13 @@ use crate::answer::{Answer, Figures, Unexplained, advise};
 use crate::data::faults;
 use crate::data::track::Track;
 use crate::explain::against;
+use crate::explain::collected::Collected;
 use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Earlier, Learnt, Task};
 use crate::explain::links::{self, Course};
-use crate::judge::{Predictions, conclude};
-
-/// What is asked.
-pub struct Request<'a> {
-    /// Recordings of the same machines, fitted together.
-    pub recordings: &'a [Recording],
-    /// Recordings of the same machines from before: what changed since is found. None, and what the model
-    /// leaves out is found.
-    pub against: &'a [Recording],
-    /// The nominal model of each robot; without one, that of the recording.
-    pub model_of: &'a dyn Fn(&str) -> Option<RobotModel>,
-    /// Effects that are not to be tried.
-    pub excluded: &'a [String],
-    /// Times (s) of which nothing is believed.
-    pub excluded_s: &'a [[f64; 2]],
-    /// Hears what is being done.
-    pub progress: &'a (dyn Fn(&str) + Sync),
-}
-
-/// What is added while machine after machine is diagnosed.
-#[derive(Default)]
-pub(crate) struct Collected {
-    pub(crate) answer: Answer,
-    pub(crate) improved: Vec<(String, RobotModel)>,
-    pub(crate) courses: Vec<Course>,
-    pub(crate) predictions: Vec<Predictions>,
-}
+use crate::judge::conclude;
+use crate::request::{Request, Runs, model_of};
 
 /// The answer, each robot's improved model, and the figures of each machine.
 pub type Illustrated = (Answer, Vec<(String, RobotModel)>, Vec<Figures>);
@@ -154,9 +130,6 @@ fn told_apart(machine: &[(&Recording, &Recorded)], model: &RobotModel) -> InputE
     InputError::new(place, problem, remedy)
 }
 
-/// Runs of one machine.
-pub(crate) type Runs<'a> = [(&'a Recording, &'a Recorded)];
-
 /// What is asked of a machine that is told speeds or nothing.
 struct Asked<'a> {
     machine: &'a Runs<'a>,
@@ -242,22 +215,6 @@ fn run_name(machine: &[(&Recording, &Recorded)], run: usize) -> String {
     } else {
         recording.name.clone()
     }
-}
-
-/// The nominal model of a robot.
-pub(crate) fn model_of(
-    request: &Request<'_>,
-    (recording, robot): (&Recording, &Recorded),
-) -> Result<RobotModel, InputError> {
-    (request.model_of)(&robot.name)
-        .or_else(|| recording.model.clone())
-        .ok_or_else(|| {
-            InputError::new(
-                &robot.name,
-                "has no model",
-                "give one with --robot robot.toml",
-            )
-        })
 }
 
 /// The runs of each machine: robots of one name, or all robots of a recording that says so. Single

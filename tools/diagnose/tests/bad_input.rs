@@ -8,8 +8,8 @@
 mod common;
 mod drive;
 
+use slipstream_answer::{Answer, Verdict};
 use slipstream_bus::InputError;
-use slipstream_diagnose::{Answer, Verdict};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Wheels};
 

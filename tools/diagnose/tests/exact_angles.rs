@@ -12,7 +12,7 @@
 mod common;
 mod drive;
 
-use slipstream_diagnose::{Answer, Verdict};
+use slipstream_answer::{Answer, Verdict};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Wheels;
 

@@ -5,8 +5,9 @@
     reason = "a test that cannot go on says so and stops"
 )]
 
+use slipstream_answer::{Answer, Verdict};
 use slipstream_bus::{Body, RobotModel};
-use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_diagnose::{Request, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream};
 use slipstream_sim::effects::CATALOGUE;

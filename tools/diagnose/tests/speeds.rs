@@ -7,8 +7,9 @@
 
 mod common;
 
+use slipstream_answer::{Answer, Verdict};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Answer, Request, Verdict, diagnose};
+use slipstream_diagnose::{Request, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Robot, Wheels};
 

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use slipstream_answer::{Answer, Figures};
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_diagnose::{Answer, Figures, Request};
+use slipstream_diagnose::Request;
 use slipstream_recording::recording::Recording as Inner;
 use slipstream_recording::{robot_file, robot_toml};
 use slipstream_report::diagnose as report;

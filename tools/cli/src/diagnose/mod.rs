@@ -6,10 +6,9 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use slipstream_answer::{Answer, Verdict, calibration};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{
-    Answer, Illustrated, InputError, Request, Verdict, calibration, diagnose, diagnose_with_figures,
-};
+use slipstream_diagnose::{Illustrated, InputError, Request, diagnose, diagnose_with_figures};
 use slipstream_recording::{Recording, robot_toml};
 use slipstream_report::diagnose::Diagnosis;
 

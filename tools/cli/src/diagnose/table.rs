@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use slipstream_diagnose::{Answer, Finding, ParameterEstimate};
+use slipstream_answer::{Answer, Finding, ParameterEstimate};
 use slipstream_sim::effects::{Role, find};
 
 use super::text::{SMALL_PART, size};

@@ -1,6 +1,6 @@
 //! Texts of a diagnosis: verdict, warnings, differences, numbers.
 
-use slipstream_diagnose::{Answer, Budget, Unexplained, Warning};
+use slipstream_answer::{Answer, Budget, Unexplained, Warning};
 
 /// A warning about a recording, in one line.
 pub(super) fn warning(warning: &Warning) -> String {
@@ -50,7 +50,7 @@ pub(super) fn budget(budget: &Budget, horizon_s: f64) -> String {
     } else {
         "heading"
     };
-    let is_found = |part: &slipstream_diagnose::BudgetPart| !LEFT.contains(&part.name.as_str());
+    let is_found = |part: &slipstream_answer::BudgetPart| !LEFT.contains(&part.name.as_str());
     let robot = &budget.robot;
     let mut text = format!(
         "Robot {robot}: {what} error over {horizon_s:.0} s: {} rms",
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_budget_is_told_in_centimetres() {
-        let part = |name: &str, share: f64| slipstream_diagnose::BudgetPart {
+        let part = |name: &str, share: f64| slipstream_answer::BudgetPart {
             name: name.to_owned(),
             share,
         };

@@ -1,8 +1,10 @@
 //! Wheel speeds that were commanded, whatever recorded them: a twist or the speeds themselves.
 
 use slipstream_bus::RobotModel;
-use slipstream_recording::recording::{Command as Told, Robot};
+use slipstream_recording::recording::Robot;
 use slipstream_sim::Command;
+
+use super::streams;
 
 /// Commanded wheel speeds, [right, left] (rad/s): each holds until the next row.
 #[derive(Debug, Clone, Default)]
@@ -16,30 +18,17 @@ pub(crate) struct CommandPath {
 /// The commanded wheel speeds of a robot by its nominal radius and track; times count from `origin_s`.
 /// `None` without commands, or where they are no speeds.
 pub(crate) fn commands(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<CommandPath> {
-    let stream = robot.command.as_ref()?;
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
-    let speeds: Vec<[f64; 2]> = match &stream.values {
-        Told::Twist { v_m_s, w_rad_s } => {
-            let rows = v_m_s.iter().zip(w_rad_s);
-            rows.map(|(v, w)| [(v + b * w) / r, (v - b * w) / r])
-                .collect()
-        }
-        Told::WheelSpeed {
-            right_rad_s,
-            left_rad_s,
-        } => {
-            let rows = right_rad_s.iter().zip(left_rad_s);
-            rows.map(|(&right, &left)| [right, left]).collect()
-        }
-        Told::Torque { .. } | Told::Voltage { .. } => return None,
-    };
     let mut path = CommandPath::default();
-    for (stamp_s, speed) in stream.t_s.iter().zip(speeds) {
+    for (stamp_s, command) in streams::commands(robot) {
+        if !matches!(command, Command::Twist { .. } | Command::Speed { .. }) {
+            return None;
+        }
+        let speed = asked(&command, r, b);
         let t_s = stamp_s - origin_s;
-        let known = speed.iter().all(|s| s.is_finite());
         let later = path.times_s.last().is_none_or(|last| t_s > *last);
         // a command that repeats the last one changes nothing
-        if known && later && path.speeds_rad_s.last() != Some(&speed) {
+        if later && path.speeds_rad_s.last() != Some(&speed) {
             path.times_s.push(t_s);
             path.speeds_rad_s.push(speed);
         }

@@ -7,7 +7,7 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::{Finding as Fault, Recording, Severity, faults};
 
 use crate::answer::Warning;
-use crate::diagnosis::Request;
+use crate::request::Request;
 use slipstream_bus::InputError;
 
 /// Faults that no effect of the catalogue has, and that any would be bent to: a diagnosis would name

@@ -4,7 +4,7 @@
 use slipstream_recording::recording::{Robot, Stream};
 
 use super::origin_of;
-use crate::filter::wheel_path::median_interval;
+use crate::data::wheel_path::median_interval;
 
 /// Rows that are left of the longer recording, as a share: with fewer the recordings are not compared row
 /// by row.

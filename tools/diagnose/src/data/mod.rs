@@ -11,7 +11,9 @@ pub(crate) mod faults;
 pub(crate) mod matched;
 pub(crate) mod noise;
 pub(crate) mod reference;
+pub(crate) mod streams;
 pub(crate) mod track;
+pub(crate) mod wheel_path;
 pub(crate) mod wheel_rows;
 pub(crate) mod wheels;
 

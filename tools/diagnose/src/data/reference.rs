@@ -3,8 +3,8 @@
 use slipstream_recording::recording::Robot;
 
 use super::matched::Stamps;
-use crate::filter::wheel_path::median_interval;
-use crate::filter::wheels_to_pose::PoseRow;
+use super::streams;
+use crate::data::wheel_path::median_interval;
 
 /// Rows that a reference needs.
 const LEAST_POSES: usize = 2;
@@ -19,6 +19,12 @@ const ALL_ROWS: f64 = 2500.0;
 const MOST_SERIES: f64 = 5.0;
 /// A pose may lie this far outside of the wheels' rows (s).
 const BEYOND_S: f64 = 0.3;
+
+/// Steps of the reference over which its noise is small beside its way (s).
+const WAY_STEP_S: f64 = 0.5;
+
+/// A row of poses: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
+pub(crate) type PoseRow = (f64, [f64; 3]);
 
 /// Rows of a stream, and the same thinned.
 #[derive(Debug, Clone, Default)]
@@ -50,18 +56,10 @@ impl Span<'_> {
 
 /// Poses of a robot; `None` with too few.
 pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
-    let stream = robot.pose.as_ref()?;
-    let yaw = stream.values.yaw_rad.as_deref();
     let mut all: Vec<PoseRow> = Vec::new();
-    for (i, stamp_s) in stream.t_s.iter().enumerate() {
-        let row = [
-            stream.values.x_m[i],
-            stream.values.y_m[i],
-            yaw.map_or(f64::NAN, |yaw| yaw[i]),
-        ];
-        let seen = row[0].is_finite() && row[1].is_finite();
+    for (stamp_s, row) in streams::poses(robot)? {
         let t_s = stamp_s - span.origin_s;
-        if seen && span.has(*stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
+        if span.has(stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
             all.push((t_s, row));
         }
     }
@@ -75,14 +73,12 @@ pub(crate) fn gyro(
     span: Span<'_>,
     wheel_interval_s: f64,
 ) -> Option<Thinned<(f64, f64)>> {
-    let stream = robot.imu.as_ref()?;
-    let rates = stream.values.gz_rad_s.as_ref()?;
     let mut all: Vec<(f64, f64)> = Vec::new();
-    for (stamp_s, rate) in stream.t_s.iter().zip(rates) {
+    for (stamp_s, [.., rate]) in streams::inertial(robot)? {
         let t_s = stamp_s - span.origin_s;
         let later = all.last().is_none_or(|(last, _)| t_s > *last);
-        if rate.is_finite() && span.has(*stamp_s, 0.0) && later {
-            all.push((t_s, *rate));
+        if rate.is_finite() && span.has(stamp_s, 0.0) && later {
+            all.push((t_s, rate));
         }
     }
     let step_s = gyro_step_s(wheel_interval_s);
@@ -184,4 +180,32 @@ fn numbers(times_s: &[f64], step_s: f64) -> Vec<Vec<usize>> {
     (0..count)
         .map(|k| (0..rows).skip(k * stride / count).step_by(stride).collect())
         .collect()
+}
+
+/// Way of the poses (m), in steps of half a second, which noise hardly lengthens.
+pub(crate) fn seen_way_m(rows: &[PoseRow]) -> f64 {
+    let mut last: Option<(f64, [f64; 2])> = None;
+    let mut way = 0.0;
+    let points = rows.iter().map(|(t_s, [x, y, _])| (*t_s, [*x, *y]));
+    for (t_s, at) in points.filter(|(_, at)| at.iter().all(|x| x.is_finite())) {
+        match last {
+            Some((before_s, _)) if t_s - before_s < WAY_STEP_S => continue,
+            Some((_, from)) => way += (at[0] - from[0]).hypot(at[1] - from[1]),
+            None => {}
+        }
+        last = Some((t_s, at));
+    }
+    way
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_within_half_a_second_is_no_way() {
+        let at = |k: u32| (f64::from(k) * 0.1, [f64::from(k % 5), 0.0, 0.0]);
+        let rows: Vec<PoseRow> = (0..50).map(at).collect();
+        assert_eq!(seen_way_m(&rows), 0.0);
+    }
 }

@@ -4,16 +4,12 @@
 use std::f64::consts::TAU;
 
 use slipstream_bus::{Body, RobotModel};
-use slipstream_recording::recording::{
-    Command as Told, ImuKind, PosePoint, Recording, Robot as Recorded, Wheels as WheelStream,
-};
+use slipstream_recording::recording::{ImuKind, PosePoint, Recording, Robot as Recorded};
 use slipstream_sim::{Command, CommandKind, Stream};
 
+use super::streams::{self, WheelKind};
 use crate::data::noise;
 use slipstream_bus::InputError;
-
-/// Standard deviation of a rounding to whole counts (counts).
-pub(crate) const ROUNDING: f64 = 0.288_675_134_594_812_9;
 
 /// Channels of measurement: right and left wheel, x, y and yaw of the pose, v and w of the
 /// odometry, ax, ay and gz of the inertial sensor.
@@ -128,7 +124,7 @@ impl Track {
     ) -> Result<Self, InputError> {
         let place = format!("{}: {}", recording.name, robot.name);
         let wheels = wheels(robot, model);
-        let told = commands(robot);
+        let told = Some(streams::commands(robot)).filter(|told| !told.is_empty());
         let driver = if told.is_some() {
             Driver::Command
         } else {
@@ -284,79 +280,23 @@ impl Track {
     }
 }
 
-fn commands(robot: &Recorded) -> Option<Vec<(f64, Command)>> {
-    let stream = robot.command.as_ref()?;
-    let pair = |a: &[f64], b: &[f64], make: fn(f64, f64) -> Command| {
-        let rows = stream.t_s.iter().zip(a.iter().zip(b));
-        let known = rows.filter(|(_, (a, b))| a.is_finite() && b.is_finite());
-        known
-            .map(|(&t_s, (&a, &b))| (t_s, make(a, b)))
-            .collect::<Vec<_>>()
-    };
-    let list = match &stream.values {
-        Told::Torque { right_nm, left_nm } => pair(right_nm, left_nm, |right_nm, left_nm| {
-            Command::Torque { right_nm, left_nm }
-        }),
-        Told::Voltage { right_v, left_v } => pair(right_v, left_v, |right_v, left_v| {
-            Command::Voltage { right_v, left_v }
-        }),
-        Told::WheelSpeed {
-            right_rad_s,
-            left_rad_s,
-        } => pair(right_rad_s, left_rad_s, |right_rad_s, left_rad_s| {
-            Command::Speed {
-                right_rad_s,
-                left_rad_s,
-            }
-        }),
-        Told::Twist { v_m_s, w_rad_s } => pair(v_m_s, w_rad_s, |v_m_s, w_rad_s| Command::Twist {
-            v_m_s,
-            w_rad_s,
-        }),
-    };
-    (!list.is_empty()).then_some(list)
-}
-
-/// Angles in rad where they are known, else speeds. The deviation is the declared one, that of the
-/// rounding, or what the rows themselves show.
+/// The wheels. The deviation is the declared one, that of the rounding, or what the rows themselves show.
 fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
-    let stream = robot.wheels.as_ref()?;
-    let counts = robot.counts_per_rev(Some(model));
-    let (sensor, rounding, pairs): (_, _, Vec<[f64; 2]>) = match &stream.values {
-        WheelStream::Ticks { right, left } => {
-            let tick = TAU / f64::from(counts?);
-            // the counter rounds down: the angle lies half a count higher on average
-            let angle = |n: &Option<i64>| n.map_or(f64::NAN, |n| (n as f64 + 0.5) * tick);
-            let pairs = right.iter().zip(left).map(|(r, l)| [angle(r), angle(l)]);
-            (Sensor::WheelAngle, Some(ROUNDING * tick), pairs.collect())
-        }
-        WheelStream::Angle {
-            right_rad,
-            left_rad,
-        } => {
-            let pairs = right_rad.iter().zip(left_rad).map(|(&r, &l)| [r, l]);
-            (Sensor::WheelAngle, None, pairs.collect())
-        }
-        WheelStream::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => {
-            let pairs = right_rad_s.iter().zip(left_rad_s).map(|(&r, &l)| [r, l]);
-            (Sensor::WheelSpeed, None, pairs.collect())
-        }
-    };
-    let rows: Vec<(f64, [f64; 3])> = stream
-        .t_s
-        .iter()
-        .zip(pairs)
-        .filter(|(_, [r, l])| r.is_finite() && l.is_finite())
-        .map(|(&t_s, [r, l])| (t_s, [r, l, f64::NAN]))
+    let read = streams::wheels(robot, model)?;
+    let rows: Vec<(f64, [f64; 3])> = read
+        .rows
+        .into_iter()
+        .map(|(t_s, [right, left])| (t_s, [right, left, f64::NAN]))
         .collect();
+    let sensor = match read.kind {
+        WheelKind::Angle => Sensor::WheelAngle,
+        WheelKind::Speed => Sensor::WheelSpeed,
+    };
     let known = robot
         .noise
         .wheel_rad
         .filter(|_| sensor == Sensor::WheelAngle);
-    let one = known.or(rounding);
+    let one = known.or(read.rounding_rad);
     let deviation = [0, 1].map(|i| one.unwrap_or_else(|| own_deviation(&rows, i, 1e-4)));
     Some(Series {
         sensor,
@@ -395,31 +335,17 @@ fn driven_by(wheels: &Series) -> Option<Vec<(f64, Command)>> {
     (!list.is_empty()).then_some(list)
 }
 
+/// The poses, whose yaw goes on over a whole turn.
 fn poses(robot: &Recorded) -> Option<Series> {
-    let stream = robot.pose.as_ref()?;
-    let yaw = stream.values.yaw_rad.as_deref();
-    let mut turns = 0.0;
-    let mut last = f64::NAN;
-    let rows = stream.t_s.iter().enumerate().map(|(i, &t_s)| {
-        let yaw = yaw.map_or(f64::NAN, |yaw| yaw[i]);
-        if yaw.is_finite() {
-            if last.is_finite() {
-                turns += ((last - yaw) / TAU).round();
-            }
-            last = yaw;
+    let mut rows = streams::poses(robot)?;
+    let (mut turns, mut last) = (0.0, f64::NAN);
+    for (_, [.., yaw]) in rows.iter_mut().filter(|(_, row)| row[2].is_finite()) {
+        if last.is_finite() {
+            turns += ((last - *yaw) / TAU).round();
         }
-        (
-            t_s,
-            [
-                stream.values.x_m[i],
-                stream.values.y_m[i],
-                yaw + turns * TAU,
-            ],
-        )
-    });
-    let rows: Vec<_> = rows
-        .filter(|(_, [x, y, _])| x.is_finite() && y.is_finite())
-        .collect();
+        last = *yaw;
+        *yaw += turns * TAU;
+    }
     let noise = &robot.noise;
     let own = |i: usize, least: f64| own_deviation(&rows, i, least);
     let pose_m = noise
@@ -434,15 +360,8 @@ fn poses(robot: &Recorded) -> Option<Series> {
 }
 
 fn odometry(robot: &Recorded) -> Option<Series> {
-    let stream = robot.odometry.as_ref()?;
-    let w = stream.values.w_rad_s.as_deref();
-    let rows: Vec<_> = stream
-        .t_s
-        .iter()
-        .zip(&stream.values.v_m_s)
-        .enumerate()
-        .map(|(i, (&t_s, &v))| (t_s, [v, w.map_or(f64::NAN, |w| w[i]), f64::NAN]))
-        .collect();
+    let read = streams::odometry(robot)?.into_iter();
+    let rows: Vec<_> = read.map(|(t_s, [v, w])| (t_s, [v, w, f64::NAN])).collect();
     let noise = &robot.noise;
     let v = noise
         .odometry_m_s
@@ -458,18 +377,7 @@ fn odometry(robot: &Recorded) -> Option<Series> {
 }
 
 fn imu(robot: &Recorded) -> Option<Series> {
-    let stream = robot.imu.as_ref()?;
-    let axis = |values: &Option<Vec<f64>>, i: usize| values.as_ref().map_or(f64::NAN, |v| v[i]);
-    let values = &stream.values;
-    let rows: Vec<_> = stream
-        .t_s
-        .iter()
-        .enumerate()
-        .map(|(i, &t_s)| {
-            let row = [&values.ax_m_s2, &values.ay_m_s2, &values.gz_rad_s];
-            (t_s, row.map(|one| axis(one, i)))
-        })
-        .collect();
+    let rows = streams::inertial(robot)?;
     let noise = &robot.noise;
     let along = |i: usize| {
         noise
@@ -594,27 +502,5 @@ mod tests {
             let same = (own - wanted).abs() < 1e-12 || own.is_nan() && wanted.is_nan();
             assert!(same, "{own} for {wanted}");
         }
-    }
-
-    #[test]
-    fn counts_lie_in_the_middle_of_what_they_round() {
-        let mut robot = Recorded::named("r1");
-        robot.encoder_counts_per_rev = Some(100);
-        robot.wheels = Some(slipstream_recording::recording::Stream {
-            t_s: vec![0.0, 0.1, 0.2],
-            values: WheelStream::Ticks {
-                right: vec![Some(0), None, Some(50)],
-                left: vec![Some(-1), Some(0), Some(25)],
-            },
-            unknown: vec![],
-        });
-        let wheels = wheels(&robot, &RobotModel::default()).unwrap();
-        let tick = TAU / 100.0;
-        assert_eq!(wheels.rows.len(), 2);
-        assert!((wheels.rows[0].1[0] - 0.5 * tick).abs() < 1e-12);
-        assert!((wheels.rows[0].1[1] + 0.5 * tick).abs() < 1e-12);
-        assert!((wheels.rows[1].1[0] - 50.5 * tick).abs() < 1e-12);
-        // of what is even over a count, the root mean square is a twelfth's root of it
-        assert!((wheels.deviation[0] - tick / 12_f64.sqrt()).abs() < 1e-12);
     }
 }

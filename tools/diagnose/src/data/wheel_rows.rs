@@ -1,19 +1,11 @@
 //! Rows of the wheels beside the commands that turned them.
 
-use std::f64::consts::TAU;
-
 use slipstream_bus::RobotModel;
-use slipstream_recording::recording::{Robot, Wheels};
+use slipstream_recording::recording::Robot;
 
 use super::command::CommandPath;
 use super::matched::Stamps;
-
-/// What a row of the wheels holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum WheelKind {
-    Angle,
-    Speed,
-}
+use super::streams::{self, Rows, WheelKind, Wheels};
 
 /// One row: time (s), both wheels (rad, or rad/s), and whether it is evidence.
 #[derive(Debug, Clone, Copy)]
@@ -56,14 +48,17 @@ pub(crate) fn rows(
     origin_s: f64,
     excluded_s: &[[f64; 2]],
 ) -> Option<WheelRows> {
-    let (kind, rounding_rad, values) = values(robot, model)?;
-    let stamps = &robot.wheels.as_ref()?.t_s;
-    let mut all: Vec<(f64, [f64; 2])> = Vec::new();
-    for (stamp_s, value) in stamps.iter().zip(values) {
-        let excluded = excluded_s.iter().any(|[a, b]| (*a..=*b).contains(stamp_s));
+    let Wheels {
+        kind,
+        rounding_rad,
+        rows,
+    } = streams::wheels(robot, model)?;
+    let mut all: Rows<2> = Vec::new();
+    for (stamp_s, value) in rows {
+        let excluded = excluded_s.iter().any(|[a, b]| (*a..=*b).contains(&stamp_s));
         let t_s = stamp_s - origin_s;
         let later = all.last().is_none_or(|(last, _)| t_s > *last);
-        if value.iter().all(|v| v.is_finite()) && later && !excluded {
+        if later && !excluded {
             all.push((t_s, value));
         }
     }
@@ -76,7 +71,7 @@ pub(crate) fn rows(
     let rows = kept(&all, kind, commands);
     (rows.len() >= LEAST_ROWS).then_some(WheelRows {
         kind,
-        rounding_rad,
+        rounding_rad: rounding_rad.unwrap_or(0.0),
         rows,
     })
 }
@@ -91,29 +86,6 @@ pub(crate) fn match_wheels(stamps: &Stamps, [first, second]: [&mut WheelRows; 2]
         }
     }
     kept
-}
-
-/// What both wheels' rows hold, the deviation of their rounding (rad), and the rows; NaN where a count is
-/// missing. `None` without wheels, or where counts per turn are unknown.
-pub(super) fn values(robot: &Robot, model: &RobotModel) -> Option<(WheelKind, f64, Vec<[f64; 2]>)> {
-    let pairs =
-        |right: &[f64], left: &[f64]| right.iter().zip(left).map(|(&r, &l)| [r, l]).collect();
-    match &robot.wheels.as_ref()?.values {
-        Wheels::Ticks { right, left } => {
-            let tick = TAU / f64::from(robot.counts_per_rev(Some(model))?);
-            let angle = |count: &Option<i64>| count.map_or(f64::NAN, |n| n as f64 * tick);
-            let rows = right.iter().zip(left).map(|(r, l)| [angle(r), angle(l)]);
-            Some((WheelKind::Angle, tick / 12.0_f64.sqrt(), rows.collect()))
-        }
-        Wheels::Angle {
-            right_rad,
-            left_rad,
-        } => Some((WheelKind::Angle, 0.0, pairs(right_rad, left_rad))),
-        Wheels::Speed {
-            right_rad_s,
-            left_rad_s,
-        } => Some((WheelKind::Speed, 0.0, pairs(right_rad_s, left_rad_s))),
-    }
 }
 
 /// Size of each wheel's speed at each row (rad/s).

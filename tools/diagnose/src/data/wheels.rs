@@ -3,8 +3,8 @@
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
 
-use super::wheel_rows::{WheelKind, values};
-use crate::filter::wheel_path::{WheelPath, median_interval};
+use super::streams::{self, Rows, WheelKind};
+use crate::data::wheel_path::{WheelPath, median_interval};
 
 /// Rows that a wheel path needs.
 const LEAST_ROWS: usize = 8;
@@ -16,15 +16,14 @@ const GAP: f64 = 4.0;
 /// The angles of both wheels, from zero at the first row; times count from `origin_s`. `None` without
 /// usable wheels.
 pub(crate) fn path(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<WheelPath> {
-    let (times_s, angles) = angles(robot, model)?;
     let mut path = WheelPath::default();
     let mut first = None;
-    for (t_s, row) in times_s.iter().zip(angles) {
+    for (t_s, row) in angles(robot, model)? {
         let later = path
             .times_s
             .last()
             .is_none_or(|last| t_s - origin_s > *last);
-        if !later || row.iter().any(|angle| !angle.is_finite()) {
+        if !later {
             continue;
         }
         let zero = *first.get_or_insert(row);
@@ -34,51 +33,40 @@ pub(crate) fn path(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<W
     (path.times_s.len() >= LEAST_ROWS).then(|| with_rests(path))
 }
 
-/// Times (s) and angles (rad).
-fn angles(robot: &Robot, model: &RobotModel) -> Option<(Vec<f64>, Vec<[f64; 2]>)> {
-    let Some(stream) = &robot.wheels else {
+/// Angles of both wheels (rad).
+fn angles(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
+    if robot.wheels.is_none() {
         return odometry(robot, model);
-    };
-    let (kind, _, rows) = values(robot, model)?;
-    Some(match kind {
-        WheelKind::Angle => (stream.t_s.clone(), rows),
-        WheelKind::Speed => integrated(&stream.t_s, rows.into_iter()),
+    }
+    let wheels = streams::wheels(robot, model)?;
+    Some(match wheels.kind {
+        WheelKind::Angle => wheels.rows,
+        WheelKind::Speed => integrated(wheels.rows),
     })
 }
 
 /// Wheel angles that the robot's own estimate of its velocity stands for.
-fn odometry(robot: &Robot, model: &RobotModel) -> Option<(Vec<f64>, Vec<[f64; 2]>)> {
-    let stream = robot.odometry.as_ref()?;
-    let turn = stream.values.w_rad_s.as_ref()?;
+fn odometry(robot: &Robot, model: &RobotModel) -> Option<Rows<2>> {
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
-    let speeds = stream.values.v_m_s.iter().zip(turn);
-    Some(integrated(
-        &stream.t_s,
-        speeds.map(|(v, w)| [(v + b * w) / r, (v - b * w) / r]),
-    ))
+    let rows = streams::odometry(robot)?.into_iter();
+    let speeds = rows.map(|(t_s, [v, w])| (t_s, [(v + b * w) / r, (v - b * w) / r]));
+    let known = speeds.filter(|(_, speeds)| speeds.iter().all(|s| s.is_finite()));
+    Some(integrated(known.collect()))
 }
 
-/// Integral of speeds by the trapezoidal rule; rows without a speed are left out.
-fn integrated(
-    times_s: &[f64],
-    speeds: impl Iterator<Item = [f64; 2]>,
-) -> (Vec<f64>, Vec<[f64; 2]>) {
-    let mut times = Vec::new();
-    let mut angles: Vec<[f64; 2]> = Vec::new();
+/// Integral of speeds by the trapezoidal rule.
+fn integrated(mut rows: Rows<2>) -> Rows<2> {
     let mut last: Option<(f64, [f64; 2])> = None;
-    for (t_s, speed) in times_s.iter().zip(speeds) {
-        if speed.iter().any(|s| !s.is_finite()) {
-            continue;
+    let mut angles = [0.0; 2];
+    for (t_s, row) in &mut rows {
+        let speeds = *row;
+        if let Some((last_s, last)) = last {
+            angles = [0, 1].map(|i| angles[i] + (*t_s - last_s) * (speeds[i] + last[i]) / 2.0);
         }
-        let before = angles.last().copied().unwrap_or([0.0; 2]);
-        let next = last.map_or(before, |(last_s, last)| {
-            [0, 1].map(|i| before[i] + (t_s - last_s) * (speed[i] + last[i]) / 2.0)
-        });
-        times.push(*t_s);
-        angles.push(next);
-        last = Some((*t_s, speed));
+        *row = angles;
+        last = Some((*t_s, speeds));
     }
-    (times, angles)
+    rows
 }
 
 /// In a log that has a row only when a count changed, the wheels stand during a gap until one

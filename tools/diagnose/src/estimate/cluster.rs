@@ -4,9 +4,10 @@
 //! Neighbouring rows of a real recording err together. Blocks of some seconds do so much less, and
 //! their spread is what an estimate is known by.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::BlockScore;
+use super::raised::raised;
 use super::scoring::{Fit, Problem};
 
 /// A leave-one-out step is limited to this many standard deviations of the model.
@@ -17,18 +18,6 @@ const NOISE_CLIP: f64 = 2.0;
 pub(crate) const LEAST_RUNS: usize = 3;
 /// Least variance relative to the model's: fewer blocks than parameters would say less than nothing.
 const LEAST_SHARE: f64 = 0.25;
-
-/// The factor of a matrix that is positive definite but for rounding: its diagonal is raised until it
-/// is.
-fn positive(matrix: &DMatrix<f64>) -> Option<Cholesky<f64, Dyn>> {
-    [0.0, 1e-9, 1e-7, 1e-5, 1e-3].into_iter().find_map(|share| {
-        let mut raised = matrix.clone();
-        for i in 0..raised.nrows() {
-            raised[(i, i)] += share * raised[(i, i)].abs();
-        }
-        raised.cholesky()
-    })
-}
 
 /// The blocks with data that are left out together.
 fn groups<'a>(scores: &'a [BlockScore], clusters: Option<&[usize]>) -> Vec<Vec<&'a BlockScore>> {
@@ -87,7 +76,7 @@ impl Precision {
     pub(crate) fn new(problem: &Problem<'_>, fit: &Fit, physics: usize) -> Option<Self> {
         let scores = problem.likelihood.score(&fit.at, &fit.free);
         let (gradient, information) = problem.total(&scores, &fit.at, &fit.free);
-        let model = positive(&information)?.inverse();
+        let model = raised(&information)?.inverse();
         let runs = problem.likelihood.run_of();
         let filled: Vec<(usize, &BlockScore)> = runs
             .iter()
@@ -102,7 +91,7 @@ impl Precision {
                 rest -= &block.information;
                 left -= &block.gradient;
             }
-            let mut step = positive(&rest)?.solve(&left);
+            let mut step = raised(&rest)?.solve(&left);
             for i in 0..step.len() {
                 let own = CLIP * model[(i, i)].sqrt();
                 let most = if i < physics { own } else { NOISE_CLIP };

@@ -8,16 +8,14 @@ use num_dual::{Derivative, DualSVec64};
 use rayon::prelude::*;
 
 use super::BlockScore;
-use super::pairs::Whitened;
+use super::whitened::{WIDTH, Whitened};
 use crate::filter::Innovation;
+use crate::filter::cholesky::inverse_factor;
 
 /// Derivatives that one pass of a filter carries.
 pub(crate) const LANES: usize = 8;
 /// A number with derivatives by [`LANES`] parameters.
 pub(crate) type Dual = DualSVec64<LANES>;
-/// Most numbers of a row whose squares make the information: 3 of ν, 6 of S.
-pub(super) const WIDTH: usize = 9;
-
 /// Rows of one filter: derivatives of every row by every local parameter.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
@@ -210,46 +208,5 @@ impl Derivatives {
             }
         }
         out
-    }
-}
-
-/// Inverse of the lower Cholesky factor of a 3 by 3 matrix.
-pub(super) fn inverse_factor(s: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let a = s[0][0].sqrt();
-    let b = s[1][0] / a;
-    let c = (s[1][1] - b * b).max(f64::MIN_POSITIVE).sqrt();
-    let d = s[2][0] / a;
-    let e = (s[2][1] - d * b) / c;
-    let f = (s[2][2] - d * d - e * e).max(f64::MIN_POSITIVE).sqrt();
-    let (ia, ic, r#if) = (1.0 / a, 1.0 / c, 1.0 / f);
-    let ib = -b * ia * ic;
-    let ie = -e * ic * r#if;
-    [
-        [ia, 0.0, 0.0],
-        [ib, ic, 0.0],
-        [-(d * ia + e * ib) * r#if, ie, r#if],
-    ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_inverse_factor_whitens() {
-        let s = [[4.0, 1.0, 0.5], [1.0, 3.0, -0.7], [0.5, -0.7, 2.0]];
-        let c = inverse_factor(&s);
-        for i in 0..3 {
-            for k in 0..3 {
-                let mut sum = 0.0;
-                for l in 0..3 {
-                    for m in 0..3 {
-                        sum += c[i][l] * s[l][m] * c[k][m];
-                    }
-                }
-                let wanted = f64::from(u8::from(i == k));
-                assert!((sum - wanted).abs() < 1e-12, "{i} {k} {sum}");
-            }
-        }
     }
 }

@@ -8,8 +8,10 @@ pub(crate) mod cluster;
 pub(crate) mod information;
 pub(crate) mod masked;
 pub(crate) mod pairs;
+mod raised;
 pub(crate) mod scoring;
 pub(crate) mod term;
+pub(crate) mod whitened;
 
 use nalgebra::{DMatrix, DVector};
 

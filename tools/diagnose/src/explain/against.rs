@@ -9,7 +9,7 @@ use super::claim::Claim;
 use super::kinematic::{self, Learnt, Task};
 use crate::answer::statement::changed;
 use crate::answer::{Finding, Warning};
-use crate::diagnosis::{Request, Runs, model_of};
+use crate::request::{Request, Runs, model_of};
 
 /// Lengths of two models that differ by less are the same.
 const SAME: f64 = 1e-6;

@@ -7,7 +7,7 @@ use super::claim::Claim;
 use super::fitted::Fitted;
 use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
 use super::search::problem;
-use crate::data::wheel_rows::WheelKind;
+use crate::data::streams::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;

@@ -5,7 +5,6 @@ use slipstream_sim::effects::{Domain, find};
 
 use crate::answer::shape::resemblance;
 use crate::estimate::term::Link;
-use crate::model::nominal::number;
 
 /// Factors that wheels and encoders have without a mistake.
 const USUAL_FACTOR: f64 = 2.0;
@@ -173,7 +172,7 @@ impl Claim {
             Some((_, stream)) => crate::model::nominal::clock_rate(model, stream),
             None => {
                 let own = self.values.iter().find(|value| value.name == name);
-                let nominal = number(model, self.effect, name);
+                let nominal = model.number(self.effect, name);
                 match own.filter(|value| value.before != 0.0) {
                     Some(value) => Some(value.applied(nominal, value.before)),
                     None => nominal,

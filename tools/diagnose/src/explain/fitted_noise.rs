@@ -1,6 +1,7 @@
 //! The noise sizes that were fitted to one run, as an open-loop prediction meets them.
 
 use super::spread::{Rates, Wander};
+use crate::filter::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::filter::{gyro, wheels_to_pose};
 use crate::model::from_wheels::{gyro_parameters, pose_parameters};
 use crate::model::run::Run;
@@ -154,7 +155,7 @@ impl OfGyro {
         dt: f64,
     ) -> f64 {
         let straight = speed / (2.0 * half_track_m);
-        let disturbance = gyro::Disturbance {
+        let disturbance = OrnsteinUhlenbeck {
             variance: noise.size2 * gyro::motion2(turning, straight),
             time_s: noise.time_s,
         };
@@ -165,7 +166,7 @@ impl OfGyro {
         let walk = noise.yaw_per_m * (speed * dt).abs()
             + noise.yaw_per_rad * (turning * dt).abs()
             + noise.yaw_per_s * dt;
-        self.p = disturbance.carry(disturbance.step(dt), self.p, walk, dt);
+        self.p = gyro::carried(&disturbance, &disturbance.step(dt), self.p, walk, dt);
         self.heading = self.p[0] + noise.drive.angle(self.over_s);
         self.p[2] + noise.drive.size_rad_s * noise.drive.size_rad_s
     }

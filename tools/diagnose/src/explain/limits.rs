@@ -3,8 +3,8 @@
 
 use slipstream_sim::effects::find;
 
-use super::pictures::{Scene, some_windows};
 use super::prediction::{Errors, Predictor};
+use super::scene::{Scene, some_windows};
 use super::search::problem;
 use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};

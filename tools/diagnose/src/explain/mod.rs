@@ -3,6 +3,7 @@
 pub(crate) mod against;
 mod bench;
 pub(crate) mod claim;
+pub(crate) mod collected;
 pub(crate) mod drawn_span;
 pub(crate) mod dynamic;
 pub(crate) mod finding;
@@ -15,6 +16,7 @@ mod naming;
 mod open_loop;
 pub(crate) mod pictures;
 pub(crate) mod prediction;
+pub(crate) mod scene;
 mod search;
 mod sight;
 mod spread;

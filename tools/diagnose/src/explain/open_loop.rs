@@ -1,6 +1,6 @@
 //! Open loop over a horizon of 5 s: the state at the start is the filter's, then nothing is heard.
 
-use crate::data::wheel_rows::WheelKind;
+use crate::data::streams::WheelKind;
 use crate::filter::wheel_channel::Tails;
 use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
 use crate::model::drive::{DRIVE, Response};

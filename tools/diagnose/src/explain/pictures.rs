@@ -2,14 +2,14 @@
 
 use super::claim::{Claim, Value};
 use super::drawn_span::drawn_span;
-use super::fitted::Fitted;
 use super::limits::limits;
-use super::prediction::{CHANNELS, Errors, Predictor};
+use super::prediction::{CHANNELS, Errors};
+use super::scene::{Scene, some_windows};
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
-use crate::data::wheel_rows::WheelKind;
-use crate::filter::wheel_path::Turned;
-use crate::judge::{self, HEADING, PLACE, QUANTITIES};
-use crate::model::from_wheels::{FromWheels, drive_parameters};
+use crate::data::streams::WheelKind;
+use crate::data::wheel_path::Turned;
+use crate::judge::{self, HEADING, PLACE};
+use crate::model::from_wheels::drive_parameters;
 
 /// Names of the pose's channels in the figures: as seen from the robot.
 const SEEN_FROM_ROBOT: [(&str, &str); 3] = [
@@ -27,28 +27,6 @@ const SIZES: i32 = 20;
 const WINDOWS: usize = 20;
 /// A gap between pieces of a line.
 const GAP: Point = (f64::NAN, f64::NAN);
-
-/// What is drawn.
-pub(crate) struct Scene<'a> {
-    pub(crate) robot: &'a str,
-    pub(crate) machine: &'a FromWheels,
-    pub(crate) predictors: Vec<Predictor<'a>>,
-    /// What was fitted to the runs of today, and to all runs.
-    pub(crate) own: Fitted<'a>,
-    pub(crate) all: Fitted<'a>,
-    /// Fitted parameters with what was found alone.
-    pub(crate) at: Vec<f64>,
-    pub(crate) claims: &'a [Claim],
-    /// Number of the first claim among all findings.
-    pub(crate) first_finding: usize,
-    /// What predicts without and with what was found.
-    pub(crate) nominal: &'a [f64],
-    pub(crate) with_all: &'a [f64],
-    pub(crate) errors: &'a [[Errors; 2]],
-    pub(crate) deviations: &'a [[f64; QUANTITIES]],
-    /// The nominal value of a claim's parameter.
-    pub(crate) nominal_of: &'a dyn Fn(&Claim, &str) -> Option<f64>,
-}
 
 /// The figures of one machine.
 pub(crate) fn figures(scene: &Scene<'_>) -> Figures {
@@ -276,13 +254,6 @@ fn root_mean(errors: &Errors, unit: &str) -> Option<f64> {
             right.zip(left).map(|(a, b)| f64::midpoint(a, b).sqrt())
         }
     }
-}
-
-/// At most so many windows, at equal distances.
-pub(super) fn some_windows(predictor: &Predictor<'_>, most: usize) -> Vec<[f64; 2]> {
-    let all = predictor.windows();
-    let stride = all.len().div_ceil(most.max(1)).max(1);
-    all.into_iter().step_by(stride).collect()
 }
 
 fn quantity(channel: &'static str) -> &'static str {

@@ -7,7 +7,8 @@ use slipstream_sim::Scalar;
 
 use super::Innovation;
 use super::mixture::{COMPONENTS, PROBABILITY, PROCESS, SENSOR, posterior};
-use super::wheel_path::Turned;
+use super::ornstein_uhlenbeck::{Integrated, OrnsteinUhlenbeck, Step};
+use crate::data::wheel_path::Turned;
 
 /// Physical parameters.
 pub(crate) const PHYSICS: usize = 6;
@@ -26,30 +27,17 @@ pub(crate) fn motion2<S: Scalar>(turn_rad_s: S, straight_rad_s: S) -> S {
     turn_rad_s * turn_rad_s + straight_rad_s * straight_rad_s * STRAIGHT_SHARE + LEAST_RATE2
 }
 
-/// An Ornstein-Uhlenbeck disturbance of the turn rate.
-pub(crate) struct Disturbance<S> {
-    /// rad²/s².
-    pub(crate) variance: S,
-    pub(crate) time_s: S,
-}
-
-impl<S: Scalar> Disturbance<S> {
-    /// What is left of it after `dt` (s), and the yaw that it adds meanwhile for each rad/s (s).
-    pub(crate) fn step(&self, dt: S) -> [S; 2] {
-        let decay = (-dt / self.time_s).exp();
-        [decay, self.time_s * (S::constant(1.0) - decay)]
-    }
-
-    /// Variance of the yaw, covariance, and variance of the disturbance after a step of `dt` (s), in which the
-    /// process adds this variance to the yaw.
-    pub(crate) fn carry(&self, [decay, g]: [S; 2], cov: [S; 3], process: S, dt: S) -> [S; 3] {
-        let added = self.variance * (S::constant(1.0) - decay * decay);
-        [
-            cov[0] + g * cov[1] * 2.0 + g * g * cov[2] + process + added * dt * dt / 3.0,
-            decay * (cov[1] + g * cov[2]) + added * dt * 0.5,
-            decay * decay * cov[2] + added,
-        ]
-    }
+/// Covariance of yaw and disturbance after a step of `dt` (s), in which the process adds this variance to the yaw.
+pub(crate) fn carried<S: Scalar>(
+    disturbance: &OrnsteinUhlenbeck<S>,
+    step: &Step<S>,
+    cov: [S; 3],
+    process: S,
+    dt: S,
+) -> [S; 3] {
+    let [xx, xd, dd] = step.carried(cov);
+    let added = disturbance.noise_of_short_step(step, dt);
+    [xx + process + added[0], xd + added[1], dd + added[2]]
 }
 
 /// One robot's data and nominal geometry.
@@ -88,8 +76,10 @@ impl Gyro<'_> {
             let (mut hint, mut last_s) = (0, time(first.0));
             let mut angles = wheels.angles_at(last_s, &mut hint);
             let zero = S::constant(0.0);
-            let mut state = [zero; 2];
-            let mut cov = [q[3], zero, zero];
+            let mut state = Integrated {
+                mean: [zero; 2],
+                cov: [q[3], zero, zero],
+            };
             let mut measured = zero;
             for pair in rows.windows(2) {
                 let [before, row] = [pair[0], pair[1]];
@@ -106,20 +96,20 @@ impl Gyro<'_> {
                 let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
                 let w = nominal_turn / dt;
                 let straight = way / dt / (2.0 * self.half_track_m);
-                let disturbance = Disturbance {
+                let disturbance = OrnsteinUhlenbeck {
                     variance: q[5] * motion2(w, straight),
                     time_s: time_constant_s,
                 };
                 let process = q[0] * way + q[1] * nominal_turn.abs() + q[2] * dt;
                 let step = disturbance.step(dt);
-                let [decay, g] = step;
-                state = [state[0] + g * state[1], decay * state[1]];
-                cov = disturbance.carry(step, cov, process, dt);
+                let cov = carried(&disturbance, &step, state.cov, process, dt);
+                state.advance(&step);
+                state.cov = cov;
                 measured += S::constant(row.1 - before.1) - turn - p[5] * (row.0 - before.0);
                 let sensor = q[3] + q[4] * w * w;
-                let difference = measured - state[0];
+                let difference = measured - state.mean[0];
                 let (log_likelihood, ordinary, variance) =
-                    self.merge(&mut state, &mut cov, difference, sensor, process);
+                    self.merge(&mut state, difference, sensor, process);
                 sink(Innovation {
                     time_s: row.0,
                     weight,
@@ -136,15 +126,14 @@ impl Gyro<'_> {
     /// Updates under every component of the mixture and merges by moments.
     fn merge<S: Scalar>(
         &self,
-        state: &mut [S; 2],
-        cov: &mut [S; 3],
+        state: &mut Integrated<S>,
         difference: S,
         sensor: S,
         process: S,
     ) -> (S, f64, S) {
         let zero = S::constant(0.0);
         let used = if self.robust { COMPONENTS } else { 1 };
-        let prior_of = |component: usize| cov[0] + process * (PROCESS[component] - 1.0);
+        let prior_of = |component: usize| state.cov[0] + process * (PROCESS[component] - 1.0);
         let variance =
             |component: usize| prior_of(component) + sensor * SENSOR[component] + LEAST_VARIANCE;
         let logs: [Option<S>; COMPONENTS] = std::array::from_fn(|component| {
@@ -159,36 +148,27 @@ impl Gyro<'_> {
             })
         });
         let (weights, log_likelihood) = posterior(&logs);
-        let mut each = [[zero; 5]; COMPONENTS];
-        let mut mean = [zero; 2];
-        for component in 0..used {
-            let x = prior_of(component);
-            let s = variance(component);
-            let gain = [x / s, cov[1] / s];
-            let own = [
-                state[0] + gain[0] * difference,
-                state[1] + gain[1] * difference,
-            ];
-            each[component] = [
-                own[0],
-                own[1],
-                x - gain[0] * x,
-                cov[1] - gain[0] * cov[1],
-                cov[2] - gain[1] * cov[1],
-            ];
-            mean = [0, 1].map(|i| mean[i] + weights[component] * own[i]);
-        }
+        let each: [Integrated<S>; COMPONENTS] = std::array::from_fn(|component| {
+            if component >= used {
+                return *state;
+            }
+            let prior = Integrated {
+                cov: [prior_of(component), state.cov[1], state.cov[2]],
+                ..*state
+            };
+            prior.updated(difference, variance(component))
+        });
         let ordinary_variance = variance(0);
-        let mut merged = [zero; 3];
-        for component in 0..used {
-            let [e, d, ee, ed, dd] = each[component];
-            let off = [e - mean[0], d - mean[1]];
-            merged[0] += weights[component] * (ee + off[0] * off[0]);
-            merged[1] += weights[component] * (ed + off[0] * off[1]);
-            merged[2] += weights[component] * (dd + off[1] * off[1]);
+        let parts = || weights.iter().zip(&each).take(used);
+        let mean = [0, 1].map(|i| parts().fold(zero, |sum, (w, own)| sum + *w * own.mean[i]));
+        let mut cov = [zero; 3];
+        for (weight, own) in parts() {
+            let off = [own.mean[0] - mean[0], own.mean[1] - mean[1]];
+            cov[0] += *weight * (own.cov[0] + off[0] * off[0]);
+            cov[1] += *weight * (own.cov[1] + off[0] * off[1]);
+            cov[2] += *weight * (own.cov[2] + off[1] * off[1]);
         }
-        *state = mean;
-        *cov = merged;
+        *state = Integrated { mean, cov };
         (log_likelihood, weights[0].value(), ordinary_variance)
     }
 }

@@ -4,13 +4,14 @@
 //! [`Innovation`]; sums, derivatives and searches are made in `estimate`. Filters are generic over
 //! the scalar: with dual numbers an innovation carries its derivatives.
 
+pub(crate) mod cholesky;
 pub(crate) mod dynamic;
 pub(crate) mod gyro;
 pub(crate) mod mixture;
 pub(crate) mod motion_law;
+pub(crate) mod ornstein_uhlenbeck;
 mod row_update;
 pub(crate) mod wheel_channel;
-pub(crate) mod wheel_path;
 pub(crate) mod wheels_to_pose;
 
 use slipstream_sim::Scalar;

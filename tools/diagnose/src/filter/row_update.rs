@@ -169,3 +169,55 @@ fn log_density<S: Scalar>(s: &Matrix3<S>, d: &[S; 3]) -> Option<(S, Matrix3<S>)>
     let log = (square + determinant.ln()) * -0.5 - 3.0 * LOG_ROOT_TAU;
     Some((log, inverse))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::filter::cholesky::inverse_factor;
+
+    const P: Matrix3<f64> = [[0.3, 0.1, -0.05], [0.1, 0.2, 0.04], [-0.05, 0.04, 0.1]];
+    const R: Matrix3<f64> = [[0.02, 0.005, 0.0], [0.005, 0.03, 0.0], [0.0, 0.0, 0.01]];
+    const H: Matrix3<f64> = [[1.0, 0.0, -0.4], [0.0, 1.0, 0.7], [0.0, 0.0, 1.0]];
+    const DIFFERENCE: [f64; 3] = [0.1, -0.2, 0.05];
+
+    fn nalgebra(m: &Matrix3<f64>) -> nalgebra::Matrix3<f64> {
+        nalgebra::Matrix3::from_fn(|i, k| m[i][k])
+    }
+
+    #[test]
+    fn the_log_density_is_that_of_the_whitened_difference() {
+        let factor = inverse_factor(&P);
+        let whitened =
+            factor.map(|row| row.iter().zip(DIFFERENCE).map(|(c, d)| c * d).sum::<f64>());
+        let square: f64 = whitened.iter().map(|e| e * e).sum();
+        let log_root: f64 = (0..3).map(|i| factor[i][i].ln()).sum();
+        let (log, inverse) = log_density(&P, &DIFFERENCE).unwrap();
+        assert!((log - (log_root - 0.5 * square - 3.0 * LOG_ROOT_TAU)).abs() < 1e-12);
+        let one = nalgebra(&inverse) * nalgebra(&P);
+        assert!((one - nalgebra::Matrix3::identity()).amax() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_not_positive_definite_has_no_density() {
+        let s = [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert!(log_density(&s, &DIFFERENCE).is_none());
+    }
+
+    #[test]
+    fn an_update_adds_the_information_of_the_row() {
+        let mut state = State {
+            mean: [0.0; 3],
+            p: P,
+            q: [[0.0; 3]; 3],
+        };
+        let row = Row::new(&state, &H, &R, &DIFFERENCE);
+        let (_, ordinary) = state.merge(&row, false);
+        let (h, r) = (nalgebra(&H), nalgebra(&R).try_inverse().unwrap());
+        let information = nalgebra(&P).try_inverse().unwrap() + h.transpose() * r * h;
+        let p = information.try_inverse().unwrap();
+        assert!((nalgebra(&state.p) - p).amax() < 1e-12);
+        let mean = p * h.transpose() * r * nalgebra::Vector3::from(DIFFERENCE);
+        assert!((mean - nalgebra::Vector3::from(state.mean)).amax() < 1e-12);
+        assert_eq!(ordinary, 1.0);
+    }
+}

@@ -13,6 +13,7 @@
 use slipstream_sim::Scalar;
 
 use super::Innovation;
+use super::ornstein_uhlenbeck::{Integrated, OrnsteinUhlenbeck};
 
 /// Degrees of freedom.
 const FREEDOM: f64 = 5.0;
@@ -59,31 +60,11 @@ pub(crate) struct ChannelNoise<S> {
     pub(crate) tails: Tails,
 }
 
-/// Exact discretisation of an Ornstein-Uhlenbeck process and its integral over a step.
-struct Step<S> {
-    decay: S,
-    reach_s: S,
-    q: [S; 3],
-}
-
 impl<S: Scalar> ChannelNoise<S> {
-    fn step(&self, h: f64) -> Step<S> {
-        let one = S::constant(1.0);
-        let decay = (S::constant(-h) / self.time_s).exp();
-        let reach_s = self.time_s * (one - decay);
-        let variance = self.disturbance_rad_s * self.disturbance_rad_s;
-        let both = variance * self.time_s * (one - decay) * (one - decay);
-        let angle = variance * (self.time_s * (S::constant(h) - reach_s) * 2.0 - reach_s * reach_s);
-        // the difference of nearly equal numbers, where h is much shorter than the time constant
-        let angle = if angle.value() > 0.0 {
-            angle
-        } else {
-            S::constant(0.0)
-        };
-        Step {
-            decay,
-            reach_s,
-            q: [angle, both, variance * (one - decay * decay)],
+    fn disturbance(&self) -> OrnsteinUhlenbeck<S> {
+        OrnsteinUhlenbeck {
+            variance: self.disturbance_rad_s * self.disturbance_rad_s,
+            time_s: self.time_s,
         }
     }
 }
@@ -124,44 +105,35 @@ pub(crate) fn angles<S: Scalar>(
     after: &mut dyn FnMut(f64, S),
 ) {
     let sensor = noise.sensor * noise.sensor;
-    let (mut x, mut d) = (S::constant(0.0), S::constant(0.0));
-    let mut p = [
-        sensor + LEAST_VARIANCE,
-        S::constant(0.0),
-        noise.disturbance_rad_s * noise.disturbance_rad_s,
-    ];
+    let zero = S::constant(0.0);
+    let disturbance = noise.disturbance();
+    let mut state = Integrated {
+        mean: [zero; 2],
+        cov: [sensor + LEAST_VARIANCE, zero, disturbance.variance],
+    };
     let mut last_s = None;
     for row in rows {
         let Some(before_s) = last_s.replace(row.time_s) else {
-            x = row.rest;
-            after(row.time_s, d);
+            state.mean[0] = row.rest;
+            after(row.time_s, state.mean[1]);
             continue;
         };
         let h = row.time_s - before_s;
-        let Step { decay, reach_s, q } = noise.step(h);
-        x += reach_s * d;
-        d *= decay;
-        let own = [
-            p[0] + reach_s * p[1] * 2.0
-                + reach_s * reach_s * p[2]
-                + q[0]
-                + noise.walk * noise.walk * h,
-            decay * (p[1] + reach_s * p[2]) + q[1],
-            decay * decay * p[2] + q[2],
+        let step = disturbance.step(S::constant(h));
+        let q = disturbance.noise(&step, S::constant(h));
+        state.advance(&step);
+        let [xx, xd, dd] = state.cov;
+        state.cov = [
+            xx + q[0] + noise.walk * noise.walk * h,
+            xd + q[1],
+            dd + q[2],
         ];
         let shift = noise.stamp_s * row.speed_rad_s;
-        let variance = own[0] + sensor + shift * shift + LEAST_VARIANCE;
-        let difference = row.rest - x;
+        let variance = state.cov[0] + sensor + shift * shift + LEAST_VARIANCE;
+        let difference = row.rest - state.mean[0];
         sink(innovation(&row, noise.tails, difference, variance));
-        let gain = [own[0] / variance, own[1] / variance];
-        x += gain[0] * difference;
-        d += gain[1] * difference;
-        p = [
-            own[0] - gain[0] * own[0],
-            own[1] - gain[0] * own[1],
-            own[2] - gain[1] * own[1],
-        ];
-        after(row.time_s, d);
+        state = state.updated(difference, variance);
+        after(row.time_s, state.mean[1]);
     }
 }
 
@@ -173,14 +145,14 @@ pub(crate) fn speeds<S: Scalar>(
     after: &mut dyn FnMut(f64, S),
 ) {
     let sensor = noise.sensor * noise.sensor;
-    let size = noise.disturbance_rad_s * noise.disturbance_rad_s;
-    let (mut d, mut p) = (S::constant(0.0), size);
+    let disturbance = noise.disturbance();
+    let (mut d, mut p) = (S::constant(0.0), disturbance.variance);
     let mut last_s = None;
     for row in rows {
         if let Some(before_s) = last_s.replace(row.time_s) {
-            let decay = (S::constant(before_s - row.time_s) / noise.time_s).exp();
+            let decay = disturbance.step(S::constant(row.time_s - before_s)).decay;
             d *= decay;
-            p = p * decay * decay + size * (S::constant(1.0) - decay * decay);
+            p = p * decay * decay + disturbance.variance * (S::constant(1.0) - decay * decay);
         }
         let shift = noise.stamp_s * row.speed_rad_s;
         let variance = p + sensor + shift * shift + LEAST_VARIANCE;

@@ -10,8 +10,9 @@ use slipstream_sim::Scalar;
 
 use super::motion_law::{self, Knots, LAW};
 use super::row_update::{Row, State};
-use super::wheel_path::Turned;
-use super::{Innovation, wrapped};
+use super::{Innovation, Matrix3, wrapped};
+use crate::data::reference::PoseRow;
+use crate::data::wheel_path::Turned;
 
 /// Physical parameters: see [`Physics`].
 pub(crate) const PHYSICS: usize = 8 + LAW;
@@ -19,9 +20,6 @@ pub(crate) const PHYSICS: usize = 8 + LAW;
 pub(crate) const NOISE: usize = 9;
 /// Longest piece of an arc (s).
 const PIECE_S: f64 = 0.2;
-
-/// Rows of one series: stamp (s) and x (m), y (m), yaw (rad); NaN where a component was not seen.
-pub(crate) type PoseRow = (f64, [f64; 3]);
 
 /// One robot's data and nominal geometry.
 #[derive(Debug)]
@@ -228,21 +226,8 @@ impl WheelsToPose<'_> {
         weight: f64,
     ) -> Innovation<S> {
         let zero = S::constant(0.0);
-        let one = S::constant(1.0);
-        let [ox, oy, oyaw] = physics.offset;
         let (sin, cos) = (state.mean[2].sin(), state.mean[2].cos());
-        // derivatives of the tracked point by the heading
-        let lever = [-(ox * sin + oy * cos), ox * cos - oy * sin];
-        let mut difference = [
-            S::constant(z[0]) - state.mean[0] - lever[1],
-            S::constant(z[1]) - state.mean[1] + lever[0],
-            wrapped(S::constant(z[2]) - state.mean[2] - oyaw),
-        ];
-        let mut h = [
-            [one, zero, lever[0]],
-            [zero, one, lever[1]],
-            [zero, zero, one],
-        ];
+        let (mut difference, mut h) = observed(physics.offset, &state.mean, z);
         // an error of the stamp displaces the row along the motion
         let moved = [v * cos, v * sin, w];
         let mut r = moved.map(|a| moved.map(|b| noise.stamp * a * b));
@@ -272,6 +257,30 @@ impl WheelsToPose<'_> {
             covariance,
         }
     }
+}
+
+/// A pose of the tracked point minus the one predicted from that of the axle, and H: derivative of the predicted
+/// one by that of the axle.
+fn observed<S: Scalar>(
+    [ox, oy, oyaw]: [S; 3],
+    axle: &[S; 3],
+    z: &[f64; 3],
+) -> ([S; 3], Matrix3<S>) {
+    let (zero, one) = (S::constant(0.0), S::constant(1.0));
+    let (sin, cos) = (axle[2].sin(), axle[2].cos());
+    // derivatives of the tracked point by the heading
+    let lever = [-(ox * sin + oy * cos), ox * cos - oy * sin];
+    let difference = [
+        S::constant(z[0]) - axle[0] - lever[1],
+        S::constant(z[1]) - axle[1] + lever[0],
+        wrapped(S::constant(z[2]) - axle[2] - oyaw),
+    ];
+    let h = [
+        [one, zero, lever[0]],
+        [zero, one, lever[1]],
+        [zero, zero, one],
+    ];
+    (difference, h)
 }
 
 impl<S: Scalar> Physics<S> {
@@ -323,5 +332,83 @@ impl<S: Scalar> State<S> {
             m[2][0] = m[0][2];
             m[2][1] = m[1][2];
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Derivative of `f` at `at`, column by column, by central differences.
+    fn numeric(at: [f64; 3], f: impl Fn([f64; 3]) -> [f64; 3]) -> Matrix3<f64> {
+        let h = 1e-6;
+        let columns: [[f64; 3]; 3] = std::array::from_fn(|k| {
+            let moved = |by: f64| {
+                f(std::array::from_fn(|i| {
+                    at[i] + if i == k { by } else { 0.0 }
+                }))
+            };
+            let (up, down) = (moved(h), moved(-h));
+            std::array::from_fn(|i| (up[i] - down[i]) / (2.0 * h))
+        });
+        std::array::from_fn(|i| std::array::from_fn(|k| columns[k][i]))
+    }
+
+    fn state(mean: [f64; 3], p: Matrix3<f64>) -> State<f64> {
+        State {
+            mean,
+            p,
+            q: [[0.0; 3]; 3],
+        }
+    }
+
+    fn apart(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
+        let pairs = a.iter().flatten().zip(b.iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// J M Jᵀ.
+    fn projected(j: &Matrix3<f64>, m: &Matrix3<f64>) -> Matrix3<f64> {
+        let product = |a: &Matrix3<f64>, b: &dyn Fn(usize, usize) -> f64| -> Matrix3<f64> {
+            std::array::from_fn(|i| {
+                std::array::from_fn(|k| (0..3).map(|l| a[i][l] * b(l, k)).sum())
+            })
+        };
+        product(&product(j, &|l, k| m[l][k]), &|l, k| j[k][l])
+    }
+
+    const P: Matrix3<f64> = [[0.3, 0.1, -0.05], [0.1, 0.2, 0.04], [-0.05, 0.04, 0.1]];
+
+    #[test]
+    fn an_arc_carries_the_covariance_by_its_derivative() {
+        let at = [0.4, -0.7, 1.1];
+        let arc = |mean: [f64; 3]| {
+            let mut own = state(mean, P);
+            own.advance(0.3, -0.6, [0.0; 3]);
+            own
+        };
+        let f = numeric(at, |mean| arc(mean).mean);
+        assert!(apart(&arc(at).p, &projected(&f, &P)) < 1e-9);
+    }
+
+    #[test]
+    fn the_noise_of_an_arc_lies_along_and_across_its_chord() {
+        let noise = [0.04, 0.01, 0.09];
+        let mut own = state([0.0, 0.0, 0.2], [[0.0; 3]; 3]);
+        own.advance(0.3, 0.6, noise);
+        let (sin, cos) = 0.5_f64.sin_cos();
+        let turned = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        let diagonal: Matrix3<f64> =
+            std::array::from_fn(|i| std::array::from_fn(|k| if i == k { noise[i] } else { 0.0 }));
+        assert!(apart(&own.p, &projected(&turned, &diagonal)) < 1e-12);
+        assert_eq!(own.p, own.q);
+    }
+
+    #[test]
+    fn h_is_the_derivative_of_the_predicted_pose() {
+        let (offset, at, z) = ([0.2, -0.1, 0.3], [0.4, -0.7, 1.1], [0.5, -0.6, 1.2]);
+        let (_, h) = observed(offset, &at, &z);
+        let lost = numeric(at, |axle| observed(offset, &axle, &z).0);
+        assert!(apart(&h, &lost.map(|row| row.map(|own| -own))) < 1e-9);
     }
 }

@@ -10,14 +10,16 @@ use super::crude;
 use super::drive::{
     CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG, SATURATION,
 };
-use super::nominal::{clock_rate, number};
+use super::nominal::clock_rate;
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
-use crate::data::wheel_rows::{WheelKind, WheelRows, is_running, match_wheels, rows};
+use crate::data::streams::WheelKind;
+use crate::data::wheel_rows::{WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
-use crate::estimate::pairs::{self, Share, Side, Whitened};
+use crate::estimate::pairs::{self, Share, Side};
+use crate::estimate::whitened::Whitened;
 use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
 use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
@@ -80,7 +82,7 @@ impl CommandToWheels {
         let largest = runs.iter().map(|run| run.commands.largest_rad_s());
         let largest_rad_s = largest.fold(0.0, f64::max);
         (largest_rad_s > 0.0).then(|| Self {
-            crude_gain: crude::gain_ln(&runs),
+            crude_gain: crude::gain_ln(runs.iter().map(|run| (&run.commands, &run.wheels))),
             runs,
             largest_rad_s,
             before: Before::default(),
@@ -177,14 +179,14 @@ impl CommandToWheels {
 
 /// Parameters of the drive as the model lists them.
 pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
-    let plain = |effect: &str, name: &str| number(model, effect, name).unwrap_or(0.0);
+    let plain = |effect: &str, name: &str| model.number(effect, name).unwrap_or(0.0);
     let mut at = vec![0.0; DRIVE];
     at[DELAY] = plain("actuator_delay", "delay_s");
     at[LAG] = plain("actuator_lag", "time_constant_s");
     let [right, left] =
-        ["right", "left"].map(|name| number(model, "motor_gain", name).unwrap_or(1.0).ln());
+        ["right", "left"].map(|name| model.number("motor_gain", name).unwrap_or(1.0).ln());
     let [right_count, left_count] = ["right_scale", "left_scale"]
-        .map(|name| number(model, "encoder_scale", name).unwrap_or(1.0).ln());
+        .map(|name| model.number("encoder_scale", name).unwrap_or(1.0).ln());
     at[GAIN] = (right + left + right_count + left_count) / 2.0;
     at[GAIN_ASYMMETRY] = right - left + right_count - left_count;
     at[DEAD_BAND] = plain("command_dead_band", "speed_rad_s");

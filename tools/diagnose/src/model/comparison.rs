@@ -7,8 +7,8 @@
 //! In a vector of parameters the changes stand first, where the parameters of a machine stand that is
 //! compared with nothing; what both share stands at its end.
 
+use crate::data::wheel_path::Turned;
 use crate::estimate::blocks::Blocks;
-use crate::filter::wheel_path::Turned;
 
 /// Which runs are from before, and how these differ among themselves.
 #[derive(Debug, Clone, Default)]

@@ -8,7 +8,7 @@
 use slipstream_sim::{Pair, Scalar};
 
 use crate::data::command::CommandPath;
-use crate::filter::wheel_path::Turned;
+use crate::data::wheel_path::Turned;
 
 /// Parameters of the drive.
 pub(crate) const DELAY: usize = 0;

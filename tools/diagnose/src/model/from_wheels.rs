@@ -12,19 +12,20 @@ use super::command_to_wheels::drive_of;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
 use super::drive::DRIVE;
-use super::nominal::{self, clock_rate, number};
+use super::nominal::{self, clock_rate};
 use super::run::{RUN_NOISE, Run, Source};
 use crate::data::matched::{Stamps, shift_against};
-use crate::data::reference::{POSE_STEP_S, match_poses, match_rates};
+use crate::data::reference::{POSE_STEP_S, PoseRow, match_poses, match_rates};
 use crate::estimate::blocks;
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
-use crate::estimate::pairs::{self, Share, Side, Whitened};
+use crate::estimate::pairs::{self, Share, Side};
+use crate::estimate::whitened::Whitened;
 use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
 use crate::filter::motion_law::{DRIVERS, Knots, LAW, VALUES};
-use crate::filter::wheels_to_pose::{self, PoseRow, WheelsToPose};
+use crate::filter::wheels_to_pose::{self, WheelsToPose};
 
 /// Parameters of the machine.
 pub(crate) const COMMON: usize = 0;
@@ -285,8 +286,8 @@ impl FromWheels {
     /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
     pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
         let mut at = vec![0.0; self.parameters()];
-        let factor = |effect: &str, name: &str| number(model, effect, name).unwrap_or(1.0).ln();
-        let plain = |effect: &str, name: &str| number(model, effect, name).unwrap_or(0.0);
+        let factor = |effect: &str, name: &str| model.number(effect, name).unwrap_or(1.0).ln();
+        let plain = |effect: &str, name: &str| model.number(effect, name).unwrap_or(0.0);
         let [right, left] = ["right_scale", "left_scale"]
             .map(|name| factor("wheel_radius", name) - factor("encoder_scale", name));
         at[COMMON] = (right + left) / 2.0;

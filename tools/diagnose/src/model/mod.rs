@@ -1,6 +1,5 @@
 //! Models under test: what their parameters are, where they start, and what is known of them before.
 
-pub(crate) mod breakaway;
 pub(crate) mod command_to_wheels;
 pub(crate) mod comparison;
 mod crude;

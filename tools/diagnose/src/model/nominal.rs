@@ -2,15 +2,6 @@
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 
-/// The number `name` of an effect that the model lists.
-pub(crate) fn number(model: &RobotModel, effect: &str, name: &str) -> Option<f64> {
-    let spec = model.effects.iter().find(|spec| spec.effect == effect)?;
-    spec.parameters.iter().find_map(|(own, value)| match value {
-        Parameter::Number(value) if own == name => Some(*value),
-        _ => None,
-    })
-}
-
 /// The rate of the clock of a stream that the model lists.
 pub(crate) fn clock_rate(model: &RobotModel, stream: &str) -> Option<f64> {
     let named = |value: &Parameter| matches!(value, Parameter::Text(text) if text == stream);

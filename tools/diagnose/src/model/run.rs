@@ -5,15 +5,14 @@ use slipstream_recording::recording::{PosePoint, Robot};
 use slipstream_sim::Scalar;
 
 use super::comparison::course;
-use super::crude;
 use super::drive::{DRIVE, Response};
 use crate::data::command::{self, CommandPath};
-use crate::data::reference::{Span, Thinned, gyro, poses};
+use crate::data::reference::{PoseRow, Span, Thinned, gyro, poses, seen_way_m};
+use crate::data::wheel_path::{Turned, WheelPath, median_interval};
 use crate::data::wheels;
 use crate::estimate::blocks::Blocks;
 use crate::filter::gyro as gyro_filter;
-use crate::filter::wheel_path::{Turned, WheelPath, median_interval};
-use crate::filter::wheels_to_pose::{self, PoseRow};
+use crate::filter::wheels_to_pose;
 
 /// Logarithms of noise sizes of a run: those of the pose's filter, then those of the gyro's.
 pub(super) const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
@@ -197,9 +196,7 @@ impl Run {
         };
         let pose = poses(robot, span);
         let way_m = wheels.turned_rad() * model.robot.wheel_radius_m;
-        let seen_m = pose.as_ref().map_or(0.0, |pose| {
-            crude::way_m(pose.all.iter().map(|(t_s, z)| (*t_s, [z[0], z[1]])))
-        });
+        let seen_m = pose.as_ref().map_or(0.0, |pose| seen_way_m(&pose.all));
         let least_m = LEAST_WAY * model.robot.half_track_m;
         if way_m < least_m && (seen_m < least_m || way_m * MOST_FACTOR < least_m) {
             return None;

@@ -9,7 +9,7 @@ use crate::predict::window::{WINDOW_S, Window, cut};
 use slipstream_bus::InputError;
 
 use crate::answer::Point;
-use crate::diagnosis::Request;
+use crate::request::Request;
 
 /// How one robot of one recording is predicted over windows of 5 s: the start of each is fitted to
 /// its first half second, the rest is simulated from what drove the robot. The model is taken as it

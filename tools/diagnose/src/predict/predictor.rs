@@ -8,16 +8,16 @@ use slipstream_sim::effects::{Info, When, find};
 use slipstream_sim::{CommandKind, Robot};
 
 use crate::data::track::{CHANNEL_NAMES, Sensor, Track};
-use crate::diagnosis::{Request, model_of};
 use crate::judge::{HEADING, PLACE, POSE, Score};
 use crate::model::hypothesis::{
     Hypothesis, changes_commands_over_time, is_bound_to_place, slides, with,
 };
 use crate::predict::facing::Facing;
 use crate::predict::misfit::Misfit;
-use crate::predict::simulation::{Simulation, hardened, is_exact_at_any_step};
+use crate::predict::simulation::{Simulated, hardened, is_exact_at_any_step};
 use crate::predict::start::Start;
 use crate::predict::window::{Window, cut_some};
+use crate::request::{Request, model_of};
 
 /// Rows of a series above which it is thinned: more say no more.
 const ROWS: usize = 9000;
@@ -41,27 +41,6 @@ pub(crate) struct Predictor {
     pub(crate) tracks: Vec<Track>,
     pub(crate) windows: Vec<Window>,
     pub(crate) model: RobotModel,
-}
-
-/// A robot, and how it is simulated.
-pub(crate) struct Simulated {
-    pub(crate) robot: Robot,
-    /// Longest step (s).
-    pub(crate) step_s: f64,
-    /// What acts depends on where the robot is, or which way it faces.
-    pub(crate) bound_to_place: bool,
-}
-
-impl Simulated {
-    /// A window to simulate.
-    pub(crate) fn over<'a>(&'a self, track: &'a Track, window: &'a Window) -> Simulation<'a> {
-        Simulation {
-            track,
-            window,
-            robot: &self.robot,
-            step_s: self.step_s,
-        }
-    }
 }
 
 /// A window that was predicted.

@@ -20,6 +20,27 @@ const FAR: f64 = 1e5;
 /// Residual of an acceleration from which on it counts less (deviations).
 const SOFT: f64 = 3.0;
 
+/// A robot, and how it is simulated.
+pub(crate) struct Simulated {
+    pub(crate) robot: Robot,
+    /// Longest step (s).
+    pub(crate) step_s: f64,
+    /// What acts depends on where the robot is, or which way it faces.
+    pub(crate) bound_to_place: bool,
+}
+
+impl Simulated {
+    /// A window to simulate.
+    pub(crate) fn over<'a>(&'a self, track: &'a Track, window: &'a Window) -> Simulation<'a> {
+        Simulation {
+            track,
+            window,
+            robot: &self.robot,
+            step_s: self.step_s,
+        }
+    }
+}
+
 /// One window, its track and the robot to simulate.
 #[derive(Clone, Copy)]
 pub(crate) struct Simulation<'a> {

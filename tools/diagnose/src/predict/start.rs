@@ -5,7 +5,7 @@ use slipstream_bus::Body;
 
 use crate::data::track::{Sensor, Track};
 use crate::predict::misfit::Misfit;
-use crate::predict::predictor::Simulated;
+use crate::predict::simulation::Simulated;
 use crate::predict::window::{LOCALS, Window};
 
 /// Iterations of a fit.

@@ -1,7 +1,8 @@
 //! What several tests share.
 
+use slipstream_answer::Answer;
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_diagnose::{Answer, Request, diagnose};
+use slipstream_diagnose::{Request, diagnose};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Pose, Robot, Stream, Wheels};
 

@@ -1,8 +1,8 @@
 //! One picture for each finding: error against its assumed size, or the law that was found.
 
 use maud::{Markup, html};
+use slipstream_answer::{Figures, Finding, LawCurve, Profile};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Figures, Finding, LawCurve, Profile};
 
 use super::diagnosis::Diagnosis;
 use super::words::{Shown, driver, name, scale_of, shown, unit_of};

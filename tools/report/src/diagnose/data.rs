@@ -1,7 +1,7 @@
 //! The data: readings over time, gaps, outliers.
 
 use maud::{Markup, html};
-use slipstream_diagnose::Figures;
+use slipstream_answer::Figures;
 use slipstream_recording::recording::Robot;
 
 use super::diagnosis::Diagnosis;

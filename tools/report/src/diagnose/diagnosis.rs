@@ -1,7 +1,7 @@
 //! What the page of a diagnosis shows, and the answer in one sentence.
 
+use slipstream_answer::{Answer, Figures, Finding, Verdict};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Answer, Figures, Finding, Verdict};
 use slipstream_recording::Recording;
 
 use super::errors::reached;
@@ -139,7 +139,7 @@ impl Diagnosis<'_> {
             .take(NAMED)
             .map(|group| {
                 let changed = Some(group[0]).filter(|_| !self.answer.against.is_empty());
-                let words = changed.and_then(slipstream_diagnose::change);
+                let words = changed.and_then(slipstream_answer::change);
                 self.whose(group)
                     + &words
                         .unwrap_or_else(|| headline(group[0], self.model(&group[0].robot).as_ref()))

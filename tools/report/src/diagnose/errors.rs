@@ -1,6 +1,6 @@
 //! How far predictions miss, in centimetres and degrees.
 
-use slipstream_diagnose::{Answer, Budget};
+use slipstream_answer::{Answer, Budget};
 
 use crate::parts::{short, shown_unit, with_unit};
 

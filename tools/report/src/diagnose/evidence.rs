@@ -1,7 +1,7 @@
 //! Where the error was over time and what is left of it, and where each finding is at work.
 
 use maud::{Markup, html};
-use slipstream_diagnose::{ErrorLine, Figures, Finding};
+use slipstream_answer::{ErrorLine, Figures, Finding};
 
 use super::cards;
 use super::diagnosis::Diagnosis;

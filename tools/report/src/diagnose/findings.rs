@@ -1,7 +1,7 @@
 //! The table of findings: what was, what is, how sure, what it takes away, what to do.
 
 use maud::{Markup, html};
-use slipstream_diagnose::{Answer, Finding};
+use slipstream_answer::{Answer, Finding};
 
 use super::diagnosis::{Diagnosis, listed};
 use super::errors::unexplained;

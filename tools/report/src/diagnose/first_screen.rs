@@ -1,7 +1,7 @@
 //! The first screen of a diagnosis: verdict, error budget, path before and after, findings and what to do.
 
 use maud::{Markup, html};
-use slipstream_diagnose::{Answer, Budget, Paths, Verdict};
+use slipstream_answer::{Answer, Budget, Paths, Verdict};
 
 use super::diagnosis::Diagnosis;
 use super::errors::{Error, errors, unexplained};

@@ -1,7 +1,7 @@
 //! What a finding says in physics, in one clause.
 
+use slipstream_answer::Finding;
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::Finding;
 
 use super::words::{Shown, driver, shown};
 use crate::parts::{fixed, short, with_unit};
@@ -257,7 +257,7 @@ fn mounting(x: Option<&Shown>, y: Option<&Shown>, yaw: Option<&Shown>) -> String
 mod tests {
     use super::*;
     use crate::diagnose::words::name;
-    use slipstream_diagnose::ParameterEstimate;
+    use slipstream_answer::ParameterEstimate;
     use slipstream_sim::effects::CATALOGUE;
 
     /// A finding with numbers for every parameter of an effect.
@@ -279,14 +279,14 @@ mod tests {
                     text: None,
                 })
                 .collect(),
-            place: slipstream_diagnose::Place {
+            place: slipstream_answer::Place {
                 channel: "longitudinal".to_owned(),
                 intervals_s: Vec::new(),
                 condition: "always".to_owned(),
             },
             runs: None,
             confused_with: Vec::new(),
-            evidence: slipstream_diagnose::Evidence {
+            evidence: slipstream_answer::Evidence {
                 log_likelihood_gain: 10.0,
                 p_value: 1e-6,
             },

@@ -17,7 +17,7 @@ mod words;
 use std::fmt::Write as _;
 
 use maud::{Markup, html};
-use slipstream_diagnose::{Figures, Verdict};
+use slipstream_answer::{Figures, Verdict};
 
 use crate::parts::{Fact, Page};
 

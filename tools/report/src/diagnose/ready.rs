@@ -1,8 +1,8 @@
 //! Lines to copy: into robot.toml, and into the parameters of a controller.
 
 use maud::{Markup, html};
+use slipstream_answer::calibration;
 use slipstream_bus::{Parameter, RobotModel};
-use slipstream_diagnose::calibration;
 use slipstream_recording::robot_toml;
 
 use super::diagnosis::Diagnosis;

@@ -1,8 +1,8 @@
 //! What was ruled out down to which size, what was not judged, and what cannot be told apart.
 
 use maud::{Markup, html};
+use slipstream_answer::{Figures, Finding, Limit, Seen, manoeuvre};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Figures, Finding, Limit, Seen, manoeuvre};
 
 use super::diagnosis::Diagnosis;
 use super::words::{driver, name, scale_of};

@@ -1,7 +1,7 @@
 //! Words for effects: what a person calls them, and their parameters in units of the robot.
 
+use slipstream_answer::{Finding, ParameterEstimate};
 use slipstream_bus::RobotModel;
-use slipstream_diagnose::{Finding, ParameterEstimate};
 
 use crate::parts::{digits_of, fixed, interval, with_unit};
 

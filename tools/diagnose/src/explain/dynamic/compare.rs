@@ -3,14 +3,14 @@
 //! What runs from before need is found first. It acts in all runs, its numbers fitted with whatever
 //! changed; a change acts in runs of today alone, and has to explain more than the same effect in all runs.
 
-use super::examine::{Judged, alone, machine_of};
 use super::fit::{Fit, values};
+use super::judged::{Judged, alone, machine_of};
 use super::machine::Machine;
 use super::precision::Known;
 use super::selection::{Selected, Selection};
-use crate::diagnosis::Request;
 use crate::model::hypothesis::{self, Hypothesis, in_force, with};
 use crate::predict::predictor::Predictor;
+use crate::request::Request;
 use crate::select::criterion::Criterion;
 
 /// Effects of one place or time, which runs do not share.

@@ -1,9 +1,9 @@
 //! Under which condition an effect is at work.
 
 use slipstream_bus::RobotModel;
+use slipstream_sim::breakaway_nm;
 use slipstream_sim::effects::When;
 
-use crate::model::breakaway::breakaway_nm;
 use crate::model::hypothesis::{Hypothesis, STATIC, is_direction};
 
 /// Under which condition an effect is at work, for a person.

@@ -4,23 +4,20 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
+use super::judged::{Judged, alone};
 use super::machine::Machine;
 use super::precision::Known;
-use super::selection::{Selected, Selection};
+use super::selection::Selected;
 use super::{answer, compare, pictures, prediction};
 use crate::answer::statement::changed;
 use crate::answer::{Figures, Finding};
-use crate::data::track::{Sensor, Track};
-use crate::diagnosis::{Collected, Request, Runs};
+use crate::data::track::Sensor;
+use crate::explain::collected::Collected;
 use crate::explain::links::Course;
 use crate::judge::{Predictions, Score, passing};
-use crate::model::hypothesis::{self, Hypothesis, with};
+use crate::model::hypothesis::with;
 use crate::predict::predictor::Predictor;
-
-/// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says
-/// little more, and every fit filters all of them.
-const ROWS: usize = 6000;
-const LEAST_ROWS: usize = 500;
+use crate::request::{Request, Runs};
 
 /// Whether the filter over the plant diagnoses a machine: its masses are known, and torques or
 /// voltages drive it.
@@ -164,51 +161,6 @@ fn illustrated(found: &Found, collected: &Collected, progress: &(dyn Fn(&str) + 
     let first = findings.iter().position(|own| own.robot == *robot);
     let first = first.unwrap_or(findings.len());
     pictures::figures(machine, &found.predictor, selected, all, first)
-}
-
-/// What was found on a machine.
-pub(super) struct Judged {
-    pub(super) machine: Machine,
-    pub(super) selected: Selected,
-    /// What was looked for.
-    pub(super) all: Vec<Hypothesis>,
-    /// How well the numbers of what was found are known.
-    pub(super) known: Option<Known>,
-    /// Of a comparison, 95 % intervals of what was there before: effect, parameter, interval.
-    pub(super) nominal: Vec<(&'static str, &'static str, [f64; 2])>,
-}
-
-/// The runs of a machine as the filter reads them.
-pub(super) fn machine_of(tracks: &[Track], model: &RobotModel, excluded: &[String]) -> Machine {
-    let mut tracks = tracks.to_vec();
-    let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
-    tracks.iter_mut().for_each(|track| track.thin(most));
-    Machine::new(tracks, model.clone(), excluded)
-}
-
-/// What a machine lacks.
-pub(super) fn alone(
-    request: &Request<'_>,
-    predictor: &Predictor,
-    progress: &(dyn Fn(&str) + Sync),
-) -> Option<Judged> {
-    let all = hypothesis::all(&predictor.model, &predictor.tracks, request.excluded);
-    let mut selection = Selection {
-        machine: machine_of(&predictor.tracks, &predictor.model, request.excluded),
-        all: &all,
-        known: &[],
-        progress,
-    };
-    let selected = selection.run()?;
-    let machine = selection.machine;
-    let known = machine.known(&selected.fit);
-    Some(Judged {
-        machine,
-        selected,
-        all,
-        known,
-        nominal: Vec::new(),
-    })
 }
 
 /// What was found; of a comparison, as changes.

@@ -121,6 +121,23 @@ pub(super) fn least_change(info: &Info, name: &str) -> f64 {
 }
 
 impl Machine {
+    /// Adds loads: one for each row of each pass of `fit`, in its order.
+    pub(crate) fn add_loads(&mut self, fit: &Fit, loads: &[Vec<[f64; 2]>]) {
+        let known = std::mem::take(&mut self.loads);
+        for (run, (pass, own)) in fit.passes.iter().zip(loads).enumerate() {
+            let known = known.get(run).map_or(&[][..], Vec::as_slice);
+            let rows = pass.rows.iter().zip(own);
+            self.loads.push(
+                rows.map(|(row, [along, about])| {
+                    let at = known.partition_point(|(until_s, _)| *until_s < row.true_s - 1e-9);
+                    let [x, y] = known.get(at).map_or([0.0; 2], |(_, load)| *load);
+                    (row.true_s, [along + x, about + y])
+                })
+                .collect(),
+            );
+        }
+    }
+
     /// Floor of the noise of a model.
     pub(crate) fn floor(&self, of_wheels: bool) -> [f64; 5] {
         let body = &self.model.robot;

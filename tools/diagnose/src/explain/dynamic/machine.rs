@@ -3,7 +3,6 @@
 use slipstream_bus::RobotModel;
 
 use super::channels::{NO_CHANNEL, first};
-use super::fit::Fit;
 use crate::data::track::{self, Track};
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
@@ -68,23 +67,6 @@ impl Machine {
             channels,
             stamps,
             loads: Vec::new(),
-        }
-    }
-
-    /// Adds loads: one for each row of each pass of `fit`, in its order.
-    pub(crate) fn add_loads(&mut self, fit: &Fit, loads: &[Vec<[f64; 2]>]) {
-        let known = std::mem::take(&mut self.loads);
-        for (run, (pass, own)) in fit.passes.iter().zip(loads).enumerate() {
-            let known = known.get(run).map_or(&[][..], Vec::as_slice);
-            let rows = pass.rows.iter().zip(own);
-            self.loads.push(
-                rows.map(|(row, [along, about])| {
-                    let at = known.partition_point(|(until_s, _)| *until_s < row.true_s - 1e-9);
-                    let [x, y] = known.get(at).map_or([0.0; 2], |(_, load)| *load);
-                    (row.true_s, [along + x, about + y])
-                })
-                .collect(),
-            );
         }
     }
 

@@ -1,6 +1,6 @@
 //! A number of a finding as it is typed: as many digits as its interval lets count, and what it was.
 
-use crate::answer::{Finding, ParameterEstimate, in_digits};
+use crate::{Finding, ParameterEstimate, in_digits};
 
 /// A number of a finding.
 #[derive(Debug, Clone, Copy)]
@@ -91,7 +91,7 @@ impl Quantity {
 }
 
 /// A finding as a line of `[effects]` in robot.toml; `None` where a number is missing.
-pub(super) fn toml_line(finding: &Finding) -> Option<String> {
+fn toml_line(finding: &Finding) -> Option<String> {
     let info = slipstream_sim::effects::find(&finding.effect)?;
     let pairs: Option<Vec<String>> = finding
         .parameters
@@ -111,4 +111,10 @@ pub(super) fn toml_line(finding: &Finding) -> Option<String> {
     } else {
         format!("{} = {{ {pairs} }}", info.id)
     })
+}
+
+/// The action that puts a finding into a model.
+pub(super) fn into_model(finding: &Finding) -> Option<String> {
+    let line = toml_line(finding)?;
+    Some(format!("set {line} in [effects] of robot.toml"))
 }

@@ -1,10 +1,10 @@
 //! Friction, drag, load and slope: what acts on the body and under the wheels.
 
-use super::into_model;
-use super::quantity::Quantity;
-use crate::answer::Finding;
-use crate::answer::setup::{Setup, Told};
-use crate::model::breakaway::breakaway_nm;
+use slipstream_sim::breakaway_nm;
+
+use super::quantity::{Quantity, into_model};
+use crate::Finding;
+use crate::setup::{Setup, Told};
 
 pub(super) fn wheel_slip(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let friction = Quantity::of(finding, "friction_static");

@@ -2,16 +2,16 @@
 
 use slipstream_sim::effects::Role;
 
-use crate::answer::miscount::cause;
-use crate::answer::{Finding, ParameterEstimate};
-use crate::answer::{in_digits, manoeuvre};
+use crate::miscount::cause;
+use crate::{Finding, ParameterEstimate};
+use crate::{in_digits, manoeuvre};
 
 /// Intervals that are spelled out; more are counted.
 const SPELLED: usize = 3;
 
 /// The sentence of a finding. `summary` says what the effect is, `span_s` when the recording begins
 /// and ends, `known` that the model has the effect with other numbers.
-pub(crate) fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], known: bool) -> String {
+pub fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], known: bool) -> String {
     let channel = finding.place.channel.replace('_', " ");
     let robot = &finding.robot;
     let when = when(finding, span_s);
@@ -28,7 +28,7 @@ pub(crate) fn statement(finding: &Finding, summary: &str, span_s: [f64; 2], know
 }
 
 /// The sentence of a change since `before`.
-pub(crate) fn changed(finding: &Finding, before: &str) -> String {
+pub fn changed(finding: &Finding, before: &str) -> String {
     let robot = &finding.robot;
     if let Some(shape) = &finding.shape {
         return format!(
@@ -235,7 +235,7 @@ fn between(finding: &Finding) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answer::{Evidence, Place};
+    use crate::{Evidence, Place};
 
     fn slip(intervals_s: Vec<[f64; 2]>, confused_with: Vec<String>) -> Finding {
         Finding {

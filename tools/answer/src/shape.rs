@@ -61,7 +61,7 @@ const SHAPES: [Shape; 6] = [
 ];
 
 /// What a law over `driver` with `values` at `knots` resembles; `None` where no shape is near.
-pub(crate) fn resemblance(driver: &str, knots: &[f64], values: &[f64]) -> Option<&'static str> {
+pub fn resemblance(driver: &str, knots: &[f64], values: &[f64]) -> Option<&'static str> {
     let reach = knots.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let square: f64 = values.iter().map(|v| v * v).sum();
     let two = knots.iter().filter(|x| **x != 0.0).count() >= 2;

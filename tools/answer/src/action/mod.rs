@@ -14,11 +14,7 @@ use super::setup::Setup;
 use super::{Answer, Finding, manoeuvre};
 
 /// Says for every finding what to do about it.
-pub(crate) fn advise(
-    answer: &mut Answer,
-    improved: &[(String, RobotModel)],
-    recordings: &[Recording],
-) {
+pub fn advise(answer: &mut Answer, improved: &[(String, RobotModel)], recordings: &[Recording]) {
     for finding in &mut answer.findings {
         let own = improved.iter().find(|(name, _)| *name == finding.robot);
         let setup = own.and_then(|(name, model)| Setup::of(name, model, recordings));
@@ -84,12 +80,6 @@ fn of_effect(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
         "unknown" => Some(outside::unknown(finding, setup)),
         _ => None,
     }
-}
-
-/// The action that puts a finding into a model.
-fn into_model(finding: &Finding) -> Option<String> {
-    let line = quantity::toml_line(finding)?;
-    Some(format!("set {line} in [effects] of robot.toml"))
 }
 
 #[cfg(test)]

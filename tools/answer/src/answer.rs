@@ -1,27 +1,6 @@
-//! What is answered; its JSON has a schema in `tools/cli/schemas`.
-
-mod action;
-mod calibration;
-mod digits;
-mod figures;
-#[cfg(test)]
-mod fixture;
-mod manoeuvre;
-mod miscount;
-mod setup;
-pub(crate) mod shape;
-pub(crate) mod statement;
+//! The answer and its parts, as its JSON has them.
 
 use serde::Serialize;
-
-pub(crate) use action::advise;
-pub use calibration::calibration;
-pub use digits::in_digits;
-pub use figures::{
-    ErrorLine, Figures, LawCurve, Limit, MissingForce, Motion, Paths, Point, Profile, Seen,
-};
-pub use manoeuvre::manoeuvre;
-pub use statement::change;
 
 /// The answer of a diagnosis.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -154,7 +133,7 @@ pub struct ParameterEstimate {
 
 impl ParameterEstimate {
     /// A parameter that is a word.
-    pub(crate) fn word(name: &str, word: &str) -> Self {
+    pub fn word(name: &str, word: &str) -> Self {
         Self {
             name: name.to_owned(),
             unit: "text".to_owned(),
@@ -169,7 +148,7 @@ impl ParameterEstimate {
 
 impl Unexplained {
     /// What the catalogue does not hold, as a finding.
-    pub(crate) fn finding(&self, condition: String, evidence: Evidence) -> Finding {
+    pub fn finding(&self, condition: String, evidence: Evidence) -> Finding {
         let Self { robot, shape, .. } = self;
         Finding {
             robot: robot.clone(),
@@ -347,7 +326,7 @@ pub struct Warning {
 
 impl HeldOut {
     /// Adds the prediction of one machine; the totals are those of the one that is worst off.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         self.channels.extend(other.channels.iter().cloned());
         self.nrmse_before = self.nrmse_before.max(other.nrmse_before);
         self.nrmse_after = self.nrmse_after.max(other.nrmse_after);
@@ -357,7 +336,7 @@ impl HeldOut {
 
 impl Answer {
     /// The robots that were predicted.
-    pub(crate) fn robots(&self) -> Vec<&str> {
+    pub fn robots(&self) -> Vec<&str> {
         let mut robots: Vec<&str> = Vec::new();
         for channel in &self.held_out.channels {
             if !robots.contains(&channel.robot.as_str()) {

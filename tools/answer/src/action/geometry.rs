@@ -6,9 +6,9 @@
 //! neither what a floor takes away, which the wheels do not have on the next floor, nor what encoders miscount.
 
 use super::quantity::Quantity;
-use crate::answer::Finding;
-use crate::answer::miscount::cause;
-use crate::answer::setup::{Setup, Told};
+use crate::Finding;
+use crate::miscount::cause;
+use crate::setup::{Setup, Told};
 
 pub(super) fn wheel_radius(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let [left, right] = sides(finding, ["left_scale", "right_scale"])?;

@@ -8,7 +8,6 @@ use slipstream_recording::Recording;
 use super::digits::in_digits;
 use super::setup::Setup;
 use super::{Answer, Finding};
-use crate::model::nominal::number;
 
 /// Digits behind the point of a number whose interval is not known.
 const DIGITS: usize = 6;
@@ -57,7 +56,7 @@ impl Calibration<'_> {
     fn parameters(&self, robot: &str) -> String {
         let body = &self.model.robot;
         let multiplier = |effect: &str, name: &str| {
-            let value = number(self.model, effect, name).unwrap_or(1.0);
+            let value = self.model.number(effect, name).unwrap_or(1.0);
             float(&self.write(effect, name, value))
         };
         let rows = [
@@ -115,7 +114,7 @@ impl Calibration<'_> {
     }
 
     fn slip(&self) -> Option<String> {
-        let ratio = number(self.model, "slip_ratio", "ratio")?;
+        let ratio = self.model.number("slip_ratio", "ratio")?;
         Some(format!(
             "# On this floor the wheels slip by a ratio of {}, which the radii do not contain.\n",
             self.write("slip_ratio", "ratio", ratio)
@@ -124,7 +123,7 @@ impl Calibration<'_> {
 
     fn encoders(&self, counts_per_turn: Option<f64>) -> Option<String> {
         let side = |name: &str| {
-            let scale = number(self.model, "encoder_scale", name)?;
+            let scale = self.model.number("encoder_scale", name)?;
             let of = |scale: f64| scale * counts_per_turn.unwrap_or(1.0);
             let own = self
                 .findings
@@ -153,7 +152,7 @@ impl Calibration<'_> {
     /// `ahead_m` is the way from the middle of the axle forward to the declared point (m).
     fn transform(&self, ahead_m: f64) -> Option<String> {
         let effect = "pose_offset";
-        let of = |name: &str| number(self.model, effect, name);
+        let of = |name: &str| self.model.number(effect, name);
         let known = ["x_m", "y_m", "yaw_rad"].map(of);
         known.iter().flatten().next()?;
         let [x, y, yaw] = known.map(|own| own.unwrap_or(0.0));

@@ -6,7 +6,7 @@ const MOST: f64 = 9.0;
 /// An estimate and the ends of its interval, with two digits of the interval's width.
 ///
 /// ```
-/// let [estimate, low, high] = slipstream_diagnose::in_digits(0.236_14, [0.231_3, 0.241_4]);
+/// let [estimate, low, high] = slipstream_answer::in_digits(0.236_14, [0.231_3, 0.241_4]);
 /// assert_eq!((&*estimate, &*low, &*high), ("0.236", "0.231", "0.241"));
 /// ```
 pub fn in_digits(estimate: f64, [low, high]: [f64; 2]) -> [String; 3] {

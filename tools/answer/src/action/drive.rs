@@ -1,9 +1,8 @@
 //! From the command to the wheel.
 
-use super::into_model;
-use super::quantity::Quantity;
-use crate::answer::Finding;
-use crate::answer::setup::{Setup, Told};
+use super::quantity::{Quantity, into_model};
+use crate::Finding;
+use crate::setup::{Setup, Told};
 
 pub(super) fn delay(finding: &Finding) -> Option<Vec<String>> {
     let delay = Quantity::of(finding, "delay_s")?;

@@ -1,7 +1,7 @@
 //! Streams and messages whose stamps are wrong.
 
 use super::quantity::Quantity;
-use crate::answer::Finding;
+use crate::Finding;
 
 /// `what` is the stream's readings.
 pub(super) fn latency(finding: &Finding, what: &str) -> Option<Vec<String>> {

@@ -1,11 +1,12 @@
 //! When both wheels lose their grip.
 
 use slipstream_bus::RobotModel;
-use slipstream_sim::GRAVITY_M_S2;
+
+use super::GRAVITY_M_S2;
 
 /// The torque at which both wheels break away when they drive straight ahead (Eq. 11, without
 /// payload): F (r + 2 I_wy / (m_t r)) with F the friction at one wheel.
-pub(crate) fn breakaway_nm(model: &RobotModel, friction: f64) -> Option<f64> {
+pub fn breakaway_nm(model: &RobotModel, friction: f64) -> Option<f64> {
     let body = &model.robot;
     let mass = body.body_mass_kg? + 2.0 * body.wheel_mass_kg?;
     let (d, e, r) = (
@@ -19,9 +20,8 @@ pub(crate) fn breakaway_nm(model: &RobotModel, friction: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use slipstream_sim::{Command, Robot};
-
     use super::*;
+    use crate::{Command, Robot};
 
     fn slipping(friction: f64) -> RobotModel {
         let values = [

@@ -1,7 +1,7 @@
 use slipstream_recording::robot_file;
 
 use super::*;
-use crate::answer::fixture::finding;
+use crate::fixture::finding;
 
 /// An effect, and its parameters: name, estimate, half width of the interval.
 type Found<'a> = (&'a str, &'a [(&'a str, f64, f64)]);
@@ -108,7 +108,7 @@ fn the_calibration_of_nothing_is_read_as_the_nominal_lengths() {
 
 /// Radii of right and left wheel, and half of the track (m), all effects counted.
 fn true_lengths(model: &RobotModel) -> [f64; 3] {
-    let scale = |effect, name| number(model, effect, name).unwrap_or(1.0);
+    let scale = |effect, name| model.number(effect, name).unwrap_or(1.0);
     let radius = |name| model.robot.wheel_radius_m * scale("wheel_radius", name);
     let half_track = model.robot.half_track_m * scale("track_width", "scale");
     [radius("right_scale"), radius("left_scale"), half_track]
@@ -133,7 +133,7 @@ fn a_calibration_is_read_as_the_wheels_and_the_track_that_were_found() {
             );
         }
         // What both wheels have in common is a length of the model, not an effect.
-        assert_eq!(number(&read, "track_width", "scale"), None);
+        assert_eq!(read.number("track_width", "scale"), None);
         assert_eq!(read.effects.len(), usize::from(scales == apart));
     }
 }

@@ -1,9 +1,9 @@
 use slipstream_sim::effects::CATALOGUE;
 
 use super::*;
-use crate::answer::ParameterEstimate;
-use crate::answer::fixture::finding;
-use crate::answer::setup::Told;
+use crate::ParameterEstimate;
+use crate::fixture::finding;
+use crate::setup::Told;
 
 /// The actions of a finding on a robot with these commands, its poses those of the axle.
 fn told(told: Told, finding: &Finding) -> Vec<String> {

@@ -3,8 +3,8 @@
 use slipstream_bus::{EffectSpec, Parameter};
 
 use super::quantity::Quantity;
-use crate::answer::setup::Setup;
-use crate::answer::{Finding, manoeuvre};
+use crate::setup::Setup;
+use crate::{Finding, manoeuvre};
 
 /// How long a push lasts (s), and what is left out around it (s).
 const PUSH_S: f64 = 0.06;

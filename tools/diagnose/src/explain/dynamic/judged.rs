@@ -1,0 +1,61 @@
+//! What one machine lacks, its runs alone.
+
+use slipstream_bus::RobotModel;
+
+use super::machine::Machine;
+use super::precision::Known;
+use super::selection::{Selected, Selection};
+use crate::data::track::Track;
+use crate::model::hypothesis::{self, Hypothesis};
+use crate::predict::predictor::Predictor;
+use crate::request::Request;
+
+/// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says
+/// little more, and every fit filters all of them.
+const ROWS: usize = 6000;
+const LEAST_ROWS: usize = 500;
+
+/// What was found on a machine.
+pub(super) struct Judged {
+    pub(super) machine: Machine,
+    pub(super) selected: Selected,
+    /// What was looked for.
+    pub(super) all: Vec<Hypothesis>,
+    /// How well the numbers of what was found are known.
+    pub(super) known: Option<Known>,
+    /// Of a comparison, 95 % intervals of what was there before: effect, parameter, interval.
+    pub(super) nominal: Vec<(&'static str, &'static str, [f64; 2])>,
+}
+
+/// The runs of a machine as the filter reads them.
+pub(super) fn machine_of(tracks: &[Track], model: &RobotModel, excluded: &[String]) -> Machine {
+    let mut tracks = tracks.to_vec();
+    let most = (ROWS / tracks.len().max(1)).max(LEAST_ROWS);
+    tracks.iter_mut().for_each(|track| track.thin(most));
+    Machine::new(tracks, model.clone(), excluded)
+}
+
+/// What a machine lacks.
+pub(super) fn alone(
+    request: &Request<'_>,
+    predictor: &Predictor,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Option<Judged> {
+    let all = hypothesis::all(&predictor.model, &predictor.tracks, request.excluded);
+    let mut selection = Selection {
+        machine: machine_of(&predictor.tracks, &predictor.model, request.excluded),
+        all: &all,
+        known: &[],
+        progress,
+    };
+    let selected = selection.run()?;
+    let machine = selection.machine;
+    let known = machine.known(&selected.fit);
+    Some(Judged {
+        machine,
+        selected,
+        all,
+        known,
+        nominal: Vec::new(),
+    })
+}
