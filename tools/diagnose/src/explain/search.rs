@@ -65,30 +65,43 @@ impl Search<'_> {
         self.needed().unwrap_or_else(|| self.undetermined())
     }
 
+    /// First what the catalogue has, then scale and track of single runs, then laws outside of the catalogue, and
+    /// at last the rows at full rate.
     fn needed(&self) -> Option<Searched> {
         let table = self.table([false; 2]);
-        let thin = self.selected(&table, None)?;
+        let first = self.selected(&table, None, Terms::Catalogue)?;
+        let by_run = self.by_run(&table, &first)?;
+        let (table, start) = if by_run == [false; 2] {
+            (table, chosen(first))
+        } else {
+            let apart = self.table(by_run);
+            let chosen = self.apart(&table, &first, &apart);
+            (apart, chosen)
+        };
+        let selected = self.selected(&table, Some(start), Terms::All)?;
         let dense = self.streams.reference.dense();
         let dense = dense.filter(|dense| {
-            let fit = self.over(dense).noise_at(&table, &thin.fit.at);
+            let fit = self.over(dense).noise_at(&table, &selected.fit.at);
             let at = read(self.nominal, &table.weights, &fit.at);
             is_white(dense, &at, Reference::Pose)
         });
-        let Some(dense) = dense else {
-            return self.by_run(table, thin);
+        let refined = dense.as_ref().map(|dense| {
+            let own = self.over(dense);
+            let start = Some(chosen(selected.clone()));
+            own.selected(&table, start, Terms::Found)
+        });
+        let selected = match refined {
+            Some(refined) => refined?,
+            None => selected,
         };
-        let own = self.over(&dense);
-        let table = own.table([false; 2]);
-        let chosen = Chosen {
-            terms: thin.kept.iter().map(|kept| kept.term.clone()).collect(),
-            fit: thin.fit,
-            alike: Vec::new(),
-        };
-        let selected = own.selected(&table, Some(chosen))?;
-        let found = own.by_run(table, selected)?;
         Some(Searched {
-            dense: Some(dense),
-            ..found
+            criterion: self.criterion(&table),
+            nominal: self.nominal.to_vec(),
+            table,
+            selected,
+            by_run,
+            is_undetermined: false,
+            dense,
         })
     }
 
@@ -139,25 +152,18 @@ impl Search<'_> {
         problem(&joint, table).fit(at, &table.noise, FULL)
     }
 
-    /// The same with scale and track of each run where runs differ.
-    fn by_run(&self, table: Table, selected: Selected) -> Option<Searched> {
+    /// Whether scale and track are those of each run.
+    fn by_run(&self, table: &Table, selected: &Selected) -> Option<[bool; 2]> {
         let reference = self.streams.reference;
         let today = reference.runs.len() - reference.before.runs;
         let known = reference.before.spread.map(|spread| spread.is_some());
-        let mut by_run = known;
-        if today > 1 && (reference.has_pose() || reference.has_gyro()) {
-            let apart = self.table([true; 2]);
-            let chosen = self.apart(&table, &selected, &apart);
-            let differ = self.differ(&apart, &chosen)?;
-            by_run = [0, 1].map(|i| by_run[i] || differ[i]);
+        if today < 2 || !(reference.has_pose() || reference.has_gyro()) {
+            return Some(known);
         }
-        if by_run == [false; 2] {
-            return self.finished(table, selected, by_run);
-        }
-        let apart = self.table(by_run);
-        let chosen = self.apart(&table, &selected, &apart);
-        let selected = self.selected(&apart, Some(chosen))?;
-        self.finished(apart, selected, by_run)
+        let apart = self.table([true; 2]);
+        let chosen = self.apart(table, selected, &apart);
+        let differ = self.differ(&apart, &chosen)?;
+        Some([0, 1].map(|i| known[i] || differ[i]))
     }
 
     /// What was found, with scale and track of each run in the place of those of the machine where `apart` has
@@ -202,20 +208,8 @@ impl Search<'_> {
         }
     }
 
-    fn finished(&self, table: Table, selected: Selected, by_run: [bool; 2]) -> Option<Searched> {
-        Some(Searched {
-            criterion: self.criterion(&table),
-            nominal: self.nominal.to_vec(),
-            table,
-            selected,
-            by_run,
-            is_undetermined: false,
-            dense: None,
-        })
-    }
-
-    /// What is needed of the terms of a table, from `start` on where there is one.
-    fn selected(&self, table: &Table, start: Option<Chosen>) -> Option<Selected> {
+    /// What is needed of some terms of a table, from `start` on where there is one.
+    fn selected(&self, table: &Table, start: Option<Chosen>, which: Terms) -> Option<Selected> {
         let read_by = (self.streams, self.nominal);
         let useful = |term: &Term, with: &Fit, without: &Fit| {
             is_useful(read_by, table, term, [with, without])
@@ -230,7 +224,6 @@ impl Search<'_> {
         let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
         let robust = problem(&robust, table);
         let mut elimination = elimination(&robust, table, &nominal, &useful);
-        let is_known = start.is_some();
         let begun = start.unwrap_or_else(|| {
             // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
             let plain = Joint::new(self.streams, self.nominal, &table.weights, [true, false]);
@@ -250,14 +243,13 @@ impl Search<'_> {
                 ..early
             }
         });
-        let chosen = elimination.forward(begun, catalogue, self.hear);
-        let chosen = if is_known {
-            chosen
-        } else {
-            let chosen = elimination.exchanged(chosen, catalogue);
-            let chosen = elimination.forward(chosen, &table.terms, self.hear);
-            elimination.exchanged(chosen, &table.terms)
+        let tried = match which {
+            Terms::Catalogue => catalogue,
+            Terms::All => table.terms.as_slice(),
+            Terms::Found => &[],
         };
+        let chosen = elimination.forward(begun, tried, self.hear);
+        let chosen = elimination.exchanged(chosen, tried);
         let mut terms = chosen.terms;
         let mut found = elimination.settled(chosen.fit, &mut terms)?;
         found.alike = chosen.alike;
@@ -399,6 +391,24 @@ fn differs(values: &[[f64; 2]]) -> bool {
         .sum();
     let chance = ChiSquared::new(values.len() as f64 - 1.0);
     chance.map_or(1.0, |chi2| chi2.sf(q)) < RUNS_DIFFER
+}
+
+/// Which terms are tried.
+#[derive(Clone, Copy)]
+enum Terms {
+    Catalogue,
+    All,
+    /// Those that were found alone.
+    Found,
+}
+
+/// What was selected, to go on from.
+fn chosen(selected: Selected) -> Chosen {
+    Chosen {
+        terms: selected.kept.into_iter().map(|kept| kept.term).collect(),
+        fit: selected.fit,
+        alike: selected.alike,
+    }
 }
 
 /// The problem of fitting a likelihood with the priors of a table.

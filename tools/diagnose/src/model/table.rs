@@ -58,6 +58,8 @@ const RATE_INFLATION: f64 = 1.75;
 /// than 1e-4.
 const COUNT_COST: f64 = 3.0;
 const RATE_COST: f64 = 3.0;
+/// The same against a saturation, beside a gain: robots are rarely commanded more than they can do.
+const SATURATION_COST: f64 = 2.0;
 /// The same against late wheels, beside commands that act late.
 const WHEELS_COST: f64 = 2.0;
 /// The same against a law that the catalogue does not have, beside any effect that it has.
@@ -705,7 +707,7 @@ impl<'a> Known<'a> {
                 vec![(Reference(COMMON), 1.0)],
                 vec![(Reference(ASYMMETRY), 1.0)],
             ],
-            [0.1_f64.max(crude.abs()), 0.1],
+            [0.3_f64.max(crude.abs()), 0.1],
         );
         let names = ["right_scale", "left_scale"];
         let mut radius = if self.has_pose {
@@ -1061,6 +1063,7 @@ impl<'a> Known<'a> {
         let starts = starts.filter(|_| known == 0.0);
         let mut saturation = Draft::new("saturation", vec![row], shown).from(starts);
         (saturation.positive, saturation.lasting, saturation.later) = (true, true, true);
+        saturation.cost = SATURATION_COST;
         all.push(saturation);
         let bands = self.bands();
         if bands.is_empty() {

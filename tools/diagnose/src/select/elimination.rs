@@ -22,6 +22,7 @@ pub(crate) struct Kept {
 }
 
 /// The outcome of an elimination.
+#[derive(Debug, Clone)]
 pub(crate) struct Selected {
     pub(crate) fit: Fit,
     pub(crate) precision: Precision,

@@ -226,6 +226,9 @@ impl Elimination<'_> {
     /// Each term against the best in its place.
     pub(crate) fn exchanged(&self, mut chosen: Chosen, all: &[Term]) -> Chosen {
         for _ in 0..EXCHANGES {
+            if all.is_empty() {
+                break;
+            }
             match self.exchange(&mut chosen, all) {
                 Some(better) => chosen = better,
                 None => break,
