@@ -8,6 +8,7 @@ mod effect_list;
 mod jacobian;
 pub(crate) mod mode;
 mod normal_load;
+pub(crate) mod rolling_motion;
 
 pub use constants::{GRAVITY_M_S2, Robot};
 pub use effect_list::{ListedEffect, lift, lift_entries, read_effects};
