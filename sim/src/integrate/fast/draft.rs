@@ -10,6 +10,7 @@ use crate::dynamics::applied::{applied_forces, outside_force};
 use crate::dynamics::forces::add_dry_friction;
 use crate::dynamics::inertia::wheel_inertias;
 use crate::dynamics::motors::{damping_vector, is_damped, motor_damping, motor_torque};
+use crate::integrate::floor::patch_event;
 use crate::integrate::state::State;
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::CommandKind;
@@ -83,17 +84,21 @@ pub(in crate::integrate) fn step<S: Scalar>(
     body.lagged = actuation.lagged;
     body.acceleration = motion.full(end.acceleration);
     body.contact = contact;
+    if robot.effects.has_floor && patch_event(robot, from, &body).is_some() {
+        return false;
+    }
     state.body = body;
     true
 }
 
 /// Whether nothing but the two driven wheels' contacts holds the robot, and they roll.
 fn rolls<S: Scalar>(robot: &Robot<S>, mode: &Mode<S>) -> bool {
-    let loads_matter = robot.wheel_friction.is_some() || robot.dry_friction.caster.is_some();
+    let loads_matter = mode.wheel_friction[0].is_some() || robot.dry_friction.caster.is_some();
     mode.kind != CommandKind::Speed
         && mode.active == ConstraintSet::WHEELS
         && robot.actuator.gap_rad.is_none()
-        && !(robot.effects.has_floor || robot.effects.has_carry)
+        && !robot.effects.has_carry
+        && mode.wheel_friction[0].is_some() == mode.wheel_friction[1].is_some()
         && !(loads_matter && robot.load.transfer.is_some())
 }
 
@@ -168,7 +173,7 @@ impl<'a, S: Scalar> Held<'a, S> {
         let lateral_n =
             robot.mass * rate[1] + robot.first_moment[0] * rate[2] + damped(1) - at.force[1];
         let mut normal_n = [S::constant(0.0); 2];
-        if robot.wheel_friction.is_some() {
+        if self.mode.wheel_friction[0].is_some() {
             let difference = robot.load.lateral * lateral_n + robot.load.offset;
             let driven = robot.load.driven;
             normal_n = [(driven + difference) * 0.5, (driven - difference) * 0.5];
@@ -183,11 +188,11 @@ impl<'a, S: Scalar> Held<'a, S> {
     /// Whether both wheels surely stick, each under the whole lateral force.
     #[inline]
     fn sticks(&self, contact: &ContactForces<S>) -> bool {
-        let Some(friction) = self.robot.wheel_friction else {
-            return true;
-        };
         let lateral = contact.lateral_n.value();
         (0..2).all(|i| {
+            let Some(friction) = self.mode.wheel_friction[i] else {
+                return true;
+            };
             let along = contact.longitudinal_n[i].value();
             let normal = contact.normal_n[i].value();
             let limit = friction.friction_static.value() * normal;
