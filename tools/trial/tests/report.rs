@@ -52,6 +52,7 @@ fn a_report_is_read_back_from_its_json() {
     ];
     let runs = answers.into_iter().map(|answer| DiagnosisRun {
         answer,
+        refused: false,
         seconds: 1.7,
     });
     let scores = score(&labels, &questions(&labels, &[]), runs.collect());

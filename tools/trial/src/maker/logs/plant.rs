@@ -1,0 +1,400 @@
+//! A kinematic robot: its drive, the contact of its wheels with the floor, and exact arcs at 1 kHz.
+
+use super::robot::LogRobot;
+use super::wander::{WANDER_PERIOD_S, Wander, Wandering};
+use crate::maker::random::RandomStream;
+
+/// Step of the simulation (s).
+pub(crate) const STEP_S: f64 = 1e-3;
+/// Steps in a period of the noise.
+const NOISE_STEPS: usize = (WANDER_PERIOD_S / STEP_S) as usize;
+/// Share of the largest speed below which a robot stands, and does not wander.
+const STANDS_SHARE: f64 = 1e-3;
+/// Share of the largest yaw rate below which a curve is gentle.
+const GENTLE_SHARE: f64 = 0.2;
+
+/// What the robot really is and does; a new one is as its nominal model says. Pairs are [right, left].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Plant {
+    pub(crate) delay_s: f64,
+    pub(crate) dead_band_rad_s: f64,
+    pub(crate) dead_zone_rad_s: f64,
+    pub(crate) saturation_rad_s: f64,
+    pub(crate) lag_s: f64,
+    pub(crate) gain: [f64; 2],
+    pub(crate) sag_per_s: f64,
+    /// Share of the command that its integral action brings, and after how long (s).
+    pub(crate) slow: [f64; 2],
+    pub(crate) radius_scale: [f64; 2],
+    pub(crate) track_scale: f64,
+    pub(crate) skid: Option<Skid>,
+    /// Speed lost for each rad/s of turning (m).
+    pub(crate) turn_loss_m: f64,
+    pub(crate) noise: Vec<Wander>,
+}
+
+/// The effective track of a robot that skids.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Skid {
+    pub(crate) scale: f64,
+    /// By how much larger to the left, and smaller to the right.
+    pub(crate) aside: f64,
+    /// By how much smaller in the gentlest curves.
+    pub(crate) gentle: f64,
+}
+
+/// The floor of one run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Floor {
+    pub(crate) slip_ratio: f64,
+    /// Factor of the effective track.
+    pub(crate) track: f64,
+}
+
+impl Default for Plant {
+    fn default() -> Self {
+        Self {
+            delay_s: 0.0,
+            dead_band_rad_s: 0.0,
+            dead_zone_rad_s: 0.0,
+            saturation_rad_s: f64::INFINITY,
+            lag_s: 0.0,
+            gain: [1.0; 2],
+            sag_per_s: 0.0,
+            slow: [0.0, 1.0],
+            radius_scale: [1.0; 2],
+            track_scale: 1.0,
+            skid: None,
+            turn_loss_m: 0.0,
+            noise: Vec::new(),
+        }
+    }
+}
+
+impl Default for Floor {
+    fn default() -> Self {
+        Self {
+            slip_ratio: 0.0,
+            track: 1.0,
+        }
+    }
+}
+
+impl Skid {
+    /// Factor of the track at a yaw rate by the nominal geometry.
+    pub(crate) fn at(&self, turn_rad_s: f64, largest_rad_s: f64) -> f64 {
+        let gentle = (-turn_rad_s.abs() / (GENTLE_SHARE * largest_rad_s)).exp();
+        self.scale * (1.0 + self.aside * turn_rad_s.signum()) * (1.0 - self.gentle * gentle)
+    }
+}
+
+/// What the robot did, at every step from 0 on.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Trace {
+    states: Vec<State>,
+}
+
+/// The robot at one instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct State {
+    /// Middle of the axle: x, y (m), yaw (rad).
+    pub(crate) pose: [f64; 3],
+    /// Yaw rate (rad/s).
+    pub(crate) turn_rad_s: f64,
+    /// Wheel angles (rad).
+    pub(crate) angle_rad: [f64; 2],
+    /// Wheel speeds (rad/s).
+    pub(crate) speed_rad_s: [f64; 2],
+}
+
+impl Trace {
+    /// The state at a time, between two steps on the line between them.
+    pub(crate) fn at(&self, t_s: f64) -> State {
+        let last = self.states.len().saturating_sub(1);
+        let place = (t_s / STEP_S).clamp(0.0, last as f64);
+        let from = (place as usize).min(last.saturating_sub(1));
+        let share = place - from as f64;
+        let (Some(a), Some(b)) = (self.states.get(from), self.states.get((from + 1).min(last)))
+        else {
+            return State::default();
+        };
+        let blend = |one: f64, other: f64| one + (other - one) * share;
+        State {
+            pose: std::array::from_fn(|i| blend(a.pose[i], b.pose[i])),
+            turn_rad_s: blend(a.turn_rad_s, b.turn_rad_s),
+            angle_rad: std::array::from_fn(|i| blend(a.angle_rad[i], b.angle_rad[i])),
+            speed_rad_s: std::array::from_fn(|i| blend(a.speed_rad_s[i], b.speed_rad_s[i])),
+        }
+    }
+}
+
+impl Plant {
+    /// Drives for the time of the commands: wheel speeds (rad/s) at every period.
+    pub(crate) fn drive(
+        &self,
+        robot: &LogRobot,
+        floor: &Floor,
+        commands: &[[f64; 2]],
+        period_s: f64,
+        mut random: impl FnMut(usize) -> RandomStream,
+    ) -> Trace {
+        let steps = (commands.len() as f64 * period_s / STEP_S) as usize;
+        let mut noise: Vec<Wandering<'_>> = self
+            .noise
+            .iter()
+            .enumerate()
+            .map(|(at, wander)| Wandering::new(wander, random(at)))
+            .collect();
+        let mut state = State::default();
+        let (mut slow, mut drift) = ([0.0; 2], [0.0; 2]);
+        let mut states = vec![state];
+        for k in 0..steps {
+            let t_s = k as f64 * STEP_S;
+            let at = ((t_s - self.delay_s) / period_s + 1e-9).floor();
+            let command = if at < 0.0 {
+                [0.0; 2]
+            } else {
+                commands[(at as usize).min(commands.len() - 1)]
+            };
+            let target = self.target(command, t_s, &mut slow);
+            let follow = if self.lag_s > 0.0 {
+                1.0 - (-STEP_S / self.lag_s).exp()
+            } else {
+                1.0
+            };
+            state.speed_rad_s =
+                [0, 1].map(|i| state.speed_rad_s[i] + follow * (target[i] - state.speed_rad_s[i]));
+            let [rim, _] = robot.twist(state.speed_rad_s.map(f64::abs));
+            let share = rim / robot.speed_m_s;
+            if k % NOISE_STEPS == 0 {
+                let now = noise.iter_mut().map(|own| own.step(share));
+                drift = now.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
+            }
+            let [v, w] = self.contact(robot, floor, state.speed_rad_s);
+            let moves = f64::from(u8::from(share > STANDS_SHARE));
+            step(&mut state, [v + moves * drift[0], w + moves * drift[1]]);
+            states.push(state);
+        }
+        Trace { states }
+    }
+
+    /// Wheel speeds that the drive aims at: dead band, dead zone, saturation, gain and sag, integral action.
+    fn target(&self, command: [f64; 2], t_s: f64, slow: &mut [f64; 2]) -> [f64; 2] {
+        let [share, time_s] = self.slow;
+        let sag = 1.0 - self.sag_per_s * t_s;
+        let decay = (-STEP_S / time_s).exp();
+        [0, 1].map(|i| {
+            let size = command[i].abs();
+            let size = if size < self.dead_band_rad_s {
+                0.0
+            } else {
+                size
+            };
+            let size = (size - self.dead_zone_rad_s / self.gain[i]).max(0.0);
+            let target = command[i].signum() * size.min(self.saturation_rad_s) * self.gain[i] * sag;
+            slow[i] = target + (slow[i] - target) * decay;
+            target + share * (slow[i] - target)
+        })
+    }
+
+    /// Twist of the robot that comes of wheel speeds, without noise.
+    pub(crate) fn contact(&self, robot: &LogRobot, floor: &Floor, speed: [f64; 2]) -> [f64; 2] {
+        let grip = 1.0 - floor.slip_ratio;
+        let rims = [0, 1].map(|i| speed[i] * self.radius_scale[i] * robot.wheel_radius_m * grip);
+        let v = (rims[0] + rims[1]) / 2.0;
+        let [_, nominal] = robot.twist(speed);
+        let skid = self
+            .skid
+            .as_ref()
+            .map_or(1.0, |skid| skid.at(nominal, robot.turn_rad_s));
+        let track_m = 2.0 * robot.half_track_m * self.track_scale * floor.track * skid;
+        let w = (rims[0] - rims[1]) / track_m;
+        let lost = (self.turn_loss_m * w.abs()).min(v.abs());
+        [v - lost * v.signum(), w]
+    }
+}
+
+/// One step along an arc.
+fn step(state: &mut State, [v, w]: [f64; 2]) {
+    let half = w * STEP_S / 2.0;
+    let chord = v
+        * STEP_S
+        * if half.abs() > 1e-9 {
+            half.sin() / half
+        } else {
+            1.0
+        };
+    let [x, y, yaw] = state.pose;
+    let (sin, cos) = (yaw + half).sin_cos();
+    state.pose = [x + chord * cos, y + chord * sin, yaw + 2.0 * half];
+    state.turn_rad_s = w;
+    state.angle_rad = [0, 1].map(|i| state.angle_rad[i] + state.speed_rad_s[i] * STEP_S);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn robot() -> LogRobot {
+        LogRobot {
+            wheel_radius_m: 0.1,
+            half_track_m: 0.25,
+            speed_m_s: 1.0,
+            turn_rad_s: 1.0,
+        }
+    }
+
+    /// Driven for 10 s at constant wheel speeds.
+    fn driven(plant: &Plant, floor: &Floor, speeds: [f64; 2]) -> Trace {
+        plant.drive(&robot(), floor, &[speeds; 200], 0.05, |at| {
+            RandomStream::new(1, at as u64)
+        })
+    }
+
+    #[test]
+    fn a_nominal_robot_drives_a_circle() {
+        // v = 0.5 m/s, w = 0.4 rad/s
+        let trace = driven(&Plant::default(), &Floor::default(), [6.0, 4.0]);
+        let [x, y, yaw] = trace.at(10.0).pose;
+        assert!((yaw - 4.0).abs() < 1e-9);
+        assert!(
+            (x - 1.25 * 4f64.sin()).abs() < 1e-9 && (y - 1.25 * (1.0 - 4f64.cos())).abs() < 1e-9
+        );
+        assert!((trace.at(2.0005).angle_rad[0] - 12.003).abs() < 1e-9);
+    }
+
+    #[test]
+    fn each_part_of_the_drive_does_what_its_name_says() {
+        let speed = |plant: &Plant, t_s: f64| {
+            driven(plant, &Floor::default(), [5.0; 2])
+                .at(t_s)
+                .speed_rad_s[0]
+        };
+        let plant = Plant::default;
+        assert_eq!(
+            speed(
+                &Plant {
+                    delay_s: 0.2,
+                    ..plant()
+                },
+                0.19
+            ),
+            0.0
+        );
+        assert_eq!(
+            speed(
+                &Plant {
+                    delay_s: 0.2,
+                    ..plant()
+                },
+                0.21
+            ),
+            5.0
+        );
+        assert_eq!(
+            speed(
+                &Plant {
+                    dead_band_rad_s: 5.1,
+                    ..plant()
+                },
+                1.0
+            ),
+            0.0
+        );
+        assert_eq!(
+            speed(
+                &Plant {
+                    dead_zone_rad_s: 1.0,
+                    ..plant()
+                },
+                1.0
+            ),
+            4.0
+        );
+        assert_eq!(
+            speed(
+                &Plant {
+                    saturation_rad_s: 3.0,
+                    ..plant()
+                },
+                1.0
+            ),
+            3.0
+        );
+        assert_eq!(
+            speed(
+                &Plant {
+                    gain: [0.8; 2],
+                    ..plant()
+                },
+                1.0
+            ),
+            4.0
+        );
+        assert!(
+            (speed(
+                &Plant {
+                    sag_per_s: 0.02,
+                    ..plant()
+                },
+                5.0
+            ) - 4.5)
+                .abs()
+                < 1e-3
+        );
+        let lagging = speed(
+            &Plant {
+                lag_s: 0.5,
+                ..plant()
+            },
+            0.5,
+        );
+        assert!((lagging / 5.0 - (1.0 - (-1f64).exp())).abs() < 2e-3);
+        let slow = Plant {
+            slow: [0.3, 1.0],
+            ..plant()
+        };
+        assert!((speed(&slow, 0.002) - 3.5).abs() < 0.01 && (speed(&slow, 9.0) - 5.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn each_part_of_the_contact_does_what_its_name_says() {
+        let twist = |plant: Plant, floor: Floor, speeds| plant.contact(&robot(), &floor, speeds);
+        let floor = Floor::default;
+        let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
+            assert!((a - c).abs() + (b - d).abs() < 1e-9, "{a} {b}")
+        };
+        let larger = Plant {
+            radius_scale: [1.1, 1.0],
+            ..Plant::default()
+        };
+        near(twist(larger, floor(), [5.0; 2]), [0.525, 0.1]);
+        let wider = Plant {
+            track_scale: 2.0,
+            ..Plant::default()
+        };
+        near(twist(wider, floor(), [6.0, 4.0]), [0.5, 0.2]);
+        let carpet = Floor {
+            slip_ratio: 0.2,
+            ..floor()
+        };
+        near(twist(Plant::default(), carpet, [6.0, 4.0]), [0.4, 0.32]);
+        let losing = Plant {
+            turn_loss_m: 0.1,
+            ..Plant::default()
+        };
+        near(twist(losing, floor(), [6.0, 4.0]), [0.46, 0.4]);
+    }
+
+    #[test]
+    fn a_skid_track_is_larger_to_one_side_and_smaller_in_gentle_curves() {
+        let skid = Skid {
+            scale: 1.5,
+            aside: 0.05,
+            gentle: 0.2,
+        };
+        assert!(skid.at(1.0, 1.0) > skid.at(-1.0, 1.0));
+        assert!(skid.at(0.05, 1.0) < 0.9 * skid.at(1.0, 1.0));
+        assert!((skid.at(1.0, 1.0) + skid.at(-1.0, 1.0) - 3.0).abs() < 0.01);
+    }
+}
