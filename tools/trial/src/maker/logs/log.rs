@@ -151,7 +151,7 @@ impl Log {
     pub(crate) fn plain(seed: u64) -> Self {
         let mut random = RandomStream::new(seed, purpose::ROBOT);
         let robot = LogRobot::draw(&mut random);
-        let long = random.bernoulli(0.06);
+        let long = random.bernoulli(0.04);
         let total_s = if long {
             random.log_uniform(120.0, 600.0)
         } else {

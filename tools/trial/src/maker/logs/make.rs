@@ -18,7 +18,7 @@ use crate::maker::random::RandomStream;
 use crate::maker::sensors::wrapped;
 
 /// Shares of cases with none, one, two and three effects beside those that nuisances bring.
-const EFFECT_COUNTS: [f64; 4] = [0.50, 0.28, 0.14, 0.08];
+const EFFECT_COUNTS: [f64; 4] = [0.54, 0.26, 0.13, 0.07];
 /// Time between the starts of two runs beyond their duration (s).
 const BETWEEN_RUNS_S: f64 = 60.0;
 

@@ -263,98 +263,41 @@ mod tests {
         assert!((trace.at(2.0005).angle_rad[0] - 12.003).abs() < 1e-9);
     }
 
+    /// A change of the robot, a time (s), and the wheel speed that it has then (rad/s).
+    type Expected = (fn(&mut Plant), f64, f64);
+
+    /// Wheel speed (rad/s) of a changed robot that is told 5 rad/s.
+    fn speed_of(change: fn(&mut Plant), t_s: f64) -> f64 {
+        let mut plant = Plant::default();
+        change(&mut plant);
+        driven(&plant, &Floor::default(), [5.0; 2])
+            .at(t_s)
+            .speed_rad_s[0]
+    }
+
     #[test]
     fn each_part_of_the_drive_does_what_its_name_says() {
-        let speed = |plant: &Plant, t_s: f64| {
-            driven(plant, &Floor::default(), [5.0; 2])
-                .at(t_s)
-                .speed_rad_s[0]
-        };
-        let plant = Plant::default;
-        assert_eq!(
-            speed(
-                &Plant {
-                    delay_s: 0.2,
-                    ..plant()
-                },
-                0.19
-            ),
-            0.0
-        );
-        assert_eq!(
-            speed(
-                &Plant {
-                    delay_s: 0.2,
-                    ..plant()
-                },
-                0.21
-            ),
-            5.0
-        );
-        assert_eq!(
-            speed(
-                &Plant {
-                    dead_band_rad_s: 5.1,
-                    ..plant()
-                },
-                1.0
-            ),
-            0.0
-        );
-        assert_eq!(
-            speed(
-                &Plant {
-                    dead_zone_rad_s: 1.0,
-                    ..plant()
-                },
-                1.0
-            ),
-            4.0
-        );
-        assert_eq!(
-            speed(
-                &Plant {
-                    saturation_rad_s: 3.0,
-                    ..plant()
-                },
-                1.0
-            ),
-            3.0
-        );
-        assert_eq!(
-            speed(
-                &Plant {
-                    gain: [0.8; 2],
-                    ..plant()
-                },
-                1.0
-            ),
-            4.0
-        );
-        assert!(
-            (speed(
-                &Plant {
-                    sag_per_s: 0.02,
-                    ..plant()
-                },
-                5.0
-            ) - 4.5)
-                .abs()
-                < 1e-3
-        );
-        let lagging = speed(
-            &Plant {
-                lag_s: 0.5,
-                ..plant()
-            },
-            0.5,
-        );
-        assert!((lagging / 5.0 - (1.0 - (-1f64).exp())).abs() < 2e-3);
-        let slow = Plant {
-            slow: [0.3, 1.0],
-            ..plant()
-        };
-        assert!((speed(&slow, 0.002) - 3.5).abs() < 0.01 && (speed(&slow, 9.0) - 5.0).abs() < 0.01);
+        let exactly: [Expected; 6] = [
+            (|plant| plant.delay_s = 0.2, 0.19, 0.0),
+            (|plant| plant.delay_s = 0.2, 0.21, 5.0),
+            (|plant| plant.dead_band_rad_s = 5.1, 1.0, 0.0),
+            (|plant| plant.dead_zone_rad_s = 1.0, 1.0, 4.0),
+            (|plant| plant.saturation_rad_s = 3.0, 1.0, 3.0),
+            (|plant| plant.gain = [0.8; 2], 1.0, 4.0),
+        ];
+        for (change, t_s, speed) in exactly {
+            assert!((speed_of(change, t_s) - speed).abs() < 1e-12, "{speed}");
+        }
+        let lagging = 5.0 * (1.0 - (-1f64).exp());
+        let nearly: [Expected; 4] = [
+            (|plant| plant.sag_per_s = 0.02, 5.0, 4.5),
+            (|plant| plant.lag_s = 0.5, 0.5, lagging),
+            (|plant| plant.slow = [0.3, 1.0], 0.002, 3.5),
+            (|plant| plant.slow = [0.3, 1.0], 9.0, 5.0),
+        ];
+        for (change, t_s, speed) in nearly {
+            assert!((speed_of(change, t_s) - speed).abs() < 0.01, "{speed}");
+        }
     }
 
     #[test]
