@@ -52,8 +52,8 @@ pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
     if let Some(unknown) = &label.unknown {
         grader.match_unknown(unknown);
     }
-    grader.put_aside(&label.allowed);
-    if !is_right_verdict(label, answer.verdict) {
+    let excused = grader.put_aside(&label.allowed);
+    if !is_right_verdict(label, answer.verdict, excused) {
         let reported = format!("verdict {:?}, not {:?}", answer.verdict, label.verdict);
         grader.remarks.push(reported.to_lowercase());
     }
@@ -71,10 +71,14 @@ pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
     }
 }
 
-/// Whether this is the verdict of a correct diagnosis.
-fn is_right_verdict(label: &Label, verdict: DiagnosisVerdict) -> bool {
+/// Whether this is the verdict of a correct diagnosis; `excused`: it named something that a nuisance brings.
+fn is_right_verdict(label: &Label, verdict: DiagnosisVerdict, excused: bool) -> bool {
     let may_remain = label.allowed.iter().any(|name| name == "unknown");
-    verdict == label.verdict || may_remain && verdict == DiagnosisVerdict::Unexplained
+    match verdict {
+        DiagnosisVerdict::Unexplained if may_remain => true,
+        DiagnosisVerdict::Explained if excused && label.verdict == DiagnosisVerdict::Match => true,
+        _ => verdict == label.verdict,
+    }
 }
 
 /// Whether a finding is about the machine and one of the runs of a concealed effect.
@@ -146,10 +150,12 @@ impl<'a> Grader<'a> {
         })
     }
 
-    /// Takes what is neither asked for nor wrong.
-    fn put_aside(&mut self, allowed: &[String]) {
+    /// Takes what is neither asked for nor wrong, and returns whether there was any.
+    fn put_aside(&mut self, allowed: &[String]) -> bool {
+        let before = self.unmatched.len();
         self.unmatched
             .retain(|finding| !allowed.contains(&finding.effect));
+        self.unmatched.len() < before
     }
 
     /// Matches a true effect: with a finding of this effect, else with a look-alike.

@@ -204,6 +204,9 @@ fn a_null_with_nuisances_may_be_doubted_but_nothing_named() {
     assert_eq!(graded(&label, doubted), TrialGrade::Inexact);
     label.allowed.push("unknown".to_owned());
     assert_eq!(graded(&label, doubted), TrialGrade::Exact);
+    let excused = r#"{"verdict": "explained", "findings": [{"robot": "r1", "effect": "actuator_lag",
+        "where": {"channel": "yaw"}}]}"#;
+    assert_eq!(graded(&label, excused), TrialGrade::Exact);
     let named = r#"{"verdict": "explained", "findings": [{"robot": "r1", "effect": "push", "where": {"channel": "yaw"}}]}"#;
     assert_eq!(graded(&label, named), TrialGrade::FalseAlarm);
 }

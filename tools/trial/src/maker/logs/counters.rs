@@ -5,15 +5,17 @@ use std::f64::consts::{PI, TAU};
 use super::rows::{Quantity, Rows};
 use crate::maker::random::RandomStream;
 
-/// Largest part of a wrap that a counter may count from row to row, so that a person can undo the wrap.
-const CLEAR_SHARE: f64 = 0.3;
+/// Largest part of a wrap that a counter may count from row to row, so that a person can undo the wrap even where a
+/// few rows are lost.
+const CLEAR_SHARE: f64 = 0.12;
 
-/// The counters run in a range: 16 bit with or without sign, 9000, or ±π of an angle.
-pub(super) fn wrap(rows: &mut Rows, _size: f64, random: &mut RandomStream) -> bool {
+/// Ranges of counters: the least count, and how many there are.
+const RANGES: [[f64; 2]; 3] = [[0.0, 65_536.0], [-32_768.0, 65_536.0], [0.0, 9_000.0]];
+
+/// The counters run in a range, the same in all runs: 16 bit with or without sign, 9000, or ±π of an angle.
+pub(super) fn wrap(rows: &mut Rows, size: f64, _random: &mut RandomStream) -> bool {
     let [from, span] = match rows.quantity {
-        Quantity::Counts => {
-            *random.choose(&[[0.0, 65_536.0], [-32_768.0, 65_536.0], [0.0, 9_000.0]])
-        }
+        Quantity::Counts => RANGES[((size * 3.0) as usize).min(2)],
         Quantity::Angles => [-PI, TAU],
         _ => return false,
     };

@@ -32,6 +32,8 @@ const SCALES: &[&str] = &[
     "motor_gain",
     "supply_sag",
 ];
+/// Duration from which on a clock is off by enough (s).
+const DRIFT_S: f64 = 50.0;
 /// What cuts the command.
 const SHAPES: &[&str] = &[
     "command_dead_zone",
@@ -128,7 +130,7 @@ const OFFERS: [Offer; 16] = [
     Offer {
         id: "clock_drift",
         group: &["clock_drift"],
-        shows: |log| log.runs.len() == 1,
+        shows: |log| log.runs.len() == 1 && log.duration_s() > DRIFT_S,
         draw: clock_drift,
     },
     Offer {
@@ -355,7 +357,7 @@ pub(super) fn saturation(
     (size > 0.0).then(|| LogEffect::new("command_saturation", &[("speed_rad_s", size)]))
 }
 
-/// One clock is off by 50 to 300 ms at the end.
+/// One clock is off by 50 to 150 ms at the end of a minute or more.
 fn clock_drift(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
     let can = |source: &Source| match source {
         Source::Command => false,
@@ -368,7 +370,7 @@ fn clock_drift(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
         return None;
     }
     let source = *random.choose(&sources);
-    let rate = rounded(random.sign() * random.log_uniform(0.05, 0.3) / log.duration_s());
+    let rate = rounded(random.sign() * random.log_uniform(0.05, 0.15) / log.duration_s());
     log.sensors.drift[source as usize] += rate;
     let mut effect = LogEffect::new("clock_drift", &[("rate", rate)]);
     effect

@@ -46,11 +46,12 @@ const fn row(name: &'static str, probability: f64, apply: Apply) -> Nuisance {
 }
 
 /// All nuisances, in the order in which they are applied. Those that are effects of the vocabulary go into the label.
-pub(super) const TABLE: [Nuisance; 30] = [
+pub(super) const TABLE: [Nuisance; 31] = [
     // what is logged
     row("fractional_counts", 0.15, Case(fractional_counts)),
     row("mean_speeds", 0.12, Case(mean_speeds)),
     row("momentary_speeds", 0.08, Case(momentary_speeds)),
+    row("momentary_gyro", 0.30, Case(momentary_gyro)),
     row("no_heading", 0.12, Case(no_heading)),
     row("sparse_poses", 0.15, Case(sparse_poses)),
     // what the robot does
@@ -153,6 +154,12 @@ fn mean_speeds(log: &mut Log, _: f64, _: &mut RandomStream) -> bool {
 
 fn momentary_speeds(log: &mut Log, _: f64, _: &mut RandomStream) -> bool {
     replace_wheels(log, WheelKind::Speeds)
+}
+
+/// A gyro that is read at the instant of a row, without a filter before.
+fn momentary_gyro(log: &mut Log, _: f64, _: &mut RandomStream) -> bool {
+    log.streams.momentary_gyro = true;
+    log.streams.gyro
 }
 
 /// Logs the wheels in another form than counters.

@@ -150,51 +150,79 @@ impl Plant {
         let mut states = vec![state];
         for k in 0..steps {
             let t_s = k as f64 * STEP_S;
-            let at = ((t_s - self.delay_s) / period_s + 1e-9).floor();
-            let command = if at < 0.0 {
-                [0.0; 2]
-            } else {
-                commands[(at as usize).min(commands.len() - 1)]
-            };
-            let target = self.target(command, t_s, &mut slow);
-            let follow = if self.lag_s > 0.0 {
-                1.0 - (-STEP_S / self.lag_s).exp()
-            } else {
-                1.0
-            };
-            state.speed_rad_s =
-                [0, 1].map(|i| state.speed_rad_s[i] + follow * (target[i] - state.speed_rad_s[i]));
+            let target = self.mean_target(commands, period_s, t_s, &mut slow);
+            let mean = self.follow(&mut state.speed_rad_s, target);
             let [rim, _] = robot.twist(state.speed_rad_s.map(f64::abs));
             let share = rim / robot.speed_m_s;
             if k % NOISE_STEPS == 0 {
                 let now = noise.iter_mut().map(|own| own.step(share));
                 drift = now.fold([0.0; 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]]);
             }
-            let [v, w] = self.contact(robot, floor, state.speed_rad_s);
+            let [v, w] = self.contact(robot, floor, mean);
             let moves = f64::from(u8::from(share > STANDS_SHARE));
-            step(&mut state, [v + moves * drift[0], w + moves * drift[1]]);
+            step(
+                &mut state,
+                mean,
+                [v + moves * drift[0], w + moves * drift[1]],
+            );
             states.push(state);
         }
         Trace { states }
     }
 
-    /// Wheel speeds that the drive aims at: dead band, dead zone, saturation, gain and sag, integral action.
-    fn target(&self, command: [f64; 2], t_s: f64, slow: &mut [f64; 2]) -> [f64; 2] {
+    /// Wheel speeds that the drive aims at in the mean over a step: a new command acts from its instant on.
+    fn mean_target(
+        &self,
+        commands: &[[f64; 2]],
+        period_s: f64,
+        t_s: f64,
+        slow: &mut [f64; 2],
+    ) -> [f64; 2] {
+        let from_s = t_s - self.delay_s;
+        let row = |t_s: f64| (t_s / period_s + 1e-9).floor();
+        let aim = |row: f64| {
+            let at = (row.max(0.0) as usize).min(commands.len() - 1);
+            let told = if row < 0.0 { [0.0; 2] } else { commands[at] };
+            self.target(told, t_s)
+        };
+        let (first, last) = (row(from_s), row(from_s + STEP_S));
+        let before = if first < last {
+            ((last * period_s - from_s) / STEP_S).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        let (one, other) = (aim(first), aim(last));
         let [share, time_s] = self.slow;
-        let sag = 1.0 - self.sag_per_s * t_s;
         let decay = (-STEP_S / time_s).exp();
         [0, 1].map(|i| {
-            let size = command[i].abs();
-            let size = if size < self.dead_band_rad_s {
-                0.0
-            } else {
-                size
-            };
-            let size = (size - self.dead_zone_rad_s / self.gain[i]).max(0.0);
-            let target = command[i].signum() * size.min(self.saturation_rad_s) * self.gain[i] * sag;
+            let target = before * one[i] + (1.0 - before) * other[i];
             slow[i] = target + (slow[i] - target) * decay;
             target + share * (slow[i] - target)
         })
+    }
+
+    /// Behind dead band, dead zone, saturation, gain and sag.
+    fn target(&self, told: [f64; 2], t_s: f64) -> [f64; 2] {
+        let sag = 1.0 - self.sag_per_s * t_s;
+        [0, 1].map(|i| {
+            let size = told[i].abs();
+            let passes = f64::from(u8::from(size >= self.dead_band_rad_s));
+            let size = (passes * size - self.dead_zone_rad_s / self.gain[i]).max(0.0);
+            told[i].signum() * size.min(self.saturation_rad_s) * self.gain[i] * sag
+        })
+    }
+
+    /// Lets wheel speeds follow a target for a step; returns their mean.
+    fn follow(&self, speed: &mut [f64; 2], target: [f64; 2]) -> [f64; 2] {
+        if self.lag_s <= 0.0 {
+            *speed = target;
+            return target;
+        }
+        let left = (-STEP_S / self.lag_s).exp();
+        let before = *speed;
+        *speed = [0, 1].map(|i| target[i] + (before[i] - target[i]) * left);
+        let mean_left = self.lag_s / STEP_S * (1.0 - left);
+        [0, 1].map(|i| target[i] + (before[i] - target[i]) * mean_left)
     }
 
     /// Twist of the robot that comes of wheel speeds, without noise.
@@ -214,8 +242,8 @@ impl Plant {
     }
 }
 
-/// One step along an arc.
-fn step(state: &mut State, [v, w]: [f64; 2]) {
+/// One step along an arc, with these mean wheel speeds and this twist.
+fn step(state: &mut State, speed_rad_s: [f64; 2], [v, w]: [f64; 2]) {
     let half = w * STEP_S / 2.0;
     let chord = v
         * STEP_S
@@ -228,7 +256,7 @@ fn step(state: &mut State, [v, w]: [f64; 2]) {
     let (sin, cos) = (yaw + half).sin_cos();
     state.pose = [x + chord * cos, y + chord * sin, yaw + 2.0 * half];
     state.turn_rad_s = w;
-    state.angle_rad = [0, 1].map(|i| state.angle_rad[i] + state.speed_rad_s[i] * STEP_S);
+    state.angle_rad = [0, 1].map(|i| state.angle_rad[i] + speed_rad_s[i] * STEP_S);
 }
 
 #[cfg(test)]
@@ -298,6 +326,24 @@ mod tests {
         for (change, t_s, speed) in nearly {
             assert!((speed_of(change, t_s) - speed).abs() < 0.01, "{speed}");
         }
+    }
+
+    #[test]
+    fn commands_act_at_their_instant_and_lags_are_exact() {
+        // rest, then 5 rad/s from 0.0333 s on
+        let commands = [vec![[0.0; 2]], vec![[5.0; 2]; 60]].concat();
+        let angle = |lag_s: f64| {
+            let plant = Plant {
+                lag_s,
+                ..Plant::default()
+            };
+            let random = |at| RandomStream::new(1, at as u64);
+            let trace = plant.drive(&robot(), &Floor::default(), &commands, 0.0333, random);
+            trace.at(1.0).angle_rad[0]
+        };
+        assert!((angle(0.0) - 5.0 * 0.9667).abs() < 1e-9);
+        let behind = 0.2 * (1.0 - (-0.9667f64 / 0.2).exp());
+        assert!((angle(0.2) - 5.0 * (0.9667 - behind)).abs() < 1e-5);
     }
 
     #[test]

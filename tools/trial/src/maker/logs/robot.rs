@@ -83,6 +83,8 @@ pub(crate) struct Streams {
     pub(crate) wheels: Option<WheelKind>,
     pub(crate) pose: Option<PoseKind>,
     pub(crate) gyro: bool,
+    /// Whether the gyro is read at the instant of a row; else it is the mean over a period about it.
+    pub(crate) momentary_gyro: bool,
     /// Counts per turn of a wheel.
     pub(crate) counts: f64,
     /// Periods of command, wheels, pose and gyro (s).
@@ -121,6 +123,7 @@ impl Streams {
             wheels: wheels.then_some(WheelKind::Ticks),
             pose: pose.then_some(PoseKind::Full),
             gyro,
+            momentary_gyro: false,
             counts,
             periods_s: [period(10.0), period(10.0), period(5.0), period(15.0)],
         }

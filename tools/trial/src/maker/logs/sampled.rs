@@ -68,13 +68,19 @@ pub(super) fn rows(log: &Log, source: Source, run: usize, trace: &Trace) -> Opti
         }
         Source::Gyro => {
             let times = instants(log, source, run, &mut random).into_iter();
-            let turn = |t_s: f64| trace.at(t_s).turn_rad_s;
+            let half_s = period_s / 2.0;
+            let mean = |t_s: f64| {
+                let [from, to] = [t_s - half_s, t_s + half_s].map(|t_s| trace.at(t_s).pose[2]);
+                (to - from) / period_s
+            };
             let rows = times.map(|t_s| {
-                row(
-                    t_s,
-                    0.0,
-                    [turn(t_s) + random.normal(log.sensors.noise[2]), 0.0, 0.0],
-                )
+                let turn_rad_s = if log.streams.momentary_gyro {
+                    trace.at(t_s).turn_rad_s
+                } else {
+                    mean(t_s)
+                };
+                let noise = random.normal(log.sensors.noise[2]);
+                row(t_s, 0.0, [turn_rad_s + noise, 0.0, 0.0])
             });
             (Quantity::Gyro, rows.collect())
         }

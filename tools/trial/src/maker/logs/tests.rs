@@ -228,6 +228,21 @@ fn mean_speeds_are_those_of_the_interval_before() {
 }
 
 #[test]
+fn a_momentary_gyro_is_no_mean() {
+    let column = |log: &Log| {
+        let robot = &make(log, "case").recording.robots[0];
+        robot.imu.clone().unwrap().values.gz_rad_s.unwrap()
+    };
+    let (mean, momentary) = (column(&plain()), column(&with("momentary_gyro")));
+    let differ = mean
+        .iter()
+        .zip(&momentary)
+        .filter(|(a, b)| (*a - *b).abs() > 1e-5);
+    // While the robot turns evenly, and at rest, both are the same.
+    assert!((1..mean.len()).contains(&differ.count()));
+}
+
+#[test]
 fn a_reference_without_heading_has_no_yaw() {
     let made = make(&with("no_heading"), "case");
     assert!(
