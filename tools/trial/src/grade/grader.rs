@@ -185,12 +185,16 @@ impl<'a> Grader<'a> {
             (is_about(finding, concealed) && (labelled || declared)).then_some(0.0)
         };
         if let Some(finding) = self.take_for(concealed, look_alike) {
-            self.look_alikes += 1;
             self.pairs
                 .push([concealed.effect.clone(), finding.effect.clone()]);
+            // One size for all runs is no look-alike of sizes that differ by run.
+            let is_by_run = concealed.runs.is_empty() || finding.runs.is_some();
+            self.look_alikes += usize::from(is_by_run);
             self.remarks.push(format!(
-                "{} for its look-alike {}",
-                finding.effect, concealed.effect
+                "{}{} for its look-alike {}",
+                finding.effect,
+                if is_by_run { "" } else { " of all runs" },
+                concealed.effect
             ));
             return;
         }
