@@ -6,6 +6,9 @@ use crate::maker::random::RandomStream;
 /// How long a robot stands before and after a drive (s).
 pub(crate) const REST_S: f64 = 1.5;
 
+/// Largest acceleration (m/s², rad/s²): the grip of tyres, and no more.
+const FASTEST: [f64; 2] = [3.0, 10.0];
+
 /// Kinds of courses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Course {
@@ -40,7 +43,8 @@ impl Course {
         let (all, rest) = (rows(duration_s), rows(REST_S));
         let most = [robot.speed_m_s, robot.turn_rad_s];
         // From rest to the largest speed in this time.
-        let ramp_s = random.log_uniform(0.15, 1.5);
+        let least_s = f64::max(most[0] / FASTEST[0], most[1] / FASTEST[1]);
+        let ramp_s = random.log_uniform(0.15, 1.5).max(least_s);
         let step = most.map(|largest| largest * period_s / ramp_s);
         let lap_s = random.uniform(8.0, 25.0);
         let mut twists = vec![[0.0; 2]; rest];
