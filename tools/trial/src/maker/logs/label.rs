@@ -3,8 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::effects::{look_alikes, tolerance};
-use super::log::{Log, LogEffect, Source, Value};
-use super::make::run_name;
+use super::log::{Log, LogEffect, Source, Value, run_name};
 use super::nuisances::{Apply, TABLE};
 use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
 use crate::maker::case::{channels, words};

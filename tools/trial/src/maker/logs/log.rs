@@ -264,6 +264,11 @@ impl Log {
     }
 }
 
+/// The name of a run.
+pub(crate) fn run_name(run: usize) -> String {
+    format!("r{}", run + 1)
+}
+
 /// The value at a share of a rising list; 0 of none.
 pub(crate) fn quantile(rising: &[f64], share: f64) -> f64 {
     let at = (rising.len().saturating_sub(1) as f64 * share).round() as usize;

@@ -6,7 +6,7 @@ use slipstream_recording::recording::{Command, Imu, Noise, Pose, Robot, Stream, 
 
 use super::effects::conceal;
 use super::label::{Lags, label};
-use super::log::{Log, Source, purpose};
+use super::log::{Log, Source, purpose, run_name};
 use super::nuisances::{self, Apply, TABLE};
 use super::plant::Trace;
 use super::robot::{PoseKind, WheelKind};
@@ -72,11 +72,6 @@ fn model(log: &Log) -> RobotModel {
 fn counts_per_rev(log: &Log) -> Option<u32> {
     let are_ticks = log.streams.wheels == Some(WheelKind::Ticks);
     are_ticks.then(|| log.streams.counts.round() as u32)
-}
-
-/// The name of a run.
-pub(super) fn run_name(run: usize) -> String {
-    format!("r{}", run + 1)
 }
 
 /// One run: driven, measured, and logged.
