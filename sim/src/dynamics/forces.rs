@@ -56,7 +56,7 @@ pub(crate) fn forces_at<S: Scalar>(
 }
 
 /// Adds the kinetic friction of axles, body and caster.
-fn add_dry_friction<S: Scalar>(
+pub(crate) fn add_dry_friction<S: Scalar>(
     robot: &Robot<S>,
     mode: &Mode<S>,
     nu: &Vector<S>,

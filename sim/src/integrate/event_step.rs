@@ -1,6 +1,7 @@
 //! Event-driven time stepping: smooth segments between events, which are located by bisection.
 
 use super::active_set::{ActiveSetChange, update_active_set};
+use super::fast::draft;
 use super::outcome::StepOutcome;
 use super::prepare::prepare_dynamics;
 use super::saltation::apply_event;
@@ -33,9 +34,14 @@ impl<S: Scalar> Robot<S> {
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
         let (kind, command) = command.at_wheels(self.nominal);
         if kind == CommandKind::Torque
-            && state.external_force.is_none()
             && let Some(fast_path) = &state.fast_path
-            && fast_path.step(self, &mut state.body, dt_s, command)
+            && fast_path.step(
+                self,
+                state.external_force.as_ref(),
+                &mut state.body,
+                dt_s,
+                command,
+            )
         {
             return;
         }
@@ -81,6 +87,9 @@ fn advance<S: Scalar>(
     let mut updated = false;
     loop {
         let actuation = actuation(robot, state, &segment);
+        if draft::step(robot, state, span, &actuation) {
+            return;
+        }
         prepare_dynamics(robot, state, span, &actuation);
         let implicit = segment.depth >= tolerances.stiff_bisections || *events == 0;
         let trial = trial_step(robot, state, span, &actuation, implicit);

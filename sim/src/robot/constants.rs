@@ -5,6 +5,7 @@ use slipstream_bus::{InputError, RobotModel};
 use super::dry_friction::DryFriction;
 use super::effect_list::{ListedEffect, read_effects};
 use super::normal_load::NormalLoad;
+use super::rolling_motion::RollingMotion;
 use crate::effects::Effects;
 use crate::parts::actuator::Actuator;
 use crate::parts::command::CommandKind;
@@ -65,6 +66,8 @@ pub struct Robot<S = f64> {
     pub(crate) sensing: Sensing<S>,
     pub(crate) effects: Effects<S>,
     pub(crate) tolerances: Tolerances,
+    /// The equations of motion where both wheels roll, for robots of draft quality.
+    pub(crate) rolling: Option<RollingMotion<S>>,
     /// The first key of the dynamic model that is not given.
     missing: Option<&'static str>,
     /// The effect that needs commands of wheel speeds, if there is one.
@@ -112,11 +115,13 @@ impl<S: Scalar> Robot<S> {
     }
 
     /// The same robot at draft quality, for simulations by the thousand: events are located less
-    /// exactly, and at most two in a step.
+    /// exactly, and at most two in a step; and where both wheels roll, steps equal those of an accurate
+    /// robot up to the order of the method alone.
     #[must_use]
     pub fn draft(self) -> Self {
         Self {
             tolerances: Tolerances::DRAFT,
+            rolling: Some(RollingMotion::new(&self)),
             ..self
         }
     }
@@ -163,6 +168,7 @@ impl<S: Scalar> Robot<S> {
             sensing: parameters.sensing,
             effects,
             tolerances: Tolerances::ACCURATE,
+            rolling: None,
             missing: parameters.missing,
             of_speeds: parameters.of_speeds,
         })

@@ -9,6 +9,7 @@ mod effect_list;
 mod jacobian;
 pub(crate) mod mode;
 mod normal_load;
+pub(crate) mod rolling_motion;
 
 pub use breakaway::breakaway_nm;
 pub use constants::{GRAVITY_M_S2, Robot};

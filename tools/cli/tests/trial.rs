@@ -89,6 +89,23 @@ fn a_seed_gives_the_same_files_and_commitments_match_the_labels() {
     );
 }
 
+/// A plan that is a list is cut to as many cases; logs are as reproducible as other cases.
+#[test]
+fn every_plan_makes_as_many_cases_as_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    for (plan, out) in [("kinematic", "list"), ("logs", "one"), ("logs", "two")] {
+        let cases = ["trial", "--plan", plan, "--cases", "2"];
+        let made = [&cases[..], &["--make-only", "--out", out]].concat();
+        assert!(slipstream(folder.path(), &made).status.success());
+    }
+    let [list, one, two] = ["list", "one", "two"].map(|out| files(&folder.path().join(out)));
+    assert!(one == two, "the same seed made different files");
+    for made in [list, one] {
+        let commitments = String::from_utf8(made["commitments.txt"].clone()).unwrap();
+        assert_eq!(commitments.lines().count(), 2);
+    }
+}
+
 /// One new case from start to end, then the same case again from its labels.
 #[test]
 fn a_trial_and_its_repetition_from_labels_have_the_same_scores() {

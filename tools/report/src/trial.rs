@@ -29,13 +29,20 @@ pub fn page(report: &TrialReport, command_line: &str) -> String {
         report.commitments.len()
     );
     let lead = html! {
-        (report.missed) " missed, " (report.failed) " without an answer." (durations(report))
+        (report.missed) " missed, " (report.failed) " without an answer, " (report.refused) " of them refused; "
+        (report.contradictions) " contradict their own error, " (report.worse) " predict worse than the nominal model."
+        (durations(report))
     };
     let body = html! {
         (verdict(tone, icon, &chip, &facts, &sentence, &lead))
         (squares(report))
         section id="sizes" { div class="cards" { (detection(report)) (intervals(report)) } }
         section id="grades" { h2 { "By kind of case" } (grades(report)) }
+        @if !report.nuisances.is_empty() {
+            section id="nuisances" { h2 { "By nuisance" }
+                p class="sub" { "A case counts for each nuisance that it has." }
+                (nuisances(report)) }
+        }
         section id="confusion" { h2 { "What was taken for what" } (confusion(report)) }
         section id="cases" { h2 { "Every case" } (every_case(report)) }
         @if !report.commitments.is_empty() {
@@ -316,6 +323,41 @@ fn grades(report: &TrialReport) -> Markup {
         })
         .collect();
     table("Outcomes by kind of case", &heads, &rows)
+}
+
+fn nuisances(report: &TrialReport) -> Markup {
+    let rows = report.nuisances.iter().map(|(name, counts)| {
+        let numbers = [
+            counts.cases,
+            counts.right,
+            counts.inexact,
+            counts.missed,
+            counts.wrong,
+            counts.failed,
+            counts.contradictions,
+            counts.worse,
+        ];
+        let cells = numbers.map(|count| Cell::number(count as f64, count.to_string()));
+        let mut row = vec![Cell::text(name.replace('_', " "))];
+        row.extend(cells);
+        row
+    });
+    let heads = [
+        "Nuisance",
+        "Cases",
+        "Right",
+        "Inexact",
+        "Missed",
+        "Wrong",
+        "Failed",
+        "Contradictions",
+        "Worse",
+    ];
+    table(
+        "What came of each nuisance",
+        &heads,
+        &rows.collect::<Vec<_>>(),
+    )
 }
 
 fn confusion(report: &TrialReport) -> Markup {

@@ -15,9 +15,21 @@ pub struct DiagnosisAnswer {
     /// Prediction error over 5 s.
     #[serde(default)]
     pub held_out: Option<ReportedPrediction>,
+    /// Where the error went, for position and heading of each robot.
+    #[serde(default)]
+    pub budget: Vec<ReportedBudget>,
     /// From which size on what was not found would have been.
     #[serde(default)]
     pub detectable: Vec<ReportedLimit>,
+}
+
+/// Root mean square error over the horizon, of one robot in one unit.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct ReportedBudget {
+    /// With the nominal model.
+    pub before: f64,
+    /// With the findings.
+    pub after: f64,
 }
 
 /// From which size on a parameter would have been found.
@@ -47,6 +59,9 @@ pub struct ReportedFinding {
     /// Effects that the answer declares indistinguishable from it.
     #[serde(default)]
     pub confused_with: Vec<String>,
+    /// Runs of one machine for which it holds; all without it.
+    #[serde(default)]
+    pub runs: Option<Vec<String>>,
     /// The variable that an `unknown` effect depends on.
     #[serde(default)]
     pub driver: Option<String>,

@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use crate::TrialError;
 use crate::answer::{self, DiagnosisAnswer};
 
+/// Exit code of a diagnosis whose input is unusable.
+const UNUSABLE_INPUT: i32 = 2;
 /// Interval between checks whether the process has ended.
 const POLL_INTERVAL: Duration = Duration::from_millis(10);
 
@@ -30,6 +32,8 @@ pub struct DiagnosisInput<'a> {
 pub struct DiagnosisRun {
     /// The answer, or why there is none.
     pub answer: Result<DiagnosisAnswer, String>,
+    /// Whether it called the input unusable (exit code 2).
+    pub refused: bool,
     /// Duration (s).
     pub seconds: f64,
 }
@@ -87,12 +91,17 @@ impl DiagnosisProgram<'_> {
             .map_err(TrialError::system(self.program.display()))?;
         let ended = self.wait(child, start)?;
         let seconds = start.elapsed().as_secs_f64();
+        let refused = ended.and_then(|status| status.code()) == Some(UNUSABLE_INPUT);
         let answer = match ended {
             None => Err(format!("no answer in {:.0} s", self.limit.as_secs_f64())),
             Some(status) if status.success() => read_answer(&folder.path().join("answer.json")),
             Some(status) => Err(last_message(&messages, status)),
         };
-        Ok(DiagnosisRun { answer, seconds })
+        Ok(DiagnosisRun {
+            answer,
+            refused,
+            seconds,
+        })
     }
 
     /// Waits for the process to end; `None` after a timeout.

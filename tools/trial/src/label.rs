@@ -26,6 +26,14 @@ pub struct Label {
     /// Effects removed from the catalogue of the diagnosis.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<String>,
+    /// What else is in the recording and is no effect: faults of loggers, noise, drives outside the vocabulary.
+    /// With any, a case without effects that is answered `unexplained` without a name is inexact.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub nuisances: Vec<String>,
+    /// Findings that these bring and that are neither asked for nor wrong. With `unknown` among them, the verdict
+    /// `unexplained` is right as well.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub allowed: Vec<String>,
     /// Effects of the vocabulary that are in the recording but not in the model.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<ConcealedEffect>,
@@ -69,6 +77,12 @@ pub struct ConcealedEffect {
     /// Smallest possible standard deviation of each parameter (Cramér-Rao bound).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub deviations: BTreeMap<String, f64>,
+    /// Runs of one machine in which it acts with these parameters; empty: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub runs: Vec<String>,
+    /// Absolute error up to which a parameter is right whatever its interval.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub tolerances: BTreeMap<String, f64>,
 }
 
 /// Physics outside the vocabulary.

@@ -67,7 +67,7 @@ pub fn score(
             kind: label.kind.clone(),
             score: match run.answer {
                 Ok(answer) => grade(label, &answer),
-                Err(why) => no_answer(label, why),
+                Err(why) => no_answer(label, why, run.refused),
             },
             label: label.clone(),
             seconds: Some(run.seconds),

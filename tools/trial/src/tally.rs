@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::grade::{CaseScore, ParameterScore, TrialGrade};
+use crate::grade::{AnswerFlag, CaseScore, ParameterScore, TrialGrade};
 use crate::label::Label;
 use crate::part::TrialPart;
 
@@ -34,6 +34,18 @@ pub struct TrialReport {
     pub false_alarms: usize,
     /// Cases without an answer.
     pub failed: usize,
+    /// Cases whose input was called unusable.
+    #[serde(default)]
+    pub refused: usize,
+    /// Answers with a confident verdict beside a prediction error that does not allow it.
+    #[serde(default)]
+    pub contradictions: usize,
+    /// Answers with a line of the budget that grows by the findings.
+    #[serde(default)]
+    pub worse: usize,
+    /// Nuisance → counts of the cases that have it; `none` for those without any. Empty if no label names one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub nuisances: BTreeMap<String, NuisanceCounts>,
     /// Kind of case → grade → count.
     pub kinds: BTreeMap<String, BTreeMap<Cow<'static, str>, usize>>,
     /// Kind of case → counts of its cases.
@@ -105,6 +117,49 @@ impl FamilyCounts {
     }
 }
 
+/// The cases that have one nuisance, counted by what came of them. A case has several nuisances, and counts for each.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NuisanceCounts {
+    /// Number of cases.
+    pub cases: usize,
+    /// Graded exact, or a declared look-alike.
+    pub right: usize,
+    /// Graded inexact.
+    pub inexact: usize,
+    /// An effect not found, or reported as unknown.
+    pub missed: usize,
+    /// Something reported that is not there.
+    pub wrong: usize,
+    /// Without an answer.
+    pub failed: usize,
+    /// The input was called unusable: among those without an answer.
+    pub refused: usize,
+    /// A confident verdict beside a prediction error that does not allow it.
+    pub contradictions: usize,
+    /// A line of the budget that grows by the findings.
+    pub worse: usize,
+}
+
+impl NuisanceCounts {
+    fn add(&mut self, score: &CaseScore) {
+        self.cases += 1;
+        *match score.grade {
+            TrialGrade::Exact | TrialGrade::LookAlike => &mut self.right,
+            TrialGrade::Inexact => &mut self.inexact,
+            TrialGrade::Flagged | TrialGrade::Missed => &mut self.missed,
+            TrialGrade::Wrong | TrialGrade::FalseAlarm => &mut self.wrong,
+            TrialGrade::Failed => &mut self.failed,
+        } += 1;
+        for flag in &score.flags {
+            *match flag {
+                AnswerFlag::Refused => &mut self.refused,
+                AnswerFlag::Contradiction => &mut self.contradictions,
+                AnswerFlag::Worse => &mut self.worse,
+            } += 1;
+        }
+    }
+}
+
 /// One case with its score.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoredCase {
@@ -148,6 +203,11 @@ pub fn tally(
             .filter(|entry| entry.score.grade == outcome)
             .count()
     };
+    let noted = |flag| {
+        each.iter()
+            .filter(|entry| entry.score.flags.contains(&flag))
+            .count()
+    };
     let parameters = || each.iter().flat_map(|entry| &entry.score.parameters);
     let covered: Vec<bool> = parameters().filter_map(|p| p.covered).collect();
     let hits = covered.iter().filter(|covered| **covered).count();
@@ -173,6 +233,10 @@ pub fn tally(
         wrong: count(TrialGrade::Wrong),
         false_alarms: count(TrialGrade::FalseAlarm),
         failed: count(TrialGrade::Failed),
+        refused: noted(AnswerFlag::Refused),
+        contradictions: noted(AnswerFlag::Contradiction),
+        worse: noted(AnswerFlag::Worse),
+        nuisances: nuisances(&each),
         kinds: kinds(&each),
         families: families(&each),
         confusion: confusion(&each),
@@ -207,6 +271,24 @@ fn families(each: &[ScoredCase]) -> BTreeMap<String, FamilyCounts> {
         family.add(entry.score.grade);
     }
     families
+}
+
+fn nuisances(each: &[ScoredCase]) -> BTreeMap<String, NuisanceCounts> {
+    let mut nuisances: BTreeMap<String, NuisanceCounts> = BTreeMap::new();
+    if each.iter().all(|entry| entry.label.nuisances.is_empty()) {
+        return nuisances;
+    }
+    let none = ["none".to_owned()];
+    for entry in each {
+        let own = match entry.label.nuisances.as_slice() {
+            [] => &none,
+            own => own,
+        };
+        for name in own {
+            nuisances.entry(name.clone()).or_default().add(&entry.score);
+        }
+    }
+    nuisances
 }
 
 fn confusion(each: &[ScoredCase]) -> BTreeMap<String, BTreeMap<String, usize>> {

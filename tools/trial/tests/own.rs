@@ -123,6 +123,7 @@ fn copies_are_written_and_answers_scored_as_changes() {
         let alarm = (at == 0).then_some(Change::PoseLate(0.1));
         DiagnosisRun {
             answer: Ok(parse(&answer(change.or(alarm))).unwrap()),
+            refused: false,
             seconds: 1.0,
         }
     });

@@ -34,13 +34,15 @@ driver = ["wheel_angle"]
 verdict = "match"
 robot_toml = "robots/c.toml"
 kind = "null"
+nuisances = ["held_rows", "jitter"]
 "#;
 
 const ANSWER: &str = r#"{"verdict": "explained", "findings": [{"robot": "r1",
     "effect": "floor_slope", "where": {"channel": "yaw", "intervals_s": [[1.1, 2.4]]},
     "parameters": [{"name": "grade", "estimate": 0.0041, "ci95": [0.0039, 0.00431]},
                    {"name": "downhill_rad", "estimate": 0.91}]}],
-    "held_out": {"nrmse_before": 4.1, "nrmse_after": 1.03}}"#;
+    "held_out": {"nrmse_before": 4.1, "nrmse_after": 1.03},
+    "budget": [{"robot": "r1", "unit": "m", "before": 0.1, "after": 0.11}]}"#;
 
 #[test]
 fn a_report_is_read_back_from_its_json() {
@@ -48,9 +50,10 @@ fn a_report_is_read_back_from_its_json() {
     let answers = [
         answer::parse(ANSWER),
         answer::parse(r#"{"verdict": "match"}"#),
-        Err("no answer in 300 s".to_owned()),
+        Err("exit status: 2: r1 has no rows".to_owned()),
     ];
     let runs = answers.into_iter().map(|answer| DiagnosisRun {
+        refused: answer.is_err(),
         answer,
         seconds: 1.7,
     });
@@ -61,6 +64,24 @@ fn a_report_is_read_back_from_its_json() {
     report.seconds = None;
     report.each.iter_mut().for_each(|own| own.seconds = None);
     assert_eq!((report.cases, report.exact, report.failed), (3, 1, 1));
+    assert_eq!(
+        (report.refused, report.contradictions, report.worse),
+        (1, 0, 1)
+    );
+    let counts = |name: &str| {
+        let own = &report.nuisances[name];
+        [
+            own.cases,
+            own.right,
+            own.missed,
+            own.failed,
+            own.refused,
+            own.worse,
+        ]
+    };
+    assert_eq!(counts("none"), [2, 1, 1, 0, 0, 1]);
+    assert_eq!(counts("held_rows"), [1, 0, 0, 1, 1, 0]);
+    assert_eq!(report.nuisances.len(), 3);
     let text = serde_json::to_string_pretty(&report).unwrap();
     let again: TrialReport = serde_json::from_str(&text).unwrap();
     assert_eq!(again, report);

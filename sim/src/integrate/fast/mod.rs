@@ -2,6 +2,7 @@
 //! both slide. They compute what the general step computes in fewer terms, and decline where it
 //! might find an event.
 
+pub(super) mod draft;
 mod path;
 mod rolling;
 mod sliding;

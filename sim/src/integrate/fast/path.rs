@@ -5,7 +5,7 @@ use super::sliding::SlidingStep;
 use crate::dynamics::constrained::ConstrainedDynamics;
 use crate::parts::command::CommandKind;
 use crate::parts::friction_constraints::ConstraintSet;
-use crate::parts::scalar::{Pair, Scalar};
+use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::robot::Robot;
 use crate::robot::body::Body;
 use crate::robot::mode::Mode;
@@ -48,19 +48,22 @@ impl<S: Scalar> FastPath<S> {
         }
     }
 
-    /// Advances `body` by `over_s` (s) under `torque` (N m), or returns `false` without a change
-    /// where the general step has to decide.
+    /// Advances `body` by `over_s` (s) under `torque` (N m) and forces from `outside`, or returns `false`
+    /// without a change where the general step has to decide.
     #[inline]
     pub(crate) fn step(
         &self,
         robot: &Robot<S>,
+        outside: Option<&Vector<S>>,
         body: &mut Body<S>,
         over_s: f64,
         torque: Pair<S>,
     ) -> bool {
         match self {
-            Self::Rolling(rolling) => rolling.step(robot, body, over_s, torque),
-            Self::Sliding(sliding) => sliding.step(robot, body, over_s, torque),
+            Self::Rolling(rolling) => {
+                outside.is_none() && rolling.step(robot, body, over_s, torque)
+            }
+            Self::Sliding(sliding) => sliding.step(robot, outside, body, over_s, torque),
         }
     }
 }

@@ -52,7 +52,13 @@ impl<S: Scalar> SlidingStep<S> {
     }
 
     #[inline(always)]
-    fn at(&self, robot: &Robot<S>, nu: &Vector<S>, torque: Pair<S>) -> Instant<S> {
+    fn at(
+        &self,
+        robot: &Robot<S>,
+        outside: Option<&Vector<S>>,
+        nu: &Vector<S>,
+        mut torque: Pair<S>,
+    ) -> Instant<S> {
         let slip = robot.wheel_slip(nu);
         let (u, w, rate) = (nu[0], nu[1], nu[2]);
         let (m, [sx, sy]) = (robot.mass, robot.first_moment);
@@ -74,13 +80,18 @@ impl<S: Scalar> SlidingStep<S> {
         ];
         let longitudinal_n = [along[0] * normal_n[0], along[1] * normal_n[1]];
         let lateral_n = across[0] * normal_n[0] + across[1] * normal_n[1];
-        let force = [
+        let mut force = [
             (m * w + sx * rate) * rate + longitudinal_n[0] + longitudinal_n[1],
             (sy * rate - m * u) * rate + lateral_n,
             robot.half_track * (longitudinal_n[0] - longitudinal_n[1])
                 - robot.com_to_axle * lateral_n
                 - (sx * u + sy * w) * rate,
         ];
+        if let Some(outside) = outside {
+            for (i, own) in force.iter_mut().chain(&mut torque).enumerate() {
+                *own += outside[i];
+            }
+        }
         let row = |i: usize| {
             let [a, b, c] = self.body[i];
             a * force[0] + b * force[1] + c * force[2]
@@ -98,18 +109,19 @@ impl<S: Scalar> SlidingStep<S> {
         }
     }
 
-    /// Advances `body` by one step, or returns `false` where an event may be near.
+    /// Advances `body` by one step under forces from `outside`, or returns `false` where an event may be near.
     #[inline]
     pub(crate) fn step(
         &self,
         robot: &Robot<S>,
+        outside: Option<&Vector<S>>,
         body: &mut Body<S>,
         over_s: f64,
         torque: Pair<S>,
     ) -> bool {
-        let start = self.at(robot, &body.nu, torque);
+        let start = self.at(robot, outside, &body.nu, torque);
         let guess = body.nu + start.acceleration * S::constant(over_s);
-        let end = self.at(robot, &guess, torque);
+        let end = self.at(robot, outside, &guess, torque);
         let change = (start.acceleration + end.acceleration) * S::constant(0.5 * over_s);
         let nu = body.nu + change;
         let end_slip = robot.wheel_slip(&nu);

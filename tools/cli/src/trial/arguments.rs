@@ -8,6 +8,9 @@ use slipstream_trial::maker::{Plan, PlannedCase};
 use crate::exit::Error;
 use crate::reading::Reading;
 
+/// Number of cases of a plan that draws them, where none is given.
+const DRAWN_CASES: usize = 20;
+
 /// Score the diagnosis in a blind test, on recordings with known effects
 ///
 /// Cases are drawn from the seed and simulated by a second simulator that shares no code with the
@@ -24,14 +27,9 @@ use crate::reading::Reading;
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(super) part: Option<Part>,
-    /// Number of cases
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 20,
-        conflicts_with = "labels"
-    )]
-    pub(super) cases: usize,
+    /// Number of cases [default: 20, or all of a plan that is a list]
+    #[arg(long, value_name = "N", conflicts_with = "labels")]
+    pub(super) cases: Option<usize>,
     /// Seed of all random numbers
     #[arg(long, value_name = "S", default_value_t = 1, conflicts_with = "labels")]
     pub(super) seed: u64,
@@ -113,15 +111,18 @@ pub(super) struct Merge {
 /// How the cases of a trial are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum PlanKind {
-    /// N cases drawn at random from the seed
+    /// Cases drawn at random from the seed
     Sealed,
-    /// Every effect at three sizes, pairs of effects, no effect, and physics outside the vocabulary
+    /// Logs of robots told speeds, or of wheels and a reference alone, drawn at random with what real logs have:
+    /// late, held and lost rows, counters that wrap, references that jump, robots that skid
+    Logs,
+    /// A list: every effect at three sizes, pairs of effects, no effect, and physics outside the vocabulary
     Battery,
-    /// Robots without known masses, under commanded speeds
+    /// A list: robots without known masses, under commanded speeds
     Kinematic,
-    /// Process noise: no effect, single effects and pairs
+    /// A list: process noise, with no effect, single effects and pairs
     Noise,
-    /// Recordings that start inside what acts
+    /// A list: recordings that start inside what acts
     Starts,
 }
 
@@ -143,16 +144,28 @@ impl Arguments {
 
 impl PlanKind {
     /// The cases, in their order.
-    pub(super) fn cases(self, cases: usize, seed: u64, effect: Option<&str>) -> Vec<PlannedCase> {
+    pub(super) fn cases(
+        self,
+        cases: Option<usize>,
+        seed: u64,
+        effect: Option<&str>,
+    ) -> Vec<PlannedCase> {
+        let drawn = cases.unwrap_or(DRAWN_CASES);
         let plan = match self {
-            Self::Sealed => Plan::sealed(cases, seed),
+            Self::Sealed => Plan::sealed(drawn, seed),
+            Self::Logs => Plan::logs(drawn, seed),
             Self::Battery => Plan::battery(seed),
             Self::Kinematic => Plan::kinematic(seed),
             Self::Noise => Plan::noise(seed),
             Self::Starts => Plan::starts(seed),
         };
-        match effect {
+        let plan = match effect {
             Some(id) => plan.with_effect(id),
+            None => plan,
+        };
+        let is_drawn = matches!(self, Self::Sealed | Self::Logs);
+        match cases.filter(|_| !is_drawn) {
+            Some(count) => plan.spread(count),
             None => plan,
         }
         .cases()

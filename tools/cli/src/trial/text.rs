@@ -41,7 +41,14 @@ pub(super) fn print_report(report: &TrialReport) {
             .count();
         print_line!("  {:<12} {count}", outcome.name().replace('_', " "));
     }
+    print_line!(
+        "  {} refused, {} contradict their own error, {} predict a unit worse than the nominal model",
+        report.refused,
+        report.contradictions,
+        report.worse
+    );
     print_families(report);
+    print_nuisances(report);
     let print_figure = |what: &str, value: Option<f64>| {
         if let Some(value) = value {
             print_line!("{what} {value:.4}");
@@ -105,6 +112,32 @@ fn print_families(report: &TrialReport) {
             counts.missed,
             counts.wrong,
             counts.false_alarms
+        );
+    }
+    print_line!("");
+}
+
+/// Prints what came of the cases with each nuisance. A case counts for each that it has.
+fn print_nuisances(report: &TrialReport) {
+    let Some(width) = report.nuisances.keys().map(String::len).max() else {
+        return;
+    };
+    print_line!(
+        "{:<width$}  cases  right  inexact  missed  wrong  failed  refused  contradictions  worse",
+        "nuisance"
+    );
+    for (name, counts) in &report.nuisances {
+        print_line!(
+            "{name:<width$}{:7}{:7}{:9}{:8}{:7}{:8}{:9}{:16}{:7}",
+            counts.cases,
+            counts.right,
+            counts.inexact,
+            counts.missed,
+            counts.wrong,
+            counts.failed,
+            counts.refused,
+            counts.contradictions,
+            counts.worse
         );
     }
     print_line!("");

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 use slipstream_sim::effects::{Role, find};
 
-use super::score::{CaseScore, ParameterScore, TrialGrade};
+use super::flags::flags;
+use super::score::{AnswerFlag, CaseScore, ParameterScore, TrialGrade};
 use crate::answer::{DiagnosisAnswer, ReportedFinding, ReportedParameter};
 use crate::intervals::overlap;
 use crate::label::{ConcealedEffect, DiagnosisVerdict, Label, ParameterValue, UnknownPhysics};
@@ -18,8 +19,8 @@ const RELATIVE_TOLERANCE: f64 = 0.05;
 /// Intersection over union from which on intervals are right.
 const MIN_OVERLAP: f64 = 0.5;
 
-/// The score of a case without an answer; `why` is the remark.
-pub fn no_answer(label: &Label, why: String) -> CaseScore {
+/// The score of a case without an answer; `why` is the remark, `refused` says that the input was called unusable.
+pub fn no_answer(label: &Label, why: String, refused: bool) -> CaseScore {
     let truths = truths(label);
     CaseScore {
         grade: TrialGrade::Failed,
@@ -28,6 +29,7 @@ pub fn no_answer(label: &Label, why: String) -> CaseScore {
             .map(|truth| [truth, "failed".to_owned()])
             .collect(),
         remarks: vec![why],
+        flags: refused.then_some(AnswerFlag::Refused).into_iter().collect(),
         parameters: Vec::new(),
         held_out: None,
     }
@@ -37,6 +39,7 @@ pub fn no_answer(label: &Label, why: String) -> CaseScore {
 pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
     let mut grader = Grader {
         unmatched: answer.findings.iter().collect(),
+        by_run: Vec::new(),
         pairs: Vec::new(),
         remarks: Vec::new(),
         parameters: Vec::new(),
@@ -49,11 +52,12 @@ pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
     if let Some(unknown) = &label.unknown {
         grader.match_unknown(unknown);
     }
-    if answer.verdict != label.verdict {
+    let excused = grader.put_aside(&label.allowed);
+    if !is_right_verdict(label, answer.verdict, excused) {
         let reported = format!("verdict {:?}, not {:?}", answer.verdict, label.verdict);
         grader.remarks.push(reported.to_lowercase());
     }
-    let grade = grader.grade(label, answer);
+    let grade = grader.grade(label);
     let held_out = answer
         .held_out
         .and_then(|held| Some([held.nrmse_before?, held.nrmse_after?]));
@@ -61,9 +65,29 @@ pub fn grade(label: &Label, answer: &DiagnosisAnswer) -> CaseScore {
         grade,
         pairs: grader.pairs,
         remarks: grader.remarks,
+        flags: flags(answer),
         parameters: grader.parameters,
         held_out,
     }
+}
+
+/// Whether this is the verdict of a correct diagnosis; `excused`: it named something that a nuisance brings.
+fn is_right_verdict(label: &Label, verdict: DiagnosisVerdict, excused: bool) -> bool {
+    let may_remain = label.allowed.iter().any(|name| name == "unknown");
+    match verdict {
+        DiagnosisVerdict::Unexplained if may_remain => true,
+        DiagnosisVerdict::Explained if excused && label.verdict == DiagnosisVerdict::Match => true,
+        _ => verdict == label.verdict,
+    }
+}
+
+/// Whether a finding is about the machine and one of the runs of a concealed effect.
+fn is_about(finding: &ReportedFinding, concealed: &ConcealedEffect) -> bool {
+    // Runs of one machine are robots of the recording; a finding of one may bear its name.
+    let is_run = finding.runs.is_some() || concealed.runs.contains(&finding.robot);
+    let holds = |runs: &Vec<String>| runs.iter().any(|run| concealed.runs.contains(run));
+    let in_a_run = concealed.runs.is_empty() || finding.runs.as_ref().is_none_or(holds);
+    (is_run || finding.robot == concealed.robot) && in_a_run
 }
 
 /// Names of the true effects; `none` if there are none.
@@ -84,6 +108,8 @@ fn truths(label: &Label) -> Vec<String> {
 struct Grader<'a> {
     /// Findings not yet matched.
     unmatched: Vec<&'a ReportedFinding>,
+    /// Findings matched with an effect of single runs: they may hold for other runs as well.
+    by_run: Vec<&'a ReportedFinding>,
     pairs: Vec<[String; 2]>,
     remarks: Vec<String>,
     parameters: Vec<ParameterScore>,
@@ -105,39 +131,80 @@ impl<'a> Grader<'a> {
         Some(self.unmatched.remove(best.0))
     }
 
+    /// Takes the finding for a true effect with the smallest cost. One of single runs stays for those of others.
+    fn take_for(
+        &mut self,
+        concealed: &ConcealedEffect,
+        cost: impl Fn(&ReportedFinding) -> Option<f64>,
+    ) -> Option<&'a ReportedFinding> {
+        if concealed.runs.is_empty() {
+            return self.take(cost);
+        }
+        let taken = self.take(&cost);
+        self.by_run.extend(taken);
+        taken.or_else(|| {
+            let earlier = self.by_run.iter().copied();
+            let scored = earlier.filter_map(|finding| Some((cost(finding)?, finding)));
+            let best = scored.min_by(|one, other| one.0.total_cmp(&other.0));
+            best.map(|(_, finding)| finding)
+        })
+    }
+
+    /// Takes what is neither asked for nor wrong, and returns whether there was any.
+    fn put_aside(&mut self, allowed: &[String]) -> bool {
+        let before = self.unmatched.len();
+        self.unmatched
+            .retain(|finding| !allowed.contains(&finding.effect));
+        self.unmatched.len() < before
+    }
+
     /// Matches a true effect: with a finding of this effect, else with a look-alike.
     fn match_effect(&mut self, concealed: &ConcealedEffect) {
         let own = |finding: &ReportedFinding| {
-            let right = finding.robot == concealed.robot && finding.effect == concealed.effect;
+            let right = is_about(finding, concealed) && finding.effect == concealed.effect;
             right.then(|| distance(concealed, finding))
         };
-        if let Some(finding) = self.take(own) {
+        if let Some(finding) = self.take_for(concealed, own) {
             self.pairs
                 .push([concealed.effect.clone(), finding.effect.clone()]);
             self.check_location(&concealed.channels, &concealed.intervals_s, finding);
             self.check_parameters(concealed, finding);
+            if concealed.runs.is_empty() && finding.runs.is_some() {
+                // The same of other runs, each with its own estimate.
+                while let Some(other) =
+                    self.take(|other| own(other).filter(|_| other.runs.is_some()))
+                {
+                    self.check_parameters(concealed, other);
+                }
+            }
             return;
         }
         let look_alike = |finding: &ReportedFinding| {
             let labelled = concealed.confusions.contains(&finding.effect);
             let declared = finding.confused_with.contains(&concealed.effect);
-            (finding.robot == concealed.robot && (labelled || declared)).then_some(0.0)
+            (is_about(finding, concealed) && (labelled || declared)).then_some(0.0)
         };
-        if let Some(finding) = self.take(look_alike) {
-            self.look_alikes += 1;
+        if let Some(finding) = self.take_for(concealed, look_alike) {
             self.pairs
                 .push([concealed.effect.clone(), finding.effect.clone()]);
+            // One size for all runs is no look-alike of sizes that differ by run.
+            let is_by_run = concealed.runs.is_empty() || finding.runs.is_some();
+            self.look_alikes += usize::from(is_by_run);
             self.remarks.push(format!(
-                "{} for its look-alike {}",
-                finding.effect, concealed.effect
+                "{}{} for its look-alike {}",
+                finding.effect,
+                if is_by_run { "" } else { " of all runs" },
+                concealed.effect
             ));
             return;
         }
         self.missed += 1;
-        self.remarks.push(format!(
-            "{} of {} not found",
-            concealed.effect, concealed.robot
-        ));
+        let of = match concealed.runs.as_slice() {
+            [] => concealed.robot.clone(),
+            runs => runs.join(", "),
+        };
+        self.remarks
+            .push(format!("{} of {of} not found", concealed.effect));
         self.pairs
             .push([concealed.effect.clone(), "none".to_owned()]);
     }
@@ -241,7 +308,9 @@ impl<'a> Grader<'a> {
         let error = estimate + turn - truth;
         let interval = reported.interval();
         let covered = interval.map(|[low, high]| low <= truth - turn && truth - turn <= high);
-        if covered != Some(true) && error.abs() > RELATIVE_TOLERANCE * truth.abs() {
+        let tolerance = concealed.tolerances.get(&reported.name).copied();
+        let tolerance = f64::max(RELATIVE_TOLERANCE * truth.abs(), tolerance.unwrap_or(0.0));
+        if covered != Some(true) && error.abs() > tolerance {
             let words = format!(
                 "{}.{} {estimate:.6}, not {truth:.6}",
                 concealed.effect, reported.name
@@ -263,7 +332,7 @@ impl<'a> Grader<'a> {
     }
 
     /// The grade; findings not matched by now report effects that are not there.
-    fn grade(&mut self, label: &Label, answer: &DiagnosisAnswer) -> TrialGrade {
+    fn grade(&mut self, label: &Label) -> TrialGrade {
         let nothing = label.effects.is_empty() && label.unknown.is_none();
         let flags = self
             .unmatched
@@ -281,7 +350,8 @@ impl<'a> Grader<'a> {
             self.pairs.push(["none".to_owned(), "none".to_owned()]);
         }
         match () {
-            () if nothing && (wrong + flags > 0 || answer.verdict != DiagnosisVerdict::Match) => {
+            () if nothing && wrong + flags > 0 => TrialGrade::FalseAlarm,
+            () if nothing && !self.remarks.is_empty() && label.nuisances.is_empty() => {
                 TrialGrade::FalseAlarm
             }
             () if wrong > 0 => TrialGrade::Wrong,

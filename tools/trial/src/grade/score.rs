@@ -52,6 +52,18 @@ impl TrialGrade {
     }
 }
 
+/// What is noted of an answer whatever its grade.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AnswerFlag {
+    /// The input was called unusable (exit code 2).
+    Refused,
+    /// A confident verdict beside a prediction error that it does not allow.
+    Contradiction,
+    /// With the findings a unit is predicted worse than with the nominal model.
+    Worse,
+}
+
 /// The score of one case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseScore {
@@ -62,6 +74,9 @@ pub struct CaseScore {
     pub pairs: Vec<[String; 2]>,
     /// Why the answer is not exact.
     pub remarks: Vec<String>,
+    /// What is noted of the answer whatever its grade.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub flags: Vec<AnswerFlag>,
     /// The parameters of the effects that were identified.
     pub parameters: Vec<ParameterScore>,
     /// Prediction error over 5 s on held-out data, with the nominal model and with the findings, in

@@ -1,7 +1,7 @@
 //! Answers to one label and their grades.
 
-use super::grader::grade;
-use super::score::{CaseScore, TrialGrade};
+use super::grader::{grade, no_answer};
+use super::score::{AnswerFlag, CaseScore, TrialGrade};
 use crate::answer;
 use crate::label::{DiagnosisVerdict, Label};
 
@@ -123,5 +123,103 @@ fn an_unknown_effect_needs_its_driver() {
     assert_eq!(
         graded(&text.replace("\"unknown\"", "\"push\"")),
         TrialGrade::Wrong
+    );
+}
+
+/// A latency that differs by run, and a nuisance that excuses a lag.
+fn of_runs() -> Label {
+    let effect = |run: &str, latency_s: f64| {
+        format!(
+            "[[effects]]\neffect = \"pose_latency\"\nrobot = \"r1\"\nruns = [\"{run}\"]\nchannels = [\"sensor_pose\"]\n\
+             parameters = {{ latency_s = {latency_s} }}\ntolerances = {{ latency_s = 0.005 }}\n"
+        )
+    };
+    let head = "verdict = \"explained\"\nrobot_toml = \"r.toml\"\nnuisances = [\"slow_drive\"]\nallowed = [\"actuator_lag\"]\n";
+    toml::from_str(&[head, &effect("r1", 0.1), &effect("r2", 0.2)].concat()).unwrap()
+}
+
+fn late(robot: &str, runs: &str, latency_s: f64) -> String {
+    format!(
+        r#"{{"robot": "{robot}", "effect": "pose_latency", "where": {{"channel": "sensor_pose"}}{runs},
+            "parameters": [{{"name": "latency_s", "estimate": {latency_s}, "ci95": [{latency_s}, {latency_s}]}}]}}"#
+    )
+}
+
+fn graded_by_run(findings: &[String]) -> CaseScore {
+    let text = format!(
+        r#"{{"verdict": "explained", "findings": [{}]}}"#,
+        findings.join(", ")
+    );
+    grade(&of_runs(), &answer::parse(&text).unwrap())
+}
+
+#[test]
+fn effects_of_single_runs_are_matched_by_run() {
+    let [one, two] = ["r1", "r2"].map(|run| format!(r#", "runs": ["{run}"]"#));
+    let right = [late("r1", &one, 0.1), late("r2", &two, 0.204)];
+    let score = graded_by_run(&right);
+    assert_eq!(score.grade, TrialGrade::Exact, "{:?}", score.remarks);
+    let swapped = [late("r1", &one, 0.2), late("r2", &two, 0.1)];
+    assert_eq!(graded_by_run(&swapped).grade, TrialGrade::Inexact);
+    assert_eq!(graded_by_run(&right[..1]).grade, TrialGrade::Missed);
+    // One latency for all runs names the effect, not its sizes.
+    let shared = graded_by_run(&[late("r1", "", 0.15)]);
+    assert_eq!(
+        (shared.grade, shared.remarks.len()),
+        (TrialGrade::Inexact, 2)
+    );
+}
+
+#[test]
+fn one_effect_of_the_machine_may_be_found_run_by_run() {
+    let mut label = of_runs();
+    label.effects.pop();
+    label.effects[0].runs.clear();
+    let [one, two] = ["r1", "r2"].map(|run| format!(r#", "runs": ["{run}"]"#));
+    let graded = |first: f64, second: f64| {
+        let findings = [late("r1", &one, first), late("r2", &two, second)].join(", ");
+        let text = format!(r#"{{"verdict": "explained", "findings": [{findings}]}}"#);
+        grade(&label, &answer::parse(&text).unwrap()).grade
+    };
+    assert_eq!(graded(0.1, 0.104), TrialGrade::Exact);
+    assert_eq!(graded(0.1, 0.15), TrialGrade::Inexact);
+}
+
+#[test]
+fn what_a_nuisance_brings_is_not_wrong() {
+    let lag = r#"{"robot": "r1", "effect": "actuator_lag", "where": {"channel": "yaw"}}"#;
+    let both = [late("r1", "", 0.15), lag.to_owned()];
+    assert_eq!(graded_by_run(&both).grade, TrialGrade::Inexact);
+    let push = [late("r1", "", 0.15), lag.replace("actuator_lag", "push")];
+    assert_eq!(graded_by_run(&push).grade, TrialGrade::Wrong);
+}
+
+#[test]
+fn a_null_with_nuisances_may_be_doubted_but_nothing_named() {
+    let mut label = of_runs();
+    label.effects.clear();
+    label.verdict = DiagnosisVerdict::Match;
+    let graded = |label: &Label, text: &str| grade(label, &answer::parse(text).unwrap()).grade;
+    let doubted = r#"{"verdict": "unexplained"}"#;
+    assert_eq!(graded(&label, doubted), TrialGrade::Inexact);
+    label.allowed.push("unknown".to_owned());
+    assert_eq!(graded(&label, doubted), TrialGrade::Exact);
+    let excused = r#"{"verdict": "explained", "findings": [{"robot": "r1", "effect": "actuator_lag",
+        "where": {"channel": "yaw"}}]}"#;
+    assert_eq!(graded(&label, excused), TrialGrade::Exact);
+    let named = r#"{"verdict": "explained", "findings": [{"robot": "r1", "effect": "push", "where": {"channel": "yaw"}}]}"#;
+    assert_eq!(graded(&label, named), TrialGrade::FalseAlarm);
+}
+
+#[test]
+fn a_refusal_is_a_failure_with_a_flag() {
+    let refused = no_answer(&of_runs(), "exit status: 2".to_owned(), true);
+    assert_eq!(
+        (refused.grade, refused.flags),
+        (TrialGrade::Failed, vec![AnswerFlag::Refused])
+    );
+    assert_eq!(
+        no_answer(&of_runs(), "no answer in 300 s".to_owned(), false).flags,
+        []
     );
 }

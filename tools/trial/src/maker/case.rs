@@ -73,6 +73,8 @@ fn label(scene: &Scene, simulated: &SimulatedScene, name: &str) -> Result<Label,
         kind: scene.kind.clone(),
         notes: notes(scene),
         without: scene.without.clone(),
+        nuisances: Vec::new(),
+        allowed: Vec::new(),
         effects,
         unknown,
     })
@@ -96,6 +98,8 @@ fn concealed(
         intervals_s: intervals(effect, truth),
         expected_gain: (!link).then_some(gain),
         deviations: finite(deviations),
+        runs: Vec::new(),
+        tolerances: BTreeMap::new(),
     }
 }
 
@@ -227,7 +231,7 @@ fn finite(deviations: Vec<(String, f64)>) -> BTreeMap<String, f64> {
         .collect()
 }
 
-fn words(list: &[&str]) -> Vec<String> {
+pub(super) fn words(list: &[&str]) -> Vec<String> {
     list.iter().map(|word| (*word).to_owned()).collect()
 }
 
@@ -260,7 +264,7 @@ fn intervals(effect: &EffectSpec, truth: &Truth) -> Vec<[f64; 2]> {
 }
 
 /// The channels that are correct answers for an effect of the vocabulary.
-fn channels(effect: &str) -> &'static [&'static str] {
+pub(super) fn channels(effect: &str) -> &'static [&'static str] {
     match effect {
         "wheel_slip" | "friction_patch" | "caster_drag" => &[
             "longitudinal",

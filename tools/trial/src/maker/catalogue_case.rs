@@ -195,6 +195,8 @@ fn label(info: &Info, scene: &Scene, name: &str) -> Label {
         intervals_s: Vec::new(),
         expected_gain: None,
         deviations: BTreeMap::new(),
+        runs: Vec::new(),
+        tolerances: BTreeMap::new(),
     });
     Label {
         verdict: DiagnosisVerdict::Explained,
@@ -202,6 +204,8 @@ fn label(info: &Info, scene: &Scene, name: &str) -> Label {
         kind: scene.kind.clone(),
         notes: BTreeMap::from([("simulator".to_owned(), "slipstream-sim".to_owned())]),
         without: Vec::new(),
+        nuisances: Vec::new(),
+        allowed: Vec::new(),
         effects: effects.collect(),
         unknown: None,
     }

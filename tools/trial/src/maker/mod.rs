@@ -7,6 +7,7 @@ mod controller;
 mod detectability;
 mod draw_effect;
 mod information;
+mod logs;
 mod manoeuvre;
 mod plan;
 mod platoon_link;

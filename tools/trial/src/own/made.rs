@@ -155,6 +155,8 @@ impl Maker<'_> {
             kind: kind.to_owned(),
             notes: BTreeMap::new(),
             without: Vec::new(),
+            nuisances: Vec::new(),
+            allowed: Vec::new(),
             effects: change
                 .iter()
                 .map(|change| self.concealed(change, copy))
@@ -189,6 +191,8 @@ impl Maker<'_> {
             intervals_s: Vec::new(),
             expected_gain: None,
             deviations: BTreeMap::new(),
+            runs: Vec::new(),
+            tolerances: BTreeMap::new(),
         }
     }
 }

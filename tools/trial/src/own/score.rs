@@ -69,7 +69,7 @@ pub fn score(on: &str, cases: &[OwnCase], answers: Vec<DiagnosisRun>) -> OwnRepo
             kind: case.kind.clone(),
             score: match run.answer {
                 Ok(answer) => grade(&case.label, &as_changes(answer)),
-                Err(why) => no_answer(&case.label, why),
+                Err(why) => no_answer(&case.label, why, run.refused),
             },
             label: case.label.clone(),
             seconds: Some(run.seconds),

@@ -11,6 +11,7 @@ use crate::label::{ConcealedEffect, Label};
 use crate::maker::case::{MadeCase, make};
 use crate::maker::catalogue_case;
 use crate::maker::draw_effect::scaled;
+use crate::maker::logs::{self, Log};
 use crate::maker::random::RandomStream;
 use crate::maker::scene::Scene;
 
@@ -25,7 +26,26 @@ const MIN_GAIN_GIVEN_NATS: f64 = 1.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     seed: u64,
-    specs: Vec<CaseSpec>,
+    recipes: Vec<Recipe>,
+}
+
+/// How a case comes about.
+#[derive(Debug, Clone, PartialEq)]
+enum Recipe {
+    /// A scene of robots with masses, drawn when it is made.
+    Scene(CaseSpec),
+    /// The log of a kinematic robot, drawn already.
+    Log(Box<Log>),
+}
+
+impl Recipe {
+    /// Whether it conceals this effect.
+    fn needs(&self, id: &str) -> bool {
+        match self {
+            Self::Scene(spec) => spec.needs(&[id]),
+            Self::Log(log) => log.conceals(&[id]),
+        }
+    }
 }
 
 /// One case of a plan, not yet made.
@@ -36,139 +56,162 @@ pub struct PlannedCase {
     /// Nonce of its commitment.
     pub nonce: String,
     seed: u64,
-    spec: CaseSpec,
+    recipe: Recipe,
 }
 
 impl Plan {
+    fn of(seed: u64, specs: Vec<CaseSpec>) -> Self {
+        Self {
+            seed,
+            recipes: specs.into_iter().map(Recipe::Scene).collect(),
+        }
+    }
+
     /// `cases` cases drawn from a seed.
     pub fn sealed(cases: usize, seed: u64) -> Self {
         let spec = |at: usize| sealed(&mut RandomStream::new(seed, at as u64));
+        Self::of(seed, (0..cases).map(spec).collect())
+    }
+
+    /// `cases` logs of kinematic robots, with what logs of real robots have, drawn from a seed.
+    pub fn logs(cases: usize, seed: u64) -> Self {
+        let log = |at: usize| Recipe::Log(Box::new(logs::draw(case_seed(seed, at))));
         Self {
             seed,
-            specs: (0..cases).map(spec).collect(),
+            recipes: (0..cases).map(log).collect(),
         }
     }
 
     /// The battery: every effect at several sizes, nulls, pairs, effects outside the vocabulary, other steps,
     /// random disturbances, and effects that only the catalogue has.
     pub fn battery(seed: u64) -> Self {
-        Self {
-            seed,
-            specs: battery(),
-        }
+        Self::of(seed, battery())
     }
 
     /// Robots without known masses under commanded speeds, without and with process noise.
     pub fn kinematic(seed: u64) -> Self {
-        Self {
-            seed,
-            specs: kinematic(),
-        }
+        Self::of(seed, kinematic())
     }
 
     /// Nulls, single effects and pairs under process noise, and nulls without it.
     pub fn noise(seed: u64) -> Self {
-        Self {
-            seed,
-            specs: noise(),
-        }
+        Self::of(seed, noise())
     }
 
     /// Recordings that start inside what acts.
     pub fn starts(seed: u64) -> Self {
-        Self {
-            seed,
-            specs: starts(),
-        }
+        Self::of(seed, starts())
+    }
+
+    /// `cases` cases from all over the plan, each as often as any other (or once more); with other random numbers
+    /// where one is there twice.
+    #[must_use]
+    pub fn spread(mut self, cases: usize) -> Self {
+        let all = self.recipes.len();
+        let spread = (0..cases).filter_map(|at| self.recipes.get(at * all / cases));
+        self.recipes = spread.cloned().collect();
+        self
     }
 
     /// The cases of the plan that conceal this effect, alone or with others.
     #[must_use]
     pub fn with_effect(mut self, id: &str) -> Self {
-        self.specs.retain(|spec| spec.needs(&[id]));
+        self.recipes.retain(|recipe| recipe.needs(id));
         self
     }
 
     /// The cases, in order.
     pub fn cases(&self) -> impl Iterator<Item = PlannedCase> {
-        self.specs.iter().enumerate().map(|(at, spec)| PlannedCase {
-            name: format!("case-{:04}", at + 1),
-            nonce: RandomStream::new(self.seed, (1 << 40) + at as u64).nonce(),
-            // An odd factor, so that neighbouring seeds give different cases.
-            seed: self
-                .seed
-                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
-                .wrapping_add(1000 * at as u64),
-            spec: spec.clone(),
-        })
+        self.recipes
+            .iter()
+            .enumerate()
+            .map(|(at, recipe)| PlannedCase {
+                name: format!("case-{:04}", at + 1),
+                nonce: RandomStream::new(self.seed, (1 << 40) + at as u64).nonce(),
+                seed: case_seed(self.seed, at),
+                recipe: recipe.clone(),
+            })
     }
 }
 
+/// The seed of a case.
+fn case_seed(seed: u64, at: usize) -> u64 {
+    // An odd factor, so that neighbouring seeds give different cases.
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(1000 * at as u64)
+}
+
 impl PlannedCase {
-    /// Makes the case: draws scenes until the concealed effects are detectable.
+    /// Makes the case.
     ///
     /// # Errors
     /// A model that cannot be simulated.
     pub fn make(&self) -> Result<MadeCase, String> {
-        if let (Some(size), [id]) = (self.spec.by_sim, self.spec.effects.as_slice()) {
-            return catalogue_case::make(id, size, &self.spec.kind, self.seed, &self.name);
-        }
-        let min_gain_nats = if self.spec.size.is_some() {
-            MIN_GAIN_GIVEN_NATS
-        } else {
-            MIN_GAIN_DRAWN_NATS
-        };
-        let mut scene = self.scene(0)?;
-        let mut made = make(&scene, &self.name)?;
-        for draw in 1..MAX_DRAWS {
-            if is_detectable(&made.label, min_gain_nats) {
-                break;
-            }
-            scene = self.scene(draw)?;
-            made = make(&scene, &self.name)?;
-        }
-        match self.scaled_down(&scene, &made.label) {
-            None => Ok(made),
-            Some(smaller) => make(&smaller, &self.name),
+        match &self.recipe {
+            Recipe::Log(log) => Ok(logs::make(log, &self.name)),
+            Recipe::Scene(spec) => match (spec.by_sim, spec.effects.as_slice()) {
+                (Some(size), [id]) => {
+                    catalogue_case::make(id, size, &spec.kind, self.seed, &self.name)
+                }
+                _ => detectable_scene(spec, self.seed, &self.name),
+            },
         }
     }
+}
 
-    /// The same scene with its effect scaled down to the specified number of standard deviations, if one is
-    /// specified.
-    fn scaled_down(&self, scene: &Scene, label: &Label) -> Option<Scene> {
-        let deviations = self.spec.deviations?;
-        let ([concealed], None) = (label.effects.as_slice(), &label.unknown) else {
-            return None;
-        };
-        let factor = deviations / (2.0 * concealed.expected_gain?).sqrt();
-        let mut scene = scene.clone();
-        for effect in scene
-            .robots
-            .iter_mut()
-            .flat_map(|robot| &mut robot.concealed)
-        {
-            *effect = scaled(effect, factor.min(1.0));
+/// Draws scenes until the concealed effects are detectable.
+fn detectable_scene(spec: &CaseSpec, seed: u64, name: &str) -> Result<MadeCase, String> {
+    let min_gain_nats = if spec.size.is_some() {
+        MIN_GAIN_GIVEN_NATS
+    } else {
+        MIN_GAIN_DRAWN_NATS
+    };
+    let mut drawn = scene(spec, seed, 0)?;
+    let mut made = make(&drawn, name)?;
+    for draw in 1..MAX_DRAWS {
+        if is_detectable(&made.label, min_gain_nats) {
+            break;
         }
-        Some(scene)
+        drawn = scene(spec, seed, draw)?;
+        made = make(&drawn, name)?;
     }
+    match scaled_down(spec, &drawn, &made.label) {
+        None => Ok(made),
+        Some(smaller) => make(&smaller, name),
+    }
+}
 
-    fn scene(&self, draw: u64) -> Result<Scene, String> {
-        let seed = self.seed.wrapping_add(draw);
-        if !self.stands_out() {
-            return draw_scene(&self.spec, seed);
-        }
-        // Larger from draw to draw, until it stands out of the noise.
-        let spec = CaseSpec {
-            size: Some(0.4 + 0.6 * draw as f64 / (MAX_DRAWS - 1) as f64),
-            ..self.spec.clone()
-        };
-        draw_scene(&spec, seed)
+/// The same scene with its effect scaled down to the specified number of standard deviations, if one is
+/// specified.
+fn scaled_down(spec: &CaseSpec, scene: &Scene, label: &Label) -> Option<Scene> {
+    let deviations = spec.deviations?;
+    let ([concealed], None) = (label.effects.as_slice(), &label.unknown) else {
+        return None;
+    };
+    let factor = deviations / (2.0 * concealed.expected_gain?).sqrt();
+    let mut scene = scene.clone();
+    for effect in scene
+        .robots
+        .iter_mut()
+        .flat_map(|robot| &mut robot.concealed)
+    {
+        *effect = scaled(effect, factor.min(1.0));
     }
+    Some(scene)
+}
 
-    /// Whether its effects must stand out of process noise.
-    fn stands_out(&self) -> bool {
-        self.spec.noise.is_some() && self.spec.size.is_none()
+fn scene(spec: &CaseSpec, seed: u64, draw: u64) -> Result<Scene, String> {
+    let seed = seed.wrapping_add(draw);
+    // Effects of no given size must stand out of process noise.
+    if spec.noise.is_none() || spec.size.is_some() {
+        return draw_scene(spec, seed);
     }
+    // Larger from draw to draw, until they do.
+    let larger = CaseSpec {
+        size: Some(0.4 + 0.6 * draw as f64 / (MAX_DRAWS - 1) as f64),
+        ..spec.clone()
+    };
+    draw_scene(&larger, seed)
 }
 
 /// Whether every concealed effect acts and has at least this expected gain (nats).
@@ -195,19 +238,43 @@ mod tests {
     use crate::maker::manoeuvre::CommandKind;
     use crate::maker::scene::Control;
 
+    /// The scenes of a plan.
+    fn specs(plan: &Plan) -> Vec<&CaseSpec> {
+        let recipes = plan.recipes.iter();
+        let scenes = recipes.filter_map(|recipe| match recipe {
+            Recipe::Scene(spec) => Some(spec),
+            Recipe::Log(_) => None,
+        });
+        scenes.collect()
+    }
+
+    #[test]
+    fn a_list_is_cut_to_cases_from_all_over_it() {
+        let all = Plan::kinematic(1);
+        let few = Plan::kinematic(1).spread(3);
+        assert_eq!(few.cases().count(), 3);
+        let third = all.recipes.len() / 3;
+        assert_eq!(few.recipes[1], all.recipes[third]);
+        assert_eq!(Plan::kinematic(1).spread(all.recipes.len()), all);
+        let twice = Plan::kinematic(1).spread(2 * all.recipes.len());
+        assert_eq!(twice.recipes[1], all.recipes[0]);
+        assert_eq!(Plan::kinematic(1).spread(0).cases().count(), 0);
+    }
+
     #[test]
     fn the_battery_contains_every_effect_and_nulls() {
         let plan = Plan::battery(1);
-        let contains = |id: &str| plan.specs.iter().any(|spec| spec.effects == [id]);
+        let contains = |id: &str| specs(&plan).iter().any(|spec| spec.effects == [id]);
         assert!(VOCABULARY.into_iter().all(contains));
         assert!(
-            plan.specs
+            specs(&plan)
                 .iter()
                 .filter(|spec| spec.kind.starts_with("null"))
                 .count()
                 >= 20
         );
-        let outside = plan.specs.iter().filter_map(|spec| spec.outside);
+        let all = specs(&plan);
+        let outside = all.iter().filter_map(|spec| spec.outside);
         assert_eq!(outside.max(), Some(OUTSIDE_KINDS - 1));
     }
 
@@ -218,10 +285,7 @@ mod tests {
             by_sim: Some(1.0),
             ..CaseSpec::new("catalogue", &["yaw_scrub"])
         };
-        let plan = Plan {
-            seed: 1,
-            specs: vec![spec],
-        };
+        let plan = Plan::of(1, vec![spec]);
         let made = plan.cases().next().unwrap().make().unwrap();
         let concealed = &made.label.effects[0];
         assert_eq!(concealed.effect, "yaw_scrub");
@@ -233,22 +297,22 @@ mod tests {
     #[test]
     fn a_plan_can_be_restricted_to_one_effect() {
         let plan = Plan::battery(1).with_effect("payload");
-        assert!(plan.specs.len() > 4);
-        assert!(
-            plan.specs
-                .iter()
-                .all(|spec| spec.effects.contains(&"payload"))
-        );
+        assert!(plan.recipes.len() > 4);
+        let all = specs(&plan);
+        assert!(all.iter().all(|spec| spec.effects.contains(&"payload")));
     }
 
     #[test]
     fn a_seed_determines_the_plan() {
         assert_eq!(Plan::sealed(40, 3), Plan::sealed(40, 3));
-        assert_ne!(Plan::sealed(40, 3).specs, Plan::sealed(40, 4).specs);
+        assert_ne!(Plan::sealed(40, 3).recipes, Plan::sealed(40, 4).recipes);
         let names: Vec<String> = Plan::sealed(2, 3).cases().map(|case| case.name).collect();
         assert_eq!(names, ["case-0001", "case-0002"]);
         // A longer trial begins with the cases of a shorter one.
-        assert_eq!(Plan::sealed(40, 3).specs[..10], Plan::sealed(10, 3).specs);
+        assert_eq!(
+            Plan::sealed(40, 3).recipes[..10],
+            Plan::sealed(10, 3).recipes
+        );
     }
 
     #[test]
@@ -260,10 +324,7 @@ mod tests {
             control: Some(Control::Open),
             ..CaseSpec::new("small", &["viscous_drag"])
         };
-        let plan = Plan {
-            seed: 1,
-            specs: vec![spec],
-        };
+        let plan = Plan::of(1, vec![spec]);
         let made = plan.cases().next().unwrap().make().unwrap();
         let gain = made.label.effects[0].expected_gain.unwrap();
         assert!((gain / 200.0 - 1.0).abs() < 0.2, "{gain}");
