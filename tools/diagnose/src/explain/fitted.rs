@@ -1,7 +1,7 @@
 //! What was fitted to the streams of one machine, as its predictions need it.
 
 use super::search::Searched;
-use crate::model::drive::DRIVE;
+use crate::model::drive::{AVERAGED, DRIVE};
 use crate::model::from_wheels::{DRIVE_FIRST, RUN_BIAS, RUN_LATE, RUN_RATE};
 use crate::model::streams::{Streams, read};
 
@@ -31,12 +31,16 @@ impl Fitted<'_> {
         Some(all[self.streams.drive_first()..].to_vec())
     }
 
-    /// Of `at`, what belongs to sensors of single runs and is no effect.
+    /// Of `at`, what belongs to sensors of single runs, or is a convention of a log, and is no effect.
     pub(crate) fn nuisances(&self, at: &[f64]) -> Vec<f64> {
         let reference = self.streams.reference;
         let runs = 0..reference.runs.len();
         let of_run = |run| [RUN_BIAS, RUN_LATE, RUN_RATE].map(|own| reference.of_run(run, own));
-        let indices: Vec<usize> = runs.flat_map(of_run).collect();
+        let mean = self
+            .streams
+            .drive
+            .map(|_| self.streams.drive_first() + AVERAGED);
+        let indices: Vec<usize> = runs.flat_map(of_run).chain(mean).collect();
         let keeps =
             |weights: &Vec<(usize, f64)>| weights.iter().all(|(index, _)| indices.contains(index));
         let pairs = self.found.table.weights.iter().zip(at);

@@ -8,12 +8,14 @@ use slipstream_sim::Scalar;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
 use super::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG, SATURATION,
+    AVERAGED, CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
+    SATURATION,
 };
 use super::nominal::clock_rate;
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::streams::WheelKind;
+use crate::data::wheel_path::median_interval;
 use crate::data::wheel_rows::{WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
@@ -218,6 +220,12 @@ impl DriveRun {
         })
     }
 
+    /// Median time between rows of the wheels (s).
+    pub(crate) fn interval_s(&self) -> f64 {
+        let times_s: Vec<f64> = self.wheels.rows.iter().map(|row| row.time_s).collect();
+        median_interval(&times_s)
+    }
+
     /// How the wheels would turn as commanded, piece by piece (rad).
     fn course(&self) -> Vec<f64> {
         let rows = &self.wheels.rows;
@@ -239,7 +247,8 @@ impl DriveRun {
         let response = Response::new(&self.commands, at);
         let mut hint = 0;
         let simulated = self.wheels.rows.iter().map(|row| {
-            let now = response.at(S::constant(row.time_s), &mut hint);
+            let time_s = S::constant(row.time_s);
+            let now = response.averaged(time_s, at[AVERAGED], &mut hint);
             let value = match self.wheels.kind {
                 WheelKind::Angle => now.angle_rad,
                 WheelKind::Speed => now.speed_rad_s,

@@ -2,8 +2,8 @@
 //! how large it plausibly is, below which size it is none, and what it is reported as.
 
 use super::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION,
-    SLOW_SHARE, SLOW_TIME,
+    AVERAGED, CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, SAG,
+    SATURATION, SLOW_SHARE, SLOW_TIME,
 };
 use super::from_wheels::{
     ASYMMETRY, COMMON, DRIVE_FIRST, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, OFFSET_X, OFFSET_Y,
@@ -12,6 +12,7 @@ use super::from_wheels::{
 };
 use super::run::{Run, is_process};
 use super::streams::Streams;
+use crate::data::streams::WheelKind;
 use crate::estimate::term::{Acts, Attribution, Link, Search, Term, Value};
 use crate::estimate::{Prior, pairs};
 use crate::filter::motion_law::VALUES;
@@ -989,6 +990,21 @@ impl<'a> Known<'a> {
         if !is_commanded {
             let slow = Draft::new("slow response", vec![share, time], Vec::new());
             all.push(slow.from([SLOW.to_vec()]));
+        }
+        let speeds = self.streams.drive.filter(|own| {
+            let mut runs = own.runs.iter();
+            runs.any(|run| run.wheels.kind == WheelKind::Speed)
+        });
+        if let Some(drive) = speeds {
+            let interval_s = drive
+                .runs
+                .iter()
+                .map(|run| run.interval_s())
+                .fold(0.0, f64::max);
+            let row = of("averaged", AVERAGED, about(0.1), interval_s, 0.0);
+            let mut averaged = Draft::new("mean speeds", vec![row], Vec::new());
+            averaged.positive = true;
+            all.push(averaged.from([vec![interval_s], vec![0.5 * interval_s]]));
         }
         let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
         let mut sag = Draft::new(

@@ -16,13 +16,15 @@ use crate::estimate::term::{Search, Term};
 /// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
 const REFITTED: usize = 6;
 const POLISHED: usize = 2;
+/// Candidates that are tried two by two.
+const PAIRED: usize = 4;
 /// Places at which a profile is looked at before its steps get smaller.
 const PLACES: usize = 24;
 /// Starts of a candidate that are looked at with derivatives.
 const STARTS: usize = 2;
 /// Logs by which noise sizes are lowered for a score test: what acts all the time is noise to a model without it,
 /// and its score there is small.
-const LOWERED: [f64; 2] = [0.0, 1.0];
+const LOWERED: [f64; 2] = [0.0, 1.5];
 /// A start that is worse than the fit by more is not followed (nats).
 const FOLLOWED_NATS: f64 = 20.0;
 /// A score test is exact for small effects alone: candidates that promise this share of what is due are refitted.
@@ -62,8 +64,8 @@ impl Elimination<'_> {
     /// Adds to `chosen` what is lacking of `all`, the most first.
     pub(crate) fn forward(&self, mut chosen: Chosen, all: &[Term], hear: &dyn Fn(&str)) -> Chosen {
         while let Some(next) = self.extended(&chosen, all) {
-            if let Some(last) = next.terms.last() {
-                hear(last.name);
+            for term in &next.terms[chosen.terms.len()..] {
+                hear(term.name);
             }
             chosen = next;
         }
@@ -72,8 +74,66 @@ impl Elimination<'_> {
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
         let candidates = self.screened(chosen, all);
-        let best = self.best(chosen, candidates, REFITTED)?;
-        (self.excess(&chosen.fit, &best) > 0.0).then_some(best)
+        let single = self.best(chosen, &candidates);
+        let pair = self.pair(chosen, &candidates);
+        let both = single.into_iter().chain(pair);
+        let best = both.max_by(|a, b| self.worth(a).total_cmp(&self.worth(b)))?;
+        (self.worth(&best) > self.worth(chosen)).then_some(best)
+    }
+
+    /// The best two of the first candidates together: what acts from the first command on, late and weak, lowers
+    /// the noise only when both are fitted.
+    fn pair(&self, chosen: &Chosen, candidates: &[Candidate<'_>]) -> Option<Chosen> {
+        let first = &candidates[..candidates.len().min(PAIRED)];
+        let moved = |term: &Term| {
+            term.parameters
+                .iter()
+                .fold(0, |all, i| all | self.parts[*i])
+        };
+        let mut pairs: Vec<[&Candidate<'_>; 2]> = Vec::new();
+        for (place, one) in first.iter().enumerate() {
+            let others = first[place + 1..].iter();
+            let others = others.filter(|other| moved(one.term) & moved(other.term) != 0);
+            pairs.extend(others.map(|other| [one, other]));
+        }
+        let short = pairs.into_par_iter().map(|pair| {
+            let mut start = chosen.fit.at.clone();
+            for index in self.noise {
+                start[*index] -= LOWERED[1];
+            }
+            let mut terms = chosen.terms.clone();
+            for own in pair {
+                for index in &own.term.parameters {
+                    start[*index] = own.start[*index];
+                }
+                terms.push(own.term.clone());
+            }
+            let both = Term {
+                parameters: pair
+                    .iter()
+                    .flat_map(|own| own.term.parameters.clone())
+                    .collect(),
+                ..pair[0].term.clone()
+            };
+            Chosen {
+                fit: self.fit_near(&start, &terms, &both, SHORT),
+                terms,
+                alike: chosen.alike.clone(),
+            }
+        });
+        let short: Vec<Chosen> = short.collect();
+        let best = short
+            .into_iter()
+            .max_by(|a, b| self.worth(a).total_cmp(&self.worth(b)))?;
+        let polished = self.problem.fit(&best.fit.at, &best.fit.free, FULL);
+        let is_possible = best
+            .terms
+            .iter()
+            .all(|term| self.is_possible(term, &polished));
+        is_possible.then_some(Chosen {
+            fit: polished,
+            ..best
+        })
     }
 
     /// What the last term brings beyond what is due.
@@ -83,7 +143,7 @@ impl Elimination<'_> {
     }
 
     /// Refits the first candidates beside `chosen`; the one that brings most beyond what is due.
-    fn best(&self, chosen: &Chosen, candidates: Vec<Candidate<'_>>, most: usize) -> Option<Chosen> {
+    fn best(&self, chosen: &Chosen, candidates: &[Candidate<'_>]) -> Option<Chosen> {
         let with = |term: &Term, start: &[f64], limits| {
             let mut terms = chosen.terms.clone();
             terms.push(term.clone());
@@ -93,11 +153,30 @@ impl Elimination<'_> {
                 alike: chosen.alike.clone(),
             }
         };
-        let first = candidates.par_iter().take(most);
-        let mut short: Vec<Chosen> = first.map(|own| with(own.term, &own.start, SHORT)).collect();
+        // from the noise that was fitted, and from less: what acts all the time was noise so far
+        let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
+            let starts = LOWERED.map(|lowered| (own, lowered));
+            starts.into_par_iter()
+        });
+        let short = first.map(|(own, lowered)| {
+            let mut start = own.start.clone();
+            for index in self.noise {
+                start[*index] -= lowered;
+            }
+            with(own.term, &start, SHORT)
+        });
+        let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
             let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
             b.total_cmp(&a)
+        });
+        // of one term the better start alone
+        let mut seen: Vec<&str> = Vec::new();
+        short.retain(|own| {
+            let name = own.terms.last().map_or("", |term| term.name);
+            let is_new = !seen.contains(&name);
+            seen.push(name);
+            is_new
         });
         let polished = short.par_iter().take(POLISHED).filter_map(|own| {
             let own = with(own.terms.last()?, &own.fit.at, FULL);
