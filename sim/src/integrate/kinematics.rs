@@ -7,7 +7,7 @@ use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::CommandKind;
 use crate::parts::friction_constraints::FrictionConstraint;
 use crate::parts::pose::advance_pose;
-use crate::parts::scalar::{Pair, Scalar, Vector};
+use crate::parts::scalar::{Pair, Scalar, Vector, heading};
 use crate::robot::Robot;
 use crate::robot::body::{Body, Carried};
 
@@ -95,4 +95,26 @@ fn carry<S: Scalar>(
         velocity: [end[0], end[1], end[2]],
         rate: [rate[0], rate[1], rate[2]],
     });
+}
+
+/// The pose after `over_s` (s) at which forces of the second stage are taken, where the velocity is
+/// `guess`. Its position follows only where an effect may depend on it.
+#[inline]
+pub(in crate::integrate) fn predicted_pose<S: Scalar>(
+    robot: &Robot<S>,
+    from: &Body<S>,
+    guess: &Vector<S>,
+    over_s: f64,
+) -> [S; 3] {
+    let [x, y, yaw] = from.pose;
+    let end = yaw + (from.nu[2] + guess[2]) * (0.5 * over_s);
+    if !robot.effects.has_force {
+        return [x, y, end];
+    }
+    let [cos, sin] = heading(yaw);
+    [
+        x + (from.nu[0] * cos - from.nu[1] * sin) * over_s,
+        y + (from.nu[0] * sin + from.nu[1] * cos) * over_s,
+        end,
+    ]
 }

@@ -3,7 +3,7 @@
 
 use super::friction_jacobian::{friction_jacobian, implicit_dynamics};
 use super::friction_margin::friction_margin;
-use super::kinematics::advance_configuration;
+use super::kinematics::{advance_configuration, predicted_pose};
 use super::mode_check::check_mode;
 use super::outcome::StepOutcome;
 use super::state::State;
@@ -15,7 +15,7 @@ use crate::dynamics::motors::{damping_vector, is_damped, motor_torque};
 use crate::dynamics::prescribed::{PrescribedMotion, enforce_rolling, prescribed_motion};
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::friction_constraints::ConstraintSet;
-use crate::parts::scalar::{Pair, Scalar, Vector, heading};
+use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::robot::Robot;
 use crate::robot::body::Body;
 
@@ -144,28 +144,6 @@ impl<'a, S: Scalar> Stage<'a, S> {
         let surge = self.prescribed_acceleration[0];
         forces_at(robot, &state.mode, dynamics, nu, force, surge)
     }
-}
-
-/// The pose after `over_s` (s) at which forces of the second stage are taken, where the velocity is
-/// `guess`. Its position follows only where an effect may depend on it.
-#[inline]
-fn predicted_pose<S: Scalar>(
-    robot: &Robot<S>,
-    from: &Body<S>,
-    guess: &Vector<S>,
-    over_s: f64,
-) -> [S; 3] {
-    let [x, y, yaw] = from.pose;
-    let end = yaw + (from.nu[2] + guess[2]) * (0.5 * over_s);
-    if !robot.effects.has_force {
-        return [x, y, end];
-    }
-    let [cos, sin] = heading(yaw);
-    [
-        x + (from.nu[0] * cos - from.nu[1] * sin) * over_s,
-        y + (from.nu[0] * sin + from.nu[1] * cos) * over_s,
-        end,
-    ]
 }
 
 /// Velocity at the end of a step of the two-stage Rosenbrock method, which is of second order with

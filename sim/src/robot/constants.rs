@@ -5,7 +5,7 @@ use slipstream_bus::{InputError, RobotModel};
 use super::dry_friction::DryFriction;
 use super::effect_list::{ListedEffect, read_effects};
 use super::normal_load::NormalLoad;
-use super::rolling_motion::RollingMotion;
+use super::rolling_motion::{Body, RollingMotion};
 use crate::effects::Effects;
 use crate::parts::actuator::Actuator;
 use crate::parts::command::CommandKind;
@@ -121,7 +121,16 @@ impl<S: Scalar> Robot<S> {
     pub fn draft(self) -> Self {
         Self {
             tolerances: Tolerances::DRAFT,
-            rolling: Some(RollingMotion::new(&self)),
+            rolling: Some(RollingMotion::new(&Body {
+                mass: self.mass,
+                first_moment: self.first_moment,
+                yaw_inertia: self.yaw_inertia,
+                wheel_inertia: self.wheel_inertia,
+                travel: self.travel,
+                radius: self.radius,
+                half_track: self.half_track,
+                com_to_axle: self.com_to_axle,
+            })),
             ..self
         }
     }

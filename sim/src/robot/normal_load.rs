@@ -3,7 +3,7 @@
 use slipstream_bus::InputError;
 
 use crate::parts::parameters::RobotParameters;
-use crate::parts::scalar::Scalar;
+use crate::parts::scalar::{Pair, Scalar};
 
 /// Constants of the normal forces.
 #[derive(Debug, Clone)]
@@ -52,6 +52,17 @@ impl<S: Scalar> NormalLoad<S> {
             offset: -parameters.payload_moment[1] * gravity / b,
             transfer: parameters.transfer_height.map(|h| mass * h / (d + e)),
         })
+    }
+
+    /// N_r and N_l under a lateral force (N), without longitudinal acceleration; negative where a wheel would
+    /// lift off.
+    #[inline(always)]
+    pub(crate) fn of_wheels(&self, lateral_n: S) -> Pair<S> {
+        let difference = self.lateral * lateral_n + self.offset;
+        [
+            (self.driven + difference) * 0.5,
+            (self.driven - difference) * 0.5,
+        ]
     }
 
     /// N_ca without longitudinal acceleration (N).

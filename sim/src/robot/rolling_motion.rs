@@ -1,8 +1,25 @@
 //! The equations of motion of a robot whose wheels roll, in the two velocities that rolling leaves:
 //! ν = N [u, φ̇] (Eq. 1), and with it Nᵀ M N a = Nᵀ F.
 
-use super::constants::Robot;
 use crate::parts::scalar::{Pair, Scalar, Vector};
+
+/// Lengths and masses of a robot that its rolling motion depends on.
+pub(super) struct Body<S> {
+    /// m (kg).
+    pub(super) mass: S,
+    /// Mass times its place, forward and to the left (kg m).
+    pub(super) first_moment: Pair<S>,
+    /// I (kg m²).
+    pub(super) yaw_inertia: S,
+    /// I_wy (kg m²).
+    pub(super) wheel_inertia: S,
+    /// 1 − s of each wheel: what slip leaves of its way (1).
+    pub(super) travel: Pair<S>,
+    /// r of each wheel, b and d (m).
+    pub(super) radius: Pair<S>,
+    pub(super) half_track: S,
+    pub(super) com_to_axle: S,
+}
 
 /// A robot reduced to surge and yaw rate.
 #[derive(Debug, Clone)]
@@ -18,7 +35,7 @@ pub(crate) struct RollingMotion<S> {
 }
 
 impl<S: Scalar> RollingMotion<S> {
-    pub(super) fn new(robot: &Robot<S>) -> Self {
+    pub(super) fn new(robot: &Body<S>) -> Self {
         let (m, [sx, sy], d) = (robot.mass, robot.first_moment, robot.com_to_axle);
         let per_radius = robot.radius.map(|r| r.recip());
         let b = robot.half_track;

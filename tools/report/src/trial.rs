@@ -3,9 +3,11 @@
 use maud::{Markup, html};
 use slipstream_trial::grade::TrialGrade;
 use slipstream_trial::own::OwnReport;
-use slipstream_trial::tally::{DetectionRate, ScoredCase, TrialReport};
+use slipstream_trial::tally::{DetectionRate, NuisanceCounts, ScoredCase, TrialReport};
 
-use crate::parts::{Cell, Frame, Icon, Ink, Page, Scale, Tone, fixed, short, table, verdict};
+use crate::parts::{
+    Cell, Frame, Icon, Ink, Page, Scale, Tone, capital, fixed, short, table, verdict,
+};
 
 /// The HTML file.
 pub fn page(report: &TrialReport, command_line: &str) -> String {
@@ -327,37 +329,19 @@ fn grades(report: &TrialReport) -> Markup {
 
 fn nuisances(report: &TrialReport) -> Markup {
     let rows = report.nuisances.iter().map(|(name, counts)| {
-        let numbers = [
-            counts.cases,
-            counts.right,
-            counts.inexact,
-            counts.missed,
-            counts.wrong,
-            counts.failed,
-            counts.contradictions,
-            counts.worse,
-        ];
-        let cells = numbers.map(|count| Cell::number(count as f64, count.to_string()));
-        let mut row = vec![Cell::text(name.replace('_', " "))];
-        row.extend(cells);
-        row
+        let cells = counts.columns();
+        let cells = cells.map(|(_, count)| Cell::number(count as f64, count.to_string()));
+        let name = Cell::text(name.replace('_', " "));
+        std::iter::once(name).chain(cells).collect()
     });
-    let heads = [
-        "Nuisance",
-        "Cases",
-        "Right",
-        "Inexact",
-        "Missed",
-        "Wrong",
-        "Failed",
-        "Contradictions",
-        "Worse",
-    ];
-    table(
-        "What came of each nuisance",
-        &heads,
-        &rows.collect::<Vec<_>>(),
-    )
+    let rows: Vec<Vec<Cell>> = rows.collect();
+    let names = NuisanceCounts::default().columns().map(|(name, _)| name);
+    let heads: Vec<String> = std::iter::once("nuisance")
+        .chain(names)
+        .map(capital)
+        .collect();
+    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    table("What came of each nuisance", &heads, &rows)
 }
 
 fn confusion(report: &TrialReport) -> Markup {

@@ -141,6 +141,21 @@ pub struct NuisanceCounts {
 }
 
 impl NuisanceCounts {
+    /// All counts with their names, in the order of a table.
+    pub fn columns(&self) -> [(&'static str, usize); 9] {
+        [
+            ("cases", self.cases),
+            ("right", self.right),
+            ("inexact", self.inexact),
+            ("missed", self.missed),
+            ("wrong", self.wrong),
+            ("failed", self.failed),
+            ("refused", self.refused),
+            ("contradictions", self.contradictions),
+            ("worse", self.worse),
+        ]
+    }
+
     fn add(&mut self, score: &CaseScore) {
         self.cases += 1;
         *match score.grade {

@@ -11,6 +11,7 @@ use crate::dynamics::forces::add_dry_friction;
 use crate::dynamics::inertia::wheel_inertias;
 use crate::dynamics::motors::{damping_vector, is_damped, motor_damping, motor_torque};
 use crate::integrate::floor::patch_event;
+use crate::integrate::kinematics::predicted_pose;
 use crate::integrate::state::State;
 use crate::parts::actuator::ActuatorOutput;
 use crate::parts::command::CommandKind;
@@ -61,13 +62,14 @@ pub(in crate::integrate) fn step<S: Scalar>(
         |rate: Pair<S>, share: f64| [0, 1].map(|i| velocity[i] + rate[i] * (share * over_s));
     let start = held.at(velocity, from.pose);
     let guess = ahead(start.acceleration, 1.0);
-    let end = held.at(guess, held.predicted_pose(from.pose, &from.nu, guess));
+    let guess_nu = motion.full(guess);
+    let end = held.at(guess, predicted_pose(robot, from, &guess_nu, over_s));
     let both = [0, 1].map(|i| start.acceleration[i] + end.acceleration[i]);
     let nu = motion.full(ahead(both, 0.5));
     let contact = held.contact(&end);
     let holds = held.sticks(&held.contact(&start))
         && held.sticks(&contact)
-        && held.keeps_sliding(&from.nu, [&motion.full(guess), &nu]);
+        && held.keeps_sliding(&from.nu, [&guess_nu, &nu]);
     if !holds {
         return false;
     }
@@ -147,18 +149,6 @@ impl<'a, S: Scalar> Held<'a, S> {
         }
     }
 
-    /// The pose at which forces of the second stage are taken. Its position follows only where an effect
-    /// may depend on it.
-    #[inline]
-    fn predicted_pose(&self, from: [S; 3], nu: &Vector<S>, guess: Pair<S>) -> [S; 3] {
-        let over_s = self.span[1];
-        if self.robot.effects.has_force {
-            return advance_pose(from, nu, &Vector::zeros(), over_s);
-        }
-        let [x, y, yaw] = from;
-        [x, y, yaw + (nu[2] + guess[1]) * (0.5 * over_s)]
-    }
-
     /// Forces at the driven wheels: what the rolling motion needs beyond all other forces.
     #[inline]
     fn contact(&self, at: &Instant<S>) -> ContactForces<S> {
@@ -174,9 +164,7 @@ impl<'a, S: Scalar> Held<'a, S> {
             robot.mass * rate[1] + robot.first_moment[0] * rate[2] + damped(1) - at.force[1];
         let mut normal_n = [S::constant(0.0); 2];
         if self.mode.wheel_friction[0].is_some() {
-            let difference = robot.load.lateral * lateral_n + robot.load.offset;
-            let driven = robot.load.driven;
-            normal_n = [(driven + difference) * 0.5, (driven - difference) * 0.5];
+            normal_n = robot.load.of_wheels(lateral_n);
         }
         ContactForces {
             normal_n,

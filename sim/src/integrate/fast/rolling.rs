@@ -96,9 +96,7 @@ impl<S: Scalar> RollingStep<S> {
         };
         let mut sticks = true;
         if let Some(friction) = self.friction {
-            let driven = robot.load.driven;
-            let difference = robot.load.lateral * lateral_n + robot.load.offset;
-            contact.normal_n = [(driven + difference) * 0.5, (driven - difference) * 0.5];
+            contact.normal_n = robot.load.of_wheels(lateral_n);
             let lateral_square = lateral_n * lateral_n;
             let safe = |i: usize| {
                 let normal = contact.normal_n[i];

@@ -4,7 +4,7 @@ use crate::print::print_line;
 use slipstream_trial::diagnosis_process::DiagnosisRun;
 use slipstream_trial::grade::TrialGrade;
 use slipstream_trial::protocol::Question;
-use slipstream_trial::tally::{ScoredCase, TrialReport};
+use slipstream_trial::tally::{NuisanceCounts, ScoredCase, TrialReport};
 
 /// Prints one answer, before its label is opened.
 pub(super) fn print_answer(question: &Question, run: &DiagnosisRun) {
@@ -122,23 +122,14 @@ fn print_nuisances(report: &TrialReport) {
     let Some(width) = report.nuisances.keys().map(String::len).max() else {
         return;
     };
-    print_line!(
-        "{:<width$}  cases  right  inexact  missed  wrong  failed  refused  contradictions  worse",
-        "nuisance"
-    );
+    let names = NuisanceCounts::default().columns().map(|(name, _)| name);
+    let heads: String = names.map(|name| format!("  {name}")).concat();
+    print_line!("{:<width$}{heads}", "nuisance");
     for (name, counts) in &report.nuisances {
-        print_line!(
-            "{name:<width$}{:7}{:7}{:9}{:8}{:7}{:8}{:9}{:16}{:7}",
-            counts.cases,
-            counts.right,
-            counts.inexact,
-            counts.missed,
-            counts.wrong,
-            counts.failed,
-            counts.refused,
-            counts.contradictions,
-            counts.worse
-        );
+        let cells = counts
+            .columns()
+            .map(|(head, count)| format!("  {count:>0$}", head.len()));
+        print_line!("{name:<width$}{}", cells.concat());
     }
     print_line!("");
 }

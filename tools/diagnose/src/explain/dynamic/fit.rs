@@ -5,22 +5,22 @@ use slipstream_bus::RobotModel;
 use slipstream_sim::effects::{Domain, Info, Role};
 use slipstream_sim::{Robot, State};
 
-use super::channels::{deviance, levels, precisions};
+use super::channels::{deviance, levels};
 use super::gauss_newton::{Parameter, Problem};
 use super::machine::Machine;
-use super::noise_sizes::{Effort, QUICK, Sample, Search, THOROUGH};
+use super::noise_sizes::{Effort, QUICK, Search, THOROUGH};
 use crate::filter::dynamic::Noise;
 use crate::filter::dynamic::flow::Flow;
 use crate::filter::dynamic::gains::Pass;
-use crate::filter::dynamic::linear::likelihoods;
+use crate::filter::dynamic::linear::likelihood;
 use crate::filter::dynamic::predictor::innovations;
 use crate::model::hypothesis::{Hypothesis, come_round, in_force, slides, with};
 
 /// Longest step of the plant (s), and where wheels can slide or gears have play.
 const STEP_S: f64 = 5e-3;
 const SHORT_STEP_S: f64 = 2e-3;
-/// Multiple of the squares of a fit's innovations beyond which a simulation from a start is given up.
-pub(super) const HOPELESS: f64 = 10.0;
+/// Multiple of the squares of a fit's innovations beyond which a simulation is given up.
+const HOPELESS: f64 = 10.0;
 /// Share of the smallest probe of a parameter over which differences begin.
 const SMALL: f64 = 0.05;
 /// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;
@@ -206,15 +206,10 @@ impl Machine {
         self.watched(fit, hypotheses, |_, _, _, _| ())
     }
 
-    /// The same; `None` where they are hopelessly large: in mean square, `times` those of `fit`.
-    pub(crate) fn promising(
-        &self,
-        fit: &Fit,
-        hypotheses: &[Hypothesis],
-        times: f64,
-    ) -> Option<Vec<f64>> {
+    /// The same; `None` where they are hopelessly large.
+    pub(crate) fn promising(&self, fit: &Fit, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
         let square: f64 = fit.whitened.iter().map(|e| e * e).sum();
-        let most = times * (square + self.channels.len() as f64);
+        let most = HOPELESS * (square + self.channels.len() as f64);
         self.within(fit, hypotheses, most, |_, _, _, _| ())
     }
 
@@ -307,63 +302,41 @@ impl Machine {
         self.pass(fit.hypotheses.clone(), middle)
     }
 
-    /// −2 ln L of `fit` under other noise, linear about it.
-    pub(crate) fn deviance_under(&self, fit: &Fit, noise: Noise) -> f64 {
-        let samples = self.samples(fit, &[noise]);
-        samples.first().map_or(f64::MAX, |own| own.deviance)
-    }
-
-    /// What the filter says under each noise of `all`, linear about `fit`.
-    fn samples(&self, fit: &Fit, all: &[Noise]) -> Vec<Sample> {
-        let mut samples: Vec<Sample> = all.iter().map(|_| Sample::default()).collect();
-        for (run, pass) in self.runs.iter().zip(&fit.passes) {
-            for (sample, own) in samples.iter_mut().zip(likelihoods(pass, run, all)) {
-                sample.whitened.extend(own.whitened);
-                sample.whitening.extend(own.whitening);
-                sample.deviance += own.log_determinant;
-            }
-        }
-        for sample in &mut samples {
-            sample.deviance += self.deviance(&sample.whitened);
-            if !sample.deviance.is_finite() {
-                sample.deviance = f64::MAX;
-            }
-            sample.precision = precisions(&sample.whitened, &self.channels);
-        }
-        samples
-    }
-
     fn search(&self, fit: &Fit, from: &Noise, effort: Effort) -> (Noise, f64) {
         let slides = fit.noise.of_wheels;
+        let value = |noise: &Noise| {
+            let mut whitened = Vec::with_capacity(self.channels.len());
+            let mut log_determinant = 0.0;
+            for (index, run) in self.runs.iter().enumerate() {
+                let own = likelihood(&fit.passes[index], run, noise);
+                whitened.extend(own.whitened);
+                log_determinant += own.log_determinant;
+            }
+            let value = self.deviance(&whitened) + log_determinant;
+            if value.is_finite() { value } else { f64::MAX }
+        };
         let search = Search {
             floor: self.floor(slides),
             of_wheels: slides,
             has_pose: self.has_pose(),
-            samples: &|all| self.samples(fit, all),
+            deviance: &value,
         };
         search.run(from, effort)
     }
 
-    /// The likelihood in sizes and times has several maxima: a thorough search from where it is, and one
-    /// from a short time.
+    /// The likelihood in sizes and times has several maxima: the search goes also from a short time.
     pub(crate) fn with_best_noise(&self, fit: Fit) -> Fit {
-        let fit = self.with_noise(fit, 1, THOROUGH);
-        self.with_short_noise(fit)
-    }
-
-    /// The noise that is found from a short time, where that is better.
-    fn with_short_noise(&self, fit: Fit) -> Fit {
+        let own = self.search(&fit, &fit.noise, THOROUGH);
         let mut short = fit.noise;
         let first = self.first_noise(fit.noise.of_wheels);
         for i in 0..2 {
             short.size[i] = first.size[i];
         }
         short.time_s = [0.1; 3];
-        let (other, deviance) = self.search(&fit, &short, THOROUGH);
-        if deviance >= fit.deviance {
-            return fit;
-        }
-        match self.passed_between(&fit, other) {
+        let other = self.search(&fit, &short, THOROUGH);
+        let best = if own.1 <= other.1 { own.0 } else { other.0 };
+        let next = self.passed_between(&fit, best);
+        match next {
             Some(next) if next.deviance < fit.deviance => next,
             _ => fit,
         }
@@ -374,7 +347,7 @@ impl Machine {
         let of_wheels = may_slide(&self.model, known);
         let fit = self.pass(known.to_vec(), self.first_noise(of_wheels))?;
         let fit = self.with_noise(fit, 4, THOROUGH);
-        let fit = self.with_short_noise(fit);
+        let fit = self.with_best_noise(fit);
         Some(if known.is_empty() {
             fit
         } else {

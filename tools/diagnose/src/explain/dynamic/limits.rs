@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slipstream_sim::effects::When;
 
 use super::channels::precisions;
-use super::fit::{Fit, HOPELESS, least_change};
+use super::fit::{Fit, least_change};
 use super::machine::Machine;
 use super::screen::beside;
 use crate::answer::{Limit, Seen};
@@ -161,7 +161,7 @@ fn by_trial(machine: &Machine, fit: &Fit, kind: &[&Hypothesis], seen: Seen) -> L
     let here = machine.deviance(&fit.whitened);
     let name = kind[0].values[0].0;
     let refuted = kind.iter().filter(|one| {
-        let e = machine.promising(fit, &beside(fit, one), HOPELESS);
+        let e = machine.promising(fit, &beside(fit, one));
         e.is_none_or(|e| machine.deviance(&e) > here + REFUTED)
     });
     let sizes = refuted.filter_map(|one| one.value(name));

@@ -41,10 +41,6 @@ const PLACE_GAIN: f64 = 6.0;
 /// Share of the gain of the best of all others below which a patch is not fitted.
 const RIVAL: f64 = 0.3;
 
-/// Multiple of the squares of a fit's innovations beyond which a patch is given up: it is compared with its
-/// neighbours, of which one fits.
-const WORSE: f64 = 3.0;
-
 /// Trials of a random search, and how its steps grow with success and shrink without: one in five
 /// succeeds where they stay as they are (evolution strategy; Rechenberg 1973).
 const TRIALS: u32 = 60;
@@ -177,7 +173,7 @@ impl Machine {
         let each = places.par_iter().filter_map(|place| {
             let tried = around(info, *place, b).into_par_iter();
             let tried = tried.filter_map(|h| {
-                let e = self.promising(base, &beside(fit, &h), WORSE)?;
+                let e = self.promising(base, &beside(fit, &h))?;
                 Some((self.deviance(&e), h))
             });
             let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -231,7 +227,7 @@ impl Machine {
         seed: u64,
     ) -> (f64, Vec<Hypothesis>) {
         let value = |all: &[Hypothesis]| {
-            let e = self.promising(fit, all, WORSE);
+            let e = self.promising(fit, all);
             e.map_or(f64::INFINITY, |e| self.deviance(&e))
         };
         let mut best = (value(&all), all);

@@ -1,12 +1,9 @@
 //! Which effects a fit lacks, at a glance: each at the gains of the fit, from every start that it has.
 
-use std::collections::BTreeMap;
-
 use rayon::prelude::*;
 use slipstream_sim::effects::Domain;
 
-use super::channels::precisions;
-use super::fit::{Fit, HOPELESS, may_slide, values};
+use super::fit::{Fit, may_slide, values};
 use super::machine::Machine;
 use crate::model::hypothesis::{Hypothesis, is_limit, kinds, slides};
 
@@ -14,12 +11,6 @@ use crate::model::hypothesis::{Hypothesis, is_limit, kinds, slides};
 const SLIP_GAIN: f64 = 6.0;
 /// Frictions that are looked at with gains of their own.
 const SLIPS: usize = 4;
-/// Length of a moment (s), and how many innovations it has at least; mean square of them, over that of
-/// all, from which on something pushes. Of eight that are noise one in 500 moments exceeds it, of the usual
-/// 50 none.
-const MOMENT_S: f64 = 0.25;
-const FEWEST: f64 = 8.0;
-const PUSHED: f64 = 3.0;
 /// Largest multiple of a probe that is tried: beyond, the flow is not linear.
 const MULTIPLE: f64 = 30.0;
 /// Smallest and largest play that is tried (rad).
@@ -49,86 +40,28 @@ impl Candidate {
 }
 
 impl Machine {
-    /// Candidates among `all` beside `fit` that leave wheels as they are, rolling or sliding: best first.
+    /// Candidates among `all` beside `fit`, best first.
     pub(crate) fn screened(&self, fit: &Fit, all: &[Hypothesis]) -> Vec<Candidate> {
-        let each = kinds(all.iter().filter(|h| !fit.has(h)));
-        let each = each.into_par_iter().filter_map(|starts| {
-            if self.begins_to_slide(fit, starts[0]) {
-                None
+        let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
+        let each = kinds.par_iter().filter_map(|starts| {
+            if slides(starts[0].info) && !may_slide(&self.model, &fit.hypotheses) {
+                self.slip(fit, starts)
             } else if starts[0].is_threshold() {
                 self.threshold(fit, starts[0])
             } else {
-                self.glanced(fit, &starts)
+                self.glanced(fit, starts)
             }
         });
         let mut candidates: Vec<Candidate> = each.collect();
         if self.tries("push") {
             candidates.extend(self.push(fit));
         }
-        candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        candidates
-    }
-
-    /// Candidates beside `fit` by which wheels that roll in it slide, everywhere or at a place: best first.
-    /// Of all others `best` is the best, and they gain `rival` (−2 ln L) at most. Nothing slides where
-    /// `best` leaves nothing by which wheels and floor part company, and at no place where it leaves no
-    /// push.
-    pub(crate) fn screened_sliding(
-        &self,
-        [fit, best]: [&Fit; 2],
-        all: &[Hypothesis],
-        rival: f64,
-    ) -> Vec<Candidate> {
-        if !self.creeps(best) {
-            return Vec::new();
-        }
-        let sliding = all
-            .iter()
-            .filter(|h| !fit.has(h) && self.begins_to_slide(fit, h));
-        let each = kinds(sliding).into_iter();
-        let mut candidates: Vec<Candidate> =
-            each.filter_map(|starts| self.slip(fit, &starts)).collect();
-        if self.tries("friction_patch") && self.is_pushed(best) {
+        if self.tries("friction_patch") {
             let gains = candidates.iter().map(|candidate| candidate.gain);
-            candidates.extend(self.patch(fit, gains.fold(rival, f64::max)));
+            candidates.extend(self.patch(fit, gains.fold(0.0, f64::max)));
         }
         candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         candidates
-    }
-
-    fn begins_to_slide(&self, fit: &Fit, own: &Hypothesis) -> bool {
-        slides(own.info) && !may_slide(&self.model, &fit.hypotheses)
-    }
-
-    /// Whether wheels and floor part company in a way that `fit` leaves to its noise: without the creep
-    /// of the contacts it is clearly worse. Where wheels slide already, or no pose tells, they may.
-    fn creeps(&self, fit: &Fit) -> bool {
-        if fit.noise.of_wheels || !self.has_pose() {
-            return true;
-        }
-        let mut still = fit.noise;
-        still.size[2..].copy_from_slice(&self.floor(false)[2..]);
-        self.deviance_under(fit, still) > fit.deviance + SLIP_GAIN
-    }
-
-    /// Whether something pushes the robot of `fit` for a moment.
-    fn is_pushed(&self, fit: &Fit) -> bool {
-        self.burst(fit) > PUSHED
-    }
-
-    /// Largest mean square of the innovations of `fit` within a moment, over their levels.
-    fn burst(&self, fit: &Fit) -> f64 {
-        let mut moments: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
-        let precisions = precisions(&fit.whitened, &self.channels);
-        let all = fit.whitened.iter().zip(&precisions).zip(&self.stamps);
-        for ((e, precision), (stamp_s, run)) in all.filter(|own| *own.0.1 > 0.0) {
-            let moment = moments.entry((*run, (stamp_s / MOMENT_S) as i64));
-            let [sum, count] = moment.or_default();
-            *sum += e * e * precision;
-            *count += 1.0;
-        }
-        let each = moments.values().filter(|[_, count]| *count >= FEWEST);
-        each.map(|[sum, count]| sum / count).fold(0.0, f64::max)
     }
 
     /// Slip: at the gains of a model whose noise acts on the wheels, from a small size; then with gains
@@ -137,7 +70,7 @@ impl Machine {
         let base = self.rolling_with_wheel_noise(fit)?;
         let ranked = |at: &Fit| {
             let gains = starts.par_iter().filter_map(|h| {
-                let e = self.promising(at, &beside(fit, h), HOPELESS)?;
+                let e = self.promising(at, &beside(fit, h))?;
                 let own = self.deviance(&e) + at.log_determinant();
                 Some((at.deviance - own, *h))
             });
@@ -177,7 +110,7 @@ impl Machine {
         };
         let mut best: Option<(f64, Hypothesis)> = None;
         for start in starts.iter().copied().chain(&gaps) {
-            let Some(e) = self.promising(fit, &beside(fit, start), HOPELESS) else {
+            let Some(e) = self.promising(fit, &beside(fit, start)) else {
                 continue;
             };
             let own = self.deviance(&e);

@@ -262,16 +262,18 @@ impl Selection<'_> {
             .map(|own| own.hypothesis.clone())
             .collect();
         candidates.extend(again);
-        let mut polished = self.polished(fit, &candidates);
-        let rival = candidates.first().map_or(0.0, |own| own.gain);
-        let beside = [fit, polished.first().unwrap_or(fit)];
-        let mut sliding = self.machine.screened_sliding(beside, self.all, rival);
-        sliding.retain(|candidate| candidate.gain > GLANCE_GAIN);
-        if !sliding.is_empty() {
-            polished.extend(self.polished(fit, &sliding));
-            polished = self.leaders(fit, polished, 0.0);
-        }
-        let mut polished = polished.into_iter();
+        let refits = candidates.par_iter().filter_map(|candidate| {
+            let begun = match &candidate.fit {
+                Some(begun) => begun.clone(),
+                None => self
+                    .machine
+                    .begun(fit, beside(fit, &candidate.hypothesis))?,
+            };
+            Some(self.refitted(begun, 2, 5))
+        });
+        let leaders = self.leaders(fit, refits.collect(), -MARGIN);
+        let polished = leaders.into_par_iter().map(|own| self.refitted(own, 6, 8));
+        let mut polished = self.leaders(fit, polished.collect(), 0.0).into_iter();
         let best = polished.next()?;
         if !self.is_clear(&best) || !self.is_lasting(fit, &best) {
             return None;
@@ -285,22 +287,6 @@ impl Selection<'_> {
             Some(other) => (other, Vec::new()),
             None => (best, near),
         })
-    }
-
-    /// The candidates beside `fit` that are worth it, fitted to the end, best first.
-    fn polished(&self, fit: &Fit, candidates: &[Candidate]) -> Vec<Fit> {
-        let refits = candidates.par_iter().filter_map(|candidate| {
-            let begun = match &candidate.fit {
-                Some(begun) => begun.clone(),
-                None => self
-                    .machine
-                    .begun(fit, beside(fit, &candidate.hypothesis))?,
-            };
-            Some(self.refitted(begun, 2, 5))
-        });
-        let leaders = self.leaders(fit, refits.collect(), -MARGIN);
-        let polished = leaders.into_par_iter().map(|own| self.refitted(own, 6, 8));
-        self.leaders(fit, polished.collect(), 0.0)
     }
 
     /// Whether an effect is looked for: of runs that are compared, one of today's alone.
@@ -489,10 +475,6 @@ impl Selection<'_> {
             let own = &fit.hypotheses[at];
             let id = own.info.id;
             let mut candidates = self.machine.screened(less, self.all);
-            let rival = candidates.first().map_or(0.0, |own| own.gain);
-            let beside_less = [less, &fit];
-            candidates.extend(self.machine.screened_sliding(beside_less, self.all, rival));
-            candidates.sort_by(|a, b| b.gain.total_cmp(&a.gain));
             candidates.retain(|c| c.gain > GLANCE_GAIN && !c.hypothesis.is_like(own));
             candidates.truncate(2);
             for candidate in candidates {

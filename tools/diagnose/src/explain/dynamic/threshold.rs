@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::fit::{Fit, HOPELESS};
+use super::fit::Fit;
 use super::machine::Machine;
 use super::screen::{Candidate, beside};
 use crate::model::hypothesis::{Hypothesis, all_sizes, threshold};
@@ -44,7 +44,7 @@ impl Machine {
             own
         };
         let value = |place: usize| {
-            let e = self.promising(fit, &beside(fit, &at(place)), HOPELESS)?;
+            let e = self.promising(fit, &beside(fit, &at(place)))?;
             Some(self.deviance(&e))
         };
         let mut ranked: Vec<(f64, usize)> = (0..places.len())
@@ -79,7 +79,7 @@ impl Machine {
                 all
             };
             let value = |place: usize| {
-                let e = self.promising(&fit, &at(place), HOPELESS)?;
+                let e = self.promising(&fit, &at(place))?;
                 Some(self.deviance(&e))
             };
             let place = sizes.partition_point(|size| *size < now);

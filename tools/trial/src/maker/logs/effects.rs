@@ -224,19 +224,30 @@ pub(super) fn tolerance(effect: &LogEffect, name: &str, log: &Log) -> Option<f64
     Some(usual + effect.tolerance)
 }
 
+/// Names of the scales of both wheels.
+const SCALE_NAMES: [&str; 2] = ["right_scale", "left_scale"];
+
 fn scales(common: f64, random: &mut RandomStream) -> [f64; 2] {
     let apart = random.sign() * random.log_uniform(0.002, 0.015);
     [1.0 + common + apart, 1.0 + common - apart].map(rounded)
 }
 
-fn wheel_radius(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
+/// Wheels that are alike too large or too small, and apart.
+fn drawn_scales(random: &mut RandomStream) -> [f64; 2] {
     let common = random.sign() * random.log_uniform(0.02, 0.1);
-    let [right, left] = scales(common, random);
-    log.plant.radius_scale = [right, left];
-    Some(LogEffect::new(
-        "wheel_radius",
-        &[("right_scale", right), ("left_scale", left)],
-    ))
+    scales(common, random)
+}
+
+/// An effect of both wheels: `names` are those of the right and of the left one.
+fn of_wheels(id: &'static str, names: [&'static str; 2], values: [f64; 2]) -> Option<LogEffect> {
+    let parameters = [0, 1].map(|i| (names[i], values[i]));
+    Some(LogEffect::new(id, &parameters))
+}
+
+fn wheel_radius(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
+    let scales = drawn_scales(random);
+    log.plant.radius_scale = scales;
+    of_wheels("wheel_radius", SCALE_NAMES, scales)
 }
 
 fn track_width(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
@@ -283,13 +294,9 @@ pub(super) fn late(log: &mut Log, source: Source, random: &mut RandomStream) -> 
 }
 
 fn encoder_scale(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
-    let common = random.sign() * random.log_uniform(0.02, 0.1);
-    let [right, left] = scales(common, random);
-    log.sensors.encoder_scale = [right, left];
-    Some(LogEffect::new(
-        "encoder_scale",
-        &[("right_scale", right), ("left_scale", left)],
-    ))
+    let scales = drawn_scales(random);
+    log.sensors.encoder_scale = scales;
+    of_wheels("encoder_scale", SCALE_NAMES, scales)
 }
 
 fn actuator_delay(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
@@ -314,12 +321,9 @@ fn motor_gain(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
     } else {
         random.log_uniform(0.03, 0.08)
     };
-    let [right, left] = scales(common, random);
-    log.plant.gain = [right, left];
-    Some(LogEffect::new(
-        "motor_gain",
-        &[("right", right), ("left", left)],
-    ))
+    let gains = scales(common, random);
+    log.plant.gain = gains;
+    of_wheels("motor_gain", ["right", "left"], gains)
 }
 
 fn dead_zone(log: &mut Log, random: &mut RandomStream) -> Option<LogEffect> {
