@@ -304,7 +304,7 @@ mod tests {
         let path = path();
         let response = Response::new(&path, &[0.0; DRIVE]);
         // half of it before the command of 1 s, half behind
-        let mean = response.averaged(1.1, 0.2, &mut 0).speed_rad_s;
+        let mean: [f64; 2] = response.averaged(1.1, 0.2, &mut 0).speed_rad_s;
         assert!((mean[0] - 1.0).abs() < 1e-12, "{mean:?}");
     }
 
