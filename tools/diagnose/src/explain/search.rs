@@ -87,8 +87,7 @@ impl Search<'_> {
         });
         let refined = dense.as_ref().map(|dense| {
             let own = self.over(dense);
-            let start = Some(chosen(selected.clone()));
-            own.selected(&table, start, Terms::Found)
+            own.selected(&table, Some(own.refitted(&table, &selected)), Terms::Found)
         });
         let selected = match refined {
             Some(refined) => refined?,
@@ -150,6 +149,17 @@ impl Search<'_> {
     fn noise_at(&self, table: &Table, at: &[f64]) -> Fit {
         let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
         problem(&joint, table).fit(at, &table.noise, FULL)
+    }
+
+    /// What was found on other rows, fitted to these.
+    fn refitted(&self, table: &Table, selected: &Selected) -> Chosen {
+        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        let noise = self.noise_at(table, &selected.fit.at);
+        let fit = problem(&joint, table).fit(&noise.at, &selected.fit.free, FULL);
+        Chosen {
+            fit,
+            ..chosen(selected.clone())
+        }
     }
 
     /// Whether scale and track are those of each run.

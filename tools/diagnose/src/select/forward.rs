@@ -25,6 +25,8 @@ const STARTS: usize = 2;
 /// Logs by which noise sizes are lowered for a score test: what acts all the time is noise to a model without it,
 /// and its score there is small.
 const LOWERED: [f64; 2] = [0.0, 1.5];
+/// Steps in which the best start of a single parameter is narrowed.
+const HALVINGS: usize = 3;
 /// A start that is worse than the fit by more is not followed (nats).
 const FOLLOWED_NATS: f64 = 20.0;
 /// A score test is exact for small effects alone: candidates that promise this share of what is due are refitted.
@@ -38,10 +40,18 @@ const BETTER_NATS: f64 = 1.0;
 /// Most exchanges of one selection.
 const EXCHANGES: usize = 6;
 
-/// A term that may be lacking, where its fit begins, and what it promises to gain (nats).
+/// A term that may be lacking, where its fit may begin, the most likely place first, and what it promises to gain
+/// (nats).
 struct Candidate<'a> {
     term: &'a Term,
-    start: Vec<f64>,
+    starts: Vec<Vec<f64>>,
+    promise: f64,
+}
+
+/// A place at which a fit of a term may begin: what it gains there, and promises to gain (nats).
+struct Start {
+    at: Vec<f64>,
+    gain: f64,
     promise: f64,
 }
 
@@ -104,7 +114,7 @@ impl Elimination<'_> {
             let mut terms = chosen.terms.clone();
             for own in pair {
                 for index in &own.term.parameters {
-                    start[*index] = own.start[*index];
+                    start[*index] = own.starts[0][*index];
                 }
                 terms.push(own.term.clone());
             }
@@ -155,15 +165,17 @@ impl Elimination<'_> {
         };
         // from the noise that was fitted, and from less: what acts all the time was noise so far
         let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
-            let starts = LOWERED.map(|lowered| (own, lowered));
-            starts.into_par_iter()
+            let starts = own.starts.iter();
+            let starts = starts.flat_map(|start| LOWERED.map(|lowered| (start, lowered)));
+            let all: Vec<(&Term, &Vec<f64>, f64)> = starts.map(|(s, l)| (own.term, s, l)).collect();
+            all.into_par_iter()
         });
-        let short = first.map(|(own, lowered)| {
-            let mut start = own.start.clone();
+        let short = first.map(|(term, start, lowered)| {
+            let mut start = start.clone();
             for index in self.noise {
                 start[*index] -= lowered;
             }
-            with(own.term, &start, SHORT)
+            with(term, &start, SHORT)
         });
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
@@ -200,17 +212,18 @@ impl Elimination<'_> {
         let candidates = lacking.par_iter().filter_map(|term| {
             let smooth = scores.iter().filter(|_| !term.is_profiled());
             let promises = smooth.map(|own| own.promise(term));
-            let mut best = Candidate {
+            let mut own = Candidate {
                 term,
-                start: chosen.fit.at.clone(),
+                starts: vec![chosen.fit.at.clone()],
                 promise: promises.fold(0.0, f64::max),
             };
-            for (start, promise) in self.starts(&chosen.fit, term) {
-                if promise > best.promise {
-                    (best.start, best.promise) = (start, promise);
-                }
+            // what a start gains is certain, what a score promises far from it is not
+            let starts = self.starts(&chosen.fit, term).into_iter();
+            if let Some(start) = starts.max_by(|a, b| a.promise.total_cmp(&b.promise)) {
+                own.promise = own.promise.max(start.promise);
+                own.starts.insert(0, start.at);
             }
-            (best.promise > PROMISE * self.due(term)).then_some(best)
+            (own.promise > PROMISE * self.due(term)).then_some(own)
         });
         let mut candidates: Vec<Candidate<'t>> = candidates.collect();
         candidates.sort_by(|a, b| {
@@ -221,45 +234,50 @@ impl Elimination<'_> {
     }
 
     /// Places at which a fit of a term may begin, and what they promise (nats).
-    fn starts(&self, fit: &Fit, term: &Term) -> Vec<(Vec<f64>, f64)> {
-        let at = |values: &[f64]| {
+    fn starts(&self, fit: &Fit, term: &Term) -> Vec<Start> {
+        let start = |values: &[f64]| {
             let mut at = fit.at.clone();
             for (index, value) in term.parameters.iter().zip(values) {
                 at[*index] = *value;
             }
-            at
-        };
-        let gain = |at: &[f64]| {
-            let prior = term
-                .parameters
-                .iter()
-                .map(|i| self.problem.priors[*i].log(at[*i]));
-            self.problem.objective(at, &fit.free) + prior.sum::<f64>() - fit.objective
+            let own = term.parameters.iter();
+            let prior: f64 = own.map(|i| self.problem.priors[*i].log(at[*i])).sum();
+            let gain = self.problem.objective(&at, &fit.free) + prior - fit.objective;
+            Start {
+                at,
+                gain,
+                promise: gain,
+            }
         };
         match &term.search {
-            Search::Profiled(values) => profiled(values, &|value| {
-                let at = at(&[value]);
-                let gain = gain(&at);
-                (at, gain)
-            }),
+            Search::Profiled(values) => profiled(values, &|value| start(&[value])),
             Search::Smooth(starts) => {
-                let all = starts.iter().map(|values| at(values));
-                let mut all: Vec<(Vec<f64>, f64)> = all.map(|at| (at.clone(), gain(&at))).collect();
-                all.sort_by(|a, b| b.1.total_cmp(&a.1));
+                let mut all: Vec<Start> = starts.iter().map(|own| start(own)).collect();
+                if let [index] = term.parameters[..] {
+                    let near = all.iter().max_by(|a, b| a.gain.total_cmp(&b.gain));
+                    let near = near
+                        .map(|own| narrowed((own.at[index], own.gain), starts, &|x| start(&[x])));
+                    all.extend(near.into_iter().flatten());
+                }
+                all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
                 all.truncate(STARTS);
-                all.retain(|(_, gain)| *gain > -FOLLOWED_NATS);
-                for (at, gain) in &mut all {
-                    // one Newton step of its own parameters
-                    let mut own = Sums::new(&self.problem.likelihood.score(at, &term.parameters));
-                    for (place, index) in term.parameters.iter().enumerate() {
-                        own.information[(place, place)] += self.problem.priors[*index].precision();
-                    }
-                    let step = own.information.cholesky().map(|c| c.solve(&own.gradient));
-                    *gain += step.map_or(0.0, |step| 0.5 * own.gradient.dot(&step));
+                all.retain(|own| own.gain > -FOLLOWED_NATS);
+                for own in &mut all {
+                    own.promise += self.newton(&own.at, term);
                 }
                 all
             }
         }
+    }
+
+    /// What one Newton step of a term's own parameters promises (nats).
+    fn newton(&self, at: &[f64], term: &Term) -> f64 {
+        let mut own = Sums::new(&self.problem.likelihood.score(at, &term.parameters));
+        for (place, index) in term.parameters.iter().enumerate() {
+            own.information[(place, place)] += self.problem.priors[*index].precision();
+        }
+        let step = own.information.cholesky().map(|c| c.solve(&own.gradient));
+        step.map_or(0.0, |step| 0.5 * own.gradient.dot(&step))
     }
 
     /// Scores of everything that is fitted and that is lacking, with noise sizes lowered by so much.
@@ -512,15 +530,36 @@ impl Overlap {
     }
 }
 
+/// Values around the best of `starts`, in ever smaller steps towards the best of them.
+fn narrowed(best: (f64, f64), starts: &[Vec<f64>], of: &dyn Fn(f64) -> Start) -> Vec<Start> {
+    let others = starts.iter().map(|own| own[0]).chain([0.0]);
+    let apart = others.map(|own| (own - best.0).abs());
+    let apart = apart.filter(|own| *own > 0.0);
+    let mut step = 0.5 * apart.fold(f64::INFINITY, f64::min);
+    let mut centre = best;
+    let mut all = Vec::new();
+    for _ in 0..HALVINGS {
+        for value in [centre.0 - step, centre.0 + step] {
+            let own = of(value);
+            if own.gain > centre.1 {
+                centre = (value, own.gain);
+            }
+            all.push(own);
+        }
+        step *= 0.5;
+    }
+    all
+}
+
 /// The best of rising values, looked for in ever smaller steps.
-fn profiled(values: &[f64], of: &dyn Fn(f64) -> (Vec<f64>, f64)) -> Vec<(Vec<f64>, f64)> {
+fn profiled(values: &[f64], of: &dyn Fn(f64) -> Start) -> Vec<Start> {
     let mut range = 0..values.len();
-    let mut best: Option<(usize, (Vec<f64>, f64))> = None;
+    let mut best: Option<(usize, Start)> = None;
     while !range.is_empty() {
         let stride = range.len().div_ceil(PLACES);
         for place in range.clone().step_by(stride) {
             let own = of(values[place]);
-            if best.as_ref().is_none_or(|(_, known)| own.1 > known.1) {
+            if best.as_ref().is_none_or(|(_, known)| own.gain > known.gain) {
                 best = Some((place, own));
             }
         }
