@@ -69,16 +69,17 @@ impl Search<'_> {
     /// at last the rows at full rate.
     fn needed(&self) -> Option<Searched> {
         let table = self.table([false; 2]);
-        let first = self.selected(&table, None, Terms::Catalogue)?;
+        let first = self.chosen(&table, None, true);
         let by_run = self.by_run(&table, &first)?;
         let (table, start) = if by_run == [false; 2] {
-            (table, chosen(first))
+            (table, first)
         } else {
             let apart = self.table(by_run);
             let chosen = self.apart(&table, &first, &apart);
             (apart, chosen)
         };
-        let selected = self.selected(&table, Some(start), Terms::All)?;
+        let all = self.chosen(&table, Some(start), false);
+        let selected = self.selected(&table, all)?;
         let dense = self.streams.reference.dense();
         let dense = dense.filter(|dense| {
             let fit = self.over(dense).noise_at(&table, &selected.fit.at);
@@ -87,7 +88,7 @@ impl Search<'_> {
         });
         let refined = dense.as_ref().map(|dense| {
             let own = self.over(dense);
-            own.selected(&table, Some(own.refitted(&table, &selected)), Terms::Found)
+            own.selected(&table, own.refitted(&table, &selected))
         });
         let selected = match refined {
             Some(refined) => refined?,
@@ -163,7 +164,7 @@ impl Search<'_> {
     }
 
     /// Whether scale and track are those of each run.
-    fn by_run(&self, table: &Table, selected: &Selected) -> Option<[bool; 2]> {
+    fn by_run(&self, table: &Table, selected: &Chosen) -> Option<[bool; 2]> {
         let reference = self.streams.reference;
         let today = reference.runs.len() - reference.before.runs;
         let known = reference.before.spread.map(|spread| spread.is_some());
@@ -178,7 +179,7 @@ impl Search<'_> {
 
     /// What was found, with scale and track of each run in the place of those of the machine where `apart` has
     /// these.
-    fn apart(&self, table: &Table, selected: &Selected, apart: &Table) -> Chosen {
+    fn apart(&self, table: &Table, selected: &Chosen, apart: &Table) -> Chosen {
         let value = |key: &Key| table.find(key).map_or(0.0, |known| selected.fit.at[known]);
         let shared = |name| {
             value(&Key {
@@ -196,8 +197,7 @@ impl Search<'_> {
         });
         let at = self.with_clocks_of_runs(apart, at.collect());
         let of_runs = ["scale of runs", "track of runs", "geometry"];
-        let kept =
-            |term: &&Term| of_runs.contains(&term.name) || selected.kept(term.name).is_some();
+        let kept = |term: &&Term| of_runs.contains(&term.name) || selected.has(term.name);
         let terms: Vec<Term> = apart.terms.iter().filter(kept).cloned().collect();
         let nominal = self.nominal_values(apart);
         let joints = [ROBUST, [false; 2]]
@@ -218,22 +218,17 @@ impl Search<'_> {
         }
     }
 
-    /// What is needed of some terms of a table, from `start` on where there is one.
-    fn selected(&self, table: &Table, start: Option<Chosen>, which: Terms) -> Option<Selected> {
-        let read_by = (self.streams, self.nominal);
-        let useful = |term: &Term, with: &Fit, without: &Fit| {
-            is_useful(read_by, table, term, [with, without])
-        };
+    /// What is lacking of a table, from `start` on where there is one: of the catalogue alone, or of laws as well.
+    fn chosen(&self, table: &Table, start: Option<Chosen>, catalogue_alone: bool) -> Chosen {
         let nominal = self.nominal_values(table);
         // laws come after everything that the catalogue has
-        let first = table
-            .terms
-            .iter()
-            .position(|term| term.name.starts_with("law"));
+        let mut terms = table.terms.iter();
+        let first = terms.position(|term| term.name.starts_with("law"));
         let catalogue = &table.terms[..first.unwrap_or(table.terms.len())];
         let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
         let robust = problem(&robust, table);
-        let mut elimination = elimination(&robust, table, &nominal, &useful);
+        let any = |_: &Term, _: &Fit, _: &Fit| true;
+        let selection = elimination(&robust, table, &nominal, &any);
         let begun = start.unwrap_or_else(|| {
             // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
             let plain = Joint::new(self.streams, self.nominal, &table.weights, [true, false]);
@@ -242,24 +237,32 @@ impl Search<'_> {
             if self.streams.drive.is_none() {
                 return begun;
             }
-            let early = Elimination {
-                problem: &plain,
-                always: table.always.clone(),
-                ..elimination
-            };
+            let early = elimination(&plain, table, &nominal, &any);
             let early = early.forward(begun, catalogue, self.hear);
             Chosen {
-                fit: elimination.fit(&early.fit.at, &early.terms, &table.terms),
+                fit: selection.fit(&early.fit.at, &early.terms, &table.terms),
                 ..early
             }
         });
-        let tried = match which {
-            Terms::Catalogue => catalogue,
-            Terms::All => table.terms.as_slice(),
-            Terms::Found => &[],
+        let tried = if catalogue_alone {
+            catalogue
+        } else {
+            &table.terms
         };
-        let chosen = elimination.forward(begun, tried, self.hear);
-        let chosen = elimination.exchanged(chosen, tried);
+        let chosen = selection.forward(begun, tried, self.hear);
+        selection.exchanged(chosen, tried)
+    }
+
+    /// What is needed of what was chosen.
+    fn selected(&self, table: &Table, chosen: Chosen) -> Option<Selected> {
+        let read_by = (self.streams, self.nominal);
+        let useful = |term: &Term, with: &Fit, without: &Fit| {
+            is_useful(read_by, table, term, [with, without])
+        };
+        let nominal = self.nominal_values(table);
+        let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        let robust = problem(&robust, table);
+        let mut elimination = elimination(&robust, table, &nominal, &useful);
         let mut terms = chosen.terms;
         let mut found = elimination.settled(chosen.fit, &mut terms)?;
         found.alike = chosen.alike;
@@ -401,15 +404,6 @@ fn differs(values: &[[f64; 2]]) -> bool {
         .sum();
     let chance = ChiSquared::new(values.len() as f64 - 1.0);
     chance.map_or(1.0, |chi2| chi2.sf(q)) < RUNS_DIFFER
-}
-
-/// Which terms are tried.
-#[derive(Clone, Copy)]
-enum Terms {
-    Catalogue,
-    All,
-    /// Those that were found alone.
-    Found,
 }
 
 /// What was selected, to go on from.

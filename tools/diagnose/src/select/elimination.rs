@@ -276,7 +276,11 @@ impl Elimination<'_> {
         let starts = [start, carried].map(|own| (self.problem.objective(&own, &[]), own));
         let [own, other] = starts;
         let start = if other.0 > own.0 { other.1 } else { own.1 };
-        let mut less = self.fit_near(&start, &rest, gone, FULL);
+        let mut less = self.fit_near(&start, &rest, gone, SHORT);
+        // what is needed by far is so whether or not the fit without it is finished
+        if fit.objective - less.objective < CERTAIN * self.due(gone) {
+            less = self.fit_near(&less.at, &rest, gone, FULL);
+        }
         let stands_in = rest.iter().any(|t| !self.is_possible(t, &less));
         if stands_in {
             rest.retain(|t| self.is_possible(t, &less));

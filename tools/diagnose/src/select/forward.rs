@@ -10,12 +10,17 @@ use rayon::prelude::*;
 use super::criterion::TIE_NATS;
 use super::elimination::Elimination;
 use crate::estimate::BlockScore;
-use crate::estimate::scoring::{FULL, Fit, SHORT};
+use crate::estimate::scoring::{FULL, Fit, SHORT, SearchLimits};
 use crate::estimate::term::{Search, Term};
 
 /// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
 const REFITTED: usize = 6;
-const POLISHED: usize = 2;
+const POLISHED: usize = 3;
+/// A fit that tells which of them are the best.
+const RANKED: SearchLimits = SearchLimits {
+    iterations: 3,
+    tolerance_nats: 1.0,
+};
 /// Candidates that are tried two by two.
 const PAIRED: usize = 4;
 /// Places at which a profile is looked at before its steps get smaller.
@@ -65,7 +70,7 @@ pub(crate) struct Chosen {
 }
 
 impl Chosen {
-    fn has(&self, name: &str) -> bool {
+    pub(crate) fn has(&self, name: &str) -> bool {
         self.terms.iter().any(|term| term.name == name)
     }
 }
@@ -84,11 +89,9 @@ impl Elimination<'_> {
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
         let candidates = self.screened(chosen, all);
-        let single = self.best(chosen, &candidates);
-        let pair = self.pair(chosen, &candidates);
-        let both = single.into_iter().chain(pair);
-        let best = both.max_by(|a, b| self.worth(a).total_cmp(&self.worth(b)))?;
-        (self.worth(&best) > self.worth(chosen)).then_some(best)
+        let is_better = |own: &Chosen| self.worth(own) > self.worth(chosen);
+        let single = self.best(chosen, &candidates).filter(is_better);
+        single.or_else(|| self.pair(chosen, &candidates).filter(is_better))
     }
 
     /// The best two of the first candidates together: what acts from the first command on, late and weak, lowers
@@ -175,7 +178,7 @@ impl Elimination<'_> {
             for index in self.noise {
                 start[*index] -= lowered;
             }
-            with(term, &start, SHORT)
+            with(term, &start, RANKED)
         });
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
