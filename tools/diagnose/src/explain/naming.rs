@@ -88,23 +88,25 @@ impl Naming<'_> {
         }
     }
 
-    /// Whether a number is clearly not 0.
-    fn is_clear(&self, known: Known) -> bool {
+    /// Probability of a number at least as far from 0 by chance.
+    fn p_value(&self, known: Known) -> f64 {
         let z = known.change / known.deviation.max(f64::MIN_POSITIVE);
-        self.found.criterion.alone().p_value(z * z, 1) < FALSE_ALARM
+        self.found.criterion.alone().p_value(z * z, 1)
     }
 
     fn of_term(&self, kept: &Kept) -> Vec<Claim> {
         let term = &kept.term;
-        let own = term.shown.iter();
-        let own = own.filter(|shown| term.shown.len() == 1 || self.is_shown(shown, term));
-        own.map(|shown| self.claim(shown, kept)).collect()
-    }
-
-    /// Whether an effect that is estimated together with others is there itself.
-    fn is_shown(&self, shown: &Attribution, term: &Term) -> bool {
-        let mut values = shown.values.iter();
-        values.any(|value| self.is_clear(self.known(&value.weights, term)))
+        let clear = |shown: &Attribution| {
+            let values = shown.values.iter();
+            let all = values.map(|value| self.p_value(self.known(&value.weights, term)));
+            all.fold(1.0, f64::min)
+        };
+        let each: Vec<f64> = term.shown.iter().map(clear).collect();
+        // a term that is needed is at least the clearest of its effects
+        let least = each.iter().copied().fold(1.0, f64::min).max(FALSE_ALARM);
+        let own = term.shown.iter().zip(each);
+        let own = own.filter(|(_, p)| term.shown.len() == 1 || *p <= least);
+        own.map(|(shown, _)| self.claim(shown, kept)).collect()
     }
 
     fn claim(&self, shown: &Attribution, kept: &Kept) -> Claim {
@@ -304,7 +306,7 @@ impl Naming<'_> {
         };
         claim.toggles.push(index);
         let known = self.known(&[(index, 1.0)], term);
-        if self.is_clear(known) {
+        if self.p_value(known) < FALSE_ALARM {
             let factor = -claim.values[0].change.exp();
             let change = factor * 2.0 * (known.change / 2.0).sinh();
             let half = (factor * self.found.criterion.half_width() * known.deviation).abs();
