@@ -69,6 +69,8 @@ pub(crate) struct Term {
     /// Prior log-odds against it (nats), beside terms that fit as well.
     pub(crate) cost: f64,
     pub(crate) search: Search,
+    /// Most robots have it: one search begins with everything usual.
+    pub(crate) usual: bool,
     /// It cannot be negative.
     pub(crate) positive: bool,
     /// It acts all the time: it has to be of use for predictions.

@@ -234,11 +234,8 @@ impl Search<'_> {
             let plain = Joint::new(self.streams, self.nominal, &table.weights, [true, false]);
             let plain = problem(&plain, table);
             let begun = self.begun(&plain, table);
-            if self.streams.drive.is_none() {
-                return begun;
-            }
             let early = elimination(&plain, table, &nominal, &any);
-            let early = early.forward(begun, catalogue, self.hear);
+            let early = early.forward_from_both(begun, catalogue, self.hear);
             Chosen {
                 fit: selection.fit(&early.fit.at, &early.terms, &table.terms),
                 ..early

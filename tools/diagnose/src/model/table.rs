@@ -66,6 +66,16 @@ const WHEELS_COST: f64 = 2.0;
 /// The same against a law that the catalogue does not have, beside any effect that it has.
 const LAW_COST: f64 = 10.0;
 
+/// What most robots have somewhat of.
+const USUAL: [&str; 6] = [
+    "geometry",
+    "track",
+    "gain",
+    "delay",
+    "late pose",
+    "late gyro",
+];
+
 /// Latencies and delays from which a search begins (s).
 const LATENCIES_S: [f64; 14] = [
     -0.5, -0.3, -0.2, -0.15, -0.1, -0.05, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6,
@@ -242,6 +252,7 @@ impl Table {
             inflation: draft.inflation,
             cost: draft.cost,
             search: draft.search,
+            usual: USUAL.contains(&draft.name),
             positive: draft.positive,
             lasting: draft.lasting,
             acts: acts(&draft.rows),

@@ -30,6 +30,8 @@ const STARTS: usize = 2;
 /// Logs by which noise sizes are lowered for a score test: what acts all the time is noise to a model without it,
 /// and its score there is small.
 const LOWERED: [f64; 2] = [0.0, 1.5];
+/// The same for everything usual at once.
+const LOWERED_MORE: [f64; 3] = [0.0, 1.5, 3.0];
 /// Steps in which the best start of a single parameter is narrowed.
 const HALVINGS: usize = 3;
 /// A start that is worse than the fit by more is not followed (nats).
@@ -85,6 +87,58 @@ impl Elimination<'_> {
             chosen = next;
         }
         chosen
+    }
+
+    /// The better of what is selected from `begun` on, and from everything usual: terms that lower the noise only
+    /// together are not found one by one.
+    pub(crate) fn forward_from_both(
+        &self,
+        begun: Chosen,
+        all: &[Term],
+        hear: &dyn Fn(&str),
+    ) -> Chosen {
+        let usual = self.with_usual(&begun, all);
+        let both = [self.lightened(usual, all, 0), begun];
+        let both = both.map(|own| self.forward(own, all, hear));
+        let [usual, other] = both;
+        if self.worth(&usual) > self.worth(&other) {
+            usual
+        } else {
+            other
+        }
+    }
+
+    /// A fit with all usual terms: the best of several.
+    fn with_usual(&self, begun: &Chosen, all: &[Term]) -> Chosen {
+        let usual = all.iter().filter(|term| term.usual);
+        let terms: Vec<Term> = usual.cloned().collect();
+        let mut at = begun.fit.at.clone();
+        for term in &terms {
+            let starts = self.starts(&begun.fit, term).into_iter();
+            let best = starts.max_by(|a, b| a.gain.total_cmp(&b.gain));
+            if let Some(own) = best.filter(|own| own.gain > 0.0) {
+                for index in &term.parameters {
+                    at[*index] = own.at[*index];
+                }
+            }
+        }
+        let (free, _) = self.free(&terms);
+        let fits = LOWERED_MORE.par_iter().map(|lowered| {
+            let mut at = at.clone();
+            for index in self.noise {
+                at[*index] -= lowered;
+            }
+            self.problem.fit(&at, &free, FULL)
+        });
+        let fits: Vec<Fit> = fits.collect();
+        let best = fits
+            .into_iter()
+            .max_by(|a, b| a.objective.total_cmp(&b.objective));
+        Chosen {
+            fit: best.unwrap_or_else(|| begun.fit.clone()),
+            terms,
+            alike: Vec::new(),
+        }
     }
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
@@ -342,10 +396,10 @@ impl Elimination<'_> {
         own.fit.objective - own.terms.iter().map(|term| self.due(term)).sum::<f64>()
     }
 
-    /// The same without terms that the last one made needless.
-    fn lightened(&self, mut chosen: Chosen, all: &[Term]) -> Chosen {
+    /// The same without terms that others make needless; the last `spared` ones stay.
+    fn lightened(&self, mut chosen: Chosen, all: &[Term], spared: usize) -> Chosen {
         let mut place = 0;
-        while place + 1 < chosen.terms.len() {
+        while place + spared < chosen.terms.len() {
             let gone = chosen.terms[place].clone();
             if gone.is_nuisance() || gone.is_profiled() || !self.is_idle(&chosen, &gone) {
                 place += 1;
@@ -431,7 +485,7 @@ impl Elimination<'_> {
             if !self.is_possible(other, &with.fit) {
                 continue;
             }
-            let with = self.lightened(with, all);
+            let with = self.lightened(with, all, 1);
             let better = self.worth(&with) - self.worth(chosen);
             if better > BETTER_NATS {
                 return Some(with);
