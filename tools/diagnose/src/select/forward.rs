@@ -44,6 +44,8 @@ const LOOK_ALIKE: f64 = 0.25;
 const UNFINISHED_NATS: f64 = 15.0;
 /// A look-alike has to fit better by this to take a term's place (nats).
 const BETTER_NATS: f64 = 1.0;
+/// A term may be needless that would cost less than so many times what is due, were the likelihood quadratic.
+const IDLE: f64 = 2.0;
 /// Most exchanges of one selection.
 const EXCHANGES: usize = 6;
 
@@ -81,7 +83,11 @@ impl Elimination<'_> {
     /// Adds to `chosen` what is lacking of `all`, the most first.
     pub(crate) fn forward(&self, mut chosen: Chosen, all: &[Term], hear: &dyn Fn(&str)) -> Chosen {
         while let Some(next) = self.extended(&chosen, all) {
-            for term in &next.terms[chosen.terms.len()..] {
+            let next = self.lightened(next, all);
+            if self.worth(&next) < self.worth(&chosen) + BETTER_NATS {
+                break;
+            }
+            for term in next.terms.iter().filter(|term| !chosen.has(term.name)) {
                 hear(term.name);
             }
             chosen = next;
@@ -98,7 +104,7 @@ impl Elimination<'_> {
         hear: &dyn Fn(&str),
     ) -> Chosen {
         let usual = self.with_usual(&begun, all);
-        let both = [self.lightened(usual, all, 0), begun];
+        let both = [self.lightened(usual, all), begun];
         let both = both.map(|own| self.forward(own, all, hear));
         let [usual, other] = both;
         if self.worth(&usual) > self.worth(&other) {
@@ -396,15 +402,11 @@ impl Elimination<'_> {
         own.fit.objective - own.terms.iter().map(|term| self.due(term)).sum::<f64>()
     }
 
-    /// The same without terms that others make needless; the last `spared` ones stay.
-    fn lightened(&self, mut chosen: Chosen, all: &[Term], spared: usize) -> Chosen {
-        let mut place = 0;
-        while place + spared < chosen.terms.len() {
-            let gone = chosen.terms[place].clone();
-            if gone.is_nuisance() || gone.is_profiled() || !self.is_idle(&chosen, &gone) {
-                place += 1;
-                continue;
-            }
+    /// The same without terms that others make needless.
+    fn lightened(&self, mut chosen: Chosen, all: &[Term]) -> Chosen {
+        let mut tried: Vec<&str> = Vec::new();
+        while let Some(gone) = self.idle_term(&chosen, &tried) {
+            tried.push(gone.name);
             let (fit, terms, _) = self.removed(&chosen.fit, &gone, &chosen.terms, all);
             let less = Chosen {
                 fit,
@@ -413,32 +415,39 @@ impl Elimination<'_> {
             };
             if self.worth(&less) > self.worth(&chosen) {
                 chosen = less;
-            } else {
-                place += 1;
             }
         }
         chosen
     }
 
-    /// Whether a term would cost little, were the likelihood quadratic.
-    fn is_idle(&self, chosen: &Chosen, term: &Term) -> bool {
+    /// The term that would cost least, were the likelihood quadratic, where that is little; `tried` are not asked.
+    fn idle_term(&self, chosen: &Chosen, tried: &[&str]) -> Option<Term> {
         let fit = &chosen.fit;
+        let asked = chosen.terms.iter().filter(|term| {
+            !term.is_nuisance() && !term.is_profiled() && !tried.contains(&term.name)
+        });
+        let asked: Vec<&Term> = asked.collect();
+        if asked.is_empty() {
+            return None;
+        }
         let scores = self.problem.likelihood.score(&fit.at, &fit.free);
         let (_, information) = self.problem.total(&scores, &fit.at, &fit.free);
-        let Some(factor) = information.cholesky() else {
-            return false;
+        let covariance = information.cholesky()?.inverse();
+        let loss = |term: &Term| {
+            let places = term.parameters.iter();
+            let places = places.filter_map(|index| fit.free.iter().position(|f| f == index));
+            let places: Vec<usize> = places.collect();
+            let count = places.len();
+            let own = DMatrix::from_fn(count, count, |i, k| covariance[(places[i], places[k])]);
+            let size = DVector::from_fn(count, |i, _| fit.at[term.parameters[i]]);
+            let own = own.cholesky();
+            own.map_or(0.0, |own| 0.5 * size.dot(&own.solve(&size))) / self.due(term)
         };
-        let covariance = factor.inverse();
-        let places = term.parameters.iter();
-        let places = places.filter_map(|index| fit.free.iter().position(|f| f == index));
-        let places: Vec<usize> = places.collect();
-        let count = places.len();
-        let own = DMatrix::from_fn(count, count, |i, k| covariance[(places[i], places[k])]);
-        let size = DVector::from_fn(count, |i, _| fit.at[term.parameters[i]]);
-        let loss = own
-            .cholesky()
-            .map_or(0.0, |own| 0.5 * size.dot(&own.solve(&size)));
-        loss < 2.0 * self.due(term)
+        let all = asked.into_iter().map(|term| (loss(term), term));
+        let least = all.min_by(|a, b| a.0.total_cmp(&b.0));
+        least
+            .filter(|(share, _)| *share < IDLE)
+            .map(|(_, term)| term.clone())
     }
 
     /// A better set with one term in the place of another; ties are kept in `chosen`.
@@ -485,7 +494,7 @@ impl Elimination<'_> {
             if !self.is_possible(other, &with.fit) {
                 continue;
             }
-            let with = self.lightened(with, all, 1);
+            let with = self.lightened(with, all);
             let better = self.worth(&with) - self.worth(chosen);
             if better > BETTER_NATS {
                 return Some(with);
