@@ -44,6 +44,8 @@ const LOOK_ALIKE: f64 = 0.25;
 const UNFINISHED_NATS: f64 = 15.0;
 /// A look-alike has to fit better by this to take a term's place (nats).
 const BETTER_NATS: f64 = 1.0;
+/// A start that gains so many times what is due needs no others beside it.
+const PLAIN: f64 = 10.0;
 /// A term may be needless that would cost less than so many times what is due, were the likelihood quadratic.
 const IDLE: f64 = 2.0;
 /// Most exchanges of one selection.
@@ -54,6 +56,8 @@ const EXCHANGES: usize = 6;
 struct Candidate<'a> {
     term: &'a Term,
     starts: Vec<Vec<f64>>,
+    /// Whether the first start alone brings far more than is due, whatever the noise.
+    is_plain: bool,
     promise: f64,
 }
 
@@ -229,8 +233,9 @@ impl Elimination<'_> {
         // from the noise that was fitted, and from less: what acts all the time was noise so far
         let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
             let starts = own.starts.iter();
-            let starts = starts.flat_map(|start| LOWERED.map(|lowered| (start, lowered)));
-            let all: Vec<(&Term, &Vec<f64>, f64)> = starts.map(|(s, l)| (own.term, s, l)).collect();
+            let all = starts.flat_map(|start| LOWERED.map(|lowered| (own.term, start, lowered)));
+            let few = if own.is_plain { 1 } else { usize::MAX };
+            let all: Vec<(&Term, &Vec<f64>, f64)> = all.take(few).collect();
             all.into_par_iter()
         });
         let short = first.map(|(term, start, lowered)| {
@@ -278,12 +283,14 @@ impl Elimination<'_> {
             let mut own = Candidate {
                 term,
                 starts: vec![chosen.fit.at.clone()],
+                is_plain: false,
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
             let starts = self.starts(&chosen.fit, term).into_iter();
             if let Some(start) = starts.max_by(|a, b| a.promise.total_cmp(&b.promise)) {
                 own.promise = own.promise.max(start.promise);
+                own.is_plain = start.gain > PLAIN * self.due(term);
                 own.starts.insert(0, start.at);
             }
             (own.promise > PROMISE * self.due(term)).then_some(own)
