@@ -57,11 +57,21 @@ pub(crate) struct Precision {
     pub(crate) covariance: DMatrix<f64>,
     /// The same of independent errors.
     pub(crate) expected: DMatrix<f64>,
-    /// Geometric mean of variance over the model's, at least 1: overdispersion.
-    pub(crate) overdispersion: f64,
+    /// Variance of each over the model's.
+    pub(crate) dispersion: Vec<f64>,
 }
 
 impl Precision {
+    /// Overdispersion of the parameters at these places: the geometric mean of variance over the model's, at
+    /// least 1.
+    pub(crate) fn overdispersion(&self, places: &[usize]) -> f64 {
+        let logs: f64 = places
+            .iter()
+            .map(|place| self.dispersion[*place].ln())
+            .sum();
+        (logs / places.len().max(1) as f64).exp().max(1.0)
+    }
+
     /// The precision of `fit`, `None` where no data depend on it; `physics` counts the leading free parameters that are no noise sizes.
     pub(crate) fn new(problem: &Problem<'_>, fit: &Fit, physics: usize) -> Option<Self> {
         let scores = problem.likelihood.score(&fit.at, &fit.free);
@@ -115,22 +125,19 @@ impl Precision {
         }
         let n = fit.free.len();
         let mut scale = DVector::zeros(n);
-        let mut log_sum = 0.0;
+        let mut dispersion = Vec::with_capacity(n);
         for i in 0..n {
             let prior = problem.priors[fit.free[i]].precision();
             let from_prior = model[(i, i)] * model[(i, i)] * prior;
             let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
             scale[i] = ratio.sqrt();
-            if i < physics {
-                log_sum += ratio.ln();
-            }
+            dispersion.push(ratio);
         }
         let covariance = DMatrix::from_fn(n, n, |i, k| model[(i, k)] * scale[i] * scale[k]);
-        let overdispersion = (log_sum / physics.max(1) as f64).exp().max(1.0);
         Some(Self {
             covariance,
             expected: model,
-            overdispersion,
+            dispersion,
         })
     }
 }

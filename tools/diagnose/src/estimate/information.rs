@@ -13,7 +13,7 @@ use crate::filter::Innovation;
 use crate::filter::cholesky::inverse_factor;
 
 /// Derivatives that one pass of a filter carries.
-pub(crate) const LANES: usize = 8;
+pub(crate) const LANES: usize = 6;
 /// A number with derivatives by [`LANES`] parameters.
 pub(crate) type Dual = DualSVec64<LANES>;
 /// Rows of one filter: derivatives of every row by every local parameter.

@@ -10,6 +10,7 @@ pub(crate) mod masked;
 pub(crate) mod pairs;
 mod raised;
 pub(crate) mod scoring;
+pub(crate) mod term;
 pub(crate) mod whitened;
 
 use nalgebra::{DMatrix, DVector};

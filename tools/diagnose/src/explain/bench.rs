@@ -3,20 +3,19 @@
 
 use slipstream_recording::recording::Robot;
 
-use super::calibration::Calibration;
 use super::claim::Claim;
-use super::drive::DriveFit;
+use super::fitted::Fitted;
 use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
+use super::search::problem;
 use crate::data::streams::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;
 use crate::judge::{Predictions, QUANTITIES, Score, Worth, name};
-use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
-use crate::model::drive::{DRIVE, SLOW_SHARE};
-use crate::model::from_wheels::{
-    DRIVE_FIRST, FromWheels, RUN_BIAS, RUN_LATE, RUN_RATE, Reference, View,
-};
+use crate::model::command_to_wheels::DriveRun;
+use crate::model::drive::DRIVE;
+use crate::model::from_wheels::{FromWheels, Reference, View};
+use crate::model::streams::{Joint, ROBUST};
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
@@ -41,22 +40,19 @@ struct Player {
 pub(super) struct Measured<'a> {
     pub(super) name: &'a str,
     pub(super) robots: &'a [&'a Robot],
-    pub(super) machine: &'a FromWheels,
-    pub(super) nominal: &'a [f64],
-    pub(super) drive: Option<&'a CommandToWheels>,
-    pub(super) calibration: Option<&'a Calibration>,
-    pub(super) driven: Option<&'a DriveFit>,
+    pub(super) fitted: Fitted<'a>,
 }
 
 /// The same with what was found.
 pub(super) struct Bench<'a> {
     own: &'a Measured<'a>,
     players: Vec<Player>,
-    /// All parameters as they were fitted.
-    all: &'a [f64],
-    /// Parameters without and with what was found.
+    /// What the filters of the machine read with everything that was fitted, and the noise of its drive.
+    pub(super) all: Vec<f64>,
+    drive_noise: Option<Vec<f64>>,
+    /// The same without and with what was found.
     pub(super) nominal: Vec<f64>,
-    pub(super) fitted: Vec<f64>,
+    pub(super) found: Vec<f64>,
     /// Standard deviations of the sensors of each run.
     pub(super) deviations: Vec<[f64; QUANTITIES]>,
     /// Begin and end of the windows of each run (s).
@@ -79,26 +75,25 @@ fn players(claims: &[Claim]) -> Vec<Player> {
 }
 
 impl<'a> Bench<'a> {
-    /// The bench of these claims; `all` are the parameters as they were fitted.
-    pub(super) fn new(own: &'a Measured<'a>, claims: &[Claim], all: &'a [f64]) -> Self {
+    /// The bench of these claims.
+    pub(super) fn new(own: &'a Measured<'a>, claims: &[Claim]) -> Self {
+        let fitted = &own.fitted;
+        let at = &fitted.found.selected.fit.at;
+        let drive = fitted.drive_at(at);
         let mut bench = Self {
             own,
             players: players(claims),
-            all,
-            nominal: own.nominal.to_vec(),
-            fitted: Vec::new(),
+            all: fitted.machine_at(at),
+            drive_noise: drive.map(|own| own[DRIVE..].to_vec()),
+            // biases and clocks of single runs belong to sensors and are no effect
+            nominal: fitted.machine_at(&fitted.nuisances(at)),
+            found: Vec::new(),
             deviations: Vec::new(),
             windows: Vec::new(),
         };
-        // biases and clocks of single runs belong to sensors and are no effect
-        for run in 0..own.machine.runs.len() {
-            for parameter in [RUN_BIAS, RUN_LATE, RUN_RATE] {
-                let index = own.machine.of_run(run, parameter);
-                bench.nominal[index] = all[index];
-            }
-        }
-        bench.fitted = bench.with(all);
-        let runs = own.machine.runs.iter();
+        bench.found = bench.with(at);
+        let machine = bench.machine();
+        let runs = machine.runs.iter();
         bench.deviations = runs
             .map(|run| deviations(run, bench.drive_of(run.robot), &own.robots[run.robot].noise))
             .collect();
@@ -106,31 +101,46 @@ impl<'a> Bench<'a> {
         bench
     }
 
-    /// Nominal parameters with those that the claims explain as in `at`.
+    /// Fitted parameters with what was found alone.
+    pub(super) fn found_at(&self) -> Vec<f64> {
+        let fitted = &self.own.fitted;
+        let own = self.players.iter().flat_map(|player| &player.toggles);
+        fitted.with(&fitted.found.selected.fit.at, own)
+    }
+
+    fn machine(&self) -> &'a FromWheels {
+        self.own.fitted.streams.reference
+    }
+
+    /// The machine with what the claims explain as in `at`.
     fn with(&self, at: &[f64]) -> Vec<f64> {
-        let mut with = self.nominal.clone();
-        for index in self.players.iter().flat_map(|player| &player.toggles) {
-            with[*index] = at[*index];
-        }
-        with
+        let fitted = &self.own.fitted;
+        let own = self.players.iter().flat_map(|player| &player.toggles);
+        fitted.machine_at(&fitted.with(at, own))
     }
 
     fn drive_of(&self, robot: usize) -> Option<&'a DriveRun> {
-        let mut drives = self.own.drive.iter().flat_map(|drive| &drive.runs);
+        let mut drives = self
+            .own
+            .fitted
+            .streams
+            .drive
+            .iter()
+            .flat_map(|drive| &drive.runs);
         drives.find(|drive| drive.robot == robot)
     }
 
     /// What predicts a run.
     pub(super) fn predictor(&self, run: usize) -> Predictor<'_> {
-        let own = &self.own.machine.runs[run];
+        let own = &self.machine().runs[run];
         Predictor {
-            machine: self.own.machine,
+            machine: self.machine(),
             run: own,
             drive: self.drive_of(own.robot),
             deviations: self.deviations[run],
             noise: Some(Noise {
-                at: self.all,
-                drive: self.own.driven.map(|own| &own.after.fit.at[DRIVE..]),
+                at: &self.all,
+                drive: self.drive_noise.as_deref(),
             }),
         }
     }
@@ -139,16 +149,16 @@ impl<'a> Bench<'a> {
     /// are told, and say nothing of the model.
     fn cut(&self) -> Vec<Vec<[f64; 2]>> {
         let view = View {
-            machine: self.own.machine,
+            machine: self.machine(),
             robust: true,
         };
-        let runs = self.own.machine.runs.iter().enumerate();
+        let runs = self.machine().runs.iter().enumerate();
         runs.map(|(i, run)| {
             let windows = self.predictor(i).windows();
             let Some(pose) = &run.pose else {
                 return windows;
             };
-            let jumps_s = view.extraordinary_of(Reference::Pose, i, self.all, ORDINARY);
+            let jumps_s = view.extraordinary_of(Reference::Pose, i, &self.all, ORDINARY);
             if jumps_s.len() as f64 > FEW * pose.all.len() as f64 {
                 return windows;
             }
@@ -176,7 +186,7 @@ impl<'a> Bench<'a> {
     fn folds(&self) -> Vec<Vec<f64>> {
         let count = self.windows.iter().map(Vec::len).sum::<usize>();
         if self.players.is_empty() || count < 2 {
-            return vec![self.fitted.clone()];
+            return vec![self.found.clone()];
         }
         let folds = FOLDS.min(count);
         let left_out = |fold: usize| -> Vec<Vec<[f64; 2]>> {
@@ -193,54 +203,28 @@ impl<'a> Bench<'a> {
             .collect()
     }
 
-    /// Parameters fitted without these times (s) of each run.
+    /// The machine as it is fitted without these times (s) of each run.
     fn fitted_without(&self, left_out: &[Vec<[f64; 2]>]) -> Vec<f64> {
-        let Measured {
-            machine,
-            drive,
-            calibration,
-            driven,
-            nominal,
-            ..
-        } = self.own;
+        let Fitted { streams, found } = self.own.fitted;
+        let machine = streams.reference;
         let runs = machine.runs.iter().zip(left_out);
         let times_of = |robot: usize| {
             let own = runs.clone().find(|(run, _)| run.robot == robot);
             own.map_or(&[][..], |(_, times)| times.as_slice())
         };
-        let mut at = self.all.to_vec();
-        if let Some(calibration) = calibration {
-            let view = View {
-                machine,
-                robust: true,
-            };
-            let own = machine
-                .runs
-                .iter()
-                .map(|run| (run.blocks, times_of(run.robot)));
-            let masked = Masked {
-                inner: &view,
-                left_out: &mask(own),
-            };
-            let problem = machine.problem(&masked, nominal);
-            let fit = &calibration.after.fit;
-            at = problem.fit(&fit.at, &fit.free, SHORT).at;
-        }
-        if let (Some(found), Some(drive)) = (driven, drive) {
-            let own = drive
-                .runs
-                .iter()
-                .map(|run| (run.blocks, times_of(run.robot)));
-            let masked = Masked {
-                inner: *drive,
-                left_out: &mask(own),
-            };
-            let problem = drive.problem(&masked, &found.nominal);
-            let fit = &found.after.fit;
-            let other = problem.fit(&fit.at, &fit.free, SHORT).at;
-            at[DRIVE_FIRST..DRIVE_FIRST + DRIVE].copy_from_slice(&other[..DRIVE]);
-        }
-        at[DRIVE_FIRST + SLOW_SHARE] = 0.0;
+        let of_machine = machine.runs.iter().map(|run| (run.blocks, run.robot));
+        let drives = streams.drive.iter().flat_map(|drive| &drive.runs);
+        let of_drive = drives.map(|run| (run.blocks, run.robot));
+        let all = of_machine.chain(of_drive);
+        let joint = Joint::new(streams, &found.nominal, &found.table.weights, ROBUST);
+        let masked = Masked {
+            inner: &joint,
+            left_out: &mask(all.map(|(blocks, robot)| (blocks, times_of(robot)))),
+        };
+        let fit = &found.selected.fit;
+        let at = problem(&masked, &found.table)
+            .fit(&fit.at, &fit.free, SHORT)
+            .at;
         self.with(&at)
     }
 
@@ -253,11 +237,12 @@ impl<'a> Bench<'a> {
         let windows: Vec<Vec<[f64; 2]>> = self.windows.iter().map(thinned).collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
         let score = |subset: usize| {
-            let mut at = self.nominal.clone();
             let own = players.iter().enumerate();
-            for (_, player) in own.filter(|(i, _)| subset >> i & 1 == 1) {
-                player.toggles.iter().for_each(|i| at[*i] = self.fitted[*i]);
-            }
+            let own = own.filter(|(i, _)| subset >> i & 1 == 1);
+            let fitted = &self.own.fitted;
+            let kept = own.flat_map(|(_, player)| &player.toggles);
+            let at = &fitted.found.selected.fit.at;
+            let at = fitted.machine_at(&fitted.with(at, kept));
             let runs = windows.iter().enumerate();
             let scores =
                 runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
@@ -270,7 +255,7 @@ impl<'a> Bench<'a> {
 
     /// What the judge is told of the machine.
     pub(super) fn predictions(&self, errors: &[[Errors; 2]]) -> Predictions {
-        let runs = errors.iter().zip(&self.own.machine.runs);
+        let runs = errors.iter().zip(&self.machine().runs);
         let spans = runs.flat_map(|(pair, run)| {
             let own = pair[1].windows.iter();
             own.map(|(window, _)| window.map(|t_s| t_s + run.origin_s))
@@ -284,7 +269,13 @@ impl<'a> Bench<'a> {
 
     /// Unit of a channel.
     pub(super) fn unit(&self, channel: usize) -> &'static str {
-        let mut drives = self.own.drive.iter().flat_map(|drive| &drive.runs);
+        let mut drives = self
+            .own
+            .fitted
+            .streams
+            .drive
+            .iter()
+            .flat_map(|drive| &drive.runs);
         let speeds = drives.any(|drive| drive.wheels.kind == WheelKind::Speed);
         match name(channel) {
             "pose_x" | "pose_y" => "m",

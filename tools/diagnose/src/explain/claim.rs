@@ -4,6 +4,7 @@ use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 use slipstream_sim::effects::{Domain, find};
 
 use crate::answer::shape::resemblance;
+use crate::estimate::term::Link;
 
 /// Factors that wheels and encoders have without a mistake.
 const USUAL_FACTOR: f64 = 2.0;
@@ -11,22 +12,11 @@ const USUAL_FACTOR: f64 = 2.0;
 /// streams that hardly follow each other do not tell it to 1 %.
 const KNOWN_FACTOR: f64 = 0.01;
 
-/// How a parameter changes from its nominal value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scale {
-    /// The change is added.
-    Plain,
-    /// The change is the logarithm of a factor; 1 without the effect.
-    Factor,
-    /// The change is the logarithm of what a share leaves; 0 without the effect.
-    Loss,
-}
-
 /// The change of one parameter.
 #[derive(Debug, Clone)]
 pub(crate) struct Value {
     pub(crate) name: &'static str,
-    pub(crate) scale: Scale,
+    pub(crate) link: Link,
     pub(crate) change: f64,
     /// Half widths of its 95 % interval, below and above.
     pub(crate) half: [f64; 2],
@@ -44,7 +34,7 @@ pub(crate) struct Claim {
     pub(crate) word: Option<(&'static str, &'static str)>,
     /// Runs for which it holds; all without it.
     pub(crate) runs: Option<Vec<usize>>,
-    /// Parameters of the machine that it explains.
+    /// Fitted parameters that it explains.
     pub(crate) toggles: Vec<usize>,
     pub(crate) gain: f64,
     pub(crate) p_value: f64,
@@ -103,10 +93,10 @@ impl Law {
 }
 
 impl Value {
-    pub(crate) fn new(name: &'static str, scale: Scale, change: f64, half: f64) -> Self {
+    pub(crate) fn new(name: &'static str, link: Link, change: f64, half: f64) -> Self {
         Self {
             name,
-            scale,
+            link,
             change,
             half: [half; 2],
             before: 0.0,
@@ -116,10 +106,10 @@ impl Value {
 
     /// What the change makes of a nominal value.
     pub(crate) fn applied(&self, nominal: Option<f64>, change: f64) -> f64 {
-        match self.scale {
-            Scale::Plain => nominal.unwrap_or(0.0) + change,
-            Scale::Factor => nominal.unwrap_or(1.0) * change.exp(),
-            Scale::Loss => 1.0 - (1.0 - nominal.unwrap_or(0.0)) * change.exp(),
+        match self.link {
+            Link::Identity => nominal.unwrap_or(0.0) + change,
+            Link::Log => nominal.unwrap_or(1.0) * change.exp(),
+            Link::LogLoss => 1.0 - (1.0 - nominal.unwrap_or(0.0)) * change.exp(),
         }
     }
 
@@ -129,7 +119,7 @@ impl Value {
 
     /// Whether it is no factor, or one that robots have.
     fn is_usual(&self) -> bool {
-        self.scale != Scale::Factor || self.change.abs() <= USUAL_FACTOR.ln()
+        self.link != Link::Log || self.change.abs() <= USUAL_FACTOR.ln()
     }
 
     /// Whether it is a factor that is known well.

@@ -6,27 +6,27 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot;
 
 use super::bench::{Bench, Measured, ORDINARY};
-use super::calibration::Calibration;
 use super::claim::Claim;
-use super::drive::DriveFit;
+use super::fitted::Fitted;
+use super::naming::Naming;
 use super::open_loop::HORIZON_S;
 use super::pictures;
-use super::reading::Reading;
 use super::scene::Scene;
+use super::search::{Search, Searched};
 use super::sight;
-use super::today;
-use super::wheel_side::{Settled, settle};
+use super::today::of_today;
 use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
-use crate::filter::motion_law::DRIVERS;
 use crate::judge::{Culprit, Predictions, QUANTITIES, Score, passing};
-use crate::model::command_to_wheels::CommandToWheels;
+use crate::model::command_to_wheels::{CommandToWheels, NOISE};
 use crate::model::comparison::Before;
-use crate::model::from_wheels::{
-    COMMON, FromWheels, LAW_FIRST, MACHINE, RUN_SCALE, RUN_TRACK, TRACK, View,
-};
+use crate::model::drive::{DRIVE, SLOW_SHARE};
+use crate::model::from_wheels::{COMMON, FromWheels, LAW_FIRST, RUN_SCALE, RUN_TRACK, TRACK, View};
+use crate::model::streams::Streams;
 
 /// Least deviation of scale or track among runs that differ.
 const LEAST_SPREAD: f64 = 0.006;
+/// Slow share of the response of a drive from before that has none: at 0 it has no derivative by its time.
+const LEAST_SLOW: f64 = 1e-3;
 /// What two simulators differ by, in metres or radians; a smaller part is none.
 const NOTHING: f64 = 1e-6;
 
@@ -66,19 +66,15 @@ struct Machine<'a> {
     excluded: &'a [String],
     machine: FromWheels,
     drive: Option<CommandToWheels>,
-    nominal: Vec<f64>,
     /// The same with runs from before, where today is compared with them.
     joint: Option<FromWheels>,
     joint_drive: Option<CommandToWheels>,
 }
 
-/// What was fitted to a machine.
+/// What was fitted to a machine: to its runs of today, and beside those from before.
 struct Fits {
-    calibration: Option<Calibration>,
-    drive: Option<DriveFit>,
-    settled: Vec<Settled>,
-    /// Nominal parameters with what turned out to be the encoders'.
-    neutral: Vec<f64>,
+    today: Searched,
+    all: Option<Searched>,
 }
 
 /// What is asked of a machine.
@@ -110,9 +106,10 @@ pub(crate) struct Learnt {
     pub(crate) spread: [Option<f64>; 2],
     /// Scale and track of each run beside those of the model (logarithms).
     pub(crate) offsets: Vec<[f64; 2]>,
-    /// Parameters of the machine as they were fitted, but for laws.
+    /// What the filters read of the machine as it was fitted, but for laws.
     pub(crate) at: Vec<f64>,
-    pub(crate) drive: Option<DriveFit>,
+    /// The same of its drive, with its noise.
+    pub(crate) drive: Option<Vec<f64>>,
     /// What is left of its own predictions with that model.
     pub(crate) errors: Score,
 }
@@ -138,11 +135,11 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     let mut machine = Machine::new(task)?;
     let fits = machine.fits(task, &mut Vec::new());
     let (claims, _) = machine.claims(&fits);
-    let fitted = machine.reading(&fits).fitted();
-    let by_run = fits
-        .calibration
-        .as_ref()
-        .map_or([false; 2], |own| own.by_run);
+    let own = machine.fitted(&fits.today);
+    let at = &fits.today.selected.fit.at;
+    let fitted = own.machine_at(at);
+    let drive = own.drive_at(at);
+    let by_run = fits.today.by_run;
     let kinds = [RUN_SCALE, RUN_TRACK].into_iter().zip(by_run);
     let spread = kinds.map(|(parameter, differs)| {
         let runs = 0..machine.machine.runs.len();
@@ -153,7 +150,7 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
     let model = machine.improved(&claims);
     let errors = {
         let measured = machine.measured(&fits);
-        let bench = Bench::new(&measured, &claims, &fitted);
+        let bench = Bench::new(&measured, &claims);
         bench.predictions(&bench.errors()).after()
     };
     Ok(Learnt {
@@ -162,7 +159,7 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
         model,
         spread: [spread[0], spread[1]],
         at: fitted[..LAW_FIRST].to_vec(),
-        drive: fits.drive,
+        drive,
         claims,
     })
 }
@@ -195,7 +192,6 @@ impl<'a> Machine<'a> {
                         runs: earlier_runs.count(),
                         robots: count,
                         spread: earlier.learnt.spread,
-                        laws: laws_of(&earlier.learnt.claims),
                         clusters: None,
                         stamped: Default::default(),
                     },
@@ -225,7 +221,6 @@ impl<'a> Machine<'a> {
                 gyro, or both wheels and commands";
             InputError::new(name, "has nothing to compare", remedy)
         })?;
-        let nominal = machine.nominal(task.model);
         Ok(Machine {
             name,
             robots,
@@ -233,67 +228,121 @@ impl<'a> Machine<'a> {
             excluded: task.excluded,
             machine,
             drive,
-            nominal,
             joint,
             joint_drive,
         })
     }
 
-    /// The calibration from `start`, or what changed since runs from before.
-    fn calibrated(&self, start: &[f64], task: &Task<'_>) -> Option<Calibration> {
+    fn streams(&self) -> Streams<'_> {
+        Streams {
+            reference: &self.machine,
+            drive: self.drive.as_ref(),
+        }
+    }
+
+    fn fitted<'b>(&'b self, found: &'b Searched) -> Fitted<'b> {
+        Fitted {
+            streams: self.streams(),
+            found,
+        }
+    }
+
+    /// What the streams need; or what changed since runs from before.
+    fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
+        let hear = |what: &str| (task.progress)(&format!("fitting with {what}"));
+        (task.progress)("comparing commands, wheels, pose and gyro");
         let excluded = task.excluded;
-        let Some(earlier) = task.before else {
-            return Calibration::new(&self.machine, start, excluded);
+        let found = match (task.before, &self.joint) {
+            (Some(earlier), Some(joint)) => {
+                let streams = Streams {
+                    reference: joint,
+                    drive: self.joint_drive.as_ref(),
+                };
+                let nominal = self.of_before(streams, &earlier);
+                let mut all = Search {
+                    streams,
+                    nominal: &nominal,
+                    excluded,
+                    hear: &hear,
+                }
+                .run();
+                if let Some(dense) = all.dense.take() {
+                    self.machine = dense.today();
+                    self.joint = Some(dense);
+                }
+                let nominal = self.streams().nominal(self.model);
+                let today = of_today(&all, self.streams(), nominal, excluded);
+                Fits {
+                    today,
+                    all: Some(all),
+                }
+            }
+            _ => {
+                let nominal = self.streams().nominal(self.model);
+                let mut today = Search {
+                    streams: self.streams(),
+                    nominal: &nominal,
+                    excluded,
+                    hear: &hear,
+                }
+                .run();
+                if let Some(dense) = today.dense.take() {
+                    self.machine = dense;
+                }
+                Fits { today, all: None }
+            }
         };
-        let joint = self.joint.as_ref()?;
-        let mut nominal = joint.nominal(self.model);
-        let shared = joint.shared(0);
-        nominal[shared..shared + LAW_FIRST].copy_from_slice(&earlier.learnt.at);
-        for (index, own) in start.iter().enumerate().take(MACHINE) {
-            nominal[index] += own - self.nominal[index];
+        if found.today.is_undetermined {
+            warnings.push(self.warning(
+                task,
+                "not_fitted",
+                "the streams do not determine what they are compared by",
+                "record a run with turns both ways and some metres of way",
+            ));
         }
-        let found = Calibration::new(joint, &nominal, excluded)?;
-        Some(today::calibration(found, joint, nominal, &self.nominal))
+        if !found.today.selected.fit.converged {
+            warnings.push(self.warning(
+                task,
+                "unfinished",
+                "a fit did not come to its end: sizes may be off",
+                "put what was found into the model with --improved and diagnose again",
+            ));
+        }
+        found
     }
 
-    /// What the drive does, or what changed of it since runs from before.
-    fn driven(&self, task: &Task<'_>) -> Option<DriveFit> {
-        let drive = self.drive.as_ref()?;
-        let Some(earlier) = task.before else {
-            return DriveFit::new(drive, self.model, task.excluded, None);
-        };
-        let before = earlier.learnt.drive.as_ref();
-        let joint = self.joint_drive.as_ref()?;
-        let found = DriveFit::new(joint, self.model, task.excluded, before)?;
-        Some(today::drive(found, drive, drive.nominal(self.model)))
-    }
-
-    fn reading<'b>(&'b self, fits: &'b Fits) -> Reading<'b> {
-        Reading {
-            machine: &self.machine,
-            nominal: &self.nominal,
-            neutral: &fits.neutral,
-            settled: &fits.settled,
-            calibration: fits.calibration.as_ref(),
-            drive: fits.drive.as_ref(),
+    /// What the filters read of all runs where nothing changed.
+    fn of_before(&self, streams: Streams<'_>, earlier: &Earlier<'_>) -> Vec<f64> {
+        let mut nominal = streams.nominal(self.model);
+        if streams.reference.before.any() {
+            let shared = streams.reference.shared(0);
+            nominal[shared..shared + LAW_FIRST].copy_from_slice(&earlier.learnt.at[..LAW_FIRST]);
         }
+        let known = earlier.learnt.drive.as_ref();
+        if let (Some(_), Some(known)) = (streams.drive, known) {
+            let own = &mut nominal[streams.drive_first()..];
+            let base = CommandToWheels::shared(0);
+            own[base..base + DRIVE].copy_from_slice(&known[..DRIVE]);
+            own[DRIVE..DRIVE + NOISE].copy_from_slice(&known[DRIVE..DRIVE + NOISE]);
+            let slow = &mut own[CommandToWheels::shared(SLOW_SHARE)];
+            if *slow == 0.0 {
+                *slow = LEAST_SLOW;
+            }
+        }
+        nominal
     }
 
     /// What was found: what is plausible, and what is not.
     fn claims(&self, fits: &Fits) -> (Vec<Claim>, Vec<Claim>) {
         let is_excluded = |claim: &Claim| self.excluded.iter().any(|own| own == claim.effect);
-        let all = self.reading(fits).claims().into_iter();
+        let naming = Naming {
+            found: &fits.today,
+            streams: self.streams(),
+        };
+        let all = naming.claims().into_iter();
         let all = all.filter(|claim| !is_excluded(claim));
         all.partition(|claim| claim.is_plausible(self.model))
     }
-}
-
-/// Whether there is a law of speed over turn rate, and over speed.
-fn laws_of(claims: &[Claim]) -> [bool; 2] {
-    DRIVERS.map(|driver| {
-        let mut laws = claims.iter().filter_map(|claim| claim.law.as_ref());
-        laws.any(|law| law.driver == driver)
-    })
 }
 
 impl Machine<'_> {
@@ -316,65 +365,7 @@ impl Machine<'_> {
         Measured {
             name: self.name,
             robots: &self.robots,
-            machine: &self.machine,
-            nominal: &self.nominal,
-            drive: self.drive.as_ref(),
-            calibration: fits.calibration.as_ref(),
-            driven: fits.drive.as_ref(),
-        }
-    }
-
-    /// Fits the calibration and the drive.
-    fn fits(&mut self, task: &Task<'_>, warnings: &mut Vec<Warning>) -> Fits {
-        (task.progress)("comparing wheels with pose and gyro");
-        let mut calibration = self.calibrated(&self.nominal, task);
-        self.take_dense(&mut calibration);
-        let compared = self.machine.has_pose() || self.machine.has_gyro();
-        if compared && calibration.is_none() {
-            warnings.push(self.warning(
-                task,
-                "not_fitted",
-                "wheels and reference do not determine a calibration",
-                "record a run with turns both ways and some metres of way",
-            ));
-        }
-        (task.progress)("comparing commands with wheels");
-        let drive = self.driven(task);
-        if self.drive.is_some() && drive.is_none() {
-            warnings.push(self.warning(
-                task,
-                "drive_not_fitted",
-                "commands and wheels do not determine how the drive follows",
-                "record a run in which commands change",
-            ));
-        }
-        let mut settled = Vec::new();
-        if let (Some(calibration), Some(drive)) = (&calibration, &drive) {
-            settled = settle(&self.machine, &self.nominal, calibration, drive);
-        }
-        let neutral = self.neutral(&settled);
-        if neutral != self.nominal {
-            (task.progress)(
-                "comparing wheels with pose and gyro again, with what the drive tells of the encoders",
-            );
-            calibration = self.calibrated(&neutral, task);
-            self.take_dense(&mut calibration);
-        }
-        let calibrated = calibration.iter().map(|own| own.after.fit.converged);
-        let driven = drive.iter().map(|own| own.after.fit.converged);
-        if calibrated.chain(driven).any(|converged| !converged) {
-            warnings.push(self.warning(
-                task,
-                "unfinished",
-                "a fit did not come to its end: sizes may be off",
-                "put what was found into the model with --improved and diagnose again",
-            ));
-        }
-        Fits {
-            calibration,
-            drive,
-            settled,
-            neutral,
+            fitted: self.fitted(&fits.today),
         }
     }
 
@@ -382,7 +373,6 @@ impl Machine<'_> {
     fn examine(mut self, task: &Task<'_>) -> Result<Found, Culprit> {
         let mut warnings = Vec::new();
         let fits = self.fits(task, &mut warnings);
-        let (calibration, drive) = (&fits.calibration, &fits.drive);
         let (mut claims, odd) = self.claims(&fits);
         warnings.extend(self.not_constant(task, &claims));
         if task.before.is_some() {
@@ -390,10 +380,9 @@ impl Machine<'_> {
             claims.retain(|claim| !claim.is_disputed());
         }
         warnings.extend(odd.iter().map(|claim| self.implausible(task, claim)));
-        let all = self.reading(&fits).fitted();
         (task.progress)("predicting 5 s ahead, with and without the findings");
         let measured = self.measured(&fits);
-        let bench = Bench::new(&measured, &claims, &all);
+        let bench = Bench::new(&measured, &claims);
         let errors = bench.errors();
         let mut predictions = bench.predictions(&errors);
         if let Some(earlier) = &task.before {
@@ -415,15 +404,13 @@ impl Machine<'_> {
                 predictors: (0..self.machine.runs.len())
                     .map(|run| bench.predictor(run))
                     .collect(),
-                excluded: task.excluded,
+                own: measured.fitted,
+                all: self.of_all(&fits),
+                at: bench.found_at(),
                 claims: &claims,
                 first_finding,
-                calibration: calibration.as_ref(),
-                drive: drive.as_ref(),
-                driven: self.drive.as_ref(),
-                joint_drive: self.joint_drive.as_ref(),
                 nominal: &bench.nominal,
-                fitted: &bench.fitted,
+                with_all: &bench.found,
                 errors: &errors,
                 deviations: &bench.deviations,
                 nominal_of: &|claim, name| claim.nominal(self.model, name),
@@ -431,12 +418,12 @@ impl Machine<'_> {
         });
         Ok(Found {
             figures,
-            detectable: self.detectable(&fits, task.excluded),
+            detectable: sight::detectable(self.name, &self.of_all(&fits)),
             held_out: predictions.held_out(HORIZON_S, &|channel| bench.unit(channel)),
             budget: predictions.budgets(&bench.worth()),
             predictions,
-            outliers: self.outliers(&all),
-            process_noise: self.process_noise(calibration.is_some(), &all),
+            outliers: self.outliers(&bench.all),
+            process_noise: self.process_noise(&bench.all),
             improved: self.improved(&claims),
             spans_s: self
                 .machine
@@ -444,40 +431,25 @@ impl Machine<'_> {
                 .iter()
                 .map(|run| run.blocks.span_s.map(|t| t + run.origin_s))
                 .collect(),
-            courses: self.courses(&all, &bench.deviations),
+            courses: self.courses(&bench.all, &bench.deviations),
             robots: self.machine.runs.iter().map(|run| run.robot).collect(),
             claims,
             warnings,
         })
     }
 
-    /// From which size on what was not found would have been.
-    fn detectable(&self, fits: &Fits, excluded: &[String]) -> Vec<Detectable> {
-        let driven = fits.drive.as_ref().and_then(|own| match &own.joint {
-            Some(joint) => Some((self.joint_drive.as_ref()?, joint.as_ref())),
-            None => Some((self.drive.as_ref()?, own)),
-        });
-        let machine = (&self.machine, fits.neutral.as_slice());
-        let calibration = fits.calibration.as_ref();
-        sight::detectable(self.name, machine, calibration, driven, excluded)
-    }
-
-    /// Takes over the rows at full rate, where a calibration found them to be evidence.
-    fn take_dense(&mut self, calibration: &mut Option<Calibration>) {
-        if let Some(dense) = calibration.as_mut().and_then(|own| own.dense.take()) {
-            self.machine = dense;
+    /// The fit of all runs, those from before among them.
+    fn of_all<'b>(&'b self, fits: &'b Fits) -> Fitted<'b> {
+        match (&fits.all, &self.joint) {
+            (Some(found), Some(reference)) => Fitted {
+                streams: Streams {
+                    reference,
+                    drive: self.joint_drive.as_ref(),
+                },
+                found,
+            },
+            _ => self.fitted(&fits.today),
         }
-    }
-
-    /// Nominal parameters with what turned out to be the encoders'.
-    fn neutral(&self, settled: &[Settled]) -> Vec<f64> {
-        let mut neutral = self.nominal.clone();
-        for settled in settled.iter().filter(|settled| settled.is_wheels) {
-            for (index, shift) in &settled.shifts {
-                neutral[*index] += shift;
-            }
-        }
-        neutral
     }
 
     /// What is taken for a constant and differs between the halves of the recordings.
@@ -566,8 +538,8 @@ impl Machine<'_> {
         outliers
     }
 
-    fn process_noise(&self, calibrated: bool, fitted: &[f64]) -> Vec<ProcessNoise> {
-        if !calibrated {
+    fn process_noise(&self, fitted: &[f64]) -> Vec<ProcessNoise> {
+        if !self.machine.has_pose() && !self.machine.has_gyro() {
             return Vec::new();
         }
         let [speed, turn] = self.machine.process_noise(fitted);

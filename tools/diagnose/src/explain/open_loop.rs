@@ -3,7 +3,7 @@
 use crate::data::streams::WheelKind;
 use crate::filter::wheel_channel::Tails;
 use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
-use crate::model::drive::{DRIVE, Response};
+use crate::model::drive::{AVERAGED, DRIVE, Response};
 
 /// The horizon (s).
 pub(crate) const HORIZON_S: f64 = 5.0;
@@ -41,7 +41,7 @@ fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
     let mut start = 0;
     let mut from = response.at(rows[0].time_s, &mut hint).angle_rad;
     for (k, row) in rows.iter().enumerate() {
-        let now = response.at(row.time_s, &mut hint);
+        let now = response.averaged(row.time_s, at[AVERAGED], &mut hint);
         let h = row.time_s - rows[start].time_s;
         let [sum, difference] = [0, 1].map(|channel| {
             let (d, time_s): (f64, f64) = (disturbance[channel][start], times_s[channel]);

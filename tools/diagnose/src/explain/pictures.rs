@@ -149,7 +149,7 @@ impl Scene<'_> {
         }
         let after = match self.claims {
             [] => Vec::new(),
-            _ => drawn(self.fitted).predicted,
+            _ => drawn(self.with_all).predicted,
         };
         Some(Paths {
             run,
@@ -178,12 +178,9 @@ impl Scene<'_> {
             .max_by(|a, b| sharp(a).total_cmp(&sharp(b)))?;
         let nominal = (self.nominal_of)(claim, main.name);
         let at = |share: f64| {
-            let mut at = self.fitted.to_vec();
-            for index in &claim.toggles {
-                at[*index] =
-                    self.nominal[*index] + share * (self.fitted[*index] - self.nominal[*index]);
-            }
-            at
+            let mut at = self.at.clone();
+            claim.toggles.iter().for_each(|index| at[*index] *= share);
+            self.own.machine_at(&at)
         };
         let all = (-SIZES / 4..=SIZES + SIZES / 2).map(|k| f64::from(k) / f64::from(SIZES));
         let worth: Vec<(f64, Errors)> = all.map(|share| (share, self.sum(&at(share)))).collect();

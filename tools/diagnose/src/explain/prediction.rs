@@ -12,7 +12,7 @@ use crate::filter::motion_law::{LAW, added};
 use crate::filter::wrapped;
 use crate::judge::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score};
 use crate::model::command_to_wheels::DriveRun;
-use crate::model::drive::Response;
+use crate::model::drive::{AVERAGED, Response};
 use crate::model::from_wheels::{
     FromWheels, MACHINE, RUN_BIAS, drive_parameters, gyro_parameters, pose_parameters,
 };
@@ -157,9 +157,10 @@ impl Predictor<'_> {
             None => self.run.wheels.turned(drive_parameters(&local), each),
             Some(drive) => {
                 let response = Response::new(&drive.commands, drive_parameters(&local));
+                let over_s = drive_parameters(&local)[AVERAGED];
                 let mut each = each(&response);
                 for (window, errors) in windows.iter().zip(&mut each) {
-                    self.wheels(drive, &noise, &response, *window, errors, draw);
+                    self.wheels(drive, &noise, (&response, over_s), *window, errors, draw);
                 }
                 each
             }
@@ -409,12 +410,12 @@ impl Predictor<'_> {
         }
     }
 
-    /// Wheels of a window simulated from the commands.
+    /// Wheels of a window simulated from the commands; speeds as means over so long (s).
     fn wheels(
         &self,
         drive: &DriveRun,
         noise: &NoiseOf,
-        response: &Response<'_, f64>,
+        (response, over_s): (&Response<'_, f64>, f64),
         window: [f64; 2],
         errors: &mut Errors,
         draw: bool,
@@ -427,7 +428,7 @@ impl Predictor<'_> {
         let rests: Vec<(f64, [f64; 2], [f64; 2])> = rows[first..end]
             .iter()
             .map(|row| {
-                let now = response.at(row.time_s, &mut hint);
+                let now = response.averaged(row.time_s, over_s, &mut hint);
                 let value = if is_angle {
                     now.angle_rad
                 } else {

@@ -3,13 +3,15 @@
 use std::cmp::Ordering;
 
 use super::predictions::Predictions;
-use super::score::{HEADING, PLACE, POSE, QUANTITIES, name};
+use super::score::{HEADING, PLACE, POSE, QUANTITIES, Score, name};
 use crate::answer::{Answer, Budget, Unexplained, Verdict};
 
 /// A root mean square error up to so many times what noise predicts is explained by it, and up to so many
 /// times it is within the noise (CONTRACT: "What a verdict may say").
 const EXPLAINED: f64 = 2.0;
 const WITHIN: f64 = 1.2;
+/// Findings explain something where an error falls below this share of the one before.
+const BETTER: f64 = 0.98;
 /// A model that misses more than this share of the way that the robot goes does not tell its motion, whatever noise
 /// would explain that.
 const MISSED: f64 = 1.0 / 3.0;
@@ -38,6 +40,18 @@ impl Predictions {
             (square.sqrt() > NOTHING).then_some(Excess { quantity, ratio })
         });
         all.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    /// Whether some quantity is predicted better with the findings, or to the noise of its sensor.
+    fn explains(&self) -> bool {
+        (0..QUANTITIES).any(|quantity| {
+            let pair = |score: &Score| score.mean_square(quantity);
+            let both = pair(&self.before).zip(pair(&self.after));
+            let sensor = self.after.sensor(quantity).unwrap_or(0.0);
+            both.is_some_and(|(before, after)| {
+                after < BETTER * BETTER * before || after < WITHIN * WITHIN * sensor
+            })
+        })
     }
 
     /// The share of the robot's way that predictions miss, where it is too much for any noise.
@@ -132,7 +146,9 @@ pub(crate) fn conclude(answer: &mut Answer, machines: &[Predictions]) {
         .filter_map(|own| Some((own, own.excess()?)))
         .max_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(Ordering::Equal));
     let untested = !machines.is_empty() && machines.iter().all(|own| own.seen() < WINDOWS);
-    let left = untested || worst.as_ref().is_some_and(|own| rank(own).0);
+    let idle = !answer.findings.is_empty() && answer.against.is_empty();
+    let idle = idle && !machines.iter().any(Predictions::explains);
+    let left = untested || idle || worst.as_ref().is_some_and(|own| rank(own).0);
     let beside = !answer.unexplained.is_empty();
     for own in machines {
         if let Some(excess) = own.excess().filter(|own| own.ratio > EXPLAINED) {

@@ -8,21 +8,21 @@ use slipstream_sim::Scalar;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
 use super::drive::{
-    CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
-    SATURATION, SLOW_SHARE, SLOW_TIME,
+    AVERAGED, CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
+    SATURATION,
 };
 use super::nominal::clock_rate;
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::streams::WheelKind;
+use crate::data::wheel_path::median_interval;
 use crate::data::wheel_rows::{WheelRows, is_running, match_wheels, rows};
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::pairs::{self, Share, Side};
-use crate::estimate::scoring::Problem;
 use crate::estimate::whitened::Whitened;
-use crate::estimate::{BlockScore, Likelihood, Prior};
+use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
 use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
 
@@ -59,8 +59,12 @@ pub(crate) struct CommandToWheels {
     pub(crate) before: Before,
 }
 
-/// Its likelihood without outliers: a start for the one with them.
-pub(crate) struct Plain<'a>(pub(crate) &'a CommandToWheels);
+/// Its likelihood, with or without outliers.
+pub(crate) struct DriveView<'a> {
+    pub(crate) drive: &'a CommandToWheels,
+    /// Whether rows may be outliers. Without, the likelihood has one smooth maximum: a start.
+    pub(crate) robust: bool,
+}
 
 impl CommandToWheels {
     /// The drive of these runs; `None` without a run that has commanded speeds and wheels.
@@ -113,8 +117,17 @@ impl CommandToWheels {
         };
     }
 
+    /// Number of parameters, noise sizes included.
+    pub(crate) fn parameters(&self) -> usize {
+        if self.before.any() {
+            Self::SHARE + 1
+        } else {
+            DRIVE + NOISE
+        }
+    }
+
     /// Index of the share that runs from before and of today do not have in common.
-    const SHARE: usize = Self::shared(DRIVE);
+    pub(crate) const SHARE: usize = Self::shared(DRIVE);
 
     /// Index of a parameter that runs from before share with those of today.
     pub(crate) const fn shared(parameter: usize) -> usize {
@@ -159,51 +172,6 @@ impl CommandToWheels {
         at
     }
 
-    /// Priors: weak ones, about the nominal values.
-    fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
-        let mut deviations = deviations(self.largest_rad_s).to_vec();
-        deviations[GAIN] = deviations[GAIN].max(self.crude_gain.abs());
-        deviations.extend([2.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
-        if self.before.any() {
-            deviations.extend_from_within(..DRIVE);
-            deviations.push(pairs::DEVIATION);
-        }
-        let pairs = nominal.iter().zip(deviations);
-        let mut priors: Vec<Prior> = pairs
-            .map(|(&mean, deviation)| Prior { mean, deviation })
-            .collect();
-        // without a saturation nothing is known of one but the order of its size
-        let known = self.before.any() && nominal[Self::shared(SATURATION)] != 0.0;
-        if nominal[SATURATION] == 0.0 && !known {
-            priors[SATURATION].mean = self.largest_rad_s;
-        }
-        priors
-    }
-
-    /// The problem of fitting it by a likelihood, about nominal values.
-    pub(crate) fn problem<'a>(
-        &self,
-        likelihood: &'a dyn Likelihood,
-        nominal: &[f64],
-    ) -> Problem<'a> {
-        Problem {
-            likelihood,
-            priors: self.priors(nominal),
-            longest: self.longest(),
-        }
-    }
-
-    /// Longest step of each parameter in one iteration of a fit.
-    fn longest(&self) -> Vec<f64> {
-        let mut longest = longest(self.largest_rad_s).to_vec();
-        longest.extend([1.0; NOISE]);
-        if self.before.any() {
-            longest.extend_from_within(..DRIVE);
-            longest.push(pairs::LONGEST);
-        }
-        longest
-    }
-
     /// Indices of the noise sizes.
     pub(crate) fn noise(&self) -> Vec<usize> {
         let share = self.before.is_paired().then_some(Self::SHARE);
@@ -232,28 +200,6 @@ pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
     at
 }
 
-/// How far each parameter of the drive may plausibly lie from its nominal value.
-pub(crate) fn deviations(top_rad_s: f64) -> [f64; DRIVE] {
-    let mut all = [0.0; DRIVE];
-    all[DELAY] = 0.3;
-    all[LAG] = 0.5;
-    all[GAIN] = 0.3;
-    all[GAIN_ASYMMETRY] = 0.3;
-    all[DEAD_BAND] = top_rad_s;
-    all[DEAD_ZONE] = 0.3 * top_rad_s;
-    all[SATURATION] = top_rad_s;
-    all[SAG] = 0.02;
-    all[SLOW_SHARE] = 0.3;
-    all[SLOW_TIME] = 2.0;
-    all[CLOCK] = 0.005;
-    all
-}
-
-/// Longest step of each parameter of the drive in one iteration.
-pub(crate) fn longest(top_rad_s: f64) -> [f64; DRIVE] {
-    deviations(top_rad_s).map(|deviation| deviation / 4.0)
-}
-
 impl DriveRun {
     fn new(
         robot: &Robot,
@@ -272,6 +218,12 @@ impl DriveRun {
             blocks: Blocks::new(span_s, first_block),
             wheels,
         })
+    }
+
+    /// Median time between rows of the wheels (s).
+    pub(crate) fn interval_s(&self) -> f64 {
+        let times_s: Vec<f64> = self.wheels.rows.iter().map(|row| row.time_s).collect();
+        median_interval(&times_s)
     }
 
     /// How the wheels would turn as commanded, piece by piece (rad).
@@ -295,7 +247,8 @@ impl DriveRun {
         let response = Response::new(&self.commands, at);
         let mut hint = 0;
         let simulated = self.wheels.rows.iter().map(|row| {
-            let now = response.at(S::constant(row.time_s), &mut hint);
+            let time_s = S::constant(row.time_s);
+            let now = response.averaged(time_s, at[AVERAGED], &mut hint);
             let value = match self.wheels.kind {
                 WheelKind::Angle => now.angle_rad,
                 WheelKind::Speed => now.speed_rad_s,
@@ -374,7 +327,8 @@ impl CommandToWheels {
     /// Score and information of each block with such tails.
     fn score_with(&self, tails: Tails, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
         let keep = self.before.is_paired();
-        let mut blocks = empty(Likelihood::blocks(self), free.len());
+        let count = blocks::total(self.runs.iter().map(|run| run.blocks));
+        let mut blocks = empty(count, free.len());
         let all = self.runs.par_iter().enumerate().map(|(i, run)| {
             let (local, to) = comparison::lanes(self.places(i).into_iter(), free);
             let filter = |p: &[Dual], sink: &mut dyn FnMut(Innovation<Dual>)| {
@@ -401,76 +355,53 @@ impl CommandToWheels {
     }
 }
 
-impl Likelihood for CommandToWheels {
+impl DriveView<'_> {
+    fn tails(&self) -> Tails {
+        if self.robust {
+            Tails::Student
+        } else {
+            Tails::Normal
+        }
+    }
+}
+
+impl Likelihood for DriveView<'_> {
     fn blocks(&self) -> usize {
-        blocks::total(self.runs.iter().map(|run| run.blocks))
+        blocks::total(self.drive.runs.iter().map(|run| run.blocks))
     }
 
     fn run_of(&self) -> Vec<usize> {
-        blocks::run_of(self.runs.iter().map(|run| run.blocks))
+        blocks::run_of(self.drive.runs.iter().map(|run| run.blocks))
     }
 
     fn clusters(&self) -> Option<&[usize]> {
-        self.before.clusters.as_deref()
+        self.drive.before.clusters.as_deref()
     }
 
     fn is_shared(&self, _: usize) -> bool {
-        self.before.shows_spread(self.runs.len(), LEAST_RUNS)
+        let runs = self.drive.runs.len();
+        self.drive.before.shows_spread(runs, LEAST_RUNS)
     }
 
     fn apart(&self, at: &[f64]) -> f64 {
-        if self.before.is_paired() {
-            Share::new(at[Self::SHARE]).value
+        if self.drive.before.is_paired() {
+            Share::new(at[CommandToWheels::SHARE]).value
         } else {
             1.0
         }
     }
 
     fn loosen(&self, at: &mut [f64]) {
-        if self.before.is_paired() {
-            at[Self::SHARE] = 0.0;
+        if self.drive.before.is_paired() {
+            at[CommandToWheels::SHARE] = 0.0;
         }
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
-        self.value_with(Tails::Student, at)
+        self.drive.value_with(self.tails(), at)
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        self.score_with(Tails::Student, at, free)
-    }
-}
-
-impl Likelihood for Plain<'_> {
-    fn blocks(&self) -> usize {
-        Likelihood::blocks(self.0)
-    }
-
-    fn run_of(&self) -> Vec<usize> {
-        self.0.run_of()
-    }
-
-    fn clusters(&self) -> Option<&[usize]> {
-        self.0.clusters()
-    }
-
-    fn is_shared(&self, parameter: usize) -> bool {
-        self.0.is_shared(parameter)
-    }
-
-    fn apart(&self, at: &[f64]) -> f64 {
-        self.0.apart(at)
-    }
-
-    fn loosen(&self, at: &mut [f64]) {
-        self.0.loosen(at);
-    }
-
-    fn value(&self, at: &[f64]) -> Vec<f64> {
-        self.0.value_with(Tails::Normal, at)
-    }
-
-    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        self.0.score_with(Tails::Normal, at, free)
+        self.drive.score_with(self.tails(), at, free)
     }
 }

@@ -19,8 +19,6 @@ pub(crate) struct Before {
     pub(crate) robots: usize,
     /// Deviations of the logarithms of scale and track among them, where they differ.
     pub(crate) spread: [Option<f64>; 2],
-    /// Whether the machine had a law of speed over turn rate, and over speed.
-    pub(crate) laws: [bool; 2],
     /// The cluster of each block, where every run of today drives the course of one from before and was
     /// measured at the same moments.
     pub(crate) clusters: Option<Vec<usize>>,

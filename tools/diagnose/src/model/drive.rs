@@ -25,8 +25,10 @@ pub(crate) const SLOW_SHARE: usize = 8;
 pub(crate) const SLOW_TIME: usize = 9;
 /// Rate of the wheels' clock against that of the commands.
 pub(crate) const CLOCK: usize = 10;
+/// Time before a row over which its speed is a mean (s), where wheels were recorded as speeds.
+pub(crate) const AVERAGED: usize = 11;
 /// How many there are.
-pub(crate) const DRIVE: usize = 11;
+pub(crate) const DRIVE: usize = 12;
 
 /// A lag below this (s) is none.
 const INSTANT_S: f64 = 1e-6;
@@ -176,6 +178,20 @@ impl<'a, S: Scalar> Response<'a, S> {
         }
     }
 
+    /// As [`at`](Self::at), the speed as the mean over so long before (s).
+    pub(crate) fn averaged(&self, time_s: S, over_s: S, hint: &mut usize) -> Turning<S> {
+        if over_s.value() < INSTANT_S {
+            return self.at(time_s, hint);
+        }
+        let before = self.at(time_s - over_s, hint).angle_rad;
+        let now = self.at(time_s, hint);
+        let mean = |i: usize| (now.angle_rad[i] - before[i]) / over_s;
+        Turning {
+            speed_rad_s: [mean(0), mean(1)],
+            ..now
+        }
+    }
+
     /// Angle and speed of the wheels at `time_s`; the angle is 0 when the first command arrives.
     /// `hint` is the command found last and makes rising times cheap.
     pub(crate) fn at(&self, time_s: S, hint: &mut usize) -> Turning<S> {
@@ -281,6 +297,15 @@ mod tests {
                 assert!((now.speed_rad_s[0] - speed).abs() < 2e-3, "{t}");
             }
         }
+    }
+
+    #[test]
+    fn a_mean_speed_is_the_angle_turned_over_its_time() {
+        let path = path();
+        let response = Response::new(&path, &[0.0; DRIVE]);
+        // half of it before the command of 1 s, half behind
+        let mean: [f64; 2] = response.averaged(1.1, 0.2, &mut 0).speed_rad_s;
+        assert!((mean[0] - 1.0).abs() < 1e-12, "{mean:?}");
     }
 
     #[test]

@@ -8,10 +8,10 @@ use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
 use slipstream_sim::Scalar;
 
-use super::command_to_wheels::{self, drive_of};
+use super::command_to_wheels::drive_of;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
-use super::drive::{DRIVE, SATURATION};
+use super::drive::DRIVE;
 use super::nominal::{self, clock_rate};
 use super::run::{RUN_NOISE, Run, Source};
 use crate::data::matched::{Stamps, shift_against};
@@ -20,9 +20,8 @@ use crate::estimate::blocks;
 use crate::estimate::cluster::LEAST_RUNS;
 use crate::estimate::information::{Dual, Rows, empty};
 use crate::estimate::pairs::{self, Share, Side};
-use crate::estimate::scoring::Problem;
 use crate::estimate::whitened::Whitened;
-use crate::estimate::{BlockScore, Likelihood, Prior};
+use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::Innovation;
 use crate::filter::gyro::{self as gyro_filter, Gyro};
 use crate::filter::motion_law::{DRIVERS, Knots, LAW, VALUES};
@@ -52,7 +51,9 @@ pub(crate) const RUN_BIAS: usize = 2;
 /// How much later (s) and faster the gyro's clock is in this run than in all.
 pub(crate) const RUN_LATE: usize = 3;
 pub(crate) const RUN_RATE: usize = 4;
-const RUN: usize = 5;
+/// Noise sizes begin here.
+pub(crate) const RUN_NOISE_FIRST: usize = 5;
+const RUN: usize = RUN_NOISE_FIRST;
 /// Those that a run shares with the one from before on its course.
 const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 
@@ -132,7 +133,7 @@ impl FromWheels {
     }
 
     /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
-    fn law_prior_m_s(&self) -> f64 {
+    pub(crate) fn law_prior_m_s(&self) -> f64 {
         let [w, v] = self.knots.map(|knots| knots.reach());
         LAW_SHARE * v.max(w * self.half_track_m)
     }
@@ -148,7 +149,7 @@ impl FromWheels {
     }
 
     /// Index of the share that runs from before and of today do not have in common, of one reference.
-    fn share(&self, reference: Reference) -> usize {
+    pub(crate) fn share(&self, reference: Reference) -> usize {
         self.shared(MACHINE) + reference as usize
     }
 
@@ -218,7 +219,7 @@ impl FromWheels {
     }
 
     /// References that are compared row by row.
-    fn shares(&self) -> impl Iterator<Item = Reference> + '_ {
+    pub(crate) fn shares(&self) -> impl Iterator<Item = Reference> + '_ {
         let paired = self.before.is_paired();
         Reference::ALL.into_iter().filter(move |own| {
             paired
@@ -328,83 +329,6 @@ impl FromWheels {
             changes[..MACHINE].fill(0.0);
         }
         at
-    }
-
-    /// Priors: weak ones, about the nominal values.
-    fn priors(&self, nominal: &[f64]) -> Vec<Prior> {
-        let b = self.half_track_m;
-        let track = if self.skids { 0.6 } else { 0.3 };
-        let machine = [
-            0.3,
-            0.3,
-            track,
-            4.0 * b,
-            4.0 * b,
-            1.0,
-            0.3,
-            0.005,
-            0.3,
-            0.005,
-        ];
-        let run = [0.3, track, 0.02, 0.1, 0.005];
-        let mut deviations = machine.to_vec();
-        deviations[COMMON] = deviations[COMMON].max(self.crude_scale.abs());
-        deviations.extend(command_to_wheels::deviations(self.largest_rad_s()));
-        deviations.extend([self.law_prior_m_s(); LAW]);
-        for i in 0..self.runs.len() {
-            let mut own = run;
-            for (own, spread) in own.iter_mut().zip(self.before.spread) {
-                if let Some(spread) = spread.filter(|_| self.before.has(i)) {
-                    *own = spread;
-                }
-            }
-            deviations.extend(own);
-            deviations.extend([2.0; RUN_NOISE]);
-        }
-        if self.before.any() {
-            deviations.extend_from_within(..MACHINE);
-            deviations.extend([pairs::DEVIATION; SHARES]);
-        }
-        let pairs = nominal.iter().zip(deviations);
-        let mut priors: Vec<Prior> = pairs
-            .map(|(&mean, deviation)| Prior { mean, deviation })
-            .collect();
-        let saturation = DRIVE_FIRST + SATURATION;
-        let known = self.before.any() && nominal[self.shared(saturation)] != 0.0;
-        if nominal[saturation] == 0.0 && !known {
-            priors[saturation].mean = self.largest_rad_s();
-        }
-        priors
-    }
-
-    /// The problem of fitting it by a likelihood, about nominal values.
-    pub(crate) fn problem<'a>(
-        &self,
-        likelihood: &'a dyn Likelihood,
-        nominal: &[f64],
-    ) -> Problem<'a> {
-        Problem {
-            likelihood,
-            priors: self.priors(nominal),
-            longest: self.longest(),
-        }
-    }
-
-    /// Longest step of each parameter in one iteration of a fit.
-    fn longest(&self) -> Vec<f64> {
-        let b = self.half_track_m;
-        let mut longest = vec![0.2, 0.2, 0.3, 2.0 * b, 2.0 * b, 0.5, 0.1, 2e-3, 0.1, 2e-3];
-        longest.extend(command_to_wheels::longest(self.largest_rad_s()));
-        longest.extend([0.5 * self.law_prior_m_s(); LAW]);
-        for _ in &self.runs {
-            longest.extend([0.2, 0.3, 0.02, 0.05, 2e-3]);
-            longest.extend([1.0; RUN_NOISE]);
-        }
-        if self.before.any() {
-            longest.extend_from_within(..MACHINE);
-            longest.extend([pairs::LONGEST; SHARES]);
-        }
-        longest
     }
 
     /// The run from before on whose course a run of today is, and whose floor and clocks it shares.

@@ -8,3 +8,5 @@ pub(crate) mod from_wheels;
 pub(crate) mod hypothesis;
 pub(crate) mod nominal;
 pub(crate) mod run;
+pub(crate) mod streams;
+pub(crate) mod table;

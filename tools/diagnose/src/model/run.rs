@@ -17,6 +17,13 @@ use crate::filter::wheels_to_pose;
 /// Logarithms of noise sizes of a run: those of the pose's filter, then those of the gyro's.
 pub(super) const RUN_NOISE: usize = wheels_to_pose::NOISE + gyro_filter::NOISE;
 
+/// Whether a noise size of a run moves the robot, and is none of a sensor: the first six of the pose's filter, the
+/// first three of the gyro's and its disturbance.
+pub(super) fn is_process(number: usize) -> bool {
+    let of_gyro = number.checked_sub(wheels_to_pose::NOISE);
+    of_gyro.map_or(number < 6, |own| own < 3 || own == 5)
+}
+
 /// Least distance that a run's wheels have to roll, in half tracks.
 const LEAST_WAY: f64 = 4.0;
 /// Where a reference went that far, wheels may have counted too little by this factor: turns for degrees.
@@ -130,6 +137,14 @@ impl Source {
             Self::Measured(path) => [path.times_s[0], path.times_s[path.times_s.len() - 1]],
             // the last command holds on
             Self::Commanded(path) => [path.times_s[0], f64::INFINITY],
+        }
+    }
+
+    /// The commands as which they turn, where they were not recorded.
+    pub(crate) fn commands(&self) -> Option<&CommandPath> {
+        match self {
+            Self::Measured(_) => None,
+            Self::Commanded(path) => Some(path),
         }
     }
 

@@ -3,39 +3,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::criterion::{Criterion, TIE_NATS};
+use super::criterion::Criterion;
 use super::halves::Halves;
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
-use crate::estimate::scoring::{FULL, Fit, Problem, SHORT};
-
-/// A term: physics that is there or not.
-#[derive(Debug, Clone)]
-pub(crate) struct Term {
-    /// Its name, for messages.
-    pub(crate) name: &'static str,
-    /// Its parameters.
-    pub(crate) parameters: Vec<usize>,
-    /// Variance of each that nobody would call a difference.
-    pub(crate) floors: Vec<f64>,
-    /// Variance of each by which two recordings of one machine differ without a change.
-    pub(crate) unnoticed: Vec<f64>,
-    /// How much wider than the blocks say its error is.
-    pub(crate) caution: f64,
-    /// The likelihood has no derivative by it: it was set by a profile, and its gain alone decides.
-    pub(crate) by_profile: bool,
-    /// It cannot be negative.
-    pub(crate) positive: bool,
-    /// It acts all the time: it has to be of use for predictions.
-    pub(crate) lasting: bool,
-}
-
-impl Term {
-    /// Sets the deviation by which each parameter differs between recordings without a change.
-    pub(crate) fn widen(&mut self, deviation: impl Fn(usize) -> f64) {
-        let own = self.parameters.iter().map(|index| deviation(*index));
-        self.unnoticed = own.map(|own| own * own).collect();
-    }
-}
+use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::estimate::term::Term;
 
 /// A term that is needed, and why.
 #[derive(Debug, Clone)]
@@ -45,9 +17,12 @@ pub(crate) struct Kept {
     pub(crate) gain: f64,
     /// Its Wald statistic.
     pub(crate) wald: f64,
+    /// Variance of each of its parameters below which nobody would call it a difference.
+    pub(crate) floors: Vec<f64>,
 }
 
 /// The outcome of an elimination.
+#[derive(Debug, Clone)]
 pub(crate) struct Selected {
     pub(crate) fit: Fit,
     pub(crate) precision: Precision,
@@ -59,6 +34,26 @@ pub(crate) struct Selected {
 }
 
 impl Selected {
+    /// Nothing, of so many parameters that are 0.
+    pub(crate) fn nothing(parameters: usize) -> Self {
+        Self {
+            fit: Fit {
+                at: vec![0.0; parameters],
+                free: Vec::new(),
+                objective: 0.0,
+                converged: true,
+            },
+            precision: Precision {
+                covariance: DMatrix::zeros(0, 0),
+                expected: DMatrix::zeros(0, 0),
+                dispersion: Vec::new(),
+            },
+            kept: Vec::new(),
+            alike: Vec::new(),
+            halves: None,
+        }
+    }
+
     /// A term that was kept.
     pub(crate) fn kept(&self, name: &str) -> Option<&Kept> {
         self.kept.iter().find(|kept| kept.term.name == name)
@@ -113,7 +108,7 @@ impl Selected {
         let mut floors = self
             .kept
             .iter()
-            .flat_map(|k| k.term.parameters.iter().zip(&k.term.floors));
+            .flat_map(|k| k.term.parameters.iter().zip(&k.floors));
         floors
             .find(|(own, _)| **own == index)
             .map_or(0.0, |(_, floor)| *floor)
@@ -144,45 +139,83 @@ pub(crate) const LEAST_APART: f64 = 0.01;
 /// (nats).
 const UNFINISHED_NATS: f64 = 0.2;
 
-/// Where the parameters stand that runs from before share with those of today: the i-th of `count` stands
-/// at `first` + i, its change at i.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shared {
-    pub(crate) first: usize,
-    pub(crate) count: usize,
-}
-
-impl Shared {
-    fn of(self, change: usize) -> Option<usize> {
-        (change < self.count).then_some(self.first + change)
-    }
-}
-
 /// A search for the terms that are needed.
 pub(crate) struct Elimination<'a> {
     pub(crate) problem: &'a Problem<'a>,
-    /// Value of each parameter without its term.
-    pub(crate) neutral: &'a [f64],
     /// Parameters that are always free and no noise sizes.
     pub(crate) always: Vec<usize>,
     /// Noise sizes.
     pub(crate) noise: &'a [usize],
+    /// How each parameter moves what the likelihood reads.
+    pub(crate) weights: &'a [Vec<(usize, f64)>],
+    /// The parts of the likelihood that each parameter moves, a bit for each.
+    pub(crate) parts: &'a [u8],
+    /// What the model has of each parameter that cannot be negative.
+    pub(crate) nominal: &'a [f64],
     pub(crate) criterion: Criterion,
-    /// What runs from before share with those of today, where changes are looked for.
-    pub(crate) shared: Option<Shared>,
+    /// Of each parameter that is a change, what runs from before have of it.
+    pub(crate) twins: &'a [Option<usize>],
     /// Whether the fit with a term predicts better than the one without.
-    pub(crate) useful: &'a dyn Fn(&Fit, &Fit) -> bool,
+    pub(crate) useful: &'a (dyn Fn(&Term, &Fit, &Fit) -> bool + Sync),
 }
 
 impl Elimination<'_> {
     /// Parameters that are free with these terms: physics first, noise sizes last.
     pub(crate) fn free(&self, terms: &[Term]) -> (Vec<usize>, usize) {
         let mut free: Vec<usize> = self.always.clone();
-        let smooth = terms.iter().filter(|term| !term.by_profile);
+        let smooth = terms.iter().filter(|term| !term.is_profiled());
         free.extend(smooth.flat_map(|term| &term.parameters));
         let physics = free.len();
         free.extend(self.noise);
         (free, physics)
+    }
+
+    /// `at` without a term, what it moved taken over by those of `others` that move the same and nothing else.
+    pub(crate) fn carried(&self, at: &[f64], gone: &Term, others: &[usize]) -> Vec<f64> {
+        let mut out = at.to_vec();
+        for index in &gone.parameters {
+            out[*index] = 0.0;
+            for (read, weight) in &self.weights[*index] {
+                let taker = others
+                    .iter()
+                    .find_map(|other| match self.weights[*other].as_slice() {
+                        [(own, by)] if own == read => Some((*other, *by)),
+                        _ => None,
+                    });
+                if let Some((other, by)) = taker {
+                    out[other] += weight * at[*index] / by;
+                }
+            }
+        }
+        out
+    }
+
+    /// Fits with these terms from `start`, from which one of them has changed: what it cannot move stays.
+    pub(crate) fn fit_near(
+        &self,
+        start: &[f64],
+        terms: &[Term],
+        changed: &Term,
+        limits: SearchLimits,
+    ) -> Fit {
+        let (free, _) = self.free(terms);
+        let of = |all: &[usize]| all.iter().fold(0, |sum, index| sum | self.parts[*index]);
+        let moved = of(&changed.parameters);
+        // a parameter of several parts carries what changes in one of them into the others
+        let is_near = |index: &usize| self.parts[*index] & moved != 0;
+        let spans = free.iter().any(|index| self.parts[*index].count_ones() > 1);
+        let near: Vec<usize> = free
+            .iter()
+            .copied()
+            .filter(|i| spans || is_near(i))
+            .collect();
+        let rest: Vec<usize> = free.iter().copied().filter(|i| !near.contains(i)).collect();
+        let fit = self.problem.fit(start, &near, limits);
+        Fit {
+            objective: fit.objective + self.problem.log_prior(start, &rest),
+            free,
+            ..fit
+        }
     }
 
     /// Fits with these terms, others at their neutral values, from `start`.
@@ -192,14 +225,14 @@ impl Elimination<'_> {
     }
 
     /// `start` with terms that are not among `terms` at their neutral values.
-    fn without(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Vec<f64> {
+    pub(crate) fn without(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Vec<f64> {
         let mut at = start.to_vec();
         for term in all
             .iter()
             .filter(|t| terms.iter().all(|own| own.name != t.name))
         {
             for index in &term.parameters {
-                at[*index] = self.neutral[*index];
+                at[*index] = 0.0;
             }
         }
         at
@@ -207,7 +240,7 @@ impl Elimination<'_> {
 
     /// The same from larger and from smaller noise: what was fitted with more terms may be too small a
     /// start, and what wanders may have settled too large.
-    fn again(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
+    pub(crate) fn again(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
         let (free, _) = self.free(terms);
         [0.5, -0.5].into_iter().fold(first, |best, shift| {
             let mut at = self.without(start, terms, all);
@@ -225,7 +258,7 @@ impl Elimination<'_> {
 
     /// The fit without a term, what is left, and whether something stood in for it with an impossible sign,
     /// which is no explanation and went as well.
-    fn removed(
+    pub(crate) fn removed(
         &self,
         fit: &Fit,
         gone: &Term,
@@ -234,7 +267,20 @@ impl Elimination<'_> {
     ) -> (Fit, Vec<Term>, bool) {
         let others = left.iter().filter(|t| t.name != gone.name);
         let mut rest: Vec<Term> = others.cloned().collect();
-        let mut less = self.fit(&fit.at, &rest, terms);
+        let start = self.without(&fit.at, &rest, terms);
+        let left: Vec<usize> = rest
+            .iter()
+            .flat_map(|term| term.parameters.clone())
+            .collect();
+        let carried = self.carried(&fit.at, gone, &left);
+        let starts = [start, carried].map(|own| (self.problem.objective(&own, &[]), own));
+        let [own, other] = starts;
+        let start = if other.0 > own.0 { other.1 } else { own.1 };
+        let mut less = self.fit_near(&start, &rest, gone, SHORT);
+        // what is needed by far is so whether or not the fit without it is finished
+        if fit.objective - less.objective < CERTAIN * self.due(gone) {
+            less = self.fit_near(&less.at, &rest, gone, FULL);
+        }
         let stands_in = rest.iter().any(|t| !self.is_possible(t, &less));
         if stands_in {
             rest.retain(|t| self.is_possible(t, &less));
@@ -251,14 +297,13 @@ impl Elimination<'_> {
     /// The fit without the change `gone` from where today's runs are: where a likelihood has several
     /// maxima, what both share may be at the one that only today's runs are at.
     fn without_change(&self, fit: &Fit, gone: &Term, rest: &[Term], all: &[Term]) -> Option<Fit> {
-        let shared = self.shared?;
         let mut at = self.without(&fit.at, rest, all);
         let mut moved = false;
         for index in &gone.parameters {
-            if let Some(base) = shared.of(*index)
+            if let Some(base) = self.twins[*index]
                 && fit.free.contains(&base)
             {
-                at[base] += fit.at[*index] - self.neutral[*index];
+                at[base] += fit.at[*index];
                 moved = true;
             }
         }
@@ -297,11 +342,9 @@ impl Elimination<'_> {
             };
             terms.retain(|own| own.name != term.name);
             self.criterion.tried = terms.len();
-            if !term.by_profile
-                && let Some(shared) = self.shared
-            {
+            if !term.is_profiled() {
                 let own = term.parameters.iter();
-                self.always.extend(own.filter_map(|i| shared.of(*i)));
+                self.always.extend(own.filter_map(|i| self.twins[*i]));
             }
             fit = moved;
         }
@@ -310,9 +353,8 @@ impl Elimination<'_> {
     /// A change that may as well have been there before, where nothing is known of it: its term, and the fit
     /// in which runs from before have it too.
     fn as_before(&self, found: &Selected) -> Option<(Term, Fit)> {
-        let shared = self.shared?;
         let unknown = |term: &Term| {
-            let mut own = term.parameters.iter().map(|i| shared.of(*i));
+            let mut own = term.parameters.iter().map(|i| self.twins[*i]);
             own.all(|base| base.is_some_and(|base| !found.fit.free.contains(&base)))
         };
         let tried = found.kept.iter().filter(|kept| unknown(&kept.term));
@@ -321,16 +363,16 @@ impl Elimination<'_> {
             let mut at = found.fit.at.clone();
             let mut free = found.fit.free.clone();
             for index in &term.parameters {
-                let base = shared.of(*index)?;
-                at[base] += at[*index] - self.neutral[*index];
-                at[*index] = self.neutral[*index];
+                let base = self.twins[*index]?;
+                at[base] += at[*index];
+                at[*index] = 0.0;
                 if let Some(own) = free.iter_mut().find(|f| *f == index) {
                     *own = base;
                 }
             }
             let fit = self.problem.fit(&at, &free, FULL);
-            let least = self.criterion.least_gain(term.parameters.len());
-            let overdispersion = found.precision.overdispersion;
+            let least = self.due(term);
+            let overdispersion = self.overdispersion(term, &found.fit, &found.precision);
             let loss = (found.fit.objective - fit.objective) / overdispersion;
             (loss < least).then(|| (loss, term.clone(), fit))
         });
@@ -338,61 +380,25 @@ impl Elimination<'_> {
         best.map(|(_, term, fit)| (term, fit))
     }
 
-    /// Tries each of two look-alikes of one parameter in the other's place: the better one stays, and
-    /// one that fits nearly as well is remembered.
-    pub(crate) fn rivals(
-        &self,
-        mut found: Selected,
-        pair: [&'static str; 2],
-        terms: &[Term],
-    ) -> Option<Selected> {
-        let [own, other] = match pair.map(|name| found.kept(name).is_some()) {
-            [true, false] => pair,
-            [false, true] => [pair[1], pair[0]],
-            _ => return Some(found),
-        };
-        let place = found.kept.iter().position(|kept| kept.term.name == own)?;
-        let Some(rival) = terms.iter().find(|term| term.name == other) else {
-            return Some(found);
-        };
-        let from = found.kept[place].term.parameters[0];
-        let to = rival.parameters[0];
-        let mut at = found.fit.at.clone();
-        at[to] = self.neutral[to] + at[from] - self.neutral[from];
-        at[from] = self.neutral[from];
-        let mut swapped: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
-        swapped[place] = rival.clone();
-        let (free, physics) = self.free(&swapped);
-        let fit = self.problem.fit(&at, &free, FULL);
-        let better = fit.objective - found.fit.objective;
-        if better.abs() < TIE_NATS {
-            let names = if better > 0.0 {
-                [other, own]
-            } else {
-                [own, other]
-            };
-            found.alike.push(names);
-        }
-        if better > 0.0 {
-            let precision = Precision::new(self.problem, &fit, physics)?;
-            let kept = &mut found.kept[place];
-            kept.gain += better;
-            kept.wald = self.wald(rival, &fit, &precision);
-            kept.term = rival.clone();
-            (found.fit, found.precision) = (fit, precision);
-        }
-        Some(found)
+    /// The same with what the halves of the blocks say by themselves, given as those that each leaves out. Rows
+    /// of one course are compared pair by pair, and their halves with them.
+    pub(crate) fn halved(&self, mut found: Selected, left_out: &[Vec<bool>; 2]) -> Selected {
+        let kept: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
+        let (_, physics) = self.free(&kept);
+        found.halves = Halves::new(self.problem, &found.fit, physics, left_out);
+        found
     }
 
-    /// The same with what the halves of the blocks from `first` on say by themselves. Rows of one course are
-    /// compared pair by pair, and their halves with them.
-    pub(crate) fn halved(&self, mut found: Selected, is_paired: bool, first: usize) -> Selected {
-        if !is_paired {
-            let kept: Vec<Term> = found.kept.iter().map(|kept| kept.term.clone()).collect();
-            let (_, physics) = self.free(&kept);
-            found.halves = Halves::new(self.problem, &found.fit, physics, first);
-        }
-        found
+    /// Gain (nats) that a term has to bring.
+    pub(crate) fn due(&self, term: &Term) -> f64 {
+        self.criterion.least_gain(term.parameters.len()) + term.cost
+    }
+
+    /// By how much less a gain of this term counts, for its rows err together.
+    fn overdispersion(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
+        let places = term.parameters.iter();
+        let places = places.filter_map(|index| fit.free.iter().position(|f| f == index));
+        precision.overdispersion(&places.collect::<Vec<_>>())
     }
 
     /// Tries to remove each term, the weakest first.
@@ -401,7 +407,7 @@ impl Elimination<'_> {
         let precision = Precision::new(self.problem, fit, physics)?;
         let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
         let share = |i: &usize| {
-            if left[*i].by_profile {
+            if left[*i].is_profiled() {
                 return 1.0;
             }
             walds[*i] / self.criterion.least_wald(left[*i].parameters.len())
@@ -417,7 +423,7 @@ impl Elimination<'_> {
         for i in order {
             let term = left[i].clone();
             let (mut less, rest, stands_in) = self.removed(fit, &term, left, terms);
-            let least = self.criterion.least_gain(term.parameters.len());
+            let least = self.due(&term);
             let gain = fit.objective - less.objective;
             if (least..least * CERTAIN).contains(&gain) {
                 less = self.again(&fit.at, &rest, terms, less);
@@ -429,7 +435,7 @@ impl Elimination<'_> {
                     return Some(Round::Better(better));
                 }
             }
-            if gain / precision.overdispersion <= least {
+            if gain / self.overdispersion(&term, fit, &precision) <= least {
                 return Some(Round::Removed(less, rest));
             }
             if !self.needed(&term, gain, (walds[i], &precision), fit, &less) {
@@ -441,10 +447,8 @@ impl Elimination<'_> {
                 continue;
             }
             kept.push(Kept {
-                term: Term {
-                    floors: self.floors(&term, fit),
-                    ..term
-                },
+                floors: self.floors(&term, fit),
+                term,
                 gain,
                 wald: walds[i],
             });
@@ -458,7 +462,7 @@ impl Elimination<'_> {
     /// Removes all terms at once that are far from being needed, where that costs nothing.
     fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
         let is_idle =
-            |i: usize| !left[i].by_profile && walds[i] < IDLE * left[i].parameters.len() as f64;
+            |i: usize| !left[i].is_profiled() && walds[i] < IDLE * left[i].parameters.len() as f64;
         let rest: Vec<Term> = (0..left.len())
             .filter(|i| !is_idle(*i))
             .map(|i| left[i].clone())
@@ -492,23 +496,24 @@ impl Elimination<'_> {
         let best = best.max(self.best_run(&gains));
         // along the estimate, the variance is a small share of the prior's
         let of_prior = |index: &usize| {
-            let change = fit.at[*index] - self.neutral[*index];
+            let change = fit.at[*index];
             (change / self.problem.priors[*index].deviation).powi(2)
         };
-        let floors = self.scaled(&term.floors, fit);
+        let floors = self.scaled(&term.resolution, fit);
         let by_data = self.wald_beside(term, fit, precision, &floors);
         let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * by_data;
-        let clear = known && wald > self.criterion.least_wald(count) * term.caution * term.caution;
+        let clear =
+            known && wald > self.criterion.least_wald(count) * term.inflation * term.inflation;
         self.is_possible(term, fit)
-            && (clear || term.by_profile)
+            && (clear || term.is_profiled())
             && gain - best > 0.0
-            && (!term.lasting || (self.useful)(fit, less))
+            && (!term.lasting || (self.useful)(term, fit, less))
     }
 
     /// Whether a term that cannot be negative is not; of a change, what comes of it.
-    fn is_possible(&self, term: &Term, fit: &Fit) -> bool {
-        let base = |index: usize| self.shared.and_then(|shared| shared.of(index));
-        let value = |index: usize| fit.at[index] + base(index).map_or(0.0, |base| fit.at[base]);
+    pub(crate) fn is_possible(&self, term: &Term, fit: &Fit) -> bool {
+        let base = |index: usize| self.twins[index].map_or(0.0, |base| fit.at[base]);
+        let value = |index: usize| fit.at[index] + base(index) + self.nominal[index];
         !term.positive || term.parameters.iter().all(|i| value(*i) >= 0.0)
     }
 
@@ -531,7 +536,7 @@ impl Elimination<'_> {
     /// Variances of a term's parameters that nobody would call a difference. Recordings that have nearly
     /// everything in common are that much nearer to being one, and less lies between them.
     pub(crate) fn floors(&self, term: &Term, fit: &Fit) -> Vec<f64> {
-        let pairs = term.floors.iter().zip(&term.unnoticed);
+        let pairs = term.resolution.iter().zip(&term.repeatability);
         let all: Vec<f64> = pairs.map(|(floor, own)| floor + own).collect();
         self.scaled(&all, fit)
     }
@@ -553,15 +558,10 @@ impl Elimination<'_> {
             .filter_map(|index| fit.free.iter().position(|f| f == index))
             .collect();
         let k = places.len();
-        if term.by_profile || k < term.parameters.len() {
+        if term.is_profiled() || k < term.parameters.len() {
             return 0.0;
         }
-        let d = DVector::from_iterator(
-            k,
-            term.parameters
-                .iter()
-                .map(|i| fit.at[*i] - self.neutral[*i]),
-        );
+        let d = DVector::from_iterator(k, term.parameters.iter().map(|i| fit.at[*i]));
         let v = DMatrix::from_fn(k, k, |i, j| {
             precision.covariance[(places[i], places[j])] + if i == j { floors[i] } else { 0.0 }
         });

@@ -21,24 +21,22 @@ pub(crate) struct Halves {
 }
 
 impl Halves {
-    /// Fits the halves of the blocks from `first` on by themselves, from `fit`, of which the first `physics` free
-    /// parameters are physics. `None` where a half does not determine them.
+    /// Fits the halves by themselves, given as the blocks that each leaves out, from `fit`, of which the first
+    /// `physics` free parameters are physics. `None` where a half does not determine them.
     pub(crate) fn new(
         problem: &Problem<'_>,
         fit: &Fit,
         physics: usize,
-        first: usize,
+        left_out: &[Vec<bool>; 2],
     ) -> Option<Self> {
-        let blocks = problem.likelihood.blocks();
-        let middle = first + blocks.saturating_sub(first) / 2;
-        if middle - first < LEAST_BLOCKS || blocks - middle < LEAST_BLOCKS {
+        let counts = [0, 1].map(|half| left_out[half].iter().filter(|out| **out).count());
+        if counts.iter().any(|count| *count < LEAST_BLOCKS) {
             return None;
         }
-        let half = |left_out: std::ops::Range<usize>| {
-            let left_out: Vec<bool> = (0..blocks).map(|block| left_out.contains(&block)).collect();
+        let half = |left_out: &[bool]| {
             let masked = Masked {
                 inner: problem.likelihood,
-                left_out: &left_out,
+                left_out,
             };
             let own = Problem {
                 likelihood: &masked,
@@ -49,8 +47,8 @@ impl Halves {
             let precision = Precision::new(&own, &fit, physics)?;
             Some((fit, precision.covariance))
         };
-        let (early, a) = half(middle..blocks)?;
-        let (late, b) = half(first..middle)?;
+        let (early, a) = half(&left_out[0])?;
+        let (late, b) = half(&left_out[1])?;
         let differences = fit
             .free
             .iter()

@@ -1,7 +1,9 @@
-//! Selection of the physics that a recording needs: one criterion, backward elimination.
+//! Selection of the physics that a recording needs: one criterion; forward by what is lacking most, each look-alike
+//! in the place of the other, then backward elimination.
 //!
-//! Nothing here knows a robot: a term is a set of parameters with neutral values.
+//! Nothing here knows a robot: a term is a set of parameters that are 0 without it.
 
 pub(crate) mod criterion;
 pub(crate) mod elimination;
+pub(crate) mod forward;
 pub(crate) mod halves;

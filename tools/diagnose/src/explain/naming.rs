@@ -1,0 +1,402 @@
+//! From the terms that are needed to effects of the catalogue.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::claim::{Claim, Law, Value};
+use super::search::{Searched, problem};
+use crate::estimate::term::{self, Attribution, Link, Search, Term};
+use crate::filter::motion_law::{DRIVERS, VALUES};
+use crate::model::from_wheels::GYRO_LATENCY;
+use crate::model::run::Run;
+use crate::model::streams::{Joint, ROBUST, Streams, read};
+use crate::select::criterion::FALSE_ALARM;
+use crate::select::elimination::Kept;
+
+/// Half of the chi-square of one parameter at 95 %: dead bands within it fit as well (nats).
+const ALIKE_NATS: f64 = 1.92;
+/// Dead bands at most that are tried to each side for an interval.
+const BANDS: usize = 60;
+/// Factor from which on a wheel is no longer of another size, but encoders count otherwise.
+const FAR: f64 = 1.8;
+/// Clocks of runs differ when the probability of their spread without a difference is below this; and by which
+/// nobody would call it one (s).
+const RUNS_DIFFER: f64 = 1e-3;
+const LATE_S: f64 = 0.01;
+
+/// A number and its standard deviation.
+#[derive(Clone, Copy)]
+struct Known {
+    change: f64,
+    deviation: f64,
+    /// By how much it is larger in the second half, where the halves differ.
+    difference: Option<f64>,
+}
+
+/// What was found, to be named.
+pub(crate) struct Naming<'a> {
+    pub(crate) found: &'a Searched,
+    pub(crate) streams: Streams<'a>,
+}
+
+impl Naming<'_> {
+    /// What the model leaves out, what gains most first.
+    pub(crate) fn claims(&self) -> Vec<Claim> {
+        let kept = self.found.selected.kept.iter();
+        let mut claims: Vec<Claim> = kept.flat_map(|kept| self.of_term(kept)).collect();
+        self.turning(&mut claims);
+        self.late_runs(&mut claims);
+        claims.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+        claims
+    }
+
+    /// To a gyro alone a common factor of both wheels and the track are one: where the wheels differ, it is theirs.
+    fn turning(&self, claims: &mut Vec<Claim>) {
+        let place = |effect: &str| claims.iter().position(|claim| claim.effect == effect);
+        let both = place("wheel_radius").zip(place("track_width"));
+        let (Some((radius, track)), false) = (both, self.streams.reference.has_pose()) else {
+            return;
+        };
+        let own = claims[track].clone();
+        for value in &mut claims[radius].values {
+            value.change -= own.values[0].change;
+            value.halves = None;
+            value.half = [value.half[0].hypot(own.values[0].half[0]); 2];
+        }
+        claims[radius].toggles.extend(&own.toggles);
+        claims.remove(track);
+    }
+
+    fn known(&self, weights: &[(usize, f64)], term: &Term) -> Known {
+        let selected = &self.found.selected;
+        let change = weights.iter().map(|(i, w)| w * selected.fit.at[*i]).sum();
+        let difference = selected.difference(weights);
+        Known {
+            change,
+            deviation: selected.deviation(weights) * term.inflation,
+            difference: difference.map(|[own, _]| own),
+        }
+    }
+
+    fn value(&self, own: &term::Value, known: Known) -> Value {
+        let half = self.found.criterion.half_width() * known.deviation;
+        let halves = known
+            .difference
+            .map(|d| [known.change - d / 2.0, known.change + d / 2.0]);
+        Value {
+            halves,
+            ..Value::new(own.name, own.link, known.change, half)
+        }
+    }
+
+    /// Probability of a number at least as far from 0 by chance.
+    fn p_value(&self, known: Known) -> f64 {
+        let z = known.change / known.deviation.max(f64::MIN_POSITIVE);
+        self.found.criterion.alone().p_value(z * z, 1)
+    }
+
+    fn of_term(&self, kept: &Kept) -> Vec<Claim> {
+        let term = &kept.term;
+        let clear = |shown: &Attribution| {
+            let values = shown.values.iter();
+            let all = values.map(|value| self.p_value(self.known(&value.weights, term)));
+            all.fold(1.0, f64::min)
+        };
+        let each: Vec<f64> = term.shown.iter().map(clear).collect();
+        // a term that is needed is at least the clearest of its effects
+        let least = each.iter().copied().fold(1.0, f64::min).max(FALSE_ALARM);
+        let own = term.shown.iter().zip(each);
+        let own = own.filter(|(_, p)| term.shown.len() == 1 || *p <= least);
+        own.map(|(shown, _)| self.claim(shown, kept)).collect()
+    }
+
+    fn claim(&self, shown: &Attribution, kept: &Kept) -> Claim {
+        let term = &kept.term;
+        let wald = kept.wald / (term.inflation * term.inflation);
+        let tried = self.found.criterion.tried as f64;
+        let p_value = if term.is_profiled() {
+            (tried * (-kept.gain).exp()).min(1.0)
+        } else {
+            self.found.criterion.p_value(wald, term.parameters.len())
+        };
+        let values = shown.values.iter().map(|own| {
+            let mut known = self.known(&own.weights, term);
+            if term.name == "lag" {
+                // only its size is meant
+                let nominal = self.nominal(&own.weights);
+                known.change = (known.change + nominal).abs() - nominal;
+            }
+            self.value(own, known)
+        });
+        let mut claim = Claim {
+            effect: shown.effect,
+            values: values.collect(),
+            word: shown.word,
+            runs: shown.run.map(|run| vec![run]),
+            toggles: shown.parameters.clone(),
+            gain: kept.gain,
+            p_value,
+            confused: shown.confused.clone(),
+            law: None,
+        };
+        claim.confused.extend(self.alike(term));
+        self.mirror(&mut claim, shown);
+        self.miscounted(&mut claim);
+        if shown.effect == "unknown" {
+            claim.law = self.law(term);
+        }
+        if term.is_profiled() {
+            self.profile(&mut claim, term);
+        }
+        if let Some(run) = shown.run {
+            self.of_run(&mut claim, run, shown);
+        }
+        claim
+    }
+
+    /// The effects of terms that fit as well in the place of one.
+    fn alike(&self, term: &Term) -> Vec<&'static str> {
+        let found = self.found;
+        let own = found
+            .selected
+            .alike
+            .iter()
+            .filter(|[own, _]| *own == term.name);
+        let others = own.filter_map(|[_, other]| {
+            let mut terms = found.table.terms.iter();
+            terms.find(|term| term.name == *other)
+        });
+        let effects = others
+            .flat_map(|other| &other.shown)
+            .map(|shown| shown.effect);
+        let mut effects: Vec<&'static str> = effects.collect();
+        effects.sort_unstable();
+        effects.dedup();
+        effects.retain(|effect| term.shown.iter().all(|own| own.effect != *effect));
+        effects
+    }
+
+    /// What the model has of a number already.
+    fn nominal(&self, weights: &[(usize, f64)]) -> f64 {
+        let of = |index: usize| {
+            let own = self.found.table.weights[index].first();
+            own.map_or(0.0, |(read, _)| self.found.nominal[*read])
+        };
+        weights
+            .iter()
+            .map(|(index, weight)| weight * of(*index))
+            .sum()
+    }
+
+    /// A stream that is stamped before it was measured is the less likely of two.
+    fn mirror(&self, claim: &mut Claim, shown: &Attribution) {
+        let (Some((effect, sign)), [own]) = (shown.mirror, shown.values.as_slice()) else {
+            return;
+        };
+        let total = claim.values[0].change + self.nominal(&own.weights);
+        if total >= 0.0 {
+            return;
+        }
+        let value = &mut claim.values[0];
+        value.change *= sign;
+        value.halves = value.halves.map(|own| own.map(|half| sign * half));
+        claim.effect = effect;
+        claim.confused.retain(|own| *own != effect);
+        if sign < 0.0 {
+            claim.confused.push(shown.effect);
+        }
+    }
+
+    /// Wheels whose size is far from the model's, with no command that tells them from encoders: no wheel is
+    /// that much larger than its data, encoders and gears are.
+    fn miscounted(&self, claim: &mut Claim) {
+        let far = claim.values.iter().any(|own| own.change.abs() > FAR.ln());
+        let commanded = self.streams.drive.is_some() || self.streams.reference.is_commanded();
+        if claim.effect != "wheel_radius" || commanded || !far {
+            return;
+        }
+        claim.effect = "encoder_scale";
+        for value in &mut claim.values {
+            value.change = -value.change;
+            value.halves = value.halves.map(|own| own.map(|half| -half));
+        }
+        claim.confused = vec!["wheel_radius"];
+    }
+
+    /// The interval in which a dead band fits as well.
+    fn profile(&self, claim: &mut Claim, term: &Term) {
+        let (Search::Profiled(values), [value]) = (&term.search, claim.values.as_mut_slice())
+        else {
+            return;
+        };
+        let found = self.found;
+        let joint = Joint::new(self.streams, &found.nominal, &found.table.weights, ROBUST);
+        let problem = problem(&joint, &found.table);
+        let fit = &found.selected.fit;
+        let worth = |change: f64| {
+            let mut at = fit.at.clone();
+            at[term.parameters[0]] = change;
+            problem.objective(&at, &fit.free)
+        };
+        let place = values.partition_point(|own| *own < value.change - 1e-12);
+        let best = worth(value.change);
+        let fits = |place: &usize| worth(values[*place]) > best - ALIKE_NATS;
+        let above = (place + 1..values.len())
+            .take(BANDS)
+            .take_while(fits)
+            .last();
+        let below = (0..place).rev().take(BANDS).take_while(fits).last();
+        let at = |place: usize| values[place.min(values.len() - 1)];
+        let [low, high] = [below.unwrap_or(place), above.unwrap_or(place)];
+        // a dead band lies anywhere between two commands
+        let edge = |a: usize, b: usize| (at(a) - at(b)).abs() / 2.0;
+        let below = value.change - at(low) + edge(low, low.saturating_sub(1));
+        let above = at(high) - value.change + edge(high, high + 1);
+        value.half = [below, above];
+    }
+
+    /// What the catalogue does not have: a speed that follows the turn rate, or the speed.
+    fn law(&self, term: &Term) -> Option<Law> {
+        let place = ["law of w", "law of v"]
+            .iter()
+            .position(|name| *name == term.name)?;
+        let knots = self.streams.reference.knots[place];
+        let fit = &self.found.selected.fit;
+        let changes: Vec<f64> = term.parameters.iter().map(|i| fit.at[*i]).collect();
+        // values are linear in the parameters: the weights of each
+        let parts: Vec<Vec<f64>> = (0..VALUES[place])
+            .map(|k| {
+                let mut one = vec![0.0; VALUES[place]];
+                one[k] = 1.0;
+                knots.values(&one).to_vec()
+            })
+            .collect();
+        let half = (0..knots.places().len()).map(|value| {
+            let own = term.parameters.iter().copied();
+            let weights: Vec<(usize, f64)> =
+                own.zip(parts.iter().map(|part| part[value])).collect();
+            self.found.criterion.half_width() * self.known(&weights, term).deviation
+        });
+        Some(Law {
+            driver: DRIVERS[place],
+            knots: knots.places(),
+            values: knots.values(&changes).to_vec(),
+            half: half.collect(),
+        })
+    }
+
+    /// What a run was from the nominal model before; and of slip, right against left.
+    fn of_run(&self, claim: &mut Claim, run: usize, shown: &Attribution) {
+        let place = usize::from(shown.effect == "track_width");
+        let offsets = self.streams.reference.offsets.get(run);
+        claim.values[0].before = offsets.map_or(0.0, |own| own[place]);
+        if claim.effect != "slip_ratio" {
+            if self.streams.reference.runs.len() == 1 {
+                claim.runs = None;
+            }
+            return;
+        }
+        let found = self.found;
+        let geometry = found.selected.kept("geometry").map(|kept| &kept.term);
+        let keys = found.table.keys.iter();
+        let index = keys
+            .clone()
+            .position(|key| key.name == "radius" && key.number == 1);
+        let (Some(term), Some(index)) = (geometry, index) else {
+            return;
+        };
+        claim.toggles.push(index);
+        let known = self.known(&[(index, 1.0)], term);
+        if self.p_value(known) < FALSE_ALARM {
+            let factor = -claim.values[0].change.exp();
+            let change = factor * 2.0 * (known.change / 2.0).sinh();
+            let half = (factor * self.found.criterion.half_width() * known.deviation).abs();
+            claim
+                .values
+                .push(Value::new("asymmetry", Link::Identity, change, half));
+        }
+    }
+
+    /// Middle of the run of a robot (s).
+    fn middle_s(&self, robot: Option<i64>) -> f64 {
+        let reference = self.streams.reference;
+        let first = reference.before.robots as i64;
+        let own = |run: &&Run| Some(run.robot as i64 - first) == robot;
+        let run = reference.runs.iter().find(own);
+        run.map_or(0.0, |run| {
+            f64::midpoint(run.blocks.span_s[0], run.blocks.span_s[1])
+        })
+    }
+
+    /// Latencies of single runs where they differ.
+    fn late_runs(&self, claims: &mut Vec<Claim>) {
+        let found = self.found;
+        let keys = found.table.keys.iter().enumerate();
+        let late = keys.filter(|(_, key)| key.name == "run late");
+        let late: Vec<(usize, i64)> = late
+            .filter_map(|(index, key)| Some((index, key.robot.filter(|own| *own >= 0)?)))
+            .collect();
+        let selected = &found.selected;
+        let read = read(&found.nominal, &found.table.weights, &selected.fit.at);
+        let known: Vec<(f64, f64)> = late
+            .iter()
+            .map(|(index, _)| {
+                // a clock that runs fast is later at the end than in the beginning: on the average of the run
+                let own = &found.table.keys[*index];
+                let mut keys = found.table.keys.iter();
+                let rate = keys.position(|key| key.name == "run rate" && key.robot == own.robot);
+                let middle_s = self.middle_s(own.robot);
+                let late = [(*index, 1.0)]
+                    .into_iter()
+                    .chain(rate.map(|rate| (rate, middle_s)));
+                let late: Vec<(usize, f64)> = late.collect();
+                let change = late
+                    .iter()
+                    .map(|(i, w)| w * selected.fit.at[*i])
+                    .sum::<f64>();
+                let deviation = selected.deviation(&late);
+                (read[GYRO_LATENCY] + change, deviation.hypot(LATE_S))
+            })
+            .collect();
+        if known.len() < 2 {
+            return;
+        }
+        let weights: f64 = known.iter().map(|(_, s)| s.powi(-2)).sum();
+        let mean = known.iter().map(|(x, s)| x / s / s).sum::<f64>() / weights;
+        let q: f64 = known.iter().map(|(x, s)| ((x - mean) / s).powi(2)).sum();
+        let chance = ChiSquared::new(known.len() as f64 - 1.0).map_or(1.0, |chi2| chi2.sf(q));
+        if chance > RUNS_DIFFER {
+            return;
+        }
+        let of_clock = ["imu_latency", "wheels_latency"];
+        let shared = claims
+            .iter()
+            .filter(|claim| of_clock.contains(&claim.effect));
+        let shared: Vec<usize> = shared.flat_map(|claim| claim.toggles.clone()).collect();
+        claims.retain(|claim| !of_clock.contains(&claim.effect));
+        for ((index, robot), (change, deviation)) in late.into_iter().zip(known) {
+            let reference = self.streams.reference;
+            let first = reference.before.robots as i64;
+            let run = reference
+                .runs
+                .iter()
+                .position(|run| run.robot as i64 - first == robot);
+            let (effect, other, sign) = if change < 0.0 {
+                ("wheels_latency", "imu_latency", -1.0)
+            } else {
+                ("imu_latency", "wheels_latency", 1.0)
+            };
+            let half = found.criterion.half_width() * deviation;
+            claims.push(Claim {
+                effect,
+                values: vec![Value::new("latency_s", Link::Identity, sign * change, half)],
+                word: None,
+                runs: run.map(|run| vec![run]),
+                toggles: shared.iter().copied().chain([index]).collect(),
+                gain: q / 2.0,
+                p_value: chance,
+                confused: vec![other],
+                law: None,
+            });
+        }
+    }
+}

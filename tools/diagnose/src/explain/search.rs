@@ -1,0 +1,441 @@
+//! The search for the terms that the streams of one machine need.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::open_loop::drive_error;
+use super::prediction::reference_error;
+use super::thinning::is_white;
+use crate::estimate::Likelihood;
+use crate::estimate::cluster::Precision;
+use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
+use crate::estimate::term::Term;
+use crate::model::from_wheels::{FromWheels, Reference, View};
+use crate::model::streams::{Joint, ROBUST, Streams, read};
+use crate::model::table::{Asked, Key, Table};
+use crate::select::criterion::Criterion;
+use crate::select::elimination::{Elimination, Selected};
+use crate::select::forward::Chosen;
+
+/// A fit of noise sizes from which others begin: it need not be finished.
+const ROUGH: SearchLimits = SearchLimits {
+    iterations: 25,
+    tolerance_nats: 0.5,
+};
+/// Shifts of the logs of all noise sizes from which they are searched.
+const NOISE_SHIFTS: [f64; 3] = [0.0, 1.0, -1.5];
+/// What lasts has to lower the error of predictions by this share.
+const USE_SHARE: f64 = 0.02;
+/// Runs differ when the probability of their spread without a difference is below this.
+const RUNS_DIFFER: f64 = 1e-3;
+/// Differences of scale and of track between runs that nobody would call one.
+const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
+/// Runs whose scale or track is not known to this do not tell whether runs differ.
+const RUN_KNOWN: f64 = 0.15;
+/// Grid of the clocks of single runs: steps to each side, latency (s) and rate of a step.
+const RUN_STEPS: i32 = 8;
+const RUN_LATE_S: f64 = 0.06;
+const RUN_RATE_STEP: f64 = 1e-3;
+
+/// What the streams of a machine need.
+pub(crate) struct Searched {
+    pub(crate) table: Table,
+    /// What the filters read under the nominal model.
+    pub(crate) nominal: Vec<f64>,
+    pub(crate) selected: Selected,
+    pub(crate) criterion: Criterion,
+    /// Whether scale and track are those of each run.
+    pub(crate) by_run: [bool; 2],
+    /// Nothing is known of it: the data do not determine a fit.
+    pub(crate) is_undetermined: bool,
+    /// The machine with poses at full rate, where their errors are independent and all are evidence.
+    pub(crate) dense: Option<FromWheels>,
+}
+
+/// What is asked of a search.
+pub(crate) struct Search<'a> {
+    pub(crate) streams: Streams<'a>,
+    pub(crate) nominal: &'a [f64],
+    pub(crate) excluded: &'a [String],
+    pub(crate) hear: &'a dyn Fn(&str),
+}
+
+impl Search<'_> {
+    /// What is needed.
+    pub(crate) fn run(&self) -> Searched {
+        self.needed().unwrap_or_else(|| self.undetermined())
+    }
+
+    /// First what the catalogue has, then scale and track of single runs, then laws outside of the catalogue, and
+    /// at last the rows at full rate.
+    fn needed(&self) -> Option<Searched> {
+        let table = self.table([false; 2]);
+        let first = self.chosen(&table, None, true);
+        let by_run = self.by_run(&table, &first)?;
+        let (table, start) = if by_run == [false; 2] {
+            (table, first)
+        } else {
+            let apart = self.table(by_run);
+            let chosen = self.apart(&table, &first, &apart);
+            (apart, chosen)
+        };
+        let all = self.chosen(&table, Some(start), false);
+        let selected = self.selected(&table, all)?;
+        let dense = self.streams.reference.dense();
+        let dense = dense.filter(|dense| {
+            let fit = self.over(dense).noise_at(&table, &selected.fit.at);
+            let at = read(self.nominal, &table.weights, &fit.at);
+            is_white(dense, &at, Reference::Pose)
+        });
+        let refined = dense.as_ref().map(|dense| {
+            let own = self.over(dense);
+            own.selected(&table, own.refitted(&table, &selected))
+        });
+        let selected = match refined {
+            Some(refined) => refined?,
+            None => selected,
+        };
+        Some(Searched {
+            criterion: self.criterion(&table),
+            nominal: self.nominal.to_vec(),
+            table,
+            selected,
+            by_run,
+            is_undetermined: false,
+            dense,
+        })
+    }
+
+    /// The same search over another reading of the references.
+    fn over<'b>(&'b self, reference: &'b FromWheels) -> Search<'b> {
+        Search {
+            streams: Streams {
+                reference,
+                drive: self.streams.drive,
+            },
+            nominal: self.nominal,
+            excluded: self.excluded,
+            hear: self.hear,
+        }
+    }
+
+    /// The nominal model, where the data do not determine any other.
+    fn undetermined(&self) -> Searched {
+        let table = self.table([false; 2]);
+        Searched {
+            criterion: self.criterion(&table),
+            nominal: self.nominal.to_vec(),
+            selected: Selected::nothing(table.parameters()),
+            table,
+            by_run: [false; 2],
+            is_undetermined: true,
+            dense: None,
+        }
+    }
+
+    fn table(&self, by_run: [bool; 2]) -> Table {
+        Table::new(&Asked {
+            streams: self.streams,
+            nominal: self.nominal,
+            excluded: self.excluded,
+            by_run,
+        })
+    }
+
+    fn criterion(&self, table: &Table) -> Criterion {
+        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        Criterion::of(&joint, table.terms.len())
+    }
+
+    /// The fit of the noise sizes at these parameters.
+    fn noise_at(&self, table: &Table, at: &[f64]) -> Fit {
+        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        problem(&joint, table).fit(at, &table.noise, FULL)
+    }
+
+    /// What was found on other rows, fitted to these.
+    fn refitted(&self, table: &Table, selected: &Selected) -> Chosen {
+        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        let noise = self.noise_at(table, &selected.fit.at);
+        let fit = problem(&joint, table).fit(&noise.at, &selected.fit.free, FULL);
+        Chosen {
+            fit,
+            ..chosen(selected.clone())
+        }
+    }
+
+    /// Whether scale and track are those of each run.
+    fn by_run(&self, table: &Table, selected: &Chosen) -> Option<[bool; 2]> {
+        let reference = self.streams.reference;
+        let today = reference.runs.len() - reference.before.runs;
+        let known = reference.before.spread.map(|spread| spread.is_some());
+        if today < 2 || !(reference.has_pose() || reference.has_gyro()) {
+            return Some(known);
+        }
+        let apart = self.table([true; 2]);
+        let chosen = self.apart(table, selected, &apart);
+        let differ = self.differ(&apart, &chosen)?;
+        Some([0, 1].map(|i| known[i] || differ[i]))
+    }
+
+    /// What was found, with scale and track of each run in the place of those of the machine where `apart` has
+    /// these.
+    fn apart(&self, table: &Table, selected: &Chosen, apart: &Table) -> Chosen {
+        let value = |key: &Key| table.find(key).map_or(0.0, |known| selected.fit.at[known]);
+        let shared = |name| {
+            value(&Key {
+                name,
+                robot: None,
+                number: 0,
+                is_shared: false,
+            })
+        };
+        let keys = apart.keys.iter();
+        let at = keys.map(|key| match key.name {
+            "run scale" => shared("radius"),
+            "run track" => shared("track"),
+            _ => value(key),
+        });
+        let at = self.with_clocks_of_runs(apart, at.collect());
+        let of_runs = ["scale of runs", "track of runs", "geometry"];
+        let kept = |term: &&Term| of_runs.contains(&term.name) || selected.has(term.name);
+        let terms: Vec<Term> = apart.terms.iter().filter(kept).cloned().collect();
+        let nominal = self.nominal_values(apart);
+        let joints = [ROBUST, [false; 2]]
+            .map(|robust| Joint::new(self.streams, self.nominal, &apart.weights, robust));
+        let [robust, plain] = [&joints[0], &joints[1]].map(|joint| problem(joint, apart));
+        let (free, _) = elimination(&robust, apart, &nominal, &|_, _, _| true).free(&terms);
+        // where runs differ much, what they share makes all rows of some of them outliers
+        let other = plain.fit(&at, &free, ROUGH);
+        let [own, other] = [&at, &other.at].map(|start| robust.fit(start, &free, FULL));
+        Chosen {
+            fit: if other.objective > own.objective {
+                other
+            } else {
+                own
+            },
+            terms,
+            alike: selected.alike.clone(),
+        }
+    }
+
+    /// What is lacking of a table, from `start` on where there is one: of the catalogue alone, or of laws as well.
+    fn chosen(&self, table: &Table, start: Option<Chosen>, catalogue_alone: bool) -> Chosen {
+        let nominal = self.nominal_values(table);
+        // laws come after everything that the catalogue has
+        let mut terms = table.terms.iter();
+        let first = terms.position(|term| term.name.starts_with("law"));
+        let catalogue = &table.terms[..first.unwrap_or(table.terms.len())];
+        let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        let robust = problem(&robust, table);
+        let any = |_: &Term, _: &Fit, _: &Fit| true;
+        let selection = elimination(&robust, table, &nominal, &any);
+        let begun = start.unwrap_or_else(|| {
+            // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
+            let plain = Joint::new(self.streams, self.nominal, &table.weights, [true, false]);
+            let plain = problem(&plain, table);
+            let begun = self.begun(&plain, table);
+            let early = elimination(&plain, table, &nominal, &any);
+            let early = early.forward_from_both(begun, catalogue, self.hear);
+            Chosen {
+                fit: selection.fit(&early.fit.at, &early.terms, &table.terms),
+                ..early
+            }
+        });
+        let tried = if catalogue_alone {
+            catalogue
+        } else {
+            &table.terms
+        };
+        let chosen = selection.forward(begun, tried, self.hear);
+        selection.exchanged(chosen, tried)
+    }
+
+    /// What is needed of what was chosen.
+    fn selected(&self, table: &Table, chosen: Chosen) -> Option<Selected> {
+        let read_by = (self.streams, self.nominal);
+        let useful = |term: &Term, with: &Fit, without: &Fit| {
+            is_useful(read_by, table, term, [with, without])
+        };
+        let nominal = self.nominal_values(table);
+        let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
+        let robust = problem(&robust, table);
+        let mut elimination = elimination(&robust, table, &nominal, &useful);
+        let mut terms = chosen.terms;
+        let mut found = elimination.settled(chosen.fit, &mut terms)?;
+        found.alike = chosen.alike;
+        if self.streams.is_paired() {
+            return Some(found);
+        }
+        Some(elimination.halved(found, &self.halves(robust.likelihood.blocks())))
+    }
+
+    /// A fit without any term: the best of several.
+    fn begun(&self, problem: &Problem<'_>, table: &Table) -> Chosen {
+        let free = [table.always.as_slice(), &table.noise].concat();
+        let start = vec![0.0; table.parameters()];
+        let start = self.with_clocks_of_runs(table, start);
+        let fits = NOISE_SHIFTS.map(|shift| {
+            let mut at = start.clone();
+            for index in &table.noise {
+                at[*index] += shift;
+            }
+            problem.fit(&at, &free, ROUGH)
+        });
+        let best = fits
+            .into_iter()
+            .max_by(|a, b| a.objective.total_cmp(&b.objective));
+        let best = best.map_or(start, |own| own.at);
+        Chosen {
+            fit: problem.fit(&best, &free, FULL),
+            terms: Vec::new(),
+            alike: Vec::new(),
+        }
+    }
+
+    /// The gyro's clock of each run from the best point of a grid.
+    fn with_clocks_of_runs(&self, table: &Table, mut at: Vec<f64>) -> Vec<f64> {
+        let machine = self.streams.reference;
+        let view = View {
+            machine,
+            robust: true,
+        };
+        for (run, own) in machine.runs.iter().enumerate() {
+            let of = |name: &str| {
+                let own = own.robot as i64 - machine.before.robots as i64;
+                let keys = table.keys.iter();
+                keys.clone()
+                    .position(|key| key.name == name && key.robot == Some(own))
+            };
+            let (Some(late), Some(rate)) = (of("run late"), of("run rate")) else {
+                continue;
+            };
+            let grid = (-RUN_STEPS..=RUN_STEPS)
+                .flat_map(|i| (-RUN_STEPS..=RUN_STEPS).map(move |k| [i, k]));
+            let moved = |[i, k]: [i32; 2]| {
+                let mut at = at.clone();
+                at[late] = f64::from(i) * RUN_LATE_S;
+                at[rate] = f64::from(k) * RUN_RATE_STEP;
+                let read = read(self.nominal, &table.weights, &at);
+                (view.gyro_value(run, &read), at)
+            };
+            let best = grid.map(moved).max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, best)) = best {
+                at = best;
+            }
+        }
+        at
+    }
+
+    /// What the model has of each parameter already.
+    fn nominal_values(&self, table: &Table) -> Vec<f64> {
+        let of = |parameter: usize| {
+            let first = table.weights[parameter].first();
+            first.map_or(0.0, |(index, _)| self.nominal[*index])
+        };
+        let all = 0..table.parameters();
+        all.map(|own| of(own) + table.twins[own].map_or(0.0, of))
+            .collect()
+    }
+
+    /// The halves of today's blocks, as those that each leaves out.
+    fn halves(&self, blocks: usize) -> [Vec<bool>; 2] {
+        let mut left_out = [vec![false; blocks], vec![false; blocks]];
+        for [first, end] in self.streams.blocks_of_today() {
+            let middle = first + (end - first) / 2;
+            left_out[0][middle..end].fill(true);
+            left_out[1][first..middle].fill(true);
+        }
+        left_out
+    }
+
+    /// Whether scale and track of the runs differ (Cochran's Q).
+    fn differ(&self, apart: &Table, chosen: &Chosen) -> Option<[bool; 2]> {
+        let joint = Joint::new(self.streams, self.nominal, &apart.weights, ROBUST);
+        let robust = problem(&joint, apart);
+        let nominal = self.nominal_values(apart);
+        let (_, physics) =
+            elimination(&robust, apart, &nominal, &|_, _, _| true).free(&chosen.terms);
+        let fit = &chosen.fit;
+        let precision = Precision::new(&robust, fit, physics)?;
+        let names = [("run scale", RUN_FLOORS[0]), ("run track", RUN_FLOORS[1])];
+        Some(names.map(|(name, floor)| {
+            let own = apart.keys.iter().enumerate();
+            let own = own.filter(|(_, key)| key.name == name && key.robot.is_some_and(|r| r >= 0));
+            let values = own.filter_map(|(index, _)| {
+                let place = fit.free.iter().position(|f| *f == index)?;
+                let variance = precision.covariance[(place, place)] + floor * floor;
+                (variance.sqrt() < RUN_KNOWN).then_some([fit.at[index], variance])
+            });
+            let is_floor = name == "run track" && self.streams.reference.skids;
+            differs(&values.collect::<Vec<_>>()) || is_floor
+        }))
+    }
+}
+
+/// Whether predictions of what a term acts on are better with it.
+fn is_useful(
+    (streams, nominal): (Streams<'_>, &[f64]),
+    table: &Table,
+    term: &Term,
+    fits: [&Fit; 2],
+) -> bool {
+    let [with, without] = fits.map(|fit| read(nominal, &table.weights, &fit.at));
+    let middle = streams.drive_first();
+    let better = |error: &dyn Fn(&[f64]) -> f64| error(&with) < (1.0 - USE_SHARE) * error(&without);
+    let on_reference = term.acts.on_reference || streams.drive.is_none();
+    let drive = streams.drive.filter(|_| term.acts.on_drive);
+    on_reference && better(&|at| reference_error(streams.reference, &at[..middle]))
+        || drive.is_some_and(|drive| better(&|at| drive_error(drive, &at[middle..])))
+}
+
+/// Whether values with these variances differ beyond chance (Cochran 1954).
+fn differs(values: &[[f64; 2]]) -> bool {
+    if values.len() < 2 {
+        return false;
+    }
+    let weights: f64 = values.iter().map(|[_, v]| 1.0 / v).sum();
+    let mean = values.iter().map(|[x, v]| x / v).sum::<f64>() / weights;
+    let q: f64 = values
+        .iter()
+        .map(|[x, v]| (x - mean) * (x - mean) / v)
+        .sum();
+    let chance = ChiSquared::new(values.len() as f64 - 1.0);
+    chance.map_or(1.0, |chi2| chi2.sf(q)) < RUNS_DIFFER
+}
+
+/// What was selected, to go on from.
+fn chosen(selected: Selected) -> Chosen {
+    Chosen {
+        terms: selected.kept.into_iter().map(|kept| kept.term).collect(),
+        fit: selected.fit,
+        alike: selected.alike,
+    }
+}
+
+/// The problem of fitting a likelihood with the priors of a table.
+pub(crate) fn problem<'a>(likelihood: &'a dyn Likelihood, table: &Table) -> Problem<'a> {
+    Problem {
+        likelihood,
+        priors: table.priors.clone(),
+        longest: table.longest.clone(),
+    }
+}
+
+fn elimination<'a>(
+    problem: &'a Problem<'a>,
+    table: &'a Table,
+    nominal: &'a [f64],
+    useful: &'a (dyn Fn(&Term, &Fit, &Fit) -> bool + Sync),
+) -> Elimination<'a> {
+    Elimination {
+        problem,
+        always: table.always.clone(),
+        noise: &table.noise,
+        weights: &table.weights,
+        parts: &table.parts,
+        nominal,
+        criterion: Criterion::of(problem.likelihood, table.terms.len()),
+        twins: &table.twins,
+        useful,
+    }
+}

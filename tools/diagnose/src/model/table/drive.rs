@@ -1,0 +1,190 @@
+//! How drives follow their commands.
+
+use super::draft::Place::{Drive, Reference};
+use super::draft::{Draft, Row, Shown, about};
+use super::known::Known;
+use super::sizes::{
+    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, SAG_PER_S,
+    SATURATION_COST, SATURATIONS, SLOW, TIME_S, repeatability,
+};
+use crate::data::streams::WheelKind;
+use crate::estimate::Prior;
+use crate::estimate::term::Search;
+use crate::model::drive::{
+    AVERAGED, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
+    SLOW_TIME,
+};
+use crate::model::from_wheels::{ASYMMETRY, COMMON};
+use crate::model::run::Run;
+
+impl Known<'_> {
+    pub(super) fn commands(&self, all: &mut Vec<Draft>) {
+        let of = |name, index, prior: Prior, resolution: f64, repeatability: f64| Row {
+            name,
+            number: 0,
+            moves: vec![(Drive(index), 1.0)],
+            prior,
+            resolution,
+            repeatability,
+        };
+        let mut step_s = TIME_S;
+        if self.is_commanded && !self.has_pose {
+            step_s = step_s.hypot(GYRO_STEP_SHARE * self.longest_s(Run::gyro_interval_s));
+        }
+        let is_commanded = self.is_commanded;
+        let mut delay = Shown::plain("actuator_delay", "delay_s");
+        if is_commanded {
+            let stream = if self.has_pose {
+                "pose_latency"
+            } else {
+                "imu_latency"
+            };
+            delay.confused = vec![stream];
+        } else {
+            // a command cannot act before it is given: then the stamps of the wheels are early
+            delay.mirror = Some(("wheels_latency", 1.0));
+            if !self.has_reference() {
+                delay.confused = vec!["wheels_latency"];
+            }
+        }
+        let stamped_s = self
+            .streams
+            .drive
+            .map_or(0.0, |own| own.before.stamped[0][0]);
+        let starts = LATENCIES_S.into_iter().filter(|own| *own > -0.2);
+        let starts = starts.chain((stamped_s != 0.0).then_some(stamped_s));
+        let row = of("delay", DELAY, about(0.2), step_s, repeatability::TIME_S);
+        all.push(Draft::new("delay", vec![row], vec![delay]).from(starts.map(|own| vec![own])));
+        let row = of("lag", LAG, about(0.3), step_s, repeatability::TIME_S);
+        let shown = vec![Shown::plain("actuator_lag", "time_constant_s")];
+        let mut lag = Draft::new("lag", vec![row], shown).from(LAGS_S.map(|own| vec![own]));
+        lag.later = is_commanded;
+        all.push(lag);
+        if let Some(drive) = self.streams.drive {
+            self.gains(all, drive.crude_gain);
+        }
+        self.limits(all, &of);
+        let share = Row {
+            number: 0,
+            ..of("slow", SLOW_SHARE, about(0.3), 0.01, 0.0)
+        };
+        let time = Row {
+            number: 1,
+            ..of("slow", SLOW_TIME, about(2.0), 1.0, 0.0)
+        };
+        if !is_commanded {
+            let slow = Draft::new("slow response", vec![share, time], Vec::new());
+            all.push(slow.from([SLOW.to_vec()]));
+        }
+        let speeds = self.streams.drive.filter(|own| {
+            let mut runs = own.runs.iter();
+            runs.any(|run| run.wheels.kind == WheelKind::Speed)
+        });
+        if let Some(drive) = speeds {
+            let interval_s = drive
+                .runs
+                .iter()
+                .map(|run| run.interval_s())
+                .fold(0.0, f64::max);
+            let row = of("averaged", AVERAGED, about(0.1), interval_s, 0.0);
+            let mut averaged = Draft::new("mean speeds", vec![row], Vec::new());
+            averaged.positive = true;
+            all.push(averaged.from([vec![interval_s], vec![0.5 * interval_s]]));
+        }
+        let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
+        let mut sag = Draft::new(
+            "sag",
+            vec![row],
+            vec![Shown::plain("supply_sag", "rate_per_s")],
+        );
+        (sag.positive, sag.lasting, sag.later) = (true, true, true);
+        all.push(sag);
+    }
+
+    /// Motors that turn more than commanded, or encoders that count more.
+    pub(super) fn gains(&self, all: &mut Vec<Draft>, crude: f64) {
+        let rows = self.factors(
+            "gain",
+            [vec![(Drive(GAIN), 1.0)], vec![(Drive(GAIN_ASYMMETRY), 1.0)]],
+            [0.3_f64.max(crude.abs()), 0.2],
+        );
+        let mut shown = Shown::wheels("motor_gain", ["right", "left"]);
+        if !self.has_reference() {
+            shown.confused = vec!["encoder_scale"];
+        }
+        let starts = || (crude != 0.0).then(|| vec![crude, 0.0]);
+        let mut gain = Draft::new("gain", rows, vec![shown]).from(starts());
+        gain.lasting = true;
+        all.push(gain);
+        if !self.has_pose {
+            return;
+        }
+        let rows = self.factors(
+            "count",
+            [
+                vec![(Reference(COMMON), -1.0), (Drive(GAIN), 1.0)],
+                vec![(Reference(ASYMMETRY), -1.0), (Drive(GAIN_ASYMMETRY), 1.0)],
+            ],
+            [0.3_f64.max(crude.abs()), 0.2],
+        );
+        let shown = vec![Shown::wheels(
+            "encoder_scale",
+            ["right_scale", "left_scale"],
+        )];
+        let mut count = Draft::new("count", rows, shown).from(starts());
+        count.lasting = true;
+        count.cost = COUNT_COST;
+        count.later = true;
+        all.push(count);
+    }
+
+    /// Dead zone, saturation, dead band.
+    pub(super) fn limits(
+        &self,
+        all: &mut Vec<Draft>,
+        of: &dyn Fn(&'static str, usize, Prior, f64, f64) -> Row,
+    ) {
+        let top = self.top_rad_s;
+        let (resolution, unnoticed) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
+        let row = of("zone", DEAD_ZONE, about(0.3 * top), resolution, unnoticed);
+        let shown = vec![Shown::plain("command_dead_zone", "speed_rad_s")];
+        let starts = DEAD_ZONES.map(|share| vec![share * top]);
+        let mut zone = Draft::new("dead zone", vec![row], shown).from(starts);
+        (zone.positive, zone.lasting, zone.later) = (true, true, self.is_commanded);
+        all.push(zone);
+        let known = self.nominal_of(SATURATION);
+        let mean = if known == 0.0 { top } else { 0.0 };
+        let prior = Prior {
+            mean,
+            deviation: top,
+        };
+        let row = of("saturation", SATURATION, prior, resolution, unnoticed);
+        let shown = vec![Shown::plain("command_saturation", "speed_rad_s")];
+        let starts = SATURATIONS.map(|share| vec![share * top]).into_iter();
+        let starts = starts.filter(|_| known == 0.0);
+        let mut saturation = Draft::new("saturation", vec![row], shown).from(starts);
+        (saturation.positive, saturation.lasting, saturation.later) = (true, true, true);
+        saturation.cost = SATURATION_COST;
+        all.push(saturation);
+        let bands = self.bands();
+        if bands.is_empty() {
+            return;
+        }
+        let row = of("band", DEAD_BAND, about(top), resolution, unnoticed);
+        let shown = vec![Shown::plain("command_dead_band", "speed_rad_s")];
+        let mut band = Draft::new("dead band", vec![row], shown);
+        band.search = Search::Profiled(bands);
+        (band.lasting, band.later) = (true, true);
+        all.push(band);
+    }
+
+    /// Dead bands between the sizes of commands, as changes, rising.
+    pub(super) fn bands(&self) -> Vec<f64> {
+        let levels = self.streams.levels_rad_s();
+        let known = self.nominal_of(DEAD_BAND);
+        let gaps = levels
+            .windows(2)
+            .map(|pair| f64::midpoint(pair[0], pair[1]));
+        gaps.map(|own| own - known).collect()
+    }
+}
