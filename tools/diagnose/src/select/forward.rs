@@ -21,8 +21,6 @@ const RANKED: SearchLimits = SearchLimits {
     iterations: 3,
     tolerance_nats: 1.0,
 };
-/// Candidates that are tried two by two.
-const PAIRED: usize = 4;
 /// Places at which a profile is looked at before its steps get smaller.
 const PLACES: usize = 24;
 /// Starts of a candidate that are looked at with derivatives.
@@ -44,20 +42,15 @@ const LOOK_ALIKE: f64 = 0.25;
 const UNFINISHED_NATS: f64 = 15.0;
 /// A look-alike has to fit better by this to take a term's place (nats).
 const BETTER_NATS: f64 = 1.0;
-/// A start that gains so many times what is due needs no others beside it.
-const PLAIN: f64 = 10.0;
 /// A term may be needless that would cost less than so many times what is due, were the likelihood quadratic.
 const IDLE: f64 = 2.0;
 /// Most exchanges of one selection.
 const EXCHANGES: usize = 6;
 
-/// A term that may be lacking, where its fit may begin, the most likely place first, and what it promises to gain
-/// (nats).
+/// A term that may be lacking, where its fit may begin, and what it promises to gain (nats).
 struct Candidate<'a> {
     term: &'a Term,
-    starts: Vec<Vec<f64>>,
-    /// Whether the first start alone brings far more than is due, whatever the noise.
-    is_plain: bool,
+    starts: [Vec<f64>; 2],
     promise: f64,
 }
 
@@ -153,64 +146,8 @@ impl Elimination<'_> {
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
         let candidates = self.screened(chosen, all);
-        let is_better = |own: &Chosen| self.worth(own) > self.worth(chosen);
-        let single = self.best(chosen, &candidates).filter(is_better);
-        single.or_else(|| self.pair(chosen, &candidates).filter(is_better))
-    }
-
-    /// The best two of the first candidates together: what acts from the first command on, late and weak, lowers
-    /// the noise only when both are fitted.
-    fn pair(&self, chosen: &Chosen, candidates: &[Candidate<'_>]) -> Option<Chosen> {
-        let first = &candidates[..candidates.len().min(PAIRED)];
-        let moved = |term: &Term| {
-            term.parameters
-                .iter()
-                .fold(0, |all, i| all | self.parts[*i])
-        };
-        let mut pairs: Vec<[&Candidate<'_>; 2]> = Vec::new();
-        for (place, one) in first.iter().enumerate() {
-            let others = first[place + 1..].iter();
-            let others = others.filter(|other| moved(one.term) & moved(other.term) != 0);
-            pairs.extend(others.map(|other| [one, other]));
-        }
-        let short = pairs.into_par_iter().map(|pair| {
-            let mut start = chosen.fit.at.clone();
-            for index in self.noise {
-                start[*index] -= LOWERED[1];
-            }
-            let mut terms = chosen.terms.clone();
-            for own in pair {
-                for index in &own.term.parameters {
-                    start[*index] = own.starts[0][*index];
-                }
-                terms.push(own.term.clone());
-            }
-            let both = Term {
-                parameters: pair
-                    .iter()
-                    .flat_map(|own| own.term.parameters.clone())
-                    .collect(),
-                ..pair[0].term.clone()
-            };
-            Chosen {
-                fit: self.fit_near(&start, &terms, &both, SHORT),
-                terms,
-                alike: chosen.alike.clone(),
-            }
-        });
-        let short: Vec<Chosen> = short.collect();
-        let best = short
-            .into_iter()
-            .max_by(|a, b| self.worth(a).total_cmp(&self.worth(b)))?;
-        let polished = self.problem.fit(&best.fit.at, &best.fit.free, FULL);
-        let is_possible = best
-            .terms
-            .iter()
-            .all(|term| self.is_possible(term, &polished));
-        is_possible.then_some(Chosen {
-            fit: polished,
-            ..best
-        })
+        let best = self.best(chosen, &candidates);
+        best.filter(|own| self.worth(own) > self.worth(chosen))
     }
 
     /// What the last term brings beyond what is due.
@@ -230,21 +167,11 @@ impl Elimination<'_> {
                 alike: chosen.alike.clone(),
             }
         };
-        // from the noise that was fitted, and from less: what acts all the time was noise so far
         let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
-            let starts = own.starts.iter();
-            let all = starts.flat_map(|start| LOWERED.map(|lowered| (own.term, start, lowered)));
-            let few = if own.is_plain { 1 } else { usize::MAX };
-            let all: Vec<(&Term, &Vec<f64>, f64)> = all.take(few).collect();
-            all.into_par_iter()
+            let starts = own.starts.par_iter();
+            starts.map(|start| (own.term, start))
         });
-        let short = first.map(|(term, start, lowered)| {
-            let mut start = start.clone();
-            for index in self.noise {
-                start[*index] -= lowered;
-            }
-            with(term, &start, RANKED)
-        });
+        let short = first.map(|(term, start)| with(term, start, RANKED));
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
             let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
@@ -280,18 +207,21 @@ impl Elimination<'_> {
         let candidates = lacking.par_iter().filter_map(|term| {
             let smooth = scores.iter().filter(|_| !term.is_profiled());
             let promises = smooth.map(|own| own.promise(term));
+            // from the noise that was fitted, and from less: what acts all the time was noise so far
+            let mut less = chosen.fit.at.clone();
+            for index in self.noise {
+                less[*index] -= LOWERED[1];
+            }
             let mut own = Candidate {
                 term,
-                starts: vec![chosen.fit.at.clone()],
-                is_plain: false,
+                starts: [chosen.fit.at.clone(), less],
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
             let starts = self.starts(&chosen.fit, term).into_iter();
             if let Some(start) = starts.max_by(|a, b| a.promise.total_cmp(&b.promise)) {
                 own.promise = own.promise.max(start.promise);
-                own.is_plain = start.gain > PLAIN * self.due(term);
-                own.starts.insert(0, start.at);
+                own.starts[0] = start.at;
             }
             (own.promise > PROMISE * self.due(term)).then_some(own)
         });
@@ -348,6 +278,35 @@ impl Elimination<'_> {
         }
         let step = own.information.cholesky().map(|c| c.solve(&own.gradient));
         step.map_or(0.0, |step| 0.5 * own.gradient.dot(&step))
+    }
+
+    /// What `added` parameters promise beside all others of `free` (nats), at the noise of `at` and at less.
+    pub(crate) fn promise(&self, at: &[f64], free: &[usize], added: &[usize]) -> f64 {
+        let known = self.problem.objective(at, free);
+        let kept: Vec<usize> = (0..free.len())
+            .filter(|i| !added.contains(&free[*i]))
+            .collect();
+        let promises = LOWERED.par_iter().map(|lowered| {
+            let mut at = at.to_vec();
+            for index in self.noise {
+                at[*index] -= lowered;
+            }
+            let scores = self.problem.likelihood.score(&at, free);
+            let (gradient, information) = self.problem.total(&scores, &at, free);
+            let [fitted, own] = [
+                (
+                    information.select_rows(&kept).select_columns(&kept),
+                    gradient.select_rows(&kept),
+                ),
+                (information, gradient),
+            ];
+            let gain = |(information, gradient): (DMatrix<f64>, DVector<f64>)| {
+                let step = information.cholesky().map(|own| own.solve(&gradient));
+                step.map_or(0.0, |step| 0.5 * gradient.dot(&step))
+            };
+            gain(own) - gain(fitted) - (known - self.problem.objective(&at, free))
+        });
+        promises.reduce(|| 0.0, f64::max)
     }
 
     /// Scores of everything that is fitted and that is lacking, with noise sizes lowered by so much.
