@@ -12,9 +12,9 @@ use crate::estimate::term::Term;
 use crate::model::from_wheels::{FromWheels, Reference, View};
 use crate::model::streams::{Joint, ROBUST, Streams, read};
 use crate::model::table::{Asked, Key, Table};
+use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected};
-use crate::select::forward::Chosen;
 
 /// A fit of noise sizes from which others begin: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
