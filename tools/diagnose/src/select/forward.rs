@@ -12,6 +12,8 @@ use crate::estimate::term::Term;
 /// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
 const REFITTED: usize = 6;
 const POLISHED: usize = 3;
+/// Share of what the best of them brings from which on another one is a rival.
+const NEAR: f64 = 0.3;
 /// A fit that tells which of them are the best.
 const RANKED: SearchLimits = SearchLimits {
     iterations: 3,
@@ -127,7 +129,12 @@ impl Elimination<'_> {
             seen.push(name);
             is_new
         });
-        let polished = short.par_iter().take(POLISHED).filter_map(|own| {
+        let most = short
+            .first()
+            .map_or(0.0, |own| self.excess(&chosen.fit, own));
+        let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
+        let rivals: Vec<&Chosen> = short.iter().take(POLISHED).filter(near).collect();
+        let polished = rivals.into_par_iter().filter_map(|own| {
             let own = with(own.terms.last()?, &own.fit.at, FULL);
             self.is_possible(own.terms.last()?, &own.fit).then_some(own)
         });
