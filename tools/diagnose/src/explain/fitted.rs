@@ -2,7 +2,7 @@
 
 use super::search::Searched;
 use crate::model::drive::{AVERAGED, DRIVE};
-use crate::model::from_wheels::{DRIVE_FIRST, RUN_BIAS, RUN_LATE, RUN_RATE};
+use crate::model::from_wheels::{DRIVE_FIRST, RUN_BIAS};
 use crate::model::streams::{Streams, read};
 
 /// What was fitted to a machine.
@@ -35,12 +35,12 @@ impl Fitted<'_> {
     pub(crate) fn nuisances(&self, at: &[f64]) -> Vec<f64> {
         let reference = self.streams.reference;
         let runs = 0..reference.runs.len();
-        let of_run = |run| [RUN_BIAS, RUN_LATE, RUN_RATE].map(|own| reference.of_run(run, own));
+        let biases = runs.map(|run| reference.of_run(run, RUN_BIAS));
         let mean = self
             .streams
             .drive
             .map(|_| self.streams.drive_first() + AVERAGED);
-        let indices: Vec<usize> = runs.flat_map(of_run).chain(mean).collect();
+        let indices: Vec<usize> = biases.chain(mean).collect();
         let keeps =
             |weights: &Vec<(usize, f64)>| weights.iter().all(|(index, _)| indices.contains(index));
         let pairs = self.found.table.weights.iter().zip(at);

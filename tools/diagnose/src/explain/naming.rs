@@ -327,6 +327,53 @@ impl Naming<'_> {
         })
     }
 
+    /// The latency that all runs share, where each has a clock of its own and they do not differ: parameters of runs,
+    /// with their shares in it.
+    fn late_in_all(&self, claims: &mut Vec<Claim>, shares: Vec<(usize, f64)>) {
+        let table = &self.found.table;
+        let place = |name: &str, robot: Option<i64>| {
+            let mut keys = table.keys.iter();
+            keys.position(|key| key.name == name && key.robot == robot && !key.is_shared)
+        };
+        let Some(machine) = place("late gyro", None) else {
+            return;
+        };
+        let mut weights = vec![(machine, 1.0)];
+        for (index, share) in &shares {
+            let robot = table.keys[*index].robot;
+            weights.push((*index, *share));
+            let rate = place("run rate", robot);
+            weights.extend(rate.map(|rate| (rate, share * self.middle_s(robot))));
+        }
+        let mut terms = table.terms.iter();
+        let Some(term) = terms.find(|term| term.parameters == [machine]) else {
+            return;
+        };
+        let known = self.known(&weights, term);
+        let z = known.change / known.deviation.max(f64::MIN_POSITIVE);
+        let p_value = self.found.criterion.p_value(z * z, 1);
+        if p_value > FALSE_ALARM {
+            return;
+        }
+        for shown in &term.shown {
+            let value = self.value(&shown.values[0], known);
+            claims.retain(|claim| !claim.toggles.contains(&machine));
+            let mut claim = Claim {
+                effect: shown.effect,
+                values: vec![value],
+                word: None,
+                runs: None,
+                toggles: weights.iter().map(|(index, _)| *index).collect(),
+                gain: z * z / 2.0,
+                p_value,
+                confused: shown.confused.clone(),
+                law: None,
+            };
+            self.mirror(&mut claim, shown);
+            claims.push(claim);
+        }
+    }
+
     /// Latencies of single runs where they differ.
     fn late_runs(&self, claims: &mut Vec<Claim>) {
         let found = self.found;
@@ -365,6 +412,9 @@ impl Naming<'_> {
         let q: f64 = known.iter().map(|(x, s)| ((x - mean) / s).powi(2)).sum();
         let chance = ChiSquared::new(known.len() as f64 - 1.0).map_or(1.0, |chi2| chi2.sf(q));
         if chance > RUNS_DIFFER {
+            let shares = known.iter().map(|(_, s)| s.powi(-2) / weights);
+            let shares = late.iter().map(|(index, _)| *index).zip(shares);
+            self.late_in_all(claims, shares.collect());
             return;
         }
         let of_clock = ["imu_latency", "wheels_latency"];
@@ -380,6 +430,8 @@ impl Naming<'_> {
                 .runs
                 .iter()
                 .position(|run| run.robot as i64 - first == robot);
+            let mut keys = found.table.keys.iter();
+            let rate = keys.position(|key| key.name == "run rate" && key.robot == Some(robot));
             let (effect, other, sign) = if change < 0.0 {
                 ("wheels_latency", "imu_latency", -1.0)
             } else {
@@ -391,7 +443,7 @@ impl Naming<'_> {
                 values: vec![Value::new("latency_s", Link::Identity, sign * change, half)],
                 word: None,
                 runs: run.map(|run| vec![run]),
-                toggles: shared.iter().copied().chain([index]).collect(),
+                toggles: shared.iter().copied().chain([index]).chain(rate).collect(),
                 gain: q / 2.0,
                 p_value: chance,
                 confused: vec![other],

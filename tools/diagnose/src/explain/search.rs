@@ -12,9 +12,9 @@ use crate::estimate::term::Term;
 use crate::model::from_wheels::{FromWheels, Reference, View};
 use crate::model::streams::{Joint, ROBUST, Streams, read};
 use crate::model::table::{Asked, Key, Table};
+use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
 use crate::select::elimination::{Elimination, Selected};
-use crate::select::forward::Chosen;
 
 /// A fit of noise sizes from which others begin: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -27,6 +27,8 @@ const NOISE_SHIFTS: [f64; 3] = [0.0, 1.0, -1.5];
 const USE_SHARE: f64 = 0.02;
 /// Runs differ when the probability of their spread without a difference is below this.
 const RUNS_DIFFER: f64 = 1e-3;
+/// Share of what they would have to gain that a score test has to promise before runs are fitted apart.
+const MAY_DIFFER: f64 = 0.5;
 /// Differences of scale and of track between runs that nobody would call one.
 const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
 /// Runs whose scale or track is not known to this do not tell whether runs differ.
@@ -69,16 +71,9 @@ impl Search<'_> {
     /// at last the rows at full rate.
     fn needed(&self) -> Option<Searched> {
         let table = self.table([false; 2]);
-        let first = self.chosen(&table, None, true);
-        let by_run = self.by_run(&table, &first)?;
-        let (table, start) = if by_run == [false; 2] {
-            (table, first)
-        } else {
-            let apart = self.table(by_run);
-            let chosen = self.apart(&table, &first, &apart);
-            (apart, chosen)
-        };
-        let all = self.chosen(&table, Some(start), false);
+        let first = self.chosen(&table);
+        let (table, chosen, by_run) = self.of_runs(table, first)?;
+        let all = self.with_laws(&table, chosen);
         let selected = self.selected(&table, all)?;
         let dense = self.streams.reference.dense();
         let dense = dense.filter(|dense| {
@@ -163,24 +158,52 @@ impl Search<'_> {
         }
     }
 
-    /// Whether scale and track are those of each run.
-    fn by_run(&self, table: &Table, selected: &Chosen) -> Option<[bool; 2]> {
+    /// The table and what was chosen, with scale and track of each run where runs differ in them.
+    fn of_runs(&self, table: Table, chosen: Chosen) -> Option<(Table, Chosen, [bool; 2])> {
         let reference = self.streams.reference;
         let today = reference.runs.len() - reference.before.runs;
-        let known = reference.before.spread.map(|spread| spread.is_some());
-        if today < 2 || !(reference.has_pose() || reference.has_gyro()) {
-            return Some(known);
+        let mut by_run = reference.before.spread.map(|spread| spread.is_some());
+        if today > 1 && (reference.has_pose() || reference.has_gyro()) {
+            let apart = self.table([true; 2]);
+            let at = self.apart_at(&table, &chosen, &apart);
+            if reference.skids || self.may_differ(&apart, &chosen, &at) {
+                let own = self.apart(&apart, &chosen, at);
+                let differ = self.differ(&apart, &own)?;
+                by_run = [0, 1].map(|i| by_run[i] || differ[i]);
+                if by_run == [true; 2] {
+                    return Some((apart, own, by_run));
+                }
+            }
         }
-        let apart = self.table([true; 2]);
-        let chosen = self.apart(table, selected, &apart);
-        let differ = self.differ(&apart, &chosen)?;
-        Some([0, 1].map(|i| known[i] || differ[i]))
+        if by_run == [false; 2] {
+            return Some((table, chosen, by_run));
+        }
+        let apart = self.table(by_run);
+        let at = self.apart_at(&table, &chosen, &apart);
+        let own = self.apart(&apart, &chosen, at);
+        Some((apart, own, by_run))
     }
 
-    /// What was found, with scale and track of each run in the place of those of the machine where `apart` has
-    /// these.
-    fn apart(&self, table: &Table, selected: &Chosen, apart: &Table) -> Chosen {
-        let value = |key: &Key| table.find(key).map_or(0.0, |known| selected.fit.at[known]);
+    /// Whether runs may differ, by a score test (Rao 1948) at the noise that was fitted and at less.
+    fn may_differ(&self, apart: &Table, chosen: &Chosen, at: &[f64]) -> bool {
+        let joint = Joint::new(self.streams, self.nominal, &apart.weights, ROBUST);
+        let problem = problem(&joint, apart);
+        let nominal = self.nominal_values(apart);
+        let terms = terms_apart(apart, chosen);
+        let any = |_: &Term, _: &Fit, _: &Fit| true;
+        let selection = elimination(&problem, apart, &nominal, &any);
+        let own = apart.keys.iter().enumerate();
+        let own = own.filter(|(_, key)| ["run scale", "run track"].contains(&key.name));
+        let own: Vec<usize> = own.map(|(index, _)| index).collect();
+        let chance = ChiSquared::new(own.len().max(1) as f64);
+        let chance = chance.map_or(0.0, |own| own.inverse_cdf(1.0 - RUNS_DIFFER));
+        let free = selection.free(&terms).0;
+        selection.promise(at, &free, &own) > 0.5 * MAY_DIFFER * chance
+    }
+
+    /// What was found, as parameters of a table in which scale and track are those of each run.
+    fn apart_at(&self, table: &Table, chosen: &Chosen, apart: &Table) -> Vec<f64> {
+        let value = |key: &Key| table.find(key).map_or(0.0, |known| chosen.fit.at[known]);
         let shared = |name| {
             value(&Key {
                 name,
@@ -195,10 +218,13 @@ impl Search<'_> {
             "run track" => shared("track"),
             _ => value(key),
         });
-        let at = self.with_clocks_of_runs(apart, at.collect());
-        let of_runs = ["scale of runs", "track of runs", "geometry"];
-        let kept = |term: &&Term| of_runs.contains(&term.name) || selected.has(term.name);
-        let terms: Vec<Term> = apart.terms.iter().filter(kept).cloned().collect();
+        at.collect()
+    }
+
+    /// A fit from `at` with what was found, and scale and track of each run in the place of those of the machine.
+    fn apart(&self, apart: &Table, chosen: &Chosen, at: Vec<f64>) -> Chosen {
+        let at = self.with_clocks_of_runs(apart, at);
+        let terms = terms_apart(apart, chosen);
         let nominal = self.nominal_values(apart);
         let joints = [ROBUST, [false; 2]]
             .map(|robust| Joint::new(self.streams, self.nominal, &apart.weights, robust));
@@ -214,40 +240,44 @@ impl Search<'_> {
                 own
             },
             terms,
-            alike: selected.alike.clone(),
+            alike: chosen.alike.clone(),
         }
     }
 
-    /// What is lacking of a table, from `start` on where there is one: of the catalogue alone, or of laws as well.
-    fn chosen(&self, table: &Table, start: Option<Chosen>, catalogue_alone: bool) -> Chosen {
+    /// What the nominal model lacks of the catalogue.
+    fn chosen(&self, table: &Table) -> Chosen {
         let nominal = self.nominal_values(table);
-        // laws come after everything that the catalogue has
-        let mut terms = table.terms.iter();
-        let first = terms.position(|term| term.name.starts_with("law"));
-        let catalogue = &table.terms[..first.unwrap_or(table.terms.len())];
+        let catalogue = &table.terms[..first_law(table)];
+        let joints = [ROBUST, [true, false]]
+            .map(|robust| Joint::new(self.streams, self.nominal, &table.weights, robust));
+        let [robust, plain] = [&joints[0], &joints[1]].map(|joint| problem(joint, table));
+        let any = |_: &Term, _: &Fit, _: &Fit| true;
+        // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
+        let early = elimination(&plain, table, &nominal, &any);
+        let begun = early.forward_from_both(self.begun(&plain, table), catalogue, self.hear);
+        let selection = elimination(&robust, table, &nominal, &any);
+        let begun = Chosen {
+            fit: selection.fit(&begun.fit.at, &begun.terms, &table.terms),
+            ..begun
+        };
+        let chosen = selection.forward(begun, catalogue, self.hear);
+        selection.exchanged(chosen, catalogue)
+    }
+
+    /// What was chosen, with laws that the catalogue does not have where one is lacking.
+    fn with_laws(&self, table: &Table, chosen: Chosen) -> Chosen {
+        let nominal = self.nominal_values(table);
         let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
         let robust = problem(&robust, table);
         let any = |_: &Term, _: &Fit, _: &Fit| true;
         let selection = elimination(&robust, table, &nominal, &any);
-        let begun = start.unwrap_or_else(|| {
-            // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
-            let plain = Joint::new(self.streams, self.nominal, &table.weights, [true, false]);
-            let plain = problem(&plain, table);
-            let begun = self.begun(&plain, table);
-            let early = elimination(&plain, table, &nominal, &any);
-            let early = early.forward_from_both(begun, catalogue, self.hear);
-            Chosen {
-                fit: selection.fit(&early.fit.at, &early.terms, &table.terms),
-                ..early
-            }
-        });
-        let tried = if catalogue_alone {
-            catalogue
-        } else {
-            &table.terms
-        };
-        let chosen = selection.forward(begun, tried, self.hear);
-        selection.exchanged(chosen, tried)
+        let count = chosen.terms.len();
+        let with = selection.forward(chosen, &table.terms[first_law(table)..], self.hear);
+        if with.terms.len() == count {
+            return with;
+        }
+        let with = selection.forward(with, &table.terms, self.hear);
+        selection.exchanged(with, &table.terms)
     }
 
     /// What is needed of what was chosen.
@@ -401,6 +431,20 @@ fn differs(values: &[[f64; 2]]) -> bool {
         .sum();
     let chance = ChiSquared::new(values.len() as f64 - 1.0);
     chance.map_or(1.0, |chi2| chi2.sf(q)) < RUNS_DIFFER
+}
+
+/// The place of the first law among the terms of a table: they come after everything that the catalogue has.
+fn first_law(table: &Table) -> usize {
+    let mut terms = table.terms.iter();
+    let first = terms.position(|term| term.name.starts_with("law"));
+    first.unwrap_or(table.terms.len())
+}
+
+/// The terms of a table in which scale and track are those of each run, of those that were chosen.
+fn terms_apart(apart: &Table, chosen: &Chosen) -> Vec<Term> {
+    let of_runs = ["scale of runs", "track of runs", "geometry"];
+    let kept = |term: &&Term| of_runs.contains(&term.name) || chosen.has(term.name);
+    apart.terms.iter().filter(kept).cloned().collect()
 }
 
 /// What was selected, to go on from.

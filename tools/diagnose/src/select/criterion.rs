@@ -9,6 +9,8 @@ pub(crate) const FALSE_ALARM: f64 = 0.01;
 
 /// Hypotheses whose likelihoods differ by less cannot be told apart (nats).
 pub(crate) const TIE_NATS: f64 = 4.0;
+/// A look-alike has to fit better by this to take a term's place (nats).
+pub(super) const BETTER_NATS: f64 = 1.0;
 
 /// A test of one recording, among `tried` terms, with `blocks` independent pieces of data.
 #[derive(Debug, Clone, Copy)]

@@ -3,7 +3,11 @@
 //!
 //! Nothing here knows a robot: a term is a set of parameters that are 0 without it.
 
+pub(crate) mod chosen;
 pub(crate) mod criterion;
 pub(crate) mod elimination;
-pub(crate) mod forward;
+mod exchange;
+mod forward;
 pub(crate) mod halves;
+mod screen;
+mod sums;
