@@ -338,6 +338,7 @@ impl<'a> Machine<'a> {
         let naming = Naming {
             found: &fits.today,
             streams: self.streams(),
+            compares: fits.all.is_some(),
         };
         let all = naming.claims().into_iter();
         let all = all.filter(|claim| !is_excluded(claim));

@@ -18,6 +18,8 @@ const ALIKE_NATS: f64 = 1.92;
 const BANDS: usize = 60;
 /// Factor from which on a wheel is no longer of another size, but encoders count otherwise.
 const FAR: f64 = 1.8;
+/// Tyres of one robot change by less between two recordings (logarithm of a factor).
+const TYRES: f64 = 0.03;
 /// Clocks of runs differ when the probability of their spread without a difference is below this; and by which
 /// nobody would call it one (s).
 const RUNS_DIFFER: f64 = 1e-3;
@@ -36,6 +38,8 @@ struct Known {
 pub(crate) struct Naming<'a> {
     pub(crate) found: &'a Searched,
     pub(crate) streams: Streams<'a>,
+    /// Whether it is what changed since other recordings.
+    pub(crate) compares: bool,
 }
 
 impl Naming<'_> {
@@ -141,6 +145,7 @@ impl Naming<'_> {
         claim.confused.extend(self.alike(term));
         self.mirror(&mut claim, shown);
         self.miscounted(&mut claim);
+        self.slipped(&mut claim, shown, term);
         if shown.effect == "unknown" {
             claim.law = self.law(term);
         }
@@ -220,6 +225,44 @@ impl Naming<'_> {
             value.halves = value.halves.map(|own| own.map(|half| -half));
         }
         claim.confused = vec!["wheel_radius"];
+    }
+
+    /// A scale that changed by more than tyres do since other recordings is that of the floor, which takes a share of
+    /// the way.
+    fn slipped(&self, claim: &mut Claim, shown: &Attribution, term: &Term) {
+        let compares = self.compares && self.streams.reference.has_pose();
+        let weights = shown.values.first().map(|own| own.weights.as_slice());
+        let (true, "wheel_radius", Some([(common, _), (difference, _)])) =
+            (compares, claim.effect, weights)
+        else {
+            return;
+        };
+        let known = self.known(&[(*common, 1.0)], term);
+        if known.change.abs() < TYRES {
+            return;
+        }
+        let ratio = term::Value {
+            name: "ratio",
+            link: Link::LogLoss,
+            weights: vec![(*common, 1.0)],
+        };
+        claim.effect = "slip_ratio";
+        claim.values = vec![self.value(&ratio, known)];
+        claim.confused.retain(|own| *own != "slip_ratio");
+        claim.confused.push("wheel_radius");
+        let known = self.known(&[(*difference, 1.0)], term);
+        self.slip_differs(claim, known);
+    }
+
+    /// Of a slip, what differs between right and left, where that is clear.
+    fn slip_differs(&self, claim: &mut Claim, known: Known) {
+        if self.p_value(known) < FALSE_ALARM {
+            let factor = -claim.values[0].change.exp();
+            let change = factor * 2.0 * (known.change / 2.0).sinh();
+            let half = (factor * self.found.criterion.half_width() * known.deviation).abs();
+            let own = Value::new("asymmetry", Link::Identity, change, half);
+            claim.values.push(own);
+        }
     }
 
     /// The interval in which a dead band fits as well.
@@ -305,15 +348,7 @@ impl Naming<'_> {
             return;
         };
         claim.toggles.push(index);
-        let known = self.known(&[(index, 1.0)], term);
-        if self.p_value(known) < FALSE_ALARM {
-            let factor = -claim.values[0].change.exp();
-            let change = factor * 2.0 * (known.change / 2.0).sinh();
-            let half = (factor * self.found.criterion.half_width() * known.deviation).abs();
-            claim
-                .values
-                .push(Value::new("asymmetry", Link::Identity, change, half));
-        }
+        self.slip_differs(claim, self.known(&[(index, 1.0)], term));
     }
 
     /// Middle of the run of a robot (s).

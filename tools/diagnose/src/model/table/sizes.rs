@@ -20,17 +20,17 @@ pub(super) const LEAST_DRIVER: [f64; 2] = [0.02, 5e-3];
 
 /// Repeatability: standard deviation between recordings of one unchanged robot.
 pub(super) mod repeatability {
-    pub(in crate::model::table) const SCALE: f64 = 0.006;
-    pub(in crate::model::table) const ASYMMETRY: f64 = 0.003;
-    pub(in crate::model::table) const TRACK: f64 = 0.008;
+    pub(crate) const SCALE: f64 = 0.006;
+    pub(crate) const ASYMMETRY: f64 = 0.003;
+    pub(crate) const TRACK: f64 = 0.008;
     /// Of the track.
-    pub(in crate::model::table) const OFFSET: f64 = 0.02;
-    pub(in crate::model::table) const YAW_RAD: f64 = 5e-3;
-    pub(in crate::model::table) const TIME_S: f64 = 5e-3;
-    pub(in crate::model::table) const RATE: f64 = 2e-4;
+    pub(crate) const OFFSET: f64 = 0.02;
+    pub(crate) const YAW_RAD: f64 = 5e-3;
+    pub(crate) const TIME_S: f64 = 5e-3;
+    pub(crate) const RATE: f64 = 2e-4;
     /// Of the largest command.
-    pub(in crate::model::table) const COMMAND: f64 = 0.01;
-    pub(in crate::model::table) const SAG_PER_S: f64 = 2e-4;
+    pub(crate) const COMMAND: f64 = 0.01;
+    pub(crate) const SAG_PER_S: f64 = 2e-4;
 }
 
 /// Latencies of logs wander more slowly than blocks of time show, rates of clocks still more slowly: their
