@@ -40,6 +40,30 @@ pub(crate) struct Fit {
     pub(crate) converged: bool,
 }
 
+impl Fit {
+    /// Place of a parameter among the free ones.
+    pub(crate) fn place(&self, parameter: usize) -> Option<usize> {
+        self.free.iter().position(|own| *own == parameter)
+    }
+
+    /// Places of those of `parameters` that are free.
+    pub(crate) fn places(&self, parameters: &[usize]) -> Vec<usize> {
+        let all = parameters.iter();
+        all.filter_map(|index| self.place(*index)).collect()
+    }
+}
+
+/// Score and information on `count` parameters over all blocks.
+pub(crate) fn summed(scores: &[BlockScore], count: usize) -> (DVector<f64>, DMatrix<f64>) {
+    let mut gradient = DVector::zeros(count);
+    let mut information = DMatrix::zeros(count, count);
+    for block in scores {
+        gradient += &block.gradient;
+        information += &block.information;
+    }
+    (gradient, information)
+}
+
 /// A likelihood with priors on its parameters.
 pub(crate) struct Problem<'a> {
     pub(crate) likelihood: &'a dyn Likelihood,
@@ -66,19 +90,20 @@ impl Problem<'_> {
         at: &[f64],
         free: &[usize],
     ) -> (DVector<f64>, DMatrix<f64>) {
-        let n = free.len();
-        let mut gradient = DVector::zeros(n);
-        let mut information = DMatrix::zeros(n, n);
-        for block in scores {
-            gradient += &block.gradient;
-            information += &block.information;
-        }
+        let (mut gradient, mut information) = summed(scores, free.len());
         for (place, index) in free.iter().enumerate() {
             let prior = &self.priors[*index];
             gradient[place] += (prior.mean - at[*index]) * prior.precision();
-            information[(place, place)] += prior.precision();
         }
+        self.add_priors(&mut information, free);
         (gradient, information)
+    }
+
+    /// Adds what the priors of `free` know to the information on them, which come first in it.
+    pub(crate) fn add_priors(&self, information: &mut DMatrix<f64>, free: &[usize]) {
+        for (place, index) in free.iter().enumerate() {
+            information[(place, place)] += self.priors[*index].precision();
+        }
     }
 
     /// Maximises the objective over `free` from `start`.

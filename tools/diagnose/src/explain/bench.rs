@@ -14,8 +14,9 @@ use crate::estimate::scoring::SHORT;
 use crate::judge::{Predictions, QUANTITIES, Score, Worth, name};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::DRIVE;
-use crate::model::from_wheels::{FromWheels, Reference, View};
+use crate::model::from_wheels::{FromWheels, Reference};
 use crate::model::streams::{Joint, ROBUST};
+use crate::model::view::View;
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
@@ -85,7 +86,7 @@ impl<'a> Bench<'a> {
             players: players(claims),
             all: fitted.machine_at(at),
             drive_noise: drive.map(|own| own[DRIVE..].to_vec()),
-            // biases and clocks of single runs belong to sensors and are no effect
+            // biases of single runs belong to sensors and are no effect
             nominal: fitted.machine_at(&fitted.nuisances(at)),
             found: Vec::new(),
             deviations: Vec::new(),
@@ -103,9 +104,19 @@ impl<'a> Bench<'a> {
 
     /// Fitted parameters with what was found alone.
     pub(super) fn found_at(&self) -> Vec<f64> {
-        let fitted = &self.own.fitted;
+        self.found_in(&self.own.fitted.found.selected.fit.at)
+    }
+
+    /// Of fitted parameters, what the claims explain, and nuisances.
+    fn found_in(&self, at: &[f64]) -> Vec<f64> {
         let own = self.players.iter().flat_map(|player| &player.toggles);
-        fitted.with(&fitted.found.selected.fit.at, own)
+        self.own.fitted.with(at, own)
+    }
+
+    /// Drives of all runs of which both commands and wheels were recorded.
+    fn drives(&self) -> impl Iterator<Item = &'a DriveRun> {
+        let drive = self.own.fitted.streams.drive;
+        drive.into_iter().flat_map(|drive| &drive.runs)
     }
 
     fn machine(&self) -> &'a FromWheels {
@@ -114,20 +125,11 @@ impl<'a> Bench<'a> {
 
     /// The machine with what the claims explain as in `at`.
     fn with(&self, at: &[f64]) -> Vec<f64> {
-        let fitted = &self.own.fitted;
-        let own = self.players.iter().flat_map(|player| &player.toggles);
-        fitted.machine_at(&fitted.with(at, own))
+        self.own.fitted.machine_at(&self.found_in(at))
     }
 
     fn drive_of(&self, robot: usize) -> Option<&'a DriveRun> {
-        let mut drives = self
-            .own
-            .fitted
-            .streams
-            .drive
-            .iter()
-            .flat_map(|drive| &drive.runs);
-        drives.find(|drive| drive.robot == robot)
+        self.drives().find(|drive| drive.robot == robot)
     }
 
     /// What predicts a run.
@@ -213,8 +215,7 @@ impl<'a> Bench<'a> {
             own.map_or(&[][..], |(_, times)| times.as_slice())
         };
         let of_machine = machine.runs.iter().map(|run| (run.blocks, run.robot));
-        let drives = streams.drive.iter().flat_map(|drive| &drive.runs);
-        let of_drive = drives.map(|run| (run.blocks, run.robot));
+        let of_drive = self.drives().map(|run| (run.blocks, run.robot));
         let all = of_machine.chain(of_drive);
         let joint = Joint::new(streams, &found.nominal, &found.table.weights, ROBUST);
         let masked = Masked {
@@ -269,14 +270,9 @@ impl<'a> Bench<'a> {
 
     /// Unit of a channel.
     pub(super) fn unit(&self, channel: usize) -> &'static str {
-        let mut drives = self
-            .own
-            .fitted
-            .streams
-            .drive
-            .iter()
-            .flat_map(|drive| &drive.runs);
-        let speeds = drives.any(|drive| drive.wheels.kind == WheelKind::Speed);
+        let speeds = self
+            .drives()
+            .any(|drive| drive.wheels.kind == WheelKind::Speed);
         match name(channel) {
             "pose_x" | "pose_y" => "m",
             "imu_gz" => "rad/s",

@@ -20,8 +20,9 @@ use crate::judge::{Culprit, Predictions, QUANTITIES, Score, passing};
 use crate::model::command_to_wheels::{CommandToWheels, NOISE};
 use crate::model::comparison::Before;
 use crate::model::drive::{DRIVE, SLOW_SHARE};
-use crate::model::from_wheels::{COMMON, FromWheels, LAW_FIRST, RUN_SCALE, RUN_TRACK, TRACK, View};
+use crate::model::from_wheels::{COMMON, FromWheels, LAW_FIRST, RUN_SCALE, RUN_TRACK, TRACK};
 use crate::model::streams::Streams;
+use crate::model::view::View;
 
 /// Least deviation of scale or track among runs that differ.
 const LEAST_SPREAD: f64 = 0.006;

@@ -9,8 +9,9 @@ use crate::filter::motion_law::{DRIVERS, VALUES};
 use crate::model::from_wheels::GYRO_LATENCY;
 use crate::model::run::Run;
 use crate::model::streams::{Joint, ROBUST, Streams, read};
+use crate::model::table::Key;
 use crate::select::criterion::FALSE_ALARM;
-use crate::select::elimination::Kept;
+use crate::select::selected::Kept;
 
 /// Half of the chi-square of one parameter at 95 %: dead bands within it fit as well (nats).
 const ALIKE_NATS: f64 = 1.92;
@@ -366,18 +367,14 @@ impl Naming<'_> {
     /// with their shares in it.
     fn late_in_all(&self, claims: &mut Vec<Claim>, shares: Vec<(usize, f64)>) {
         let table = &self.found.table;
-        let place = |name: &str, robot: Option<i64>| {
-            let mut keys = table.keys.iter();
-            keys.position(|key| key.name == name && key.robot == robot && !key.is_shared)
-        };
-        let Some(machine) = place("late gyro", None) else {
+        let Some(machine) = table.find(&Key::of("late gyro", None)) else {
             return;
         };
         let mut weights = vec![(machine, 1.0)];
         for (index, share) in &shares {
             let robot = table.keys[*index].robot;
             weights.push((*index, *share));
-            let rate = place("run rate", robot);
+            let rate = table.find(&Key::of("run rate", robot));
             weights.extend(rate.map(|rate| (rate, share * self.middle_s(robot))));
         }
         let mut terms = table.terms.iter();
@@ -423,10 +420,9 @@ impl Naming<'_> {
             .iter()
             .map(|(index, _)| {
                 // a clock that runs fast is later at the end than in the beginning: on the average of the run
-                let own = &found.table.keys[*index];
-                let mut keys = found.table.keys.iter();
-                let rate = keys.position(|key| key.name == "run rate" && key.robot == own.robot);
-                let middle_s = self.middle_s(own.robot);
+                let robot = found.table.keys[*index].robot;
+                let rate = found.table.find(&Key::of("run rate", robot));
+                let middle_s = self.middle_s(robot);
                 let late = [(*index, 1.0)]
                     .into_iter()
                     .chain(rate.map(|rate| (rate, middle_s)));
@@ -465,8 +461,7 @@ impl Naming<'_> {
                 .runs
                 .iter()
                 .position(|run| run.robot as i64 - first == robot);
-            let mut keys = found.table.keys.iter();
-            let rate = keys.position(|key| key.name == "run rate" && key.robot == Some(robot));
+            let rate = found.table.find(&Key::of("run rate", Some(robot)));
             let (effect, other, sign) = if change < 0.0 {
                 ("wheels_latency", "imu_latency", -1.0)
             } else {

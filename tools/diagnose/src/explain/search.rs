@@ -9,12 +9,14 @@ use crate::estimate::Likelihood;
 use crate::estimate::cluster::Precision;
 use crate::estimate::scoring::{FULL, Fit, Problem, SearchLimits};
 use crate::estimate::term::Term;
-use crate::model::from_wheels::{FromWheels, Reference, View};
+use crate::model::from_wheels::{FromWheels, Reference};
 use crate::model::streams::{Joint, ROBUST, Streams, read};
 use crate::model::table::{Asked, Key, Table};
+use crate::model::view::View;
 use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
-use crate::select::elimination::{Elimination, Selected};
+use crate::select::elimination::Elimination;
+use crate::select::selected::Selected;
 
 /// A fit of noise sizes from which others begin: it need not be finished.
 const ROUGH: SearchLimits = SearchLimits {
@@ -75,20 +77,7 @@ impl Search<'_> {
         let (table, chosen, by_run) = self.of_runs(table, first)?;
         let all = self.with_laws(&table, chosen);
         let selected = self.selected(&table, all)?;
-        let dense = self.streams.reference.dense();
-        let dense = dense.filter(|dense| {
-            let fit = self.over(dense).noise_at(&table, &selected.fit.at);
-            let at = read(self.nominal, &table.weights, &fit.at);
-            is_white(dense, &at, Reference::Pose)
-        });
-        let refined = dense.as_ref().map(|dense| {
-            let own = self.over(dense);
-            own.selected(&table, own.refitted(&table, &selected))
-        });
-        let selected = match refined {
-            Some(refined) => refined?,
-            None => selected,
-        };
+        let (selected, dense) = self.at_full_rate(&table, selected)?;
         Some(Searched {
             criterion: self.criterion(&table),
             nominal: self.nominal.to_vec(),
@@ -98,6 +87,32 @@ impl Search<'_> {
             is_undetermined: false,
             dense,
         })
+    }
+
+    /// What was selected, refined with poses at full rate where their errors are independent; and the machine with
+    /// these.
+    fn at_full_rate(
+        &self,
+        table: &Table,
+        selected: Selected,
+    ) -> Option<(Selected, Option<FromWheels>)> {
+        let Some(dense) = self.streams.reference.dense() else {
+            return Some((selected, None));
+        };
+        let own = self.over(&dense);
+        let noise = own.fit(table, &selected.fit.at, &table.noise);
+        let at = read(self.nominal, &table.weights, &noise.at);
+        if !is_white(&dense, &at, Reference::Pose) {
+            return Some((selected, None));
+        }
+        let fit = own.fit(table, &noise.at, &selected.fit.free);
+        let chosen = Chosen {
+            fit,
+            terms: selected.kept.into_iter().map(|kept| kept.term).collect(),
+            alike: selected.alike,
+        };
+        let refined = own.selected(table, chosen)?;
+        Some((refined, Some(dense)))
     }
 
     /// The same search over another reading of the references.
@@ -137,25 +152,37 @@ impl Search<'_> {
     }
 
     fn criterion(&self, table: &Table) -> Criterion {
-        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
-        Criterion::of(&joint, table.terms.len())
+        self.selecting(table, ROBUST, |own| own.criterion)
     }
 
-    /// The fit of the noise sizes at these parameters.
-    fn noise_at(&self, table: &Table, at: &[f64]) -> Fit {
-        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
-        problem(&joint, table).fit(at, &table.noise, FULL)
+    /// What `of` says of a selection among the terms of a table; `robust` as of [`Joint::new`].
+    fn selecting<T>(
+        &self,
+        table: &Table,
+        robust: [bool; 2],
+        of: impl FnOnce(&mut Elimination<'_>) -> T,
+    ) -> T {
+        let joint = Joint::new(self.streams, self.nominal, &table.weights, robust);
+        let read_by = (self.streams, self.nominal);
+        let useful = |term: &Term, with: &Fit, without: &Fit| {
+            is_useful(read_by, table, term, [with, without])
+        };
+        of(&mut Elimination {
+            problem: &problem(&joint, table),
+            always: table.always.clone(),
+            noise: &table.noise,
+            weights: &table.weights,
+            parts: &table.parts,
+            nominal: &self.nominal_values(table),
+            criterion: Criterion::of(&joint, table.terms.len()),
+            twins: &table.twins,
+            useful: &useful,
+        })
     }
 
-    /// What was found on other rows, fitted to these.
-    fn refitted(&self, table: &Table, selected: &Selected) -> Chosen {
-        let joint = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
-        let noise = self.noise_at(table, &selected.fit.at);
-        let fit = problem(&joint, table).fit(&noise.at, &selected.fit.free, FULL);
-        Chosen {
-            fit,
-            ..chosen(selected.clone())
-        }
+    /// The fit of some parameters from `at`.
+    fn fit(&self, table: &Table, at: &[f64], free: &[usize]) -> Fit {
+        self.selecting(table, ROBUST, |own| own.problem.fit(at, free, FULL))
     }
 
     /// The table and what was chosen, with scale and track of each run where runs differ in them.
@@ -186,32 +213,22 @@ impl Search<'_> {
 
     /// Whether runs may differ, by a score test (Rao 1948) at the noise that was fitted and at less.
     fn may_differ(&self, apart: &Table, chosen: &Chosen, at: &[f64]) -> bool {
-        let joint = Joint::new(self.streams, self.nominal, &apart.weights, ROBUST);
-        let problem = problem(&joint, apart);
-        let nominal = self.nominal_values(apart);
         let terms = terms_apart(apart, chosen);
-        let any = |_: &Term, _: &Fit, _: &Fit| true;
-        let selection = elimination(&problem, apart, &nominal, &any);
         let own = apart.keys.iter().enumerate();
         let own = own.filter(|(_, key)| ["run scale", "run track"].contains(&key.name));
         let own: Vec<usize> = own.map(|(index, _)| index).collect();
         let chance = ChiSquared::new(own.len().max(1) as f64);
         let chance = chance.map_or(0.0, |own| own.inverse_cdf(1.0 - RUNS_DIFFER));
-        let free = selection.free(&terms).0;
-        selection.promise(at, &free, &own) > 0.5 * MAY_DIFFER * chance
+        let promise = self.selecting(apart, ROBUST, |selection| {
+            selection.promise(at, &selection.free(&terms).0, &own)
+        });
+        promise > 0.5 * MAY_DIFFER * chance
     }
 
     /// What was found, as parameters of a table in which scale and track are those of each run.
     fn apart_at(&self, table: &Table, chosen: &Chosen, apart: &Table) -> Vec<f64> {
         let value = |key: &Key| table.find(key).map_or(0.0, |known| chosen.fit.at[known]);
-        let shared = |name| {
-            value(&Key {
-                name,
-                robot: None,
-                number: 0,
-                is_shared: false,
-            })
-        };
+        let shared = |name| value(&Key::of(name, None));
         let keys = apart.keys.iter();
         let at = keys.map(|key| match key.name {
             "run scale" => shared("radius"),
@@ -225,14 +242,13 @@ impl Search<'_> {
     fn apart(&self, apart: &Table, chosen: &Chosen, at: Vec<f64>) -> Chosen {
         let at = self.with_clocks_of_runs(apart, at);
         let terms = terms_apart(apart, chosen);
-        let nominal = self.nominal_values(apart);
-        let joints = [ROBUST, [false; 2]]
-            .map(|robust| Joint::new(self.streams, self.nominal, &apart.weights, robust));
-        let [robust, plain] = [&joints[0], &joints[1]].map(|joint| problem(joint, apart));
-        let (free, _) = elimination(&robust, apart, &nominal, &|_, _, _| true).free(&terms);
         // where runs differ much, what they share makes all rows of some of them outliers
-        let other = plain.fit(&at, &free, ROUGH);
-        let [own, other] = [&at, &other.at].map(|start| robust.fit(start, &free, FULL));
+        let (free, other) = self.selecting(apart, [false; 2], |plain| {
+            let (free, _) = plain.free(&terms);
+            let fit = plain.problem.fit(&at, &free, ROUGH);
+            (free, fit)
+        });
+        let [own, other] = [&at, &other.at].map(|start| self.fit(apart, start, &free));
         Chosen {
             fit: if other.objective > own.objective {
                 other
@@ -246,77 +262,63 @@ impl Search<'_> {
 
     /// What the nominal model lacks of the catalogue.
     fn chosen(&self, table: &Table) -> Chosen {
-        let nominal = self.nominal_values(table);
         let catalogue = &table.terms[..first_law(table)];
-        let joints = [ROBUST, [true, false]]
-            .map(|robust| Joint::new(self.streams, self.nominal, &table.weights, robust));
-        let [robust, plain] = [&joints[0], &joints[1]].map(|joint| problem(joint, table));
-        let any = |_: &Term, _: &Fit, _: &Fit| true;
         // physics before tails: whether a row of the wheels is an outlier is asked of a drive that fits
-        let early = elimination(&plain, table, &nominal, &any);
-        let begun = early.forward_from_both(self.begun(&plain, table), catalogue, self.hear);
-        let selection = elimination(&robust, table, &nominal, &any);
-        let begun = Chosen {
-            fit: selection.fit(&begun.fit.at, &begun.terms, &table.terms),
-            ..begun
-        };
-        let chosen = selection.forward(begun, catalogue, self.hear);
-        selection.exchanged(chosen, catalogue)
+        let begun = self.selecting(table, [true, false], |early| {
+            early.forward_from_both(self.begun(early, table), catalogue, self.hear)
+        });
+        self.selecting(table, ROBUST, |selection| {
+            let begun = Chosen {
+                fit: selection.fit(&begun.fit.at, &begun.terms, &table.terms),
+                ..begun
+            };
+            let chosen = selection.forward(begun, catalogue, self.hear);
+            selection.exchanged(chosen, catalogue)
+        })
     }
 
     /// What was chosen, with laws that the catalogue does not have where one is lacking.
     fn with_laws(&self, table: &Table, chosen: Chosen) -> Chosen {
-        let nominal = self.nominal_values(table);
-        let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
-        let robust = problem(&robust, table);
-        let any = |_: &Term, _: &Fit, _: &Fit| true;
-        let selection = elimination(&robust, table, &nominal, &any);
         let count = chosen.terms.len();
-        let with = selection.forward(chosen, &table.terms[first_law(table)..], self.hear);
-        if with.terms.len() == count {
-            return with;
-        }
-        let with = selection.forward(with, &table.terms, self.hear);
-        selection.exchanged(with, &table.terms)
+        self.selecting(table, ROBUST, |selection| {
+            let with = selection.forward(chosen, &table.terms[first_law(table)..], self.hear);
+            if with.terms.len() == count {
+                return with;
+            }
+            let with = selection.forward(with, &table.terms, self.hear);
+            selection.exchanged(with, &table.terms)
+        })
     }
 
     /// What is needed of what was chosen.
     fn selected(&self, table: &Table, chosen: Chosen) -> Option<Selected> {
-        let read_by = (self.streams, self.nominal);
-        let useful = |term: &Term, with: &Fit, without: &Fit| {
-            is_useful(read_by, table, term, [with, without])
-        };
-        let nominal = self.nominal_values(table);
-        let robust = Joint::new(self.streams, self.nominal, &table.weights, ROBUST);
-        let robust = problem(&robust, table);
-        let mut elimination = elimination(&robust, table, &nominal, &useful);
         let mut terms = chosen.terms;
-        let mut found = elimination.settled(chosen.fit, &mut terms)?;
-        found.alike = chosen.alike;
-        if self.streams.is_paired() {
-            return Some(found);
-        }
-        Some(elimination.halved(found, &self.halves(robust.likelihood.blocks())))
+        self.selecting(table, ROBUST, |selection| {
+            let mut found = selection.settled(chosen.fit, &mut terms)?;
+            found.alike = chosen.alike;
+            if self.streams.is_paired() {
+                return Some(found);
+            }
+            let blocks = selection.problem.likelihood.blocks();
+            Some(selection.halved(found, &self.halves(blocks)))
+        })
     }
 
     /// A fit without any term: the best of several.
-    fn begun(&self, problem: &Problem<'_>, table: &Table) -> Chosen {
-        let free = [table.always.as_slice(), &table.noise].concat();
+    fn begun(&self, early: &Elimination<'_>, table: &Table) -> Chosen {
+        let (free, _) = early.free(&[]);
         let start = vec![0.0; table.parameters()];
         let start = self.with_clocks_of_runs(table, start);
         let fits = NOISE_SHIFTS.map(|shift| {
-            let mut at = start.clone();
-            for index in &table.noise {
-                at[*index] += shift;
-            }
-            problem.fit(&at, &free, ROUGH)
+            let at = early.with_noise(&start, shift);
+            early.problem.fit(&at, &free, ROUGH)
         });
         let best = fits
             .into_iter()
             .max_by(|a, b| a.objective.total_cmp(&b.objective));
         let best = best.map_or(start, |own| own.at);
         Chosen {
-            fit: problem.fit(&best, &free, FULL),
+            fit: early.problem.fit(&best, &free, FULL),
             terms: Vec::new(),
             alike: Vec::new(),
         }
@@ -330,12 +332,8 @@ impl Search<'_> {
             robust: true,
         };
         for (run, own) in machine.runs.iter().enumerate() {
-            let of = |name: &str| {
-                let own = own.robot as i64 - machine.before.robots as i64;
-                let keys = table.keys.iter();
-                keys.clone()
-                    .position(|key| key.name == name && key.robot == Some(own))
-            };
+            let robot = own.robot as i64 - machine.before.robots as i64;
+            let of = |name| table.find(&Key::of(name, Some(robot)));
             let (Some(late), Some(rate)) = (of("run late"), of("run rate")) else {
                 continue;
             };
@@ -380,19 +378,17 @@ impl Search<'_> {
 
     /// Whether scale and track of the runs differ (Cochran's Q).
     fn differ(&self, apart: &Table, chosen: &Chosen) -> Option<[bool; 2]> {
-        let joint = Joint::new(self.streams, self.nominal, &apart.weights, ROBUST);
-        let robust = problem(&joint, apart);
-        let nominal = self.nominal_values(apart);
-        let (_, physics) =
-            elimination(&robust, apart, &nominal, &|_, _, _| true).free(&chosen.terms);
         let fit = &chosen.fit;
-        let precision = Precision::new(&robust, fit, physics)?;
+        let precision = self.selecting(apart, ROBUST, |own| {
+            let (_, physics) = own.free(&chosen.terms);
+            Precision::new(own.problem, fit, physics)
+        })?;
         let names = [("run scale", RUN_FLOORS[0]), ("run track", RUN_FLOORS[1])];
         Some(names.map(|(name, floor)| {
             let own = apart.keys.iter().enumerate();
             let own = own.filter(|(_, key)| key.name == name && key.robot.is_some_and(|r| r >= 0));
             let values = own.filter_map(|(index, _)| {
-                let place = fit.free.iter().position(|f| *f == index)?;
+                let place = fit.place(index)?;
                 let variance = precision.covariance[(place, place)] + floor * floor;
                 (variance.sqrt() < RUN_KNOWN).then_some([fit.at[index], variance])
             });
@@ -447,39 +443,11 @@ fn terms_apart(apart: &Table, chosen: &Chosen) -> Vec<Term> {
     apart.terms.iter().filter(kept).cloned().collect()
 }
 
-/// What was selected, to go on from.
-fn chosen(selected: Selected) -> Chosen {
-    Chosen {
-        terms: selected.kept.into_iter().map(|kept| kept.term).collect(),
-        fit: selected.fit,
-        alike: selected.alike,
-    }
-}
-
 /// The problem of fitting a likelihood with the priors of a table.
 pub(crate) fn problem<'a>(likelihood: &'a dyn Likelihood, table: &Table) -> Problem<'a> {
     Problem {
         likelihood,
         priors: table.priors.clone(),
         longest: table.longest.clone(),
-    }
-}
-
-fn elimination<'a>(
-    problem: &'a Problem<'a>,
-    table: &'a Table,
-    nominal: &'a [f64],
-    useful: &'a (dyn Fn(&Term, &Fit, &Fit) -> bool + Sync),
-) -> Elimination<'a> {
-    Elimination {
-        problem,
-        always: table.always.clone(),
-        noise: &table.noise,
-        weights: &table.weights,
-        parts: &table.parts,
-        nominal,
-        criterion: Criterion::of(problem.likelihood, table.terms.len()),
-        twins: &table.twins,
-        useful,
     }
 }

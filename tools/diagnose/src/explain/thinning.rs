@@ -4,7 +4,8 @@
 //! evidence; rows of a camera whose errors are independent are all evidence.
 
 use crate::filter::Innovation;
-use crate::model::from_wheels::{FromWheels, Reference, View};
+use crate::model::from_wheels::{FromWheels, Reference};
+use crate::model::view::View;
 
 /// Largest autocorrelation of white innovations beside what chance makes of it.
 const WHITE: f64 = 0.03;

@@ -9,7 +9,7 @@ use crate::estimate::scoring::Fit;
 use crate::estimate::term::Term;
 use crate::model::streams::{Joint, ROBUST, Streams};
 use crate::model::table::{Asked, Table};
-use crate::select::elimination::{Kept, Selected};
+use crate::select::selected::{Kept, Selected};
 
 /// A search in all runs, as one in those of today, whose filters read `nominal` under the model of before.
 pub(super) fn of_today(

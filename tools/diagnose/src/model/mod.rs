@@ -10,3 +10,4 @@ pub(crate) mod nominal;
 pub(crate) mod run;
 pub(crate) mod streams;
 pub(crate) mod table;
+pub(crate) mod view;

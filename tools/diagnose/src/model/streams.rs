@@ -12,7 +12,8 @@ use nalgebra::DMatrix;
 use slipstream_bus::RobotModel;
 
 use super::command_to_wheels::{CommandToWheels, DriveView};
-use super::from_wheels::{FromWheels, View};
+use super::from_wheels::FromWheels;
+use super::view::View;
 use crate::data::command::CommandPath;
 use crate::estimate::information::empty;
 use crate::estimate::{BlockScore, Likelihood};

@@ -5,115 +5,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::criterion::Criterion;
 use super::halves::Halves;
+use super::selected::{Kept, Selected};
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
 use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
 use crate::estimate::term::Term;
-
-/// A term that is needed, and why.
-#[derive(Debug, Clone)]
-pub(crate) struct Kept {
-    pub(crate) term: Term,
-    /// Log-likelihood that it brings (nats).
-    pub(crate) gain: f64,
-    /// Its Wald statistic.
-    pub(crate) wald: f64,
-    /// Variance of each of its parameters below which nobody would call it a difference.
-    pub(crate) floors: Vec<f64>,
-}
-
-/// The outcome of an elimination.
-#[derive(Debug, Clone)]
-pub(crate) struct Selected {
-    pub(crate) fit: Fit,
-    pub(crate) precision: Precision,
-    pub(crate) kept: Vec<Kept>,
-    /// Terms that were kept, each with one that fits as well in its place.
-    pub(crate) alike: Vec<[&'static str; 2]>,
-    /// What the halves of the recordings say by themselves, where each of them can.
-    pub(crate) halves: Option<Halves>,
-}
-
-impl Selected {
-    /// Nothing, of so many parameters that are 0.
-    pub(crate) fn nothing(parameters: usize) -> Self {
-        Self {
-            fit: Fit {
-                at: vec![0.0; parameters],
-                free: Vec::new(),
-                objective: 0.0,
-                converged: true,
-            },
-            precision: Precision {
-                covariance: DMatrix::zeros(0, 0),
-                expected: DMatrix::zeros(0, 0),
-                dispersion: Vec::new(),
-            },
-            kept: Vec::new(),
-            alike: Vec::new(),
-            halves: None,
-        }
-    }
-
-    /// A term that was kept.
-    pub(crate) fn kept(&self, name: &str) -> Option<&Kept> {
-        self.kept.iter().find(|kept| kept.term.name == name)
-    }
-
-    /// Deviation of a linear combination of free parameters, given as (index, weight).
-    pub(crate) fn deviation(&self, weights: &[(usize, f64)]) -> f64 {
-        let place = |index: usize| self.fit.free.iter().position(|f| *f == index);
-        let used: Vec<(usize, f64)> = weights
-            .iter()
-            .filter_map(|(i, w)| Some((place(*i)?, *w)))
-            .collect();
-        let mut variance = 0.0;
-        for (a, wa) in &used {
-            for (b, wb) in &used {
-                variance += wa * wb * self.precision.covariance[(*a, *b)];
-            }
-        }
-        for (index, weight) in weights {
-            variance += weight * weight * self.floor(*index);
-        }
-        (variance.max(0.0) + self.spread(weights)).sqrt()
-    }
-
-    /// Variance of a linear combination of free parameters that its halves differ by beyond their own errors: what
-    /// is not constant is known no better than it varies.
-    fn spread(&self, weights: &[(usize, f64)]) -> f64 {
-        let Some([difference, error]) = self.difference(weights) else {
-            return 0.0;
-        };
-        let excess = difference * difference - error * error;
-        // the mean of two halves
-        if excess > 0.0 { excess / 4.0 } else { 0.0 }
-    }
-
-    /// By how much the second half's value of a linear combination is larger than the first one's, and the
-    /// deviation of that difference; `None` where they do not differ beyond it.
-    pub(crate) fn difference(&self, weights: &[(usize, f64)]) -> Option<[f64; 2]> {
-        let halves = self.halves.as_ref()?;
-        let floors: f64 = weights
-            .iter()
-            .map(|(index, weight)| 2.0 * weight * weight * self.floor(*index))
-            .sum();
-        let own: Vec<(usize, f64)> = weights
-            .iter()
-            .filter_map(|(i, w)| Some((self.fit.free.iter().position(|f| f == i)?, *w)))
-            .collect();
-        halves.difference(&own, floors)
-    }
-
-    fn floor(&self, index: usize) -> f64 {
-        let mut floors = self
-            .kept
-            .iter()
-            .flat_map(|k| k.term.parameters.iter().zip(&k.floors));
-        floors
-            .find(|(own, _)| **own == index)
-            .map_or(0.0, |(_, floor)| *floor)
-    }
-}
 
 /// What one round of the elimination did.
 enum Round {
@@ -238,15 +133,21 @@ impl Elimination<'_> {
         at
     }
 
+    /// `at` with the logs of all noise sizes moved by so much.
+    pub(crate) fn with_noise(&self, at: &[f64], shift: f64) -> Vec<f64> {
+        let mut moved = at.to_vec();
+        for index in self.noise {
+            moved[*index] += shift;
+        }
+        moved
+    }
+
     /// The same from larger and from smaller noise: what was fitted with more terms may be too small a
     /// start, and what wanders may have settled too large.
     pub(crate) fn again(&self, start: &[f64], terms: &[Term], all: &[Term], first: Fit) -> Fit {
         let (free, _) = self.free(terms);
         [0.5, -0.5].into_iter().fold(first, |best, shift| {
-            let mut at = self.without(start, terms, all);
-            for index in self.noise {
-                at[*index] += shift;
-            }
+            let at = self.with_noise(&self.without(start, terms, all), shift);
             let other = self.problem.fit(&at, &free, SHORT);
             if other.objective > best.objective + 0.5 {
                 self.problem.fit(&other.at, &free, FULL)
@@ -396,9 +297,7 @@ impl Elimination<'_> {
 
     /// By how much less a gain of this term counts, for its rows err together.
     fn overdispersion(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
-        let places = term.parameters.iter();
-        let places = places.filter_map(|index| fit.free.iter().position(|f| f == index));
-        precision.overdispersion(&places.collect::<Vec<_>>())
+        precision.overdispersion(&fit.places(&term.parameters))
     }
 
     /// Tries to remove each term, the weakest first.
@@ -552,11 +451,7 @@ impl Elimination<'_> {
     }
 
     fn wald_beside(&self, term: &Term, fit: &Fit, precision: &Precision, floors: &[f64]) -> f64 {
-        let places: Vec<usize> = term
-            .parameters
-            .iter()
-            .filter_map(|index| fit.free.iter().position(|f| f == index))
-            .collect();
+        let places = fit.places(&term.parameters);
         let k = places.len();
         if term.is_profiled() || k < term.parameters.len() {
             return 0.0;

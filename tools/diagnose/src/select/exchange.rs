@@ -5,8 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::chosen::Chosen;
 use super::criterion::{BETTER_NATS, TIE_NATS};
 use super::elimination::Elimination;
-use super::sums::Sums;
-use crate::estimate::scoring::{FULL, Fit, SHORT};
+use crate::estimate::scoring::{FULL, Fit, SHORT, summed};
 use crate::estimate::term::{Search, Term};
 
 /// A term is tried in the place of another from which it would take over this share.
@@ -65,9 +64,7 @@ impl Elimination<'_> {
         let (_, information) = self.problem.total(&scores, &fit.at, &fit.free);
         let covariance = information.cholesky()?.inverse();
         let loss = |term: &Term| {
-            let places = term.parameters.iter();
-            let places = places.filter_map(|index| fit.free.iter().position(|f| f == index));
-            let places: Vec<usize> = places.collect();
+            let places = fit.places(&term.parameters);
             let count = places.len();
             let own = DMatrix::from_fn(count, count, |i, k| covariance[(places[i], places[k])]);
             let size = DVector::from_fn(count, |i, _| fit.at[term.parameters[i]]);
@@ -157,14 +154,13 @@ impl Elimination<'_> {
         }
         indices.sort_unstable();
         indices.dedup();
-        let mut sums = Sums::new(&self.problem.likelihood.score(&at, &indices));
-        for (place, index) in indices.iter().enumerate() {
-            sums.information[(place, place)] += self.problem.priors[*index].precision();
-        }
+        let scores = self.problem.likelihood.score(&at, &indices);
+        let (_, mut information) = summed(&scores, indices.len());
+        self.problem.add_priors(&mut information, &indices);
         Overlap {
             at,
             indices,
-            information: sums.information,
+            information,
         }
     }
 }

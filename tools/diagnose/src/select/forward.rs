@@ -71,11 +71,8 @@ impl Elimination<'_> {
         }
         let (free, _) = self.free(&terms);
         let fits = LOWERED_MORE.par_iter().map(|lowered| {
-            let mut at = at.clone();
-            for index in self.noise {
-                at[*index] -= lowered;
-            }
-            self.problem.fit(&at, &free, FULL)
+            self.problem
+                .fit(&self.with_noise(&at, -lowered), &free, FULL)
         });
         let fits: Vec<Fit> = fits.collect();
         let best = fits

@@ -10,4 +10,4 @@ mod exchange;
 mod forward;
 pub(crate) mod halves;
 mod screen;
-mod sums;
+pub(crate) mod selected;

@@ -6,8 +6,7 @@ use rayon::prelude::*;
 
 use super::chosen::Chosen;
 use super::elimination::Elimination;
-use super::sums::Sums;
-use crate::estimate::scoring::Fit;
+use crate::estimate::scoring::{Fit, summed};
 use crate::estimate::term::{Search, Term};
 
 /// Places at which a profile is looked at before its steps get smaller.
@@ -49,17 +48,14 @@ impl Elimination<'_> {
             .par_iter()
             .filter_map(|lowered| self.scores(&chosen.fit, &lacking, *lowered))
             .collect();
+        // from the noise that was fitted, and from less: what acts all the time was noise so far
+        let less = self.with_noise(&chosen.fit.at, -LOWERED[1]);
         let candidates = lacking.par_iter().filter_map(|term| {
             let smooth = scores.iter().filter(|_| !term.is_profiled());
             let promises = smooth.map(|own| own.promise(term));
-            // from the noise that was fitted, and from less: what acts all the time was noise so far
-            let mut less = chosen.fit.at.clone();
-            for index in self.noise {
-                less[*index] -= LOWERED[1];
-            }
             let mut own = Candidate {
                 term,
-                starts: [chosen.fit.at.clone(), less],
+                starts: [chosen.fit.at.clone(), less.clone()],
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
@@ -117,12 +113,11 @@ impl Elimination<'_> {
 
     /// What one Newton step of a term's own parameters promises (nats).
     fn newton(&self, at: &[f64], term: &Term) -> f64 {
-        let mut own = Sums::new(&self.problem.likelihood.score(at, &term.parameters));
-        for (place, index) in term.parameters.iter().enumerate() {
-            own.information[(place, place)] += self.problem.priors[*index].precision();
-        }
-        let step = own.information.cholesky().map(|c| c.solve(&own.gradient));
-        step.map_or(0.0, |step| 0.5 * own.gradient.dot(&step))
+        let own = &term.parameters;
+        let scores = self.problem.likelihood.score(at, own);
+        let (gradient, mut information) = summed(&scores, own.len());
+        self.problem.add_priors(&mut information, own);
+        promised(information, &gradient)
     }
 
     /// What `added` parameters promise beside all others of `free` (nats), at the noise of `at` and at less.
@@ -132,34 +127,20 @@ impl Elimination<'_> {
             .filter(|i| !added.contains(&free[*i]))
             .collect();
         let promises = LOWERED.par_iter().map(|lowered| {
-            let mut at = at.to_vec();
-            for index in self.noise {
-                at[*index] -= lowered;
-            }
+            let at = self.with_noise(at, -lowered);
             let scores = self.problem.likelihood.score(&at, free);
             let (gradient, information) = self.problem.total(&scores, &at, free);
-            let [fitted, own] = [
-                (
-                    information.select_rows(&kept).select_columns(&kept),
-                    gradient.select_rows(&kept),
-                ),
-                (information, gradient),
-            ];
-            let gain = |(information, gradient): (DMatrix<f64>, DVector<f64>)| {
-                let step = information.cholesky().map(|own| own.solve(&gradient));
-                step.map_or(0.0, |step| 0.5 * gradient.dot(&step))
-            };
-            gain(own) - gain(fitted) - (known - self.problem.objective(&at, free))
+            let of_kept = information.select_rows(&kept).select_columns(&kept);
+            let fitted = promised(of_kept, &gradient.select_rows(&kept));
+            let own = promised(information, &gradient);
+            own - fitted - (known - self.problem.objective(&at, free))
         });
         promises.reduce(|| 0.0, f64::max)
     }
 
     /// Scores of everything that is fitted and that is lacking, with noise sizes lowered by so much.
     fn scores(&self, fit: &Fit, lacking: &[&Term], lowered: f64) -> Option<Scores> {
-        let mut at = fit.at.clone();
-        for index in self.noise {
-            at[*index] -= lowered;
-        }
+        let at = self.with_noise(&fit.at, -lowered);
         let lost = fit.objective - self.problem.objective(&at, &fit.free);
         let mut indices = fit.free.clone();
         let smooth = lacking.iter().filter(|term| !term.is_profiled());
@@ -169,30 +150,29 @@ impl Elimination<'_> {
             }
         }
         let scores = self.problem.likelihood.score(&at, &indices);
-        let mut sums = Sums::new(&scores);
-        for (place, index) in fit.free.iter().enumerate() {
-            sums.information[(place, place)] += self.problem.priors[*index].precision();
-        }
+        let (gradient, mut all) = summed(&scores, indices.len());
+        self.problem.add_priors(&mut all, &fit.free);
         let count = fit.free.len();
-        let fitted = sums.information.view((0, 0), (count, count)).into_owned();
+        let fitted = all.view((0, 0), (count, count)).into_owned();
         let factor = fitted.cholesky()?;
-        let beside = sums.information.columns(count, indices.len() - count);
+        let beside = all.columns(count, indices.len() - count);
         let across = beside.rows(0, count).into_owned();
         let own = beside.rows(count, indices.len() - count).into_owned();
         let mut information = own - across.transpose() * factor.solve(&across);
-        for (place, index) in indices[count..].iter().enumerate() {
-            information[(place, place)] += self.problem.priors[*index].precision();
-        }
+        self.problem.add_priors(&mut information, &indices[count..]);
         Some(Scores {
             lost,
             information,
-            gradient: sums
-                .gradient
-                .rows(count, indices.len() - count)
-                .into_owned(),
+            gradient: gradient.rows(count, indices.len() - count).into_owned(),
             indices: indices.split_off(count),
         })
     }
+}
+
+/// What a Newton step gains where a likelihood is quadratic (nats).
+fn promised(information: DMatrix<f64>, gradient: &DVector<f64>) -> f64 {
+    let step = information.cholesky().map(|own| own.solve(gradient));
+    step.map_or(0.0, |step| 0.5 * gradient.dot(&step))
 }
 
 /// Values around the best of `starts`, in ever smaller steps towards the best of them.

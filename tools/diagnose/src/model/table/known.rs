@@ -19,6 +19,31 @@ pub(crate) struct Asked<'a> {
     pub(crate) by_run: [bool; 2],
 }
 
+impl Asked<'_> {
+    /// Where a place stands among what the filters read: of today's runs, or of what they share with those from before.
+    pub(super) fn index(&self, place: Place, is_shared: bool) -> usize {
+        let reference = self.streams.reference;
+        match (place, self.streams.drive) {
+            (Drive(own), Some(_)) if is_shared => {
+                self.streams.drive_first() + CommandToWheels::shared(own)
+            }
+            (Drive(own), Some(_)) => self.streams.drive_first() + own,
+            (Drive(own), None) if is_shared => reference.shared(DRIVE_FIRST + own),
+            (Drive(own), None) => DRIVE_FIRST + own,
+            (Reference(own), _) if is_shared => reference.shared(own),
+            (Reference(own), _) => own,
+        }
+    }
+
+    /// Whether the filter of a place has runs from before.
+    pub(super) fn compares(&self, place: Place) -> bool {
+        match (place, self.streams.drive) {
+            (Drive(_), Some(drive)) => drive.before.any(),
+            _ => self.streams.reference.before.any(),
+        }
+    }
+}
+
 /// What is known of the streams when their table is made.
 pub(super) struct Known<'a> {
     pub(super) streams: Streams<'a>,
@@ -76,14 +101,9 @@ impl<'a> Known<'a> {
     /// Whether runs from before are fitted with a parameter whatever changed: what the streams show, and
     /// what the machine had before.
     pub(super) fn had(&self, asked: &Asked<'_>, row: &Row, later: bool) -> bool {
-        let first = self.streams.drive_first();
         let known = row.moves.iter().any(|(place, _)| {
-            let index = match (*place, self.streams.drive) {
-                (Drive(own), Some(_)) => first + CommandToWheels::shared(own),
-                (Drive(own), None) => self.streams.reference.shared(DRIVE_FIRST + own),
-                (Reference(own), _) => self.streams.reference.shared(own),
-            };
-            asked.nominal.get(index).is_some_and(|own| *own != 0.0)
+            let own = asked.nominal.get(asked.index(*place, true));
+            own.is_some_and(|own| *own != 0.0)
         });
         !later || known
     }
@@ -127,14 +147,8 @@ impl<'a> Known<'a> {
 
     /// What the drive has of a parameter before any change.
     pub(super) fn nominal_of(&self, drive: usize) -> f64 {
-        let index = match self.streams.drive {
-            Some(own) if own.before.any() => {
-                self.streams.drive_first() + CommandToWheels::shared(drive)
-            }
-            Some(_) => self.streams.drive_first() + drive,
-            None if self.streams.compares() => self.streams.reference.shared(DRIVE_FIRST + drive),
-            None => DRIVE_FIRST + drive,
-        };
-        self.asked.nominal[index]
+        let place = Drive(drive);
+        let is_shared = self.asked.compares(place);
+        self.asked.nominal[self.asked.index(place, is_shared)]
     }
 }

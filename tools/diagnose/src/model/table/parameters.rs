@@ -1,13 +1,11 @@
 //! The parameters of one machine, and its terms.
 
-use super::draft::Place::{Drive, Reference};
 use super::draft::{Draft, Drafted, Place, Row, about, acts};
 use super::known::{Asked, Known};
 use super::sizes::{FACTOR, USUAL, repeatability};
 use crate::estimate::Prior;
 use crate::estimate::term::Term;
-use crate::model::command_to_wheels::CommandToWheels;
-use crate::model::from_wheels::{DRIVE_FIRST, RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK};
+use crate::model::from_wheels::{RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK};
 
 /// Which parameter it is: the same in the table of all runs and in that of today's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,6 +16,18 @@ pub(crate) struct Key {
     pub(crate) number: usize,
     /// Of runs from before and of today alike, where these are compared.
     pub(crate) is_shared: bool,
+}
+
+impl Key {
+    /// The first parameter of a name, of a robot or of the machine.
+    pub(crate) fn of(name: &'static str, robot: Option<i64>) -> Self {
+        Self {
+            name,
+            robot,
+            number: 0,
+            is_shared: false,
+        }
+    }
 }
 
 /// The parameters of one machine, and its terms.
@@ -93,27 +103,11 @@ impl Table {
         if let Some(known) = self.find(&key) {
             return known;
         }
-        let streams = &asked.streams;
-        let first = streams.drive_first();
-        let index = |place: &Place| match (*place, streams.drive) {
-            (Drive(own), Some(_)) if is_shared => first + CommandToWheels::shared(own),
-            (Drive(own), Some(_)) => first + own,
-            (Drive(own), None) if is_shared => streams.reference.shared(DRIVE_FIRST + own),
-            (Drive(own), None) => DRIVE_FIRST + own,
-            (Reference(own), _) if is_shared => streams.reference.shared(own),
-            (Reference(own), _) => own,
-        };
         // a part without runs from before has nothing to share with them
-        let has = |place: &Place| {
-            let before = match (place, streams.drive) {
-                (Drive(_), Some(drive)) => &drive.before,
-                _ => &streams.reference.before,
-            };
-            !is_shared || before.any()
-        };
-        let moves = row.moves.iter().filter(|(place, _)| has(place));
+        let has = |place: Place| !is_shared || asked.compares(place);
+        let moves = row.moves.iter().filter(|(place, _)| has(*place));
         let weights = moves
-            .map(|(place, weight)| (index(place), *weight))
+            .map(|(place, weight)| (asked.index(*place, is_shared), *weight))
             .collect();
         let prior = if is_shared {
             about(row.prior.deviation)
@@ -200,12 +194,10 @@ impl Table {
         deviation: f64,
     ) -> usize {
         let reference = asked.streams.reference;
-        let key = Key {
+        let key = Key::of(
             name,
-            robot: Some(robot(reference.runs[run].robot, reference.before.robots)),
-            number: 0,
-            is_shared: false,
-        };
+            Some(robot(reference.runs[run].robot, reference.before.robots)),
+        );
         let index = reference.of_run(run, parameter);
         if let Some(known) = self.find(&key) {
             return known;
@@ -239,12 +231,7 @@ impl Table {
                 own.extend([("run late", RUN_LATE, 0.3), ("run rate", RUN_RATE, 0.003)]);
             }
             for (name, parameter, deviation) in own {
-                let key = Key {
-                    name,
-                    robot: Some(robot(run.robot, reference.before.robots)),
-                    number: 0,
-                    is_shared: false,
-                };
+                let key = Key::of(name, Some(robot(run.robot, reference.before.robots)));
                 let index = vec![(reference.of_run(i, parameter), 1.0)];
                 let at = self.push(key, index, about(deviation), deviation / 2.0);
                 self.always.push(at);
