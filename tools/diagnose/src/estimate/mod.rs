@@ -45,6 +45,18 @@ pub(crate) trait Likelihood: Sync {
     /// Log-likelihood of each block (nats).
     fn value(&self, at: &[f64]) -> Vec<f64>;
 
+    /// The log-likelihood of each block (nats) near `at`, as far as a look at many parameters needs it: what costs
+    /// much may stay as it is at `at`.
+    fn near<'a>(&'a self, _at: &[f64]) -> Box<dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a> {
+        Box::new(|other| self.value(other))
+    }
+
+    /// Where fits of a term begin that is searched by [`term::Search::Located`], beside `at`; `rival` is the best fit
+    /// with another term.
+    fn located(&self, _term: &term::Term, _at: &[f64], _rival: &[f64]) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// Score and Fisher information of each block with regard to the parameters `free`.
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore>;
 }

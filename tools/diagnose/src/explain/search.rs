@@ -171,6 +171,7 @@ impl Search<'_> {
             problem: &problem(&joint, table),
             always: table.always.clone(),
             noise: &table.noise,
+            sizes: &table.noise,
             weights: &table.weights,
             parts: &table.parts,
             nominal: &self.nominal_values(table),

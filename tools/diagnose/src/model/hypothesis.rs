@@ -192,6 +192,16 @@ pub(crate) fn changes_commands_over_time(info: &Info) -> bool {
     info.site == ModelSite::Command && info.acts == When::Always && !by_factors
 }
 
+/// Effects at one time or place: where they are is searched.
+pub(crate) fn momentary_and_placed() -> impl Iterator<Item = Hypothesis> {
+    let own = CATALOGUE.iter().filter(|info| is_local(info));
+    own.map(|info| {
+        let numbers = info.parameters.iter().filter(|p| !p.alternative);
+        let begun = |p: &ParameterInfo| (p.name, probes(p).first().copied().unwrap_or(0.0));
+        Hypothesis::new(info, numbers.map(begun).collect())
+    })
+}
+
 /// Whether an effect has a place or a time that is searched.
 fn is_local(info: &Info) -> bool {
     matches!(info.acts, When::Inside | When::Once)

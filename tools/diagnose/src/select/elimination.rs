@@ -39,8 +39,9 @@ pub(crate) struct Elimination<'a> {
     pub(crate) problem: &'a Problem<'a>,
     /// Parameters that are always free and no noise sizes.
     pub(crate) always: Vec<usize>,
-    /// Noise sizes.
+    /// Noise parameters, and those of them that are sizes.
     pub(crate) noise: &'a [usize],
+    pub(crate) sizes: &'a [usize],
     /// How each parameter moves what the likelihood reads.
     pub(crate) weights: &'a [Vec<(usize, f64)>],
     /// The parts of the likelihood that each parameter moves, a bit for each.
@@ -136,7 +137,7 @@ impl Elimination<'_> {
     /// `at` with the logs of all noise sizes moved by so much.
     pub(crate) fn with_noise(&self, at: &[f64], shift: f64) -> Vec<f64> {
         let mut moved = at.to_vec();
-        for index in self.noise {
+        for index in self.sizes {
             moved[*index] += shift;
         }
         moved
@@ -297,6 +298,9 @@ impl Elimination<'_> {
 
     /// By how much less a gain of this term counts, for its rows err together.
     fn overdispersion(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
+        if term.rare {
+            return 1.0;
+        }
         precision.overdispersion(&fit.places(&term.parameters))
     }
 
@@ -306,7 +310,7 @@ impl Elimination<'_> {
         let precision = Precision::new(self.problem, fit, physics)?;
         let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
         let share = |i: &usize| {
-            if left[*i].is_profiled() {
+            if left[*i].is_decided_by_gain() {
                 return 1.0;
             }
             walds[*i] / self.criterion.least_wald(left[*i].parameters.len())
@@ -361,7 +365,7 @@ impl Elimination<'_> {
     /// Removes all terms at once that are far from being needed, where that costs nothing.
     fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
         let is_idle =
-            |i: usize| !left[i].is_profiled() && walds[i] < IDLE * left[i].parameters.len() as f64;
+            |i: usize| !left[i].is_decided_by_gain() && walds[i] < IDLE * left[i].parameters.len() as f64;
         let rest: Vec<Term> = (0..left.len())
             .filter(|i| !is_idle(*i))
             .map(|i| left[i].clone())
@@ -404,8 +408,8 @@ impl Elimination<'_> {
         let clear =
             known && wald > self.criterion.least_wald(count) * term.inflation * term.inflation;
         self.is_possible(term, fit)
-            && (clear || term.is_profiled())
-            && gain - best > 0.0
+            && (clear || term.is_decided_by_gain())
+            && (gain - best > 0.0 || term.rare)
             && (!term.lasting || (self.useful)(term, fit, less))
     }
 
@@ -453,7 +457,7 @@ impl Elimination<'_> {
     fn wald_beside(&self, term: &Term, fit: &Fit, precision: &Precision, floors: &[f64]) -> f64 {
         let places = fit.places(&term.parameters);
         let k = places.len();
-        if term.is_profiled() || k < term.parameters.len() {
+        if term.is_decided_by_gain() || k < term.parameters.len() {
             return 0.0;
         }
         let d = DVector::from_iterator(k, term.parameters.iter().map(|i| fit.at[*i]));

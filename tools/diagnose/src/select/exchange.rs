@@ -84,7 +84,7 @@ impl Elimination<'_> {
         let lacking = all
             .iter()
             .filter(|term| !chosen.has(term.name) && !term.is_nuisance());
-        let lacking: Vec<&Term> = lacking.filter(|term| !term.is_profiled()).collect();
+        let lacking: Vec<&Term> = lacking.filter(|term| term.is_smooth()).collect();
         let overlap = self.overlap(&chosen.fit, &lacking);
         let own = chosen.terms.iter();
         let own: Vec<Term> = own
@@ -142,7 +142,7 @@ impl Elimination<'_> {
         for term in lacking {
             if let Search::Smooth(starts) = &term.search
                 && let ([index], Some(first)) = (term.parameters.as_slice(), starts.first())
-                && (term.positive || term.name == "lag")
+                && term.kinked
             {
                 at[*index] = first[0];
             }

@@ -86,8 +86,13 @@ impl Elimination<'_> {
     }
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
-        let candidates = self.screened(chosen, all);
-        let best = self.best(chosen, &candidates);
+        let best = self.best(chosen, &self.screened(chosen, all));
+        let rival = best.as_ref().map_or(&chosen.fit, |own| &own.fit);
+        let located = self.best(chosen, &self.located(chosen, rival, all));
+        let best = best.into_iter().chain(located).max_by(|a, b| {
+            let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
+            a.total_cmp(&b)
+        });
         best.filter(|own| self.worth(own) > self.worth(chosen))
     }
 

@@ -28,7 +28,7 @@ const PROMISE: f64 = 0.5;
 /// A term that may be lacking, where its fit may begin, and what it promises to gain (nats).
 pub(super) struct Candidate<'a> {
     pub(super) term: &'a Term,
-    pub(super) starts: [Vec<f64>; 2],
+    pub(super) starts: Vec<Vec<f64>>,
     promise: f64,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Start {
 impl Elimination<'_> {
     /// Candidates beside `chosen`, the most promising first.
     pub(super) fn screened<'t>(&self, chosen: &Chosen, all: &'t [Term]) -> Vec<Candidate<'t>> {
-        let lacking = all.iter().filter(|term| !chosen.has(term.name));
+        let lacking = all.iter().filter(|term| !chosen.has(term.name) && term.search != Search::Located);
         let lacking: Vec<&Term> = lacking.collect();
         let scores: Vec<Scores> = LOWERED
             .par_iter()
@@ -51,11 +51,11 @@ impl Elimination<'_> {
         // from the noise that was fitted, and from less: what acts all the time was noise so far
         let less = self.with_noise(&chosen.fit.at, -LOWERED[1]);
         let candidates = lacking.par_iter().filter_map(|term| {
-            let smooth = scores.iter().filter(|_| !term.is_profiled());
+            let smooth = scores.iter().filter(|_| term.is_smooth());
             let promises = smooth.map(|own| own.promise(term));
             let mut own = Candidate {
                 term,
-                starts: [chosen.fit.at.clone(), less.clone()],
+                starts: vec![chosen.fit.at.clone(), less.clone()],
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
@@ -74,8 +74,20 @@ impl Elimination<'_> {
         candidates
     }
 
+    /// Candidates beside `chosen` that act at a time or a place; `rival` is the best fit with another one.
+    pub(super) fn located<'t>(&self, chosen: &Chosen, rival: &Fit, all: &'t [Term]) -> Vec<Candidate<'t>> {
+        let located = all.iter().filter(|term| term.search == Search::Located && !chosen.has(term.name));
+        let of = |term: &'t Term| Candidate {
+            term,
+            starts: self.problem.likelihood.located(term, &chosen.fit.at, &rival.at),
+            promise: 0.0,
+        };
+        located.map(of).filter(|own| !own.starts.is_empty()).collect()
+    }
+
     /// Places at which a fit of a term may begin, and what they promise (nats).
     pub(super) fn starts(&self, fit: &Fit, term: &Term) -> Vec<Start> {
+        let near = self.problem.likelihood.near(&fit.at);
         let start = |values: &[f64]| {
             let mut at = fit.at.clone();
             for (index, value) in term.parameters.iter().zip(values) {
@@ -83,7 +95,8 @@ impl Elimination<'_> {
             }
             let own = term.parameters.iter();
             let prior: f64 = own.map(|i| self.problem.priors[*i].log(at[*i])).sum();
-            let gain = self.problem.objective(&at, &fit.free) + prior - fit.objective;
+            let own: f64 = near(&at).iter().sum();
+            let gain = own + self.problem.log_prior(&at, &fit.free) + prior - fit.objective;
             Start {
                 at,
                 gain,
@@ -91,6 +104,7 @@ impl Elimination<'_> {
             }
         };
         match &term.search {
+            Search::Located => Vec::new(),
             Search::Profiled(values) => profiled(values, &|value| start(&[value])),
             Search::Smooth(starts) => {
                 let mut all: Vec<Start> = starts.iter().map(|own| start(own)).collect();
@@ -143,7 +157,7 @@ impl Elimination<'_> {
         let at = self.with_noise(&fit.at, -lowered);
         let lost = fit.objective - self.problem.objective(&at, &fit.free);
         let mut indices = fit.free.clone();
-        let smooth = lacking.iter().filter(|term| !term.is_profiled());
+        let smooth = lacking.iter().filter(|term| term.is_smooth());
         for index in smooth.flat_map(|term| &term.parameters) {
             if !indices.contains(index) {
                 indices.push(*index);

@@ -137,6 +137,8 @@ impl Table {
             usual: USUAL.contains(&draft.name),
             positive: draft.positive,
             lasting: draft.lasting,
+            rare: false,
+            kinked: draft.positive || draft.name == "lag",
             acts: acts(&draft.rows),
             shown: Vec::new(),
         };

@@ -1,24 +1,17 @@
-//! Effects at one time or place: pushes by a backward pass, patches by trying places along the way.
+//! Patches of the floor: each place where something pushes is tried, and the best patches are moved and resized.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 use slipstream_sim::effects::find;
 
-use super::channels::weights;
-use super::fit::Fit;
+use super::filtered::Filtered;
+use super::likelihood::Plant;
 use super::machine::Machine;
-use super::screen::{Candidate, beside};
-use crate::filter::dynamic::impulse::{Impulse, impulses};
-use crate::filter::wrapped;
+use super::table::Table;
+use crate::estimate::scoring::{Problem, SearchLimits};
+use crate::estimate::term::Term;
 use crate::model::hypothesis::Hypothesis;
-
-/// A push lasts this long (s); its first instant lies half of it before the middle.
-const PUSH_S: f64 = 0.06;
-
-/// Gusts at most, and the time before and after its largest impulse (s) that belongs to one.
-const GUSTS: usize = 16;
-const GUST_S: [f64; 2] = [0.08, 0.15];
 
 /// Lengths by which a patch is looked for are in half tracks. Cells of the floor in which one is tried,
 /// and how many of them at most.
@@ -38,9 +31,6 @@ const PATCHES: usize = 2;
 /// Gain (−2 ln L) at the gains of the rolling model below which a place is not looked at again.
 const PLACE_GAIN: f64 = 6.0;
 
-/// Share of the gain of the best of all others below which a patch is not fitted.
-const RIVAL: f64 = 0.3;
-
 /// Trials of a random search, and how its steps grow with success and shrink without: one in five
 /// succeeds where they stay as they are (evolution strategy; Rechenberg 1973).
 const TRIALS: u32 = 60;
@@ -58,113 +48,76 @@ const NARROW: [f64; 4] = [0.4, 0.4, 0.3, 1.2];
 const RADIUS: [f64; 2] = [0.3, 10.0];
 const LEAST_INVERSE: f64 = 2.0;
 
-impl Machine {
-    /// Impulses beside `fit` in every interval that is believed, each with its run.
-    fn impulses(&self, fit: &Fit) -> Vec<(usize, Impulse)> {
-        let weights = weights(&fit.whitened, &self.channels);
-        let lever = self.model.robot.com_to_axle_m.unwrap_or(0.0);
-        let mut first = 0;
-        let mut all = Vec::new();
-        for (run, pass) in fit.passes.iter().enumerate() {
-            let end = first + 3 * self.runs[run].rows.len();
-            let own = impulses(pass, &fit.whitened[first..end], &weights[first..end], lever);
-            let left_out = &self.runs[run].left_out_s;
-            let believed = |impulse: &Impulse| {
-                let mut near = left_out.iter();
-                !near.any(|[from, to]| (from - PUSH_S..=to + PUSH_S).contains(&impulse.t_s))
-            };
-            all.extend(own.into_iter().filter(believed).map(|own| (run, own)));
-            first = end;
-        }
-        all
+/// A fit of the noise around a patch, which then moves again.
+const SETTLING: SearchLimits = SearchLimits {
+    iterations: 3,
+    tolerance_nats: 1.0,
+};
+
+impl Plant<'_> {
+    /// Where fits of a patch begin beside `at`.
+    pub(super) fn patches(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let fit = self.filtered(at)?;
+        let small = self.table.with_expected_noise(at);
+        let noise = self.noise(&small, true);
+        let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
+        let places = self.machine.conspicuous_places(&fit, &base)?;
+        // at small noise what slides is told from what pushes; where only noise is left, at its own
+        let least = PLACE_GAIN.max(SHARE * (base.deviance - fit.deviance));
+        let mut moved = self.machine.patches(&base, &places, least);
+        moved.extend(self.machine.patches(&fit, &places, PLACE_GAIN));
+        let settled = moved.par_iter().map(|own| {
+            let begun = self.table.with(&small, own);
+            self.settled(term, begun)
+        });
+        let mut settled: Vec<(f64, Vec<f64>)> = settled.collect();
+        settled.sort_by(|a, b| b.0.total_cmp(&a.0));
+        settled.truncate(1);
+        Some(settled.into_iter().map(|(_, at)| at).collect())
     }
 
-    /// The impulse that gains most beside `fit`, and its run.
-    fn impulse(&self, fit: &Fit) -> Option<(usize, Impulse)> {
-        let all = self.impulses(fit).into_iter();
-        all.reduce(|best, own| if own.1.gain > best.1.gain { own } else { best })
-    }
-
-    /// Marks the times at which something pushes for a moment beside `nominal`, one after the other,
-    /// while that gains `due` (−2 ln L). Returns the nominal model there.
-    pub(crate) fn mark_gusts(&mut self, nominal: Fit, due: f64) -> Option<Fit> {
-        let mut fit = nominal;
-        for _ in 0..GUSTS {
-            let Some((run, impulse)) = self.impulse(&fit).filter(|(_, own)| own.gain > due) else {
+    /// A patch moved while that gains: the noise falls as it comes near, and the search sharpens. Its
+    /// log-likelihood with the priors of noise (nats), and where it is.
+    fn settled(&self, term: &Term, begun: Vec<f64>) -> (f64, Vec<f64>) {
+        let problem = self.table.problem(self);
+        let with_noise = |at: &[f64]| {
+            let fit = problem.fit(at, &self.table.told, SETTLING);
+            (fit.objective, fit.at)
+        };
+        let mut best = with_noise(&begun);
+        let mut spread = WIDE;
+        for round in 1..=ROUNDS {
+            let before = best.0;
+            let Some(moved) = self.moved(term, &best.1, &spread, round) else {
                 break;
             };
-            let [before, after] = GUST_S;
-            self.runs[run]
-                .gusts_s
-                .push([impulse.t_s - before, impulse.t_s + after]);
-            let next = self.pass(Vec::new(), fit.noise)?;
-            fit = self.with_noise(next, 1, super::noise_sizes::QUICK);
-        }
-        self.nominal(&[])
-    }
-
-    /// The push that gains most beside `fit`.
-    pub(crate) fn push(&self, fit: &Fit) -> Option<Candidate> {
-        if !self.has_pose() {
-            return None;
-        }
-        let info = find("push")?;
-        let (run, impulse) = self.impulse(fit)?;
-        let mut heading = 0.0;
-        self.watched(fit, &fit.hypotheses, |index, t_s, state, _| {
-            if index == run && t_s <= impulse.t_s {
-                heading = state.pose()[2];
+            let next = with_noise(&moved);
+            if next.0 > best.0 {
+                best = next;
             }
-        })?;
-        let [along, across] = impulse.size;
-        let hypothesis = Hypothesis::new(
-            info,
-            vec![
-                ("t_s", (impulse.t_s - 0.5 * PUSH_S).max(0.0)),
-                ("impulse_n_s", along.hypot(across)),
-                ("direction_rad", wrapped(heading + across.atan2(along))),
-            ],
-        );
-        Some(Candidate {
-            hypothesis,
-            gain: impulse.gain,
-            fit: None,
-        })
-    }
-
-    /// The patch that gains most beside `fit`, fitted; none where the best of all others, with a gain of
-    /// `rival` (−2 ln L), gains much more at a glance.
-    pub(crate) fn patch(&self, fit: &Fit, rival: f64) -> Option<Candidate> {
-        if !self.has_pose() {
-            return None;
+            if best.0 - before < ROUND_GAIN / 2.0 {
+                spread = spread.map(|own| own * 0.5);
+            }
         }
-        let base = self.rolling_with_wheel_noise(fit)?;
-        let places = self.conspicuous_places(fit, &base)?;
-        // at small noise what slides is told from what pushes; where only noise is left, at its own
-        let least = PLACE_GAIN.max(RIVAL * rival);
-        let least_at_base = least.max(SHARE * (base.deviance - fit.deviance));
-        let mut moved = self.patches(fit, &base, &places, least_at_base);
-        moved.extend(self.patches(fit, fit, &places, least));
-        let settled = moved.into_par_iter().filter_map(|all| {
-            let begun = self.begun(fit, all)?;
-            Some(self.settled(begun, &WIDE))
-        });
-        let best = settled.min_by(|a, b| a.deviance.total_cmp(&b.deviance))?;
-        Some(Candidate {
-            hypothesis: best.hypotheses.last()?.clone(),
-            gain: fit.deviance - best.deviance,
-            fit: Some(best),
-        })
+        best
     }
 
-    /// The patches near `places` that gain most beside `fit` at the gains of `base`, and `least`.
-    fn patches(
-        &self,
-        fit: &Fit,
-        base: &Fit,
-        places: &[[f64; 2]],
-        least: f64,
-    ) -> Vec<Vec<Hypothesis>> {
+    /// The patch of `at` moved and resized at its gains.
+    fn moved(&self, term: &Term, at: &[f64], spread: &[f64; 4], seed: u64) -> Option<Vec<f64>> {
+        let fit = self.filtered(at)?;
+        let own = fit.hypotheses.iter().position(|own| own.is_placed())?;
+        let mut all = fit.hypotheses.clone();
+        let own = all.remove(own);
+        all.push(own);
+        let (_, all) = self.machine.searched(&fit, all, spread, seed);
+        let _ = term;
+        Some(self.table.with(at, all.last()?))
+    }
+}
+
+impl Machine {
+    /// The patches near `places` that gain most at the gains of `base`, and `least`.
+    fn patches(&self, base: &Filtered, places: &[[f64; 2]], least: f64) -> Vec<Hypothesis> {
         let Some(info) = find("friction_patch") else {
             return Vec::new();
         };
@@ -173,22 +126,21 @@ impl Machine {
         let each = places.par_iter().filter_map(|place| {
             let tried = around(info, *place, b).into_par_iter();
             let tried = tried.filter_map(|h| {
-                let e = self.promising(base, &beside(fit, &h))?;
+                let e = self.promising(base, &base.beside(&h))?;
                 Some((self.deviance(&e), h))
             });
             let best = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let (deviance, all) = self.searched(base, beside(fit, &best.1), &WIDE, 1);
-            Some((still - deviance, all))
+            let (deviance, mut all) = self.searched(base, base.beside(&best.1), &WIDE, 1);
+            Some((still - deviance, all.pop()?))
         });
-        let mut moved: Vec<(f64, Vec<Hypothesis>)> =
-            each.filter(|(gain, _)| *gain > least).collect();
+        let mut moved: Vec<(f64, Hypothesis)> = each.filter(|(gain, _)| *gain > least).collect();
         moved.sort_by(|a, b| b.0.total_cmp(&a.0));
         moved.truncate(PATCHES);
-        moved.into_iter().map(|(_, all)| all).collect()
+        moved.into_iter().map(|(_, own)| own).collect()
     }
 
     /// Places of the floor where something pushes the robot of `base` while a wheel is there: most first.
-    fn conspicuous_places(&self, fit: &Fit, base: &Fit) -> Option<Vec<[f64; 2]>> {
+    fn conspicuous_places(&self, fit: &Filtered, base: &Filtered) -> Option<Vec<[f64; 2]>> {
         let mut wheels: Vec<Vec<(f64, [[f64; 2]; 2])>> = vec![Vec::new(); self.runs.len()];
         let b = self.model.robot.half_track_m;
         self.watched(fit, &fit.hypotheses, |run, t_s, state, _| {
@@ -221,7 +173,7 @@ impl Machine {
     /// there, but for what does not depend on it. Its edge has no usable derivative.
     fn searched(
         &self,
-        fit: &Fit,
+        fit: &Filtered,
         all: Vec<Hypothesis>,
         spread: &[f64; 4],
         seed: u64,
@@ -266,39 +218,6 @@ impl Machine {
             }
         }
         best
-    }
-
-    /// The last effect of `fit`, a patch, moved and resized, and the noise anew.
-    fn moved_patch(&self, fit: Fit, spread: &[f64; 4], seed: u64) -> Option<Fit> {
-        let (_, all) = self.searched(&fit, fit.hypotheses.clone(), spread, seed);
-        let moved = self.pass(all, fit.noise)?;
-        let moved = self.with_noise(moved, 1, super::noise_sizes::QUICK);
-        Some(if moved.deviance < fit.deviance {
-            moved
-        } else {
-            fit
-        })
-    }
-
-    /// A patch moved while that gains: the noise falls as it comes near, and the search sharpens.
-    fn settled(&self, mut fit: Fit, spread: &[f64; 4]) -> Fit {
-        let mut spread = *spread;
-        for round in 1..=ROUNDS {
-            let before = fit.deviance;
-            let Some(next) = self.moved_patch(fit.clone(), &spread, round) else {
-                break;
-            };
-            fit = next;
-            if before - fit.deviance < ROUND_GAIN {
-                spread = spread.map(|own| own * 0.5);
-            }
-        }
-        fit
-    }
-
-    /// A patch to the end: narrower and narrower.
-    pub(crate) fn settled_patch(&self, fit: Fit) -> Fit {
-        self.settled(fit, &NARROW)
     }
 }
 

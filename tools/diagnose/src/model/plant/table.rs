@@ -1,0 +1,445 @@
+//! Effects of the catalogue as parameters of a likelihood, 0 where an effect does nothing.
+
+use slipstream_sim::effects::{Domain, Info, Role, When};
+
+use super::filtered::least_change;
+use super::machine::Machine;
+use super::noise;
+use crate::data::track::Track;
+use crate::estimate::scoring::Problem;
+use crate::estimate::{Likelihood, Prior};
+use crate::estimate::term::{Acts, Attribution, Search, Term};
+use crate::model::hypothesis::{
+    Hypothesis, all_sizes, come_round, kinds, momentary_and_placed, threshold,
+};
+
+/// Standard deviation of the size of an effect, in the smallest sizes that the catalogue expects: next to
+/// nothing is known of it.
+const DEVIATION: f64 = 100.0;
+/// Longest step of an iteration, in the same unit.
+const LONGEST: f64 = 20.0;
+/// The same of the log of a noise size.
+const LONGEST_NOISE: f64 = 2.0;
+/// Share of the smallest expected size below which an effect is what integrators differ by.
+const TINY: f64 = 0.02;
+/// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect.
+const COUNTS_WRONG: f64 = 6.0;
+/// Kinetic friction from which on no wheel is said to slip: rubber on a clean floor has 1.
+const GRIPS: f64 = 1.2;
+/// Smallest and largest play that is tried (rad).
+const PLAYS_RAD: [f64; 2] = [0.002, 0.15];
+/// Factor between two plays that are tried.
+const PLAYS_APART: f64 = 1.35;
+/// Share of all commanded sizes that a threshold swallows at most.
+const SWALLOWED: f64 = 0.95;
+
+/// How a number of an effect changes with its parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Link {
+    /// It is added.
+    Added,
+    /// It is added to the inverse: a limit that is infinite does nothing.
+    Inverse,
+    /// The same as an angle.
+    Angle,
+}
+
+/// One number of an effect.
+#[derive(Debug, Clone, Copy)]
+struct Number {
+    name: &'static str,
+    link: Link,
+    /// Change of the number, or of its inverse, by a parameter of 1.
+    unit: f64,
+    /// The number, or its inverse, where the parameter is 0.
+    nothing: f64,
+    bounds: [f64; 2],
+}
+
+impl Number {
+    fn new(own: &Hypothesis, name: &'static str, machine: &Machine) -> Self {
+        let info = own.info;
+        let parameter = info.parameter(name);
+        let (role, bounds) = match parameter.map(|p| (p.role, p.domain)) {
+            Some((role, Domain::Number { lower, upper, .. })) => (role, [lower, upper]),
+            _ => (Role::Size, [f64::NEG_INFINITY, f64::INFINITY]),
+        };
+        let link = match role {
+            Role::Limit => Link::Inverse,
+            Role::Direction => Link::Angle,
+            _ => Link::Added,
+        };
+        let nominal = own.nominal(&machine.model, name);
+        let nothing = match (link, nominal) {
+            (Link::Inverse, Some(limit)) => 1.0 / limit,
+            (Link::Inverse, None) => 0.0,
+            _ => own.nothing(&machine.model, name),
+        };
+        let length_m = machine.model.robot.half_track_m;
+        let unit = match (link, role) {
+            (Link::Inverse, _) => own.value(name).map_or(1.0, |value| 1.0 / value),
+            (Link::Angle, _) => 1.0,
+            (_, Role::Position | Role::Radius) => length_m,
+            (_, Role::Mass) => 0.1 * machine.model.robot.body_mass_kg.unwrap_or(1.0),
+            _ => least_change(info, name),
+        };
+        Self {
+            name,
+            link,
+            unit: if unit > 0.0 && unit.is_finite() { unit } else { 1.0 },
+            nothing,
+            bounds,
+        }
+    }
+
+    fn value(&self, info: &Info, at: f64) -> f64 {
+        let own = self.nothing + self.unit * at;
+        let [lower, upper] = self.bounds;
+        match self.link {
+            Link::Added => own.clamp(lower, upper),
+            Link::Angle => come_round(info, self.name, own),
+            Link::Inverse => (1.0 / own.max(1.0 / upper)).clamp(lower, upper),
+        }
+    }
+
+    fn at(&self, value: f64) -> f64 {
+        let own = match self.link {
+            Link::Inverse => 1.0 / value,
+            _ => value,
+        };
+        (own - self.nothing) / self.unit
+    }
+
+    /// Change of the number by its parameter.
+    fn slope(&self, value: f64) -> f64 {
+        match self.link {
+            Link::Inverse => -value * value * self.unit,
+            _ => self.unit,
+        }
+    }
+}
+
+/// One effect, in whatever numbers.
+#[derive(Debug, Clone)]
+pub(crate) struct Kind {
+    own: Hypothesis,
+    numbers: Vec<Number>,
+    /// Place of its first parameter.
+    first: usize,
+    /// The kind that it changes in runs of today.
+    base: Option<usize>,
+    /// It acts in runs from before, and is fitted in any case.
+    known: bool,
+    /// Numbers from which a search begins.
+    starts: Vec<Hypothesis>,
+}
+
+impl Kind {
+    fn places(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.numbers.len()
+    }
+}
+
+/// Parameters of effects and noise, and the terms that may be needed.
+pub(crate) struct Table {
+    kinds: Vec<Kind>,
+    pub(crate) terms: Vec<Term>,
+    /// Place of the first noise parameter.
+    noise: usize,
+    /// Noise parameters that the runs tell of, and those of them that are sizes.
+    pub(crate) told: Vec<usize>,
+    pub(crate) sizes: Vec<usize>,
+    /// Parameters of what is known to act.
+    pub(crate) always: Vec<usize>,
+    /// Where a fit of what is known begins.
+    pub(crate) start: Vec<f64>,
+    pub(crate) priors: Vec<Prior>,
+    pub(crate) longest: Vec<f64>,
+    pub(crate) twins: Vec<Option<usize>>,
+    /// What the model has of each, below which it may not fall.
+    pub(crate) nominal: Vec<f64>,
+}
+
+impl Table {
+    /// A table of what may be lacking (`all`, with the values from which each begins) beside what is `known`.
+    pub(crate) fn new(machine: &Machine, all: &[Hypothesis], known: &[Hypothesis]) -> Self {
+        let mut table = Self {
+            kinds: Vec::new(),
+            terms: Vec::new(),
+            noise: 0,
+            told: Vec::new(),
+            sizes: Vec::new(),
+            always: Vec::new(),
+            start: Vec::new(),
+            priors: Vec::new(),
+            longest: Vec::new(),
+            twins: Vec::new(),
+            nominal: Vec::new(),
+        };
+        for own in known {
+            table.add_known(machine, own);
+        }
+        for starts in kinds(all) {
+            table.add(machine, &starts);
+        }
+        for own in momentary_and_placed() {
+            if machine.has_pose() && machine.tries(own.info.id) {
+                table.add(machine, &[&own]);
+            }
+        }
+        table.add_noise(machine);
+        table
+    }
+
+    fn push(&mut self, machine: &Machine, own: &Hypothesis, base: Option<usize>, known: bool) -> usize {
+        let numbers = own.values.iter();
+        let numbers = numbers.map(|(name, _)| Number::new(own, name, machine));
+        let numbers: Vec<Number> = numbers.collect();
+        let first = self.priors.len();
+        for (place, number) in numbers.iter().enumerate() {
+            let twin = base.map(|base| self.kinds[base].first + place);
+            self.priors.push(Prior {
+                mean: 0.0,
+                deviation: DEVIATION,
+            });
+            self.longest.push(LONGEST);
+            self.twins.push(twin);
+            let grips = if slides_by(own, number) { -1.0 / GRIPS } else { 0.0 };
+            let nominal = number.nothing.max(0.0) + grips;
+            self.nominal.push(match base {
+                Some(base) => self.nominal[self.kinds[base].first + place],
+                None => nominal / number.unit,
+            });
+            self.start.push(if known { number.at(own.values[place].1) } else { 0.0 });
+        }
+        self.kinds.push(Kind {
+            own: own.clone(),
+            numbers,
+            first,
+            base,
+            known,
+            starts: Vec::new(),
+        });
+        self.kinds.len() - 1
+    }
+
+    fn add_known(&mut self, machine: &Machine, own: &Hypothesis) {
+        let kind = self.push(machine, own, None, true);
+        if !own.is_threshold() {
+            self.always.extend(self.kinds[kind].places());
+        }
+    }
+
+    /// One kind, with the values from which it begins.
+    fn add(&mut self, machine: &Machine, starts: &[&Hypothesis]) {
+        let own = starts[0];
+        let mut base = None;
+        if own.since {
+            base = self.kinds.iter().position(|kind| kind.own.is_of(own));
+            // what changed may as well have been there before
+            let before = Hypothesis {
+                since: false,
+                ..own.clone()
+            };
+            base = base.or_else(|| Some(self.push(machine, &before, None, false)));
+        }
+        let kind = self.push(machine, own, base, false);
+        self.kinds[kind].starts = starts.iter().map(|own| (*own).clone()).collect();
+        let kind = &self.kinds[kind];
+        let at = |own: &Hypothesis| -> Vec<f64> {
+            let pairs = kind.numbers.iter().zip(&own.values);
+            pairs.map(|(number, (_, value))| number.at(*value)).collect()
+        };
+        let search = if own.is_threshold() {
+            let [number] = kind.numbers.as_slice() else { return };
+            Search::Profiled(thresholds(machine).into_iter().map(|own| number.at(own)).collect())
+        } else if own.is_local() || own.is_abrupt() {
+            Search::Located
+        } else if own.replaces.is_some() || base.is_some_and(|base| self.kinds[base].known) {
+            Search::Smooth(Vec::new())
+        } else {
+            let plays = if own.has_play() { plays(own) } else { Vec::new() };
+            Search::Smooth(starts.iter().copied().chain(&plays).map(at).collect())
+        };
+        let count = kind.numbers.len();
+        let sizes = |number: &Number| number.link != Link::Angle && number.bounds[0] >= 0.0 && own.info.parameter(number.name).is_some_and(|p| p.role == Role::Size || p.role == Role::Limit);
+        self.terms.push(Term {
+            name: name(own),
+            parameters: kind.places().collect(),
+            resolution: vec![TINY * TINY; count],
+            repeatability: vec![0.0; count],
+            inflation: 1.0,
+            cost: if own.info.id == "encoder_scale" { COUNTS_WRONG } else { 0.0 },
+            positive: kind.numbers.iter().all(sizes),
+            rare: search == Search::Located,
+            search,
+            usual: false,
+            kinked: false,
+            lasting: false,
+            acts: Acts::default(),
+            shown: vec![Attribution {
+                effect: own.info.id,
+                word: own.text,
+                run: None,
+                values: Vec::new(),
+                parameters: kind.places().collect(),
+                confused: Vec::new(),
+                mirror: None,
+            }],
+        });
+    }
+
+    fn add_noise(&mut self, machine: &Machine) {
+        self.noise = self.priors.len();
+        for prior in noise::priors() {
+            self.priors.push(prior);
+            self.longest.push(LONGEST_NOISE);
+            self.twins.push(None);
+            self.nominal.push(0.0);
+            self.start.push(0.0);
+        }
+        let told = noise::told(machine.has_pose());
+        self.told = told.map(|index| self.noise + index).collect();
+        let is_size = |index: &&usize| **index < self.noise + noise::SIZES;
+        self.sizes = self.told.iter().filter(is_size).copied().collect();
+    }
+
+    /// The noise parameters of `at`.
+    pub(crate) fn of_noise<'a>(&self, at: &'a [f64]) -> &'a [f64] {
+        &at[self.noise..]
+    }
+
+    /// Whether a parameter is one of noise.
+    pub(crate) fn is_noise(&self, index: usize) -> bool {
+        index >= self.noise
+    }
+
+    /// Whether the likelihood may have a kink where this parameter is: a derivative by it is a mean over what
+    /// is known of it.
+    pub(crate) fn is_abrupt(&self, index: usize) -> bool {
+        let mut kinds = self.kinds.iter();
+        let own = kinds.find(|kind| kind.places().contains(&index));
+        own.is_some_and(|kind| kind.own.info.acts != When::Always)
+    }
+
+    /// Effects that act at `at`, each with the kind that it is.
+    fn acting<'a>(&'a self, at: &'a [f64]) -> impl Iterator<Item = &'a Kind> {
+        let acts = |kind: &&Kind| kind.known || kind.places().any(|index| at[index] != 0.0);
+        self.kinds.iter().filter(acts)
+    }
+
+    /// Effects that act at `at`.
+    pub(crate) fn hypotheses(&self, at: &[f64]) -> Vec<Hypothesis> {
+        let of = |kind: &Kind| {
+            let mut own = kind.own.clone();
+            for (place, (number, (_, value))) in kind.numbers.iter().zip(&mut own.values).enumerate() {
+                let base = kind.base.map_or(0.0, |base| at[self.kinds[base].first + place]);
+                *value = number.value(own.info, base + at[kind.first + place]);
+            }
+            own.keep_in_order();
+            own
+        };
+        self.acting(at).map(of).collect()
+    }
+
+    /// Each number of each of [`Table::hypotheses`] as parameters with their weights; none of a threshold.
+    pub(crate) fn weights(&self, at: &[f64]) -> Vec<Vec<Vec<(usize, f64)>>> {
+        let hypotheses = self.hypotheses(at);
+        let of = |(kind, own): (&Kind, Hypothesis)| {
+            if own.is_threshold() {
+                return Vec::new();
+            }
+            let numbers = kind.numbers.iter().zip(&own.values).enumerate();
+            let numbers = numbers.map(|(place, (number, (_, value)))| {
+                let slope = number.slope(*value);
+                let base = kind.base.map(|base| (self.kinds[base].first + place, slope));
+                std::iter::once((kind.first + place, slope)).chain(base).collect()
+            });
+            numbers.collect()
+        };
+        self.acting(at).zip(hypotheses).map(of).collect()
+    }
+
+    /// Parameters of the effects that act at `at`, but for thresholds.
+    pub(crate) fn acting_parameters(&self, at: &[f64]) -> Vec<usize> {
+        let smooth = self.acting(at).filter(|kind| !kind.own.is_threshold());
+        smooth.flat_map(Kind::places).collect()
+    }
+
+    /// The term of an effect that acts.
+    pub(crate) fn term_of(&self, own: &Hypothesis) -> Option<&Term> {
+        self.terms.iter().find(|term| term.name == name(own))
+    }
+
+    /// The problem of fitting a likelihood with the priors of the table.
+    pub(crate) fn problem<'a>(&self, likelihood: &'a dyn Likelihood) -> Problem<'a> {
+        Problem {
+            likelihood,
+            priors: self.priors.clone(),
+            longest: self.longest.clone(),
+        }
+    }
+
+    /// Numbers from which a search for a term begins.
+    pub(crate) fn starts(&self, term: &Term) -> &[Hypothesis] {
+        let first = term.parameters.first();
+        let own = self.kinds.iter().find(|kind| Some(&kind.first) == first);
+        own.map_or(&[], |kind| &kind.starts)
+    }
+
+    /// `at` with the noise that is expected before anything is known.
+    pub(crate) fn with_expected_noise(&self, at: &[f64]) -> Vec<f64> {
+        let mut out = at.to_vec();
+        out[self.noise..].fill(0.0);
+        out
+    }
+
+    /// `at` with the numbers of an effect.
+    pub(crate) fn with(&self, at: &[f64], own: &Hypothesis) -> Vec<f64> {
+        let mut out = at.to_vec();
+        if let Some(kind) = self.kinds.iter().find(|kind| kind.own.is_like(own)) {
+            for (index, (number, (_, value))) in kind.places().zip(kind.numbers.iter().zip(&own.values)) {
+                out[index] = number.at(*value);
+            }
+        }
+        out
+    }
+}
+
+/// Whether wheels slide by a number of an effect that the model does not list.
+fn slides_by(own: &Hypothesis, number: &Number) -> bool {
+    own.is_abrupt() && number.link == Link::Inverse
+}
+
+/// Name of the term of an effect.
+fn name(own: &Hypothesis) -> &'static str {
+    match own.text {
+        Some(("stream", "wheels")) => "clock_drift of wheels",
+        Some(("stream", "pose")) => "clock_drift of pose",
+        Some(("stream", "imu")) => "clock_drift of imu",
+        _ => own.info.id,
+    }
+}
+
+/// Thresholds between the sizes that are commanded, and one above all.
+fn thresholds(machine: &Machine) -> Vec<f64> {
+    let of = |track: &Track| all_sizes(track, &machine.model);
+    let mut sizes: Vec<f64> = machine.tracks.iter().flat_map(of).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.dedup();
+    let most = (SWALLOWED * sizes.len() as f64) as usize;
+    let places = (1..most).chain([sizes.len()]);
+    places.map(|place| threshold(&sizes, place)).collect()
+}
+
+/// Sizes of a play from small to large: what lies between two of them is found from the nearer one.
+fn plays(start: &Hypothesis) -> Vec<Hypothesis> {
+    let [least, most] = PLAYS_RAD;
+    let sizes = std::iter::successors(Some(least), |size| Some(size * PLAYS_APART));
+    let of = |size| {
+        let mut own = start.clone();
+        own.set(start.values[0].0, size);
+        own
+    };
+    sizes.take_while(|size| *size < most).map(of).collect()
+}
