@@ -7,6 +7,7 @@ pub(crate) mod drivers;
 pub(crate) mod examine;
 pub(crate) mod judged;
 mod limits;
+mod outside;
 pub(crate) mod pictures;
 pub(crate) mod prediction;
 pub(crate) mod profile;

@@ -3,11 +3,12 @@
 use nalgebra::DMatrix;
 use slipstream_sim::effects::find;
 
+use super::outside::Outside;
 use super::unknown::Unknown;
 use crate::estimate::Likelihood;
-use crate::estimate::scoring::{FULL, Fit, SearchLimits};
+use crate::estimate::scoring::{FULL, SearchLimits};
 use crate::estimate::term::Term;
-use crate::model::hypothesis::Hypothesis;
+use crate::model::hypothesis::{Hypothesis, kinds};
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::machine::Machine;
@@ -22,8 +23,8 @@ const ROUGH: SearchLimits = SearchLimits {
     iterations: 12,
     tolerance_nats: 0.5,
 };
-/// Shifts of the logs of all noise sizes from which they are searched.
-const NOISE_SHIFTS: [f64; 2] = [0.0, -2.5];
+/// Change of the logs of all noise sizes from which they are searched a second time.
+const LESS: f64 = -2.5;
 /// Gusts at most, and the time before and after its largest impulse (s) that belongs to one.
 const GUSTS: usize = 16;
 const GUST_S: [f64; 2] = [0.08, 0.15];
@@ -105,35 +106,27 @@ pub(crate) struct Selection<'a> {
 }
 
 impl Selection<'_> {
-    /// What is needed. What pushes more than once follows something, or is nothing to name.
+    /// What is needed.
     pub(crate) fn run(&mut self) -> Option<Selected> {
-        let first = self.once()?;
-        let Some(due) = self.due_of_push(&first) else {
-            return Some(first);
-        };
-        self.machine.excluded.push("push".to_owned());
-        let other = self.once()?;
-        if other.whole().deviance < first.fit.deviance {
-            return Some(other);
+        let table = Table::new(&self.machine, self.all, self.known);
+        let found = self.among(&table)?;
+        if !self.is_gusty(&found) {
+            return Some(found);
         }
         (self.progress)("looking for single pushes");
-        self.mark_gusts(due)?;
-        self.once()
+        self.mark_gusts()?;
+        self.among(&table)
     }
 
-    /// What another push would have to gain (−2 ln L), where one is found and another one would gain it.
-    fn due_of_push(&self, found: &Selected) -> Option<f64> {
-        if !found.fit.hypotheses.iter().any(Hypothesis::is_momentary) {
-            return None;
-        }
-        let numbers = find("push").map_or(1, |info| info.parameters.len());
-        let due = 2.0 * criterion(found.tried).least_gain(numbers);
-        let (_, impulse) = self.machine.impulse(&found.fit)?;
-        (impulse.gain > due).then_some(due)
+    /// Whether what was found leaves pushes, each by itself.
+    fn is_gusty(&self, found: &Selected) -> bool {
+        let whole = found.whole();
+        !self.machine.is_silent(whole) && self.machine.pushes(whole, due_of_push(found.tried)) > 1
     }
 
-    /// Marks the times at which something pushes for a moment, one after the other, while that gains `due` (−2 ln L).
-    fn mark_gusts(&mut self, due: f64) -> Option<()> {
+    /// Marks the times at which something pushes for a moment, one after the other, while that gains what is due.
+    fn mark_gusts(&mut self) -> Option<()> {
+        let due = due_of_push(kinds(self.all).len());
         let table = Table::new(&self.machine, &[], &[]);
         let mut at = table.start.clone();
         for _ in 0..GUSTS {
@@ -150,9 +143,8 @@ impl Selection<'_> {
         Some(())
     }
 
-    fn once(&self) -> Option<Selected> {
-        let table = Table::new(&self.machine, self.all, self.known);
-        let plant = Plant::new(&self.machine, &table);
+    fn among(&self, table: &Table) -> Option<Selected> {
+        let plant = Plant::new(&self.machine, table);
         let problem = table.problem(&plant);
         let count = table.priors.len();
         let mut selection = Elimination {
@@ -168,65 +160,92 @@ impl Selection<'_> {
             useful: &|_, _, _| true,
         };
         (self.progress)("fitting the model as it is");
-        let begun = begun(&selection, &table);
+        let begun = self.begun(&selection, &plant);
         let nominal = plant.filtered(&begun.fit.at)?;
-        let mut terms = Vec::new();
-        let mut found: Option<Needed> = None;
-        if !self.machine.is_silent(&nominal) {
-            let hear = |name: &str| (self.progress)(&format!("found {}", name.replace('_', " ")));
-            (self.progress)("trying every effect");
-            let chosen = selection.forward(begun.clone(), &table.terms, &hear);
-            let chosen = selection.exchanged(chosen, &table.terms);
-            terms = chosen.terms;
-            let mut needed = selection.settled(chosen.fit, &mut terms)?;
-            needed.alike = chosen.alike;
-            found = Some(needed);
-        } else if !self.known.is_empty() {
-            found = selection.settled(begun.fit.clone(), &mut terms);
+        let is_silent = self.machine.is_silent(&nominal);
+        let mut needed = if is_silent {
+            selection.run(begun.fit.clone(), &[])?
+        } else {
+            self.needed(&mut selection, table, begun)?
+        };
+        let mut unknown = None;
+        let last = plant.filtered(&needed.fit.at)?;
+        if self.machine.before == 0 && !self.machine.is_silent(&last) {
+            (self.progress)("looking for forces that no effect explains");
+            let outside = Outside {
+                selection: &selection,
+                plant: &plant,
+                terms: &table.terms,
+            };
+            let mut left: Vec<Term> = needed.kept.iter().map(|own| own.term.clone()).collect();
+            let mut fit = needed.fit.clone();
+            let count = left.len();
+            unknown = outside.found(&mut fit, &mut left);
+            if left.len() < count {
+                needed = selection.run(fit, &left)?;
+            }
         }
-        let at = found.as_ref().map_or(&begun.fit.at, |own| &own.fit.at).clone();
-        let fit = plant.filtered(&at)?.as_ref().clone();
-        let (gains, alike) = weighed(&table, &fit, found.as_ref());
-        let known = found.as_ref().map(|own| known(&plant, &own.fit, own));
+        let fit = plant.filtered(&needed.fit.at)?.as_ref().clone();
+        let (gains, alike) = weighed(table, &fit, &needed);
         Some(Selected {
             nominal: nominal.as_ref().clone(),
-            known,
+            known: Some(known(&plant, &needed)),
             gains,
             alike,
             tried: table.terms.len(),
-            unknown: None,
+            unknown,
             fit,
-            at,
+            at: needed.fit.at,
         })
     }
-}
 
-/// The criterion of a test among so many terms.
-fn criterion(tried: usize) -> Criterion {
-    Criterion { tried, blocks: 2 }
-}
-
-/// The fit of what is known and of the noise: the best of several.
-fn begun(selection: &Elimination<'_>, table: &Table) -> Chosen {
-    let (free, _) = selection.free(&[]);
-    let fits = NOISE_SHIFTS.map(|shift| {
-        let at = selection.with_noise(&table.start, shift);
-        selection.problem.fit(&at, &free, ROUGH)
-    });
-    let best = fits.into_iter().max_by(|a, b| a.objective.total_cmp(&b.objective));
-    let at = best.map_or_else(|| table.start.clone(), |own| own.at);
-    Chosen {
-        fit: selection.problem.fit(&at, &free, FULL),
-        terms: Vec::new(),
-        alike: Vec::new(),
+    /// What is needed beside `begun`.
+    fn needed(&self, selection: &mut Elimination<'_>, table: &Table, begun: Chosen) -> Option<Needed> {
+        let hear = |name: &str| (self.progress)(&format!("found {}", name.replace('_', " ")));
+        (self.progress)("trying every effect");
+        let chosen = selection.forward(begun, &table.terms, &hear);
+        let chosen = selection.exchanged(chosen, &table.terms);
+        let mut terms = chosen.terms;
+        let mut needed = selection.settled(chosen.fit, &mut terms)?;
+        needed.alike = chosen.alike;
+        Some(needed)
     }
+
+    /// The fit of what is known and of the noise: from where noise is expected, and where that leaves some, from less.
+    fn begun(&self, selection: &Elimination<'_>, plant: &Plant<'_>) -> Chosen {
+        let (free, _) = selection.free(&[]);
+        let from = |shift: f64| {
+            let at = selection.with_noise(&plant.table.start, shift);
+            selection.problem.fit(&at, &free, ROUGH)
+        };
+        let mut fit = from(0.0);
+        let is_silent = plant.filtered(&fit.at).is_some_and(|own| self.machine.is_silent(&own));
+        if !is_silent {
+            let other = from(LESS);
+            if other.objective > fit.objective {
+                fit = other;
+            }
+            fit = selection.problem.fit(&fit.at, &free, FULL);
+        }
+        Chosen {
+            fit,
+            terms: Vec::new(),
+            alike: Vec::new(),
+        }
+    }
+}
+
+/// What a push has to gain (−2 ln L), beside so many effects that were tried.
+fn due_of_push(tried: usize) -> f64 {
+    let numbers = find("push").map_or(1, |info| info.parameters.len());
+    2.0 * Criterion { tried, blocks: 2 }.least_gain(numbers)
 }
 
 /// The noise of the model as it is: how well it fits (nats), and its parameters.
 pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<(f64, Vec<f64>)> {
     let table = plant.table;
     let problem = table.problem(plant);
-    let fits = NOISE_SHIFTS.map(|shift| {
+    let fits = [0.0, LESS].map(|shift| {
         let mut at = table.start.clone();
         for index in &table.sizes {
             at[*index] += shift;
@@ -238,11 +257,11 @@ pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<(f64, Vec<f64>)> {
 }
 
 /// What each effect of a fit brings (nats), and those that fit as well in its place.
-fn weighed(table: &Table, fit: &Filtered, found: Option<&Needed>) -> (Vec<f64>, Vec<Vec<&'static str>>) {
+fn weighed(table: &Table, fit: &Filtered, found: &Needed) -> (Vec<f64>, Vec<Vec<&'static str>>) {
     let of = |own: &Hypothesis| {
         let term = table.term_of(own)?;
-        let kept = found?.kept(term.name)?;
-        let alike = found?.alike.iter().filter(|[name, _]| *name == term.name);
+        let kept = found.kept(term.name)?;
+        let alike = found.alike.iter().filter(|[name, _]| *name == term.name);
         let effect = |[_, other]: &[&'static str; 2]| {
             let mut all = table.terms.iter();
             let own = all.find(|term| term.name == *other);
@@ -258,7 +277,8 @@ fn weighed(table: &Table, fit: &Filtered, found: Option<&Needed>) -> (Vec<f64>, 
 }
 
 /// How well the numbers of the effects of a fit are known.
-fn known(plant: &Plant<'_>, fit: &Fit, found: &Needed) -> Known {
+fn known(plant: &Plant<'_>, found: &Needed) -> Known {
+    let fit = &found.fit;
     let weights: Vec<Vec<(usize, f64)>> = plant.table.weights(&fit.at).into_iter().flatten().collect();
     let count = weights.len();
     let precision = &found.precision;
@@ -285,9 +305,4 @@ fn known(plant: &Plant<'_>, fit: &Fit, found: &Needed) -> Known {
         model: of(&precision.expected, &|_| 1.0),
         blocks: plant.blocks(),
     }
-}
-
-/// The terms that act at a fit.
-pub(crate) fn terms_of<'t>(table: &'t Table, fit: &Filtered) -> Vec<&'t Term> {
-    fit.hypotheses.iter().filter_map(|own| table.term_of(own)).collect()
 }

@@ -18,6 +18,10 @@ use crate::model::hypothesis::Hypothesis;
 
 /// A push lasts this long (s); its first instant lies half of it before the middle.
 const PUSH_S: f64 = 0.06;
+/// Impulses that are less apart are of one push (s).
+const APART_S: f64 = 0.5;
+/// Share of the gain of a push above which another one shows that it is not the only one.
+const ONLY: f64 = 0.3;
 /// Gain (−2 ln L) at fixed gains below which slip is not looked at with gains of its own.
 const SLIP_GAIN: f64 = 6.0;
 /// Frictions that are looked at with gains of their own.
@@ -111,6 +115,10 @@ impl Plant<'_> {
     fn push(&self, at: &[f64]) -> Option<Hypothesis> {
         let fit = self.filtered(at)?;
         let (run, impulse) = self.machine.impulse(&fit)?;
+        // what pushes more than once follows something, or is nothing to name
+        if self.machine.pushes(&fit, ONLY * impulse.gain) > 1 {
+            return None;
+        }
         let mut heading = 0.0;
         self.machine.watched(&fit, &fit.hypotheses, |index, t_s, state, _| {
             if index == run && t_s <= impulse.t_s {
@@ -145,6 +153,20 @@ impl Machine {
             first = end;
         }
         all
+    }
+
+    /// How many pushes, each by itself, gain `due` (−2 ln L) beside `fit`.
+    pub(crate) fn pushes(&self, fit: &Filtered, due: f64) -> usize {
+        let mut all = self.impulses(fit);
+        all.retain(|(_, own)| own.gain > due);
+        all.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+        let mut apart: Vec<(usize, f64)> = Vec::new();
+        for (run, own) in all {
+            if apart.iter().all(|(known, t_s)| *known != run || (own.t_s - t_s).abs() > APART_S) {
+                apart.push((run, own.t_s));
+            }
+        }
+        apart.len()
     }
 
     /// The impulse that gains most beside `fit`, and its run.
