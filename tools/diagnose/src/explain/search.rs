@@ -15,6 +15,7 @@ use crate::model::table::{Asked, Key, Table};
 use crate::model::view::View;
 use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
+use crate::select::effort::Effort;
 use crate::select::elimination::Elimination;
 use crate::select::selected::Selected;
 
@@ -176,6 +177,7 @@ impl Search<'_> {
             parts: &table.parts,
             nominal: &self.nominal_values(table),
             criterion: Criterion::of(&joint, table.terms.len()),
+            effort: Effort::WIDE,
             twins: &table.twins,
             useful: &useful,
         })
@@ -450,5 +452,6 @@ pub(crate) fn problem<'a>(likelihood: &'a dyn Likelihood, table: &Table) -> Prob
         likelihood,
         priors: table.priors.clone(),
         longest: table.longest.clone(),
+        sizes: Vec::new(),
     }
 }

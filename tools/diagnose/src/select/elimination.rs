@@ -4,10 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::Criterion;
+use super::effort::Effort;
 use super::halves::Halves;
 use super::selected::{Kept, Selected};
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
-use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::estimate::scoring::{Fit, Problem, SHORT, SearchLimits};
 use crate::estimate::term::Term;
 
 /// What one round of the elimination did.
@@ -49,6 +50,7 @@ pub(crate) struct Elimination<'a> {
     /// What the model has of each parameter that cannot be negative.
     pub(crate) nominal: &'a [f64],
     pub(crate) criterion: Criterion,
+    pub(crate) effort: Effort,
     /// Of each parameter that is a change, what runs from before have of it.
     pub(crate) twins: &'a [Option<usize>],
     /// Whether the fit with a term predicts better than the one without.
@@ -117,7 +119,7 @@ impl Elimination<'_> {
     /// Fits with these terms, others at their neutral values, from `start`.
     pub(crate) fn fit(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Fit {
         self.problem
-            .fit(&self.without(start, terms, all), &self.free(terms).0, FULL)
+            .fit(&self.without(start, terms, all), &self.free(terms).0, self.effort.full)
     }
 
     /// `start` with terms that are not among `terms` at their neutral values.
@@ -151,7 +153,7 @@ impl Elimination<'_> {
             let at = self.with_noise(&self.without(start, terms, all), shift);
             let other = self.problem.fit(&at, &free, SHORT);
             if other.objective > best.objective + 0.5 {
-                self.problem.fit(&other.at, &free, FULL)
+                self.problem.fit(&other.at, &free, self.effort.full)
             } else {
                 best
             }
@@ -181,7 +183,7 @@ impl Elimination<'_> {
         let mut less = self.fit_near(&start, &rest, gone, SHORT);
         // what is needed by far is so whether or not the fit without it is finished
         if fit.objective - less.objective < CERTAIN * self.due(gone) {
-            less = self.fit_near(&less.at, &rest, gone, FULL);
+            less = self.fit_near(&less.at, &rest, gone, self.effort.full);
         }
         let stands_in = rest.iter().any(|t| !self.is_possible(t, &less));
         if stands_in {
@@ -209,7 +211,7 @@ impl Elimination<'_> {
                 moved = true;
             }
         }
-        moved.then(|| self.problem.fit(&at, &self.free(rest).0, FULL))
+        moved.then(|| self.problem.fit(&at, &self.free(rest).0, self.effort.full))
     }
 
     /// Removes terms from `fit`, which has all of `terms`, until each that is left is needed.
@@ -272,7 +274,7 @@ impl Elimination<'_> {
                     *own = base;
                 }
             }
-            let fit = self.problem.fit(&at, &free, FULL);
+            let fit = self.problem.fit(&at, &free, self.effort.full);
             let least = self.due(term);
             let overdispersion = self.overdispersion(term, &found.fit, &found.precision);
             let loss = (found.fit.objective - fit.objective) / overdispersion;
@@ -333,7 +335,7 @@ impl Elimination<'_> {
             }
             let gain = fit.objective - less.objective;
             if gain < -UNFINISHED_NATS {
-                let better = self.problem.fit(&less.at, &fit.free, FULL);
+                let better = self.problem.fit(&less.at, &fit.free, self.effort.full);
                 if better.objective > fit.objective + UNFINISHED_NATS {
                     return Some(Round::Better(better));
                 }

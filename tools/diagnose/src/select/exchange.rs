@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::chosen::Chosen;
 use super::criterion::{BETTER_NATS, TIE_NATS};
 use super::elimination::Elimination;
-use crate::estimate::scoring::{FULL, Fit, SHORT, summed};
+use crate::estimate::scoring::{Fit, summed};
 use crate::estimate::term::{Search, Term};
 
 /// A term is tried in the place of another from which it would take over this share.
@@ -114,11 +114,11 @@ impl Elimination<'_> {
                 terms: terms.clone(),
                 alike: Vec::new(),
             };
-            let mut with = with(&start, SHORT);
+            let mut with = with(&start, self.effort.glanced);
             if self.worth(&with) < self.worth(chosen) - UNFINISHED_NATS {
                 continue;
             }
-            with.fit = self.fit_near(&with.fit.at, &terms, &both, FULL);
+            with.fit = self.fit_near(&with.fit.at, &terms, &both, self.effort.full);
             if !self.is_possible(other, &with.fit) {
                 continue;
             }

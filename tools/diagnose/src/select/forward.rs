@@ -6,20 +6,11 @@ use super::chosen::Chosen;
 use super::criterion::BETTER_NATS;
 use super::elimination::Elimination;
 use super::screen::{Candidate, LOWERED_MORE};
-use crate::estimate::scoring::{FULL, Fit, SearchLimits};
+use crate::estimate::scoring::{Fit};
 use crate::estimate::term::Term;
 
-/// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
-const REFITTED: usize = 6;
-const POLISHED: usize = 3;
 /// Share of what the best of them brings from which on another one is a rival.
 const NEAR: f64 = 0.3;
-/// A fit that tells which of them are the best.
-const RANKED: SearchLimits = SearchLimits {
-    iterations: 3,
-    tolerance_nats: 1.0,
-};
-
 impl Elimination<'_> {
     /// Adds to `chosen` what is lacking of `all`, the most first.
     pub(crate) fn forward(&self, mut chosen: Chosen, all: &[Term], hear: &dyn Fn(&str)) -> Chosen {
@@ -72,7 +63,7 @@ impl Elimination<'_> {
         let (free, _) = self.free(&terms);
         let fits = LOWERED_MORE.par_iter().map(|lowered| {
             self.problem
-                .fit(&self.with_noise(&at, -lowered), &free, FULL)
+                .fit(&self.with_noise(&at, -lowered), &free, self.effort.full)
         });
         let fits: Vec<Fit> = fits.collect();
         let best = fits
@@ -113,11 +104,11 @@ impl Elimination<'_> {
                 alike: chosen.alike.clone(),
             }
         };
-        let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
+        let first = candidates.par_iter().take(self.effort.refitted).flat_map(|own| {
             let starts = own.starts.par_iter();
             starts.map(|start| (own.term, start))
         });
-        let short = first.map(|(term, start)| with(term, start, RANKED));
+        let short = first.map(|(term, start)| with(term, start, self.effort.ranked));
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
             let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
@@ -135,9 +126,9 @@ impl Elimination<'_> {
             .first()
             .map_or(0.0, |own| self.excess(&chosen.fit, own));
         let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
-        let rivals: Vec<&Chosen> = short.iter().take(POLISHED).filter(near).collect();
+        let rivals: Vec<&Chosen> = short.iter().take(self.effort.polished).filter(near).collect();
         let polished = rivals.into_par_iter().filter_map(|own| {
-            let own = with(own.terms.last()?, &own.fit.at, FULL);
+            let own = with(own.terms.last()?, &own.fit.at, self.effort.full);
             self.is_possible(own.terms.last()?, &own.fit).then_some(own)
         });
         let polished: Vec<Chosen> = polished.collect();

@@ -53,9 +53,10 @@ impl Elimination<'_> {
         let candidates = lacking.par_iter().filter_map(|term| {
             let smooth = scores.iter().filter(|_| term.is_smooth());
             let promises = smooth.map(|own| own.promise(term));
+            let less = self.effort.from_less.then(|| less.clone());
             let mut own = Candidate {
                 term,
-                starts: vec![chosen.fit.at.clone(), less.clone()],
+                starts: std::iter::once(chosen.fit.at.clone()).chain(less).collect(),
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
@@ -71,6 +72,8 @@ impl Elimination<'_> {
             let [a, b] = [a, b].map(|own| own.promise - self.due(own.term));
             b.total_cmp(&a)
         });
+        let best = candidates.first().map_or(0.0, |own| own.promise);
+        candidates.retain(|own| own.promise >= self.effort.least_promise * best);
         candidates
     }
 

@@ -49,7 +49,7 @@ impl Outside<'_> {
             at: &fit.at,
             fit: self.plant.filtered(&fit.at)?.as_ref(),
         }
-        .unknown()
+        .unknown(2.0 * self.selection.criterion.least_gain(1))
     }
 
     /// Whether a force gains at few moments alone: rare gusts, each at a place of its own, look like a force that

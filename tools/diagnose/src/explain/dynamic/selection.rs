@@ -15,6 +15,7 @@ use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
 use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
+use crate::select::effort::Effort;
 use crate::select::elimination::Elimination;
 use crate::select::selected::Selected as Needed;
 
@@ -156,6 +157,7 @@ impl Selection<'_> {
             parts: &vec![1; count],
             nominal: &table.nominal,
             criterion: Criterion::of(&plant, table.terms.len()),
+            effort: Effort::NARROW,
             twins: &table.twins,
             useful: &|_, _, _| true,
         };
@@ -211,24 +213,11 @@ impl Selection<'_> {
         Some(needed)
     }
 
-    /// The fit of what is known and of the noise: from where noise is expected, and where that leaves some, from less.
+    /// The fit of what is known and of the noise.
     fn begun(&self, selection: &Elimination<'_>, plant: &Plant<'_>) -> Chosen {
         let (free, _) = selection.free(&[]);
-        let from = |shift: f64| {
-            let at = selection.with_noise(&plant.table.start, shift);
-            selection.problem.fit(&at, &free, ROUGH)
-        };
-        let mut fit = from(0.0);
-        let is_silent = plant.filtered(&fit.at).is_some_and(|own| self.machine.is_silent(&own));
-        if !is_silent {
-            let other = from(LESS);
-            if other.objective > fit.objective {
-                fit = other;
-            }
-            fit = selection.problem.fit(&fit.at, &free, FULL);
-        }
         Chosen {
-            fit,
+            fit: selection.problem.fit(&plant.table.start, &free, selection.effort.full),
             terms: Vec::new(),
             alike: Vec::new(),
         }

@@ -18,6 +18,8 @@ use crate::model::plant::table::Table;
 
 /// Half width of a 95 % interval of a normal distribution (deviations).
 const NORMAL: f64 = 1.96;
+/// Share of what is due that a force has to promise at the noise without it.
+const PROMISE: f64 = 0.25;
 /// Drivers that are refitted with their noise.
 const LEADERS: usize = 4;
 /// Gain (−2 ln L) from which on a force is linearised again, at the sharper gains.
@@ -80,8 +82,8 @@ struct Under {
 }
 
 impl Beside<'_> {
-    /// The force that gains most.
-    pub(crate) fn unknown(&self) -> Option<Unknown> {
+    /// The force that gains most, if one promises a share of what is `due` (−2 ln L).
+    pub(crate) fn unknown(&self, due: f64) -> Option<Unknown> {
         let moments = self.machine.moments(self.fit)?;
         let drivers = self.machine.drivers(&moments);
         let mut fitted: Vec<Fitted<'_>> = drivers
@@ -96,6 +98,7 @@ impl Beside<'_> {
             new
         });
         fitted.truncate(LEADERS);
+        fitted.retain(|own| own.gain > PROMISE * due);
         let refitted = fitted.par_iter().filter_map(|own| self.refitted(own));
         refitted.max_by(|a, b| {
             let score = |own: &Unknown| own.gain - 2.0 * own.numbers as f64;

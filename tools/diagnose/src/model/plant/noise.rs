@@ -11,9 +11,9 @@ use crate::filter::dynamic::Noise;
 /// (rad/s) and across (m/s), torque of a wheel (N m).
 const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3];
 const EXPECTED_TIME_S: f64 = 0.3;
-/// Standard deviations of the logs of sizes and times: a size is known to a factor of 20, a time to lie between
-/// some hundredths of a second and some seconds.
-const DEVIATION: f64 = 3.0;
+/// Standard deviations of the logs of sizes, about their floors, and of times: a size is known to a factor of 50, a time
+/// to lie between some hundredths of a second and some seconds.
+const DEVIATION: f64 = 4.0;
 const TIME_DEVIATION: f64 = 1.2;
 /// Logs beyond which a size is held.
 const HELD: f64 = 9.0;
@@ -26,19 +26,6 @@ pub(super) const SIZES: usize = 6;
 const TIMES: usize = 3;
 pub(super) const COUNT: usize = SIZES + TIMES;
 
-/// The prior of each.
-pub(super) fn priors() -> impl Iterator<Item = Prior> {
-    let of = |index| Prior {
-        mean: 0.0,
-        deviation: if index < SIZES {
-            DEVIATION
-        } else {
-            TIME_DEVIATION
-        },
-    };
-    (0..COUNT).map(of)
-}
-
 /// Those that runs with or without poses tell of.
 pub(super) fn told(has_pose: bool) -> impl Iterator<Item = usize> {
     let of_pose = |index: &usize| (2..TORQUE).contains(index);
@@ -46,10 +33,32 @@ pub(super) fn told(has_pose: bool) -> impl Iterator<Item = usize> {
 }
 
 impl Machine {
+    /// The prior of each noise parameter.
+    pub(super) fn noise_priors(&self) -> Vec<Prior> {
+        let [rolling, sliding] = [false, true].map(|of_wheels| self.floor(of_wheels));
+        let floors = [0, 1, 2, 3, 4].map(|place| rolling[place]);
+        let sizes = floors.into_iter().chain([sliding[2]]).enumerate();
+        let sizes = sizes.map(|(place, floor)| Prior {
+            mean: (floor / self.expected(place)).ln(),
+            deviation: DEVIATION,
+        });
+        let times = Prior {
+            mean: 0.0,
+            deviation: TIME_DEVIATION,
+        };
+        sizes.chain([times; TIMES]).collect()
+    }
+
+    /// The size of a disturbance that is expected.
+    fn expected(&self, place: usize) -> f64 {
+        let of_force = place < 2 || place == TORQUE;
+        let scale = if of_force { self.mass_share() } else { 1.0 };
+        scale * EXPECTED[place]
+    }
+
     /// Noise at these parameters.
     pub(crate) fn noise(&self, at: &[f64], of_wheels: bool) -> Noise {
         let floor = self.floor(of_wheels);
-        let mass = self.mass_share();
         let places = if of_wheels {
             [0, 1, TORQUE, TORQUE, 4]
         } else {
@@ -57,9 +66,7 @@ impl Machine {
         };
         let size = |k: usize| {
             let place = places[k];
-            let of_force = place < 2 || place == TORQUE;
-            let scale = if of_force { mass } else { 1.0 };
-            let own = scale * EXPECTED[place] * at[place].clamp(-HELD, HELD).exp();
+            let own = self.expected(place) * at[place].clamp(-HELD, HELD).exp();
             own.hypot(floor[k])
         };
         let time_s = |k: usize| {

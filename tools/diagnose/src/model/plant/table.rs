@@ -291,7 +291,7 @@ impl Table {
 
     fn add_noise(&mut self, machine: &Machine) {
         self.noise = self.priors.len();
-        for prior in noise::priors() {
+        for prior in machine.noise_priors() {
             self.priors.push(prior);
             self.longest.push(LONGEST_NOISE);
             self.twins.push(None);
@@ -377,6 +377,7 @@ impl Table {
             likelihood,
             priors: self.priors.clone(),
             longest: self.longest.clone(),
+            sizes: self.sizes.clone(),
         }
     }
 
