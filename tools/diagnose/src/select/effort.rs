@@ -38,7 +38,7 @@ impl Effort {
         least_promise: 0.1,
         from_less: false,
         full: SearchLimits {
-            iterations: 15,
+            iterations: 40,
             tolerance_nats: 0.2,
         },
         ranked: RANKED,

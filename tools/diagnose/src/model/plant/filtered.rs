@@ -13,9 +13,8 @@ use crate::filter::dynamic::gains::Pass;
 use crate::filter::dynamic::predictor::innovations;
 use crate::model::hypothesis::{Hypothesis, come_round, in_force, slides, with};
 
-/// Longest step of the plant (s), and where wheels can slide or gears have play.
-const STEP_S: f64 = 5e-3;
-const SHORT_STEP_S: f64 = 2e-3;
+/// Longest steps of the plant (s): of wheels that roll, and of wheels that slide or gears that are apart.
+const STEPS_S: [f64; 2] = [5e-3, 2e-3];
 /// Multiple of the squares of a fit's innovations beyond which a simulation is given up.
 const HOPELESS: f64 = 10.0;
 /// What two integrators of one robot of 1.6 kg differ by: force, moment, creep along, about and across;
@@ -47,13 +46,6 @@ pub(crate) fn may_slide(model: &RobotModel, hypotheses: &[Hypothesis]) -> bool {
         .iter()
         .filter_map(|listed| slipstream_sim::effects::find(&listed.effect));
     known.chain(hypotheses.iter().map(|h| h.info)).any(slides)
-}
-
-fn has_play(model: &RobotModel, hypotheses: &[Hypothesis]) -> bool {
-    with(model, hypotheses)
-        .effects
-        .iter()
-        .any(|listed| listed.effect == "backlash")
 }
 
 /// The parameters of `hypotheses` that are fitted, in their order.
@@ -144,19 +136,11 @@ impl Machine {
         Some([today?, then?])
     }
 
-    fn step_s(&self, hypotheses: &[Hypothesis]) -> f64 {
-        if may_slide(&self.model, hypotheses) || has_play(&self.model, hypotheses) {
-            SHORT_STEP_S
-        } else {
-            STEP_S
-        }
-    }
-
-    fn flow<'a>(&'a self, robot: &'a Robot, run: usize, step_s: f64, noise: &Noise) -> Flow<'a> {
+    fn flow<'a>(&'a self, robot: &'a Robot, run: usize, noise: &Noise) -> Flow<'a> {
         Flow {
             robot,
             run: &self.runs[run],
-            step_s,
+            step_s: STEPS_S,
             of_wheels: noise.of_wheels,
             loads: self.loads.get(run).map_or(&[], Vec::as_slice),
         }
@@ -207,11 +191,10 @@ impl Machine {
         mut watch: impl FnMut(usize, f64, &State, &[f64; 5]),
     ) -> Option<Vec<f64>> {
         let robots = self.robots(hypotheses)?;
-        let step_s = self.step_s(hypotheses);
         let mut all = Vec::with_capacity(self.channels.len());
         for (index, pass) in fit.passes.iter().enumerate() {
             let robot = &robots[usize::from(index < self.before)];
-            let flow = self.flow(robot, index, step_s, &fit.noise);
+            let flow = self.flow(robot, index, &fit.noise);
             let watch = |t_s: f64, s: &State, d: &[f64; 5]| watch(index, t_s, s, d);
             all.extend(innovations(&flow, &fit.noise, &pass.gains, most, watch)?);
         }
@@ -221,12 +204,11 @@ impl Machine {
     /// Filters all runs.
     pub(crate) fn pass(&self, hypotheses: Vec<Hypothesis>, noise: Noise) -> Option<Filtered> {
         let robots = self.robots(&hypotheses)?;
-        let step_s = self.step_s(&hypotheses);
         let passes: Option<Vec<Pass>> = (0..self.runs.len())
             .into_par_iter()
             .map(|index| {
                 let robot = &robots[usize::from(index < self.before)];
-                Pass::new(&self.flow(robot, index, step_s, &noise), &noise)
+                Pass::new(&self.flow(robot, index, &noise), &noise)
             })
             .collect();
         let mut fit = Filtered {
