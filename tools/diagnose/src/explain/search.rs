@@ -177,6 +177,7 @@ impl Search<'_> {
             parts: &table.parts,
             nominal: &self.nominal_values(table),
             criterion: Criterion::of(&joint, table.terms.len()),
+            agreement: Criterion::of(&joint, table.terms.len()),
             effort: Effort::WIDE,
             twins: &table.twins,
             useful: &useful,

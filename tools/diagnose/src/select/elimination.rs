@@ -50,6 +50,8 @@ pub(crate) struct Elimination<'a> {
     /// What the model has of each parameter that cannot be negative.
     pub(crate) nominal: &'a [f64],
     pub(crate) criterion: Criterion,
+    /// The test by which blocks of time have to agree on a term that gains enough.
+    pub(crate) agreement: Criterion,
     pub(crate) effort: Effort,
     /// Of each parameter that is a change, what runs from before have of it.
     pub(crate) twins: &'a [Option<usize>],
@@ -246,6 +248,7 @@ impl Elimination<'_> {
             };
             terms.retain(|own| own.name != term.name);
             self.criterion.tried = terms.len();
+            self.agreement.tried = self.agreement.tried.min(terms.len());
             if !term.is_profiled() {
                 let own = term.parameters.iter();
                 self.always.extend(own.filter_map(|i| self.twins[*i]));
@@ -315,7 +318,7 @@ impl Elimination<'_> {
             if left[*i].is_decided_by_gain() {
                 return 1.0;
             }
-            walds[*i] / self.criterion.least_wald(left[*i].parameters.len())
+            walds[*i] / self.agreement.least_wald(left[*i].parameters.len())
         };
         let mut order: Vec<usize> = (0..left.len()).collect();
         order.sort_by(|a, b| share(a).total_cmp(&share(b)));
@@ -408,7 +411,7 @@ impl Elimination<'_> {
         let by_data = self.wald_beside(term, fit, precision, &floors);
         let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * by_data;
         let clear =
-            known && wald > self.criterion.least_wald(count) * term.inflation * term.inflation;
+            known && wald > self.agreement.least_wald(count) * term.inflation * term.inflation;
         self.is_possible(term, fit)
             && (clear || term.is_decided_by_gain())
             && (gain - best > 0.0 || term.rare)

@@ -16,7 +16,7 @@ const ROWS: usize = 6000;
 const LEAST_ROWS: usize = 500;
 
 /// What was found on a machine.
-pub(super) struct Judged {
+pub(crate) struct Judged {
     pub(super) machine: Machine,
     pub(super) selected: Selected,
     /// What was looked for.

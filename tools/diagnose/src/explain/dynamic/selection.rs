@@ -157,6 +157,8 @@ impl Selection<'_> {
             parts: &vec![1; count],
             nominal: &table.nominal,
             criterion: Criterion::of(&plant, table.terms.len()),
+            // what the model says of a gain holds; blocks have to agree on one term alone
+            agreement: Criterion::of(&plant, table.terms.len()).alone(),
             effort: Effort::NARROW,
             twins: &table.twins,
             useful: &|_, _, _| true,

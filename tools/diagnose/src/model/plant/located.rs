@@ -89,7 +89,7 @@ impl Plant<'_> {
     /// what pushes; where none fits there, at those of the fit.
     fn frictions(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
-        let small = self.table.with_expected_noise(at);
+        let small = self.table.with_small_noise(at);
         let noise = self.noise(&small, true);
         let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
         let ranked = |base: &Filtered| {

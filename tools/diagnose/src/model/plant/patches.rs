@@ -8,8 +8,7 @@ use slipstream_sim::effects::find;
 use super::filtered::Filtered;
 use super::likelihood::Plant;
 use super::machine::Machine;
-use super::table::Table;
-use crate::estimate::scoring::{Problem, SearchLimits};
+use crate::estimate::scoring::SearchLimits;
 use crate::estimate::term::Term;
 use crate::model::hypothesis::Hypothesis;
 
@@ -43,7 +42,6 @@ const ROUNDS: u64 = 6;
 const ROUND_GAIN: f64 = 20.0;
 /// Standard deviations of the first trials: x, y, radius, and one over the friction.
 const WIDE: [f64; 4] = [1.2, 1.2, 0.8, 3.0];
-const NARROW: [f64; 4] = [0.4, 0.4, 0.3, 1.2];
 /// Bounds of the radius and of one over the friction.
 const RADIUS: [f64; 2] = [0.3, 10.0];
 const LEAST_INVERSE: f64 = 2.0;
@@ -58,7 +56,7 @@ impl Plant<'_> {
     /// Where fits of a patch begin beside `at`.
     pub(super) fn patches(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
-        let small = self.table.with_expected_noise(at);
+        let small = self.table.with_small_noise(at);
         let noise = self.noise(&small, true);
         let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
         let places = self.machine.conspicuous_places(&fit, &base)?;

@@ -20,8 +20,10 @@ const DEVIATION: f64 = 100.0;
 const LONGEST: f64 = 20.0;
 /// The same of the log of a noise size.
 const LONGEST_NOISE: f64 = 2.0;
-/// Share of the smallest expected size below which an effect is what integrators differ by.
-const TINY: f64 = 0.02;
+/// Deviation, as a share of the smallest expected size, by which an effect is what integrators differ by.
+const TINY: f64 = 0.005;
+/// Small noise, over what integrators differ by.
+const SMALL: f64 = 5.0;
 /// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect.
 const COUNTS_WRONG: f64 = 6.0;
 /// Kinetic friction from which on no wheel is said to slip: rubber on a clean floor has 1.
@@ -388,10 +390,13 @@ impl Table {
         own.map_or(&[], |kind| &kind.starts)
     }
 
-    /// `at` with the noise that is expected before anything is known.
-    pub(crate) fn with_expected_noise(&self, at: &[f64]) -> Vec<f64> {
+    /// `at` with noise that is small: some times what integrators differ by, for as long as is expected.
+    pub(crate) fn with_small_noise(&self, at: &[f64]) -> Vec<f64> {
         let mut out = at.to_vec();
         out[self.noise..].fill(0.0);
+        for index in &self.sizes {
+            out[*index] = self.priors[*index].mean + SMALL.ln();
+        }
         out
     }
 
