@@ -57,6 +57,11 @@ pub(crate) trait Likelihood: Sync {
         Vec::new()
     }
 
+    /// `at` with the parameters of a located term moved to where they fit better, where derivatives do not tell.
+    fn refined(&self, _term: &term::Term, _at: &[f64]) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Score and Fisher information of each block with regard to the parameters `free`.
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore>;
 }

@@ -11,6 +11,9 @@ use crate::estimate::term::Term;
 
 /// Share of what the best of them brings from which on another one is a rival.
 const NEAR: f64 = 0.3;
+/// A located term is refined while that gains this much (nats).
+const REFINED_NATS: f64 = 2.0;
+
 impl Elimination<'_> {
     /// Adds to `chosen` what is lacking of `all`, the most first.
     pub(crate) fn forward(&self, mut chosen: Chosen, all: &[Term], hear: &dyn Fn(&str)) -> Chosen {
@@ -128,8 +131,16 @@ impl Elimination<'_> {
         let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
         let rivals: Vec<&Chosen> = short.iter().take(self.effort.polished).filter(near).collect();
         let polished = rivals.into_par_iter().filter_map(|own| {
-            let own = with(own.terms.last()?, &own.fit.at, self.effort.full);
-            self.is_possible(own.terms.last()?, &own.fit).then_some(own)
+            let term = own.terms.last()?;
+            let mut own = with(term, &own.fit.at, self.effort.full);
+            while let Some(at) = self.problem.likelihood.refined(term, &own.fit.at) {
+                let other = with(term, &at, self.effort.full);
+                if other.fit.objective < own.fit.objective + REFINED_NATS {
+                    break;
+                }
+                own = other;
+            }
+            self.is_possible(term, &own.fit).then_some(own)
         });
         let polished: Vec<Chosen> = polished.collect();
         polished.into_iter().max_by(|a, b| {

@@ -6,7 +6,6 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::channels::{levels, precisions};
@@ -14,6 +13,7 @@ use super::filtered::{Filtered, may_slide};
 use super::machine::Machine;
 use super::table::Table;
 use crate::estimate::blocks::{self, Blocks};
+use crate::estimate::information::empty;
 use crate::estimate::term::Term;
 use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::dynamic::Noise;
@@ -112,9 +112,9 @@ impl<'a> Plant<'a> {
         out
     }
 
-    /// By a parameter of an effect.
-    fn by_effect(&self, base: &Filtered, at: &[f64], index: usize) -> Column {
-        let precisions = precisions(&base.whitened, &self.machine.channels);
+    /// By a parameter of an effect, at the gains of `base`; `here` are the innovations at `at`.
+    fn by_effect(&self, base: &Filtered, here: &[f64], at: &[f64], index: usize) -> Column {
+        let precisions = precisions(here, &self.machine.channels);
         let slopes = |step: f64| {
             let moved = |step: f64| {
                 let mut moved = at.to_vec();
@@ -123,10 +123,10 @@ impl<'a> Plant<'a> {
             };
             // away from where no robot has it, or where it changes nothing
             let (e, step) = match moved(step) {
-                Some(e) if e != base.whitened => (e, step),
+                Some(e) if e != here => (e, step),
                 _ => (moved(-step)?, -step),
             };
-            let pairs = e.iter().zip(&base.whitened).zip(&precisions);
+            let pairs = e.iter().zip(here).zip(&precisions);
             let slopes = pairs.map(|((after, before), p)| (after - before) / step * p.sqrt());
             Some(slopes.collect::<Vec<f64>>())
         };
@@ -139,9 +139,9 @@ impl<'a> Plant<'a> {
             let deviation = square.max(1e-300).sqrt().recip();
             whitened = slopes((STEP_SHARE * deviation).clamp(least, most)).or(whitened);
         }
-        let whitened = whitened.unwrap_or_else(|| vec![0.0; base.whitened.len()]);
+        let whitened = whitened.unwrap_or_else(|| vec![0.0; here.len()]);
         let mut score = vec![0.0; self.blocks()];
-        let rows = whitened.chunks(3).zip(base.whitened.chunks(3));
+        let rows = whitened.chunks(3).zip(here.chunks(3));
         for (((slope, e), p), block) in rows.zip(precisions.chunks(3)).zip(&self.block_of) {
             score[*block] -= (0..3).map(|i| slope[i] * e[i] * p[i].sqrt()).sum::<f64>();
         }
@@ -150,6 +150,30 @@ impl<'a> Plant<'a> {
             whitened,
             width: 3,
         }
+    }
+
+    /// Score and information of each block, of these derivatives.
+    fn summed(&self, columns: &[Column]) -> Vec<BlockScore> {
+        let mut out = empty(self.blocks(), columns.len());
+        for (i, column) in columns.iter().enumerate() {
+            for (block, own) in out.iter_mut().zip(&column.score) {
+                block.gradient[i] = *own;
+            }
+        }
+        for (row, block) in self.block_of.iter().enumerate() {
+            let own = &mut out[*block].information;
+            for (i, a) in columns.iter().enumerate() {
+                let x = &a.whitened[a.width * row..a.width * (row + 1)];
+                for (k, b) in columns.iter().enumerate().take(i + 1) {
+                    let y = &b.whitened[b.width * row..b.width * (row + 1)];
+                    own[(i, k)] += x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+                }
+            }
+        }
+        for block in &mut out {
+            block.information.fill_upper_triangle_with_lower_triangle();
+        }
+        out
     }
 
     /// By a noise parameter.
@@ -263,42 +287,67 @@ impl Likelihood for Plant<'_> {
         self.places(term, at, rival)
     }
 
+    fn refined(&self, term: &Term, at: &[f64]) -> Option<Vec<f64>> {
+        let own = self.table.starts(term).first()?;
+        own.is_placed().then(|| self.at_its_gains(self.refined_patch(at)))
+    }
+
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        let empty = BlockScore {
-            gradient: DVector::zeros(free.len()),
-            information: DMatrix::zeros(free.len(), free.len()),
-        };
-        let mut out = vec![empty; self.blocks()];
         let Some(base) = self.filtered(at) else {
-            return out;
+            return empty(self.blocks(), free.len());
         };
         let columns = free.par_iter().map(|index| {
             if self.table.is_noise(*index) {
                 self.by_noise(&base, at, *index)
             } else {
-                self.by_effect(&base, at, *index)
+                self.by_effect(&base, &base.whitened, at, *index)
             }
         });
-        let columns: Vec<Column> = columns.collect();
-        for (i, column) in columns.iter().enumerate() {
-            for (block, own) in out.iter_mut().zip(&column.score) {
-                block.gradient[i] = *own;
-            }
+        self.summed(&columns.collect::<Vec<Column>>())
+    }
+}
+
+/// The likelihood at the gains of one pass, on what acts on the robot alone: where wheels slide, gains depend on it in
+/// ways that no derivative tells.
+pub(crate) struct AtGains<'a> {
+    pub(crate) plant: &'a Plant<'a>,
+    pub(crate) base: &'a Filtered,
+}
+
+impl AtGains<'_> {
+    fn innovations(&self, at: &[f64]) -> Option<Vec<f64>> {
+        let own = self.plant.table.hypotheses(at);
+        self.plant.machine.promising(self.base, &own)
+    }
+}
+
+impl Likelihood for AtGains<'_> {
+    fn blocks(&self) -> usize {
+        self.plant.blocks()
+    }
+
+    fn run_of(&self) -> Vec<usize> {
+        self.plant.run_of()
+    }
+
+    fn is_shared(&self, _: usize) -> bool {
+        true
+    }
+
+    fn value(&self, at: &[f64]) -> Vec<f64> {
+        match self.innovations(at) {
+            Some(e) => self.plant.by_block(self.base, &e),
+            None => vec![f64::NEG_INFINITY; self.blocks()],
         }
-        for (row, block) in self.block_of.iter().enumerate() {
-            let own = &mut out[*block].information;
-            for (i, a) in columns.iter().enumerate() {
-                let x = &a.whitened[a.width * row..a.width * (row + 1)];
-                for (k, b) in columns.iter().enumerate().take(i + 1) {
-                    let y = &b.whitened[b.width * row..b.width * (row + 1)];
-                    own[(i, k)] += x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-                }
-            }
-        }
-        for block in &mut out {
-            block.information.fill_upper_triangle_with_lower_triangle();
-        }
-        out
+    }
+
+    fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
+        let Some(here) = self.innovations(at) else {
+            return empty(self.blocks(), free.len());
+        };
+        let columns = free.par_iter();
+        let columns = columns.map(|index| self.plant.by_effect(self.base, &here, at, *index));
+        self.plant.summed(&columns.collect::<Vec<Column>>())
     }
 }
 

@@ -8,8 +8,9 @@ use slipstream_sim::effects::When;
 
 use super::channels::{precisions, weights};
 use super::filtered::Filtered;
-use super::likelihood::Plant;
+use super::likelihood::{AtGains, Plant};
 use super::machine::Machine;
+use crate::estimate::scoring::SearchLimits;
 use crate::estimate::term::Term;
 use crate::filter::dynamic::impulse::{Impulse, impulses};
 use crate::filter::dynamic::linear::likelihood;
@@ -33,6 +34,14 @@ const MOMENT_S: f64 = 0.25;
 const FEWEST: f64 = 8.0;
 const PUSHED: f64 = 3.0;
 
+/// A fit at fixed gains, and how often it takes turns with one of the noise while that gains so much (nats).
+const AT_GAINS: SearchLimits = SearchLimits {
+    iterations: 8,
+    tolerance_nats: 0.5,
+};
+const TURNS: usize = 6;
+const LEAST_NATS: f64 = 2.0;
+
 impl Plant<'_> {
     /// Where fits of a term begin beside `at`; `rival` is the best fit with another one. Nothing slides where it leaves
     /// nothing by which wheels and floor part company, and at no place where it leaves no push.
@@ -40,7 +49,7 @@ impl Plant<'_> {
         let acts = self.table.starts(term).first().map(|own| own.info.acts);
         let found = match acts {
             Some(When::Once) => self.push(at).map(|own| vec![self.table.with(at, &own)]),
-            Some(When::Inside) if self.parts(rival) && self.is_pushed(rival) => self.patches(term, at),
+            Some(When::Inside) if self.parts(rival) && self.is_pushed(rival) => self.patches(at),
             Some(When::Sliding) if self.parts(rival) => self.frictions(term, at),
             _ => None,
         };
@@ -89,7 +98,7 @@ impl Plant<'_> {
     /// what pushes; where none fits there, at those of the fit.
     fn frictions(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
-        let small = self.table.with_small_noise(at);
+        let small = self.table.with_expected_noise(at);
         let noise = self.noise(&small, true);
         let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
         let ranked = |base: &Filtered| {
@@ -109,6 +118,32 @@ impl Plant<'_> {
             leaders = ranked(&fit);
         }
         Some(leaders.into_iter().map(|(_, own)| self.table.with(&small, own)).collect())
+    }
+
+    /// What acts on the robot fitted at the gains of `at`, and the noise there, in turn while that gains.
+    pub(super) fn at_its_gains(&self, mut at: Vec<f64>) -> Vec<f64> {
+        let problem = self.table.problem(self);
+        let free = self.table.acting_parameters(&at);
+        let objective = |at: &[f64]| problem.objective(at, &free) + problem.log_prior(at, &self.table.told);
+        let mut best = objective(&at);
+        for _ in 0..TURNS {
+            let Some(base) = self.filtered(&at) else { break };
+            let held = AtGains {
+                plant: self,
+                base: &base,
+            };
+            let moved = self.table.problem(&held).fit(&at, &free, AT_GAINS);
+            let next = problem.fit(&moved.at, &self.table.told, AT_GAINS);
+            let value = objective(&next.at);
+            let gain = value - best;
+            if gain > 0.0 {
+                (best, at) = (value, next.at);
+            }
+            if gain < LEAST_NATS {
+                break;
+            }
+        }
+        at
     }
 
     /// The push that gains most.

@@ -9,7 +9,6 @@ use super::filtered::Filtered;
 use super::likelihood::Plant;
 use super::machine::Machine;
 use crate::estimate::scoring::SearchLimits;
-use crate::estimate::term::Term;
 use crate::model::hypothesis::Hypothesis;
 
 /// Lengths by which a patch is looked for are in half tracks. Cells of the floor in which one is tried,
@@ -18,6 +17,8 @@ const CELL: f64 = 0.8;
 const CELLS: usize = 8;
 /// Least distance between two of them.
 const APART: f64 = 1.5;
+/// Places that are less apart from the most conspicuous one may belong to one patch.
+const NEAR: f64 = 6.0;
 /// Gain (−2 ln L) of an impulse where nothing pushes: that of its two numbers.
 const NO_PUSH: f64 = 2.0;
 /// Ways from the middle of a cell, radii and frictions that are tried in each.
@@ -37,11 +38,14 @@ const WIDER: f64 = 1.5;
 const NARROWER: f64 = 0.9;
 /// Share of what small noise on the wheels costs that a place has to bring back.
 const SHARE: f64 = 0.2;
-/// Rounds of the search, and the gain (−2 ln L) of one below which the next is narrower.
-const ROUNDS: u64 = 6;
-const ROUND_GAIN: f64 = 20.0;
-/// Standard deviations of the first trials: x, y, radius, and one over the friction.
+/// Rounds of the search, and the gain (nats) of one below which the next is narrower.
+const ROUNDS: u64 = 16;
+const ROUND_GAIN: f64 = 10.0;
+/// Rounds without such a gain after which a search ends.
+const IDLE: u32 = 3;
+/// Standard deviations of the first trials, from afar and from close by: x, y, radius, and one over the friction.
 const WIDE: [f64; 4] = [1.2, 1.2, 0.8, 3.0];
+const NARROW: [f64; 4] = [0.4, 0.4, 0.3, 1.2];
 /// Bounds of the radius and of one over the friction.
 const RADIUS: [f64; 2] = [0.3, 10.0];
 const LEAST_INVERSE: f64 = 2.0;
@@ -54,7 +58,7 @@ const SETTLING: SearchLimits = SearchLimits {
 
 impl Plant<'_> {
     /// Where fits of a patch begin beside `at`.
-    pub(super) fn patches(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
+    pub(super) fn patches(&self, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
         let small = self.table.with_small_noise(at);
         let noise = self.noise(&small, true);
@@ -64,51 +68,60 @@ impl Plant<'_> {
         let least = PLACE_GAIN.max(SHARE * (base.deviance - fit.deviance));
         let mut moved = self.machine.patches(&base, &places, least);
         moved.extend(self.machine.patches(&fit, &places, PLACE_GAIN));
-        let settled = moved.par_iter().map(|own| {
-            let begun = self.table.with(&small, own);
-            self.settled(term, begun)
-        });
+        let settled = moved
+            .par_iter()
+            .map(|own| self.settled(self.table.with(&small, own), WIDE));
         let mut settled: Vec<(f64, Vec<f64>)> = settled.collect();
         settled.sort_by(|a, b| b.0.total_cmp(&a.0));
         settled.truncate(1);
         Some(settled.into_iter().map(|(_, at)| at).collect())
     }
 
+    /// The patch of `at` moved and resized where that gains: its edge has no usable derivative.
+    pub(super) fn refined_patch(&self, at: &[f64]) -> Vec<f64> {
+        self.settled(at.to_vec(), NARROW).1
+    }
+
     /// A patch moved while that gains: the noise falls as it comes near, and the search sharpens. Its
     /// log-likelihood with the priors of noise (nats), and where it is.
-    fn settled(&self, term: &Term, begun: Vec<f64>) -> (f64, Vec<f64>) {
+    fn settled(&self, begun: Vec<f64>, mut spread: [f64; 4]) -> (f64, Vec<f64>) {
         let problem = self.table.problem(self);
         let with_noise = |at: &[f64]| {
             let fit = problem.fit(at, &self.table.told, SETTLING);
             (fit.objective, fit.at)
         };
         let mut best = with_noise(&begun);
-        let mut spread = WIDE;
+        let mut idle = 0;
         for round in 1..=ROUNDS {
             let before = best.0;
-            let Some(moved) = self.moved(term, &best.1, &spread, round) else {
+            let Some(moved) = self.moved(&best.1, &spread, round) else {
                 break;
             };
             let next = with_noise(&moved);
             if next.0 > best.0 {
                 best = next;
             }
-            if best.0 - before < ROUND_GAIN / 2.0 {
+            if best.0 - before < ROUND_GAIN {
                 spread = spread.map(|own| own * 0.5);
+                idle += 1;
+            } else {
+                idle = 0;
+            }
+            if idle == IDLE {
+                break;
             }
         }
         best
     }
 
     /// The patch of `at` moved and resized at its gains.
-    fn moved(&self, term: &Term, at: &[f64], spread: &[f64; 4], seed: u64) -> Option<Vec<f64>> {
+    fn moved(&self, at: &[f64], spread: &[f64; 4], seed: u64) -> Option<Vec<f64>> {
         let fit = self.filtered(at)?;
         let own = fit.hypotheses.iter().position(|own| own.is_placed())?;
         let mut all = fit.hypotheses.clone();
         let own = all.remove(own);
         all.push(own);
         let (_, all) = self.machine.searched(&fit, all, spread, seed);
-        let _ = term;
         Some(self.table.with(at, all.last()?))
     }
 }
@@ -164,6 +177,7 @@ impl Machine {
                 places.push(place);
             }
         }
+        places.extend(middle(&places, NEAR * b));
         Some(places)
     }
 
@@ -195,11 +209,19 @@ impl Machine {
         let lengths = [b, b, b, 1.0];
         let mut random = Random(seed);
         let mut scale = 1.0;
+        let mut again: Option<[f64; 4]> = None;
         for _ in 0..TRIALS {
             let mut trial = at;
-            for ((own, spread), length) in trial.iter_mut().zip(spread).zip(lengths) {
-                if random.uniform() < 0.7 {
-                    *own += spread * length * scale * random.normal();
+            // a step that gained is taken once more: patches that mend one edge after the other lie along a valley
+            if let Some(step) = again.take() {
+                for (own, step) in trial.iter_mut().zip(step) {
+                    *own += step;
+                }
+            } else {
+                for ((own, spread), length) in trial.iter_mut().zip(spread).zip(lengths) {
+                    if random.uniform() < 0.7 {
+                        *own += spread * length * scale * random.normal();
+                    }
                 }
             }
             trial[2] = trial[2].abs().clamp(RADIUS[0] * b, RADIUS[1] * b);
@@ -209,6 +231,7 @@ impl Machine {
             all.push(patch(own.info, trial));
             let value = value(&all);
             if value < best.0 {
+                again = Some(std::array::from_fn(|i| WIDER * (trial[i] - at[i])));
                 (best, at) = ((value, all), trial);
                 scale *= WIDER;
             } else {
@@ -217,6 +240,16 @@ impl Machine {
         }
         best
     }
+}
+
+/// The middle of the places near the first one: where wheels enter a patch and leave it something pushes as well.
+fn middle(places: &[[f64; 2]], near_m: f64) -> Option<[f64; 2]> {
+    let [x, y] = *places.first()?;
+    let near = places.iter().filter(|own| (own[0] - x).hypot(own[1] - y) < near_m);
+    let (count, sum) = near.fold((0.0, [0.0; 2]), |(count, sum), own| {
+        (count + 1.0, [sum[0] + own[0], sum[1] + own[1]])
+    });
+    (count > 1.0).then(|| sum.map(|own| own / count))
 }
 
 /// Patches around a place, for a robot of this half track (m).

@@ -390,10 +390,16 @@ impl Table {
         own.map_or(&[], |kind| &kind.starts)
     }
 
-    /// `at` with noise that is small: some times what integrators differ by, for as long as is expected.
-    pub(crate) fn with_small_noise(&self, at: &[f64]) -> Vec<f64> {
+    /// `at` with the noise that is expected before anything is known.
+    pub(crate) fn with_expected_noise(&self, at: &[f64]) -> Vec<f64> {
         let mut out = at.to_vec();
         out[self.noise..].fill(0.0);
+        out
+    }
+
+    /// `at` with noise that is small: some times what integrators differ by, for as long as is expected.
+    pub(crate) fn with_small_noise(&self, at: &[f64]) -> Vec<f64> {
+        let mut out = self.with_expected_noise(at);
         for index in &self.sizes {
             out[*index] = self.priors[*index].mean + SMALL.ln();
         }
