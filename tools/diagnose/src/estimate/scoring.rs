@@ -169,7 +169,12 @@ impl Problem<'_> {
                 continue;
             };
             let mut step = factor.solve(gradient);
-            for place in free.iter().enumerate().filter(|(_, own)| self.sizes.contains(own)).map(|(place, _)| place) {
+            for place in free
+                .iter()
+                .enumerate()
+                .filter(|(_, own)| self.sizes.contains(own))
+                .map(|(place, _)| place)
+            {
                 step[place] = 0.5 * (1.0 + 2.0 * step[place].max(LEAST_STEP)).ln();
             }
             for (place, index) in free.iter().enumerate() {

@@ -120,8 +120,11 @@ impl Elimination<'_> {
 
     /// Fits with these terms, others at their neutral values, from `start`.
     pub(crate) fn fit(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Fit {
-        self.problem
-            .fit(&self.without(start, terms, all), &self.free(terms).0, self.effort.full)
+        self.problem.fit(
+            &self.without(start, terms, all),
+            &self.free(terms).0,
+            self.effort.full,
+        )
     }
 
     /// `start` with terms that are not among `terms` at their neutral values.
@@ -369,8 +372,9 @@ impl Elimination<'_> {
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
     fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
-        let is_idle =
-            |i: usize| !left[i].is_decided_by_gain() && walds[i] < IDLE * left[i].parameters.len() as f64;
+        let is_idle = |i: usize| {
+            !left[i].is_decided_by_gain() && walds[i] < IDLE * left[i].parameters.len() as f64
+        };
         let rest: Vec<Term> = (0..left.len())
             .filter(|i| !is_idle(*i))
             .map(|i| left[i].clone())

@@ -6,7 +6,7 @@ use super::chosen::Chosen;
 use super::criterion::BETTER_NATS;
 use super::elimination::Elimination;
 use super::screen::{Candidate, LOWERED_MORE};
-use crate::estimate::scoring::{Fit};
+use crate::estimate::scoring::Fit;
 use crate::estimate::term::Term;
 
 /// Share of what the best of them brings from which on another one is a rival.
@@ -107,10 +107,13 @@ impl Elimination<'_> {
                 alike: chosen.alike.clone(),
             }
         };
-        let first = candidates.par_iter().take(self.effort.refitted).flat_map(|own| {
-            let starts = own.starts.par_iter();
-            starts.map(|start| (own.term, start))
-        });
+        let first = candidates
+            .par_iter()
+            .take(self.effort.refitted)
+            .flat_map(|own| {
+                let starts = own.starts.par_iter();
+                starts.map(|start| (own.term, start))
+            });
         let short = first.map(|(term, start)| with(term, start, self.effort.ranked));
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
@@ -129,7 +132,11 @@ impl Elimination<'_> {
             .first()
             .map_or(0.0, |own| self.excess(&chosen.fit, own));
         let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
-        let rivals: Vec<&Chosen> = short.iter().take(self.effort.polished).filter(near).collect();
+        let rivals: Vec<&Chosen> = short
+            .iter()
+            .take(self.effort.polished)
+            .filter(near)
+            .collect();
         let polished = rivals.into_par_iter().filter_map(|own| {
             let term = own.terms.last()?;
             let mut own = with(term, &own.fit.at, self.effort.full);

@@ -42,7 +42,9 @@ pub(super) struct Start {
 impl Elimination<'_> {
     /// Candidates beside `chosen`, the most promising first.
     pub(super) fn screened<'t>(&self, chosen: &Chosen, all: &'t [Term]) -> Vec<Candidate<'t>> {
-        let lacking = all.iter().filter(|term| !chosen.has(term.name) && term.search != Search::Located);
+        let lacking = all
+            .iter()
+            .filter(|term| !chosen.has(term.name) && term.search != Search::Located);
         let lacking: Vec<&Term> = lacking.collect();
         let scores: Vec<Scores> = LOWERED
             .par_iter()
@@ -78,14 +80,27 @@ impl Elimination<'_> {
     }
 
     /// Candidates beside `chosen` that act at a time or a place; `rival` is the best fit with another one.
-    pub(super) fn located<'t>(&self, chosen: &Chosen, rival: &Fit, all: &'t [Term]) -> Vec<Candidate<'t>> {
-        let located = all.iter().filter(|term| term.search == Search::Located && !chosen.has(term.name));
+    pub(super) fn located<'t>(
+        &self,
+        chosen: &Chosen,
+        rival: &Fit,
+        all: &'t [Term],
+    ) -> Vec<Candidate<'t>> {
+        let located = all
+            .iter()
+            .filter(|term| term.search == Search::Located && !chosen.has(term.name));
         let of = |term: &'t Term| Candidate {
             term,
-            starts: self.problem.likelihood.located(term, &chosen.fit.at, &rival.at),
+            starts: self
+                .problem
+                .likelihood
+                .located(term, &chosen.fit.at, &rival.at),
             promise: 0.0,
         };
-        located.map(of).filter(|own| !own.starts.is_empty()).collect()
+        located
+            .map(of)
+            .filter(|own| !own.starts.is_empty())
+            .collect()
     }
 
     /// Places at which a fit of a term may begin, and what they promise (nats).

@@ -3,8 +3,6 @@
 use slipstream_sim::effects::When;
 
 use super::condition::condition;
-use crate::model::plant::filtered::Filtered;
-use crate::model::plant::machine::Machine;
 use super::selection::Known;
 use super::selection::Selected;
 use super::unknown::Unknown;
@@ -14,6 +12,8 @@ use crate::answer::{
     Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
 };
 use crate::model::hypothesis::{Hypothesis, STATIC};
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::select::criterion::Criterion;
 
 /// Share of a value by which integrators differ.

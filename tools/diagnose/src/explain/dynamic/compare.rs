@@ -5,12 +5,12 @@
 
 use super::judged::{Judged, alone, machine_of};
 use super::selection::{Known, Selected, Selection, fitted_noise};
+use crate::estimate::scoring::FULL;
 use crate::model::hypothesis::{self, Hypothesis, in_force, with};
 use crate::model::plant::filtered::{Filtered, values};
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
-use crate::estimate::scoring::FULL;
 use crate::predict::predictor::Predictor;
 use crate::request::Request;
 use crate::select::criterion::Criterion;
@@ -94,7 +94,9 @@ fn alone_today(
     let table = Table::new(&machine, &all, &[]);
     let plant = Plant::new(&machine, &table);
     let (_, still) = fitted_noise(&plant)?;
-    let at = all.iter().fold(still.clone(), |at, own| table.with(&at, own));
+    let at = all
+        .iter()
+        .fold(still.clone(), |at, own| table.with(&at, own));
     let at = table.problem(&plant).fit(&at, &table.told, FULL).at;
     let pick = |at: &usize| (selected.gains[*at], selected.alike[*at].clone());
     let (gains, alike) = changes.iter().map(pick).unzip();

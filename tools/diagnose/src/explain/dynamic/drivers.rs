@@ -1,9 +1,9 @@
 //! Variables that a force outside of the catalogue may follow, and functions of them.
 
-use crate::model::plant::filtered::Filtered;
-use crate::model::plant::machine::Machine;
 use crate::data::command::asked;
 use crate::filter::dynamic::columns::Load;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 
 /// Hats over a variable, over a place, and over what a wheel is told.
 const HATS: usize = 9;

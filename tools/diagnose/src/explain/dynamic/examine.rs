@@ -5,7 +5,6 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::judged::{Judged, alone};
-use crate::model::plant::machine::Machine;
 use super::selection::Selected;
 use super::{answer, compare, pictures, prediction};
 use crate::answer::statement::changed;
@@ -16,6 +15,7 @@ use crate::explain::links::Course;
 use crate::judge::{Predictions, Score, passing};
 use crate::model::hypothesis::with;
 use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::Predictor;
 use crate::request::{Request, Runs};
 

@@ -2,12 +2,12 @@
 
 use slipstream_bus::RobotModel;
 
-use crate::model::plant::machine::Machine;
 use super::selection::{Selected, Selection};
 use crate::data::track::Track;
 use crate::model::hypothesis::{self, Hypothesis};
-use crate::predict::predictor::Predictor;
+use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
+use crate::predict::predictor::Predictor;
 use crate::request::Request;
 
 /// Rows of a series over all runs above which it is thinned, and that each run keeps: what is denser says

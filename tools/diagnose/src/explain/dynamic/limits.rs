@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::When;
 
-use crate::model::plant::channels::precisions;
-use crate::model::plant::filtered::{Filtered, least_change};
-use crate::model::plant::machine::Machine;
 use crate::answer::{Limit, Seen};
 use crate::data::track::Sensor;
 use crate::model::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
+use crate::model::plant::channels::precisions;
+use crate::model::plant::filtered::{Filtered, least_change};
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::Predictor;
 use crate::predict::window::Window;
 
@@ -136,16 +136,14 @@ fn by_deviation(machine: &Machine, fit: &Filtered, one: &Hypothesis, name: &'sta
         }
     }
     moved.set(name, nothing + step);
-    let size = machine
-        .innovations(fit, &fit.beside(&moved))
-        .and_then(|e| {
-            let precisions = precisions(&fit.whitened, &machine.channels);
-            let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
-            let square: f64 = pairs
-                .map(|((after, before), precision)| (after - before).powi(2) * precision)
-                .sum();
-            (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
-        });
+    let size = machine.innovations(fit, &fit.beside(&moved)).and_then(|e| {
+        let precisions = precisions(&fit.whitened, &machine.channels);
+        let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
+        let square: f64 = pairs
+            .map(|((after, before), precision)| (after - before).powi(2) * precision)
+            .sum();
+        (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
+    });
     let seen = if nothing == 0.0 {
         Seen::Above
     } else {

@@ -56,14 +56,24 @@ impl Outside<'_> {
     /// follows the place.
     fn is_rare(&self, fit: &Fit, unknown: &Unknown) -> bool {
         let before = self.plant.value(&fit.at);
-        let mut gains: Vec<f64> = unknown.by_block.iter().zip(&before).map(|(a, b)| a - b).collect();
+        let mut gains: Vec<f64> = unknown
+            .by_block
+            .iter()
+            .zip(&before)
+            .map(|(a, b)| a - b)
+            .collect();
         gains.sort_by(|a, b| b.total_cmp(a));
         let rest: f64 = gains.iter().skip(RARE).sum();
         unknown.driver != "t" && 2.0 * rest < REST * unknown.gain
     }
 
     /// The fit without the term that a force takes most of, where one does; what is left, and the force beside it.
-    fn taken(&self, fit: &Fit, left: &[Term], unknown: &Unknown) -> Option<(Fit, Vec<Term>, Unknown)> {
+    fn taken(
+        &self,
+        fit: &Fit,
+        left: &[Term],
+        unknown: &Unknown,
+    ) -> Option<(Fit, Vec<Term>, Unknown)> {
         let all = left.iter().filter_map(|term| {
             let (less, rest, _) = self.selection.removed(fit, term, left, self.terms);
             let own = self.beside(&less)?;

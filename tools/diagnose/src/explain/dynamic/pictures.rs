@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use crate::model::plant::filtered::Filtered;
 use super::limits::limits;
-use crate::model::plant::machine::Machine;
 use super::selection::Selected;
 use crate::answer::{ErrorLine, Figures, LawCurve, MissingForce, Motion, Paths, Point, Profile};
 use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor, Track};
 use crate::explain::drawn_span::drawn_span;
 use crate::model::hypothesis::Hypothesis;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::predict::misfit::Misfit;
 use crate::predict::predictor::{Predictor, unit};
 use crate::predict::window::{WINDOW_S, Window, cut};

@@ -2,17 +2,17 @@
 
 use rayon::prelude::*;
 
-use crate::model::plant::channels::NO_CHANNEL;
 use super::judged::Judged;
-use crate::model::plant::machine::Machine;
 use crate::answer::HeldOut;
 use crate::data::track::Sensor;
+use crate::estimate::scoring::SearchLimits;
 use crate::filter::dynamic::open_loop::{Sums, add_variances};
 use crate::judge::{HEADING, PLACE, POSE, Predictions, Score, Worth};
 use crate::model::hypothesis::Hypothesis;
-use crate::estimate::scoring::SearchLimits;
+use crate::model::plant::channels::NO_CHANNEL;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::{FITTED_S, Predictor, unit};
 use crate::predict::window::{WINDOW_S, Window};
 
@@ -120,6 +120,8 @@ fn fitted_outside(judged: &Judged, windows: &[Window]) -> Vec<Hypothesis> {
     }
     let (table, at) = (&judged.table, &judged.selected.at);
     let plant = Plant::new(&machine, table);
-    let fit = table.problem(&plant).fit(at, &table.acting_parameters(at), LEARNT);
+    let fit = table
+        .problem(&plant)
+        .fit(at, &table.acting_parameters(at), LEARNT);
     table.hypotheses(&fit.at)
 }

@@ -204,7 +204,12 @@ impl Selection<'_> {
     }
 
     /// What is needed beside `begun`.
-    fn needed(&self, selection: &mut Elimination<'_>, table: &Table, begun: Chosen) -> Option<Needed> {
+    fn needed(
+        &self,
+        selection: &mut Elimination<'_>,
+        table: &Table,
+        begun: Chosen,
+    ) -> Option<Needed> {
         let hear = |name: &str| (self.progress)(&format!("found {}", name.replace('_', " ")));
         (self.progress)("trying every effect");
         let chosen = selection.forward(begun, &table.terms, &hear);
@@ -219,7 +224,9 @@ impl Selection<'_> {
     fn begun(&self, selection: &Elimination<'_>, plant: &Plant<'_>) -> Chosen {
         let (free, _) = selection.free(&[]);
         Chosen {
-            fit: selection.problem.fit(&plant.table.start, &free, selection.effort.full),
+            fit: selection
+                .problem
+                .fit(&plant.table.start, &free, selection.effort.full),
             terms: Vec::new(),
             alike: Vec::new(),
         }
@@ -243,7 +250,9 @@ pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<(f64, Vec<f64>)> {
         }
         problem.fit(&at, &table.told, FULL)
     });
-    let best = fits.into_iter().max_by(|a, b| a.objective.total_cmp(&b.objective))?;
+    let best = fits
+        .into_iter()
+        .max_by(|a, b| a.objective.total_cmp(&b.objective))?;
     Some((best.objective, best.at))
 }
 
@@ -256,7 +265,8 @@ fn weighed(table: &Table, fit: &Filtered, found: &Needed) -> (Vec<f64>, Vec<Vec<
         let effect = |[_, other]: &[&'static str; 2]| {
             let mut all = table.terms.iter();
             let own = all.find(|term| term.name == *other);
-            own.and_then(|term| term.shown.first()).map_or(*other, |shown| shown.effect)
+            own.and_then(|term| term.shown.first())
+                .map_or(*other, |shown| shown.effect)
         };
         let mut alike: Vec<&str> = alike.map(effect).collect();
         alike.sort_unstable();
@@ -270,7 +280,8 @@ fn weighed(table: &Table, fit: &Filtered, found: &Needed) -> (Vec<f64>, Vec<Vec<
 /// How well the numbers of the effects of a fit are known.
 fn known(plant: &Plant<'_>, found: &Needed) -> Known {
     let fit = &found.fit;
-    let weights: Vec<Vec<(usize, f64)>> = plant.table.weights(&fit.at).into_iter().flatten().collect();
+    let weights: Vec<Vec<(usize, f64)>> =
+        plant.table.weights(&fit.at).into_iter().flatten().collect();
     let count = weights.len();
     let precision = &found.precision;
     let raise = |place: usize| {

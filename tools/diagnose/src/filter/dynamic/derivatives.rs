@@ -61,7 +61,13 @@ const CHANGED_RAD_S: f64 = 1.0;
 
 impl Lately {
     /// Derivatives that still hold, of a robot with these wheel speeds.
-    fn recall(&mut self, row: &Row, over_s: f64, heading: f64, wheels: [f64; 2]) -> Option<Derivatives> {
+    fn recall(
+        &mut self,
+        row: &Row,
+        over_s: f64,
+        heading: f64,
+        wheels: [f64; 2],
+    ) -> Option<Derivatives> {
         let mut all = self.all.iter_mut();
         let own = all.find(|own| own.is_like(row, over_s))?;
         let same = |i: usize| {
@@ -126,9 +132,8 @@ pub(super) fn differentiated(
     if step.still && of_pose_or_angle {
         return (after, step);
     }
-    let rolls = |point: &Point| {
-        point.state.slides() == [false; 2] && point.state.engaged() == [true; 2]
-    };
+    let rolls =
+        |point: &Point| point.state.slides() == [false; 2] && point.state.engaged() == [true; 2];
     if step.still || !rolls(from) || !rolls(&after) {
         step.by_differences(flow, [from, &after], row, &predicted, deviation);
         return (after, step);

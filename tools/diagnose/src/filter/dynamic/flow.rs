@@ -128,7 +128,8 @@ impl Flow<'_> {
             let longest_s = self.step_s[usize::from(!rolls)];
             let left_s = to_s - point.t_s;
             let step_s = left_s / (left_s / longest_s - 1e-6).ceil().max(1.0);
-            self.robot.step(&mut point.state, point.t_s, step_s, command);
+            self.robot
+                .step(&mut point.state, point.t_s, step_s, command);
             point.t_s += step_s;
         }
         point.t_s = to_s;

@@ -63,8 +63,7 @@ impl Pass {
         for (place, &(true_s, index)) in order.iter().enumerate() {
             let row = &run.rows[index];
             let deviation = covariance.deviation();
-            let (after, step) =
-                differentiated(flow, &point, true_s, row, &deviation, &mut lately);
+            let (after, step) = differentiated(flow, &point, true_s, row, &deviation, &mut lately);
             point = after;
             if point.is_lost() {
                 return None;

@@ -11,7 +11,7 @@ use crate::filter::dynamic::Noise;
 use crate::filter::dynamic::flow::Flow;
 use crate::filter::dynamic::gains::Pass;
 use crate::filter::dynamic::predictor::innovations;
-use crate::model::hypothesis::{Hypothesis, come_round, in_force, slides, with};
+use crate::model::hypothesis::{Hypothesis, in_force, slides, with};
 
 /// Longest steps of the plant (s): of wheels that roll, and of wheels that slide or gears that are apart.
 const STEPS_S: [f64; 2] = [5e-3, 2e-3];
@@ -52,19 +52,6 @@ pub(crate) fn may_slide(model: &RobotModel, hypotheses: &[Hypothesis]) -> bool {
 pub(crate) fn values(hypotheses: &[Hypothesis]) -> Vec<f64> {
     let smooth = hypotheses.iter().filter(|h| !h.is_threshold());
     smooth.flat_map(|h| h.values.iter().map(|v| v.1)).collect()
-}
-
-/// `hypotheses` with these values.
-pub(crate) fn valued(hypotheses: &[Hypothesis], values: &[f64]) -> Vec<Hypothesis> {
-    let mut values = values.iter();
-    let mut out = hypotheses.to_vec();
-    for hypothesis in out.iter_mut().filter(|h| !h.is_threshold()) {
-        for (own, value) in hypothesis.values.iter_mut().zip(&mut values) {
-            own.1 = come_round(hypothesis.info, own.0, *value);
-        }
-        hypothesis.keep_in_order();
-    }
-    out
 }
 
 /// The smallest change of a parameter among its probes.
@@ -162,7 +149,11 @@ impl Machine {
     }
 
     /// Innovations of `hypotheses` at the gains of `fit`.
-    pub(crate) fn innovations(&self, fit: &Filtered, hypotheses: &[Hypothesis]) -> Option<Vec<f64>> {
+    pub(crate) fn innovations(
+        &self,
+        fit: &Filtered,
+        hypotheses: &[Hypothesis],
+    ) -> Option<Vec<f64>> {
         self.watched(fit, hypotheses, |_, _, _, _| ())
     }
 

@@ -19,7 +19,6 @@ use crate::estimate::{BlockScore, Likelihood};
 use crate::filter::dynamic::Noise;
 use crate::filter::dynamic::linear::likelihood;
 
-
 /// Passes that are kept: a fit asks for the value of parameters and then for their score.
 const KEPT: usize = 8;
 /// Change of a parameter by which a simulation is differentiated, in the smallest expected size.
@@ -71,7 +70,8 @@ impl<'a> Plant<'a> {
     pub(crate) fn filtered(&self, at: &[f64]) -> Option<Arc<Filtered>> {
         let known = |kept: &VecDeque<Kept>| {
             let mut all = kept.iter();
-            all.find(|(own, _)| own == at).map(|(_, filtered)| filtered.clone())
+            all.find(|(own, _)| own == at)
+                .map(|(_, filtered)| filtered.clone())
         };
         let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(own) = known(&lock()) {
@@ -119,7 +119,8 @@ impl<'a> Plant<'a> {
             let moved = |step: f64| {
                 let mut moved = at.to_vec();
                 moved[index] += step;
-                self.machine.innovations(base, &self.table.hypotheses(&moved))
+                self.machine
+                    .innovations(base, &self.table.hypotheses(&moved))
             };
             // away from where no robot has it, or where it changes nothing
             let (e, step) = match moved(step) {
@@ -205,7 +206,11 @@ impl<'a> Plant<'a> {
                 score[self.block_of[place]] -= 0.5 * change / NOISE_STEP;
                 let numbers = relative(&gain.whitening, &other.whitening[row], e, own);
                 for (i, number) in numbers.iter().enumerate() {
-                    let p = if i < 3 { p[i].sqrt() } else { f64::from(u8::from(p.iter().any(|p| *p > 0.0))) };
+                    let p = if i < 3 {
+                        p[i].sqrt()
+                    } else {
+                        f64::from(u8::from(p.iter().any(|p| *p > 0.0)))
+                    };
                     whitened.push(number / NOISE_STEP * p);
                 }
                 place += 1;
@@ -289,7 +294,8 @@ impl Likelihood for Plant<'_> {
 
     fn refined(&self, term: &Term, at: &[f64]) -> Option<Vec<f64>> {
         let own = self.table.starts(term).first()?;
-        own.is_placed().then(|| self.at_its_gains(self.refined_patch(at)))
+        own.is_placed()
+            .then(|| self.at_its_gains(self.refined_patch(at)))
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
@@ -363,5 +369,81 @@ impl Machine {
             all.push(Blocks::new([from_s, to_s], first));
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use super::*;
+    use crate::estimate::scoring::summed;
+    use crate::model::hypothesis;
+    use crate::predict::fixture;
+
+    #[test]
+    fn the_score_is_the_slope_of_the_value() {
+        let truth = RobotModel::default().with("viscous_drag", &[("coefficient", 0.3)]);
+        let track = fixture::driven(&truth, 8.0, fixture::gentle);
+        let tracks = [track.clone()];
+        let machine = Machine::new(vec![track], RobotModel::default(), &[]);
+        let all = hypothesis::all(&machine.model, &tracks, &[]);
+        let table = Table::new(&machine, &all, &[]);
+        let plant = Plant::new(&machine, &table);
+        let term = |name: &str| table.terms.iter().find(|term| term.name == name).unwrap();
+        let drag = term("viscous_drag").parameters[0];
+        let mut at = table.start.clone();
+        at[drag] = 1.0;
+        let free = [drag, table.told[0], table.told[1]];
+        let value = |at: &[f64]| plant.value(at).iter().sum::<f64>();
+        let (gradient, information) = summed(&plant.score(&at, &free), free.len());
+        for (place, index) in free.iter().enumerate() {
+            let moved = |by: f64| {
+                let mut moved = at.clone();
+                moved[*index] += by;
+                value(&moved)
+            };
+            let slope = (moved(1e-3) - moved(-1e-3)) / 2e-3;
+            // the filter is linear about its pass, and its gains do not move with what acts on the robot
+            let scale = slope.abs().max(information[(place, place)].sqrt());
+            assert!(
+                (gradient[place] - slope).abs() < 0.05 * scale,
+                "{index} {} {slope}",
+                gradient[place]
+            );
+        }
+    }
+
+    #[test]
+    fn an_effect_keeps_its_numbers_through_the_table() {
+        let model = RobotModel::default();
+        let track = fixture::driven(&model, 4.0, fixture::gentle);
+        let tracks = [track.clone()];
+        let machine = Machine::new(vec![track], model, &[]);
+        let all = hypothesis::all(&machine.model, &tracks, &[]);
+        let table = Table::new(&machine, &all, &[]);
+        assert!(table.hypotheses(&table.start).is_empty());
+        for own in all.iter().filter(|own| own.info.id != "encoder_scale") {
+            let at = table.with(&table.start, own);
+            let back = table.hypotheses(&at);
+            let unchanged = back.is_empty();
+            for ((name, value), (_, same)) in own
+                .values
+                .iter()
+                .zip(back.iter().flat_map(|own| &own.values))
+            {
+                let off = (value - same).abs();
+                assert!(
+                    off < 1e-9 * value.abs().max(1.0),
+                    "{} {name}: {value} {same}",
+                    own.info.id
+                );
+            }
+            let nothing = own
+                .values
+                .iter()
+                .all(|(name, value)| *value == own.nothing(&machine.model, name));
+            assert_eq!(unchanged, nothing, "{}", own.info.id);
+        }
     }
 }

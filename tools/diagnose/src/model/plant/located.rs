@@ -83,7 +83,11 @@ impl Plant<'_> {
         };
         let mut moments: BTreeMap<(usize, i64), [f64; 2]> = BTreeMap::new();
         let precisions = precisions(&fit.whitened, &self.machine.channels);
-        let all = fit.whitened.iter().zip(&precisions).zip(&self.machine.stamps);
+        let all = fit
+            .whitened
+            .iter()
+            .zip(&precisions)
+            .zip(&self.machine.stamps);
         for ((e, precision), (stamp_s, run)) in all.filter(|own| *own.0.1 > 0.0) {
             let moment = moments.entry((*run, (stamp_s / MOMENT_S) as i64));
             let [sum, count] = moment.or_default();
@@ -117,17 +121,25 @@ impl Plant<'_> {
         if leaders.is_empty() {
             leaders = ranked(&fit);
         }
-        Some(leaders.into_iter().map(|(_, own)| self.table.with(&small, own)).collect())
+        Some(
+            leaders
+                .into_iter()
+                .map(|(_, own)| self.table.with(&small, own))
+                .collect(),
+        )
     }
 
     /// What acts on the robot fitted at the gains of `at`, and the noise there, in turn while that gains.
     pub(super) fn at_its_gains(&self, mut at: Vec<f64>) -> Vec<f64> {
         let problem = self.table.problem(self);
         let free = self.table.acting_parameters(&at);
-        let objective = |at: &[f64]| problem.objective(at, &free) + problem.log_prior(at, &self.table.told);
+        let objective =
+            |at: &[f64]| problem.objective(at, &free) + problem.log_prior(at, &self.table.told);
         let mut best = objective(&at);
         for _ in 0..TURNS {
-            let Some(base) = self.filtered(&at) else { break };
+            let Some(base) = self.filtered(&at) else {
+                break;
+            };
             let held = AtGains {
                 plant: self,
                 base: &base,
@@ -155,13 +167,15 @@ impl Plant<'_> {
             return None;
         }
         let mut heading = 0.0;
-        self.machine.watched(&fit, &fit.hypotheses, |index, t_s, state, _| {
-            if index == run && t_s <= impulse.t_s {
-                heading = state.pose()[2];
-            }
-        })?;
+        self.machine
+            .watched(&fit, &fit.hypotheses, |index, t_s, state, _| {
+                if index == run && t_s <= impulse.t_s {
+                    heading = state.pose()[2];
+                }
+            })?;
         let [along, across] = impulse.size;
-        let mut own = crate::model::hypothesis::momentary_and_placed().find(Hypothesis::is_momentary)?;
+        let mut own =
+            crate::model::hypothesis::momentary_and_placed().find(Hypothesis::is_momentary)?;
         own.set("t_s", (impulse.t_s - 0.5 * PUSH_S).max(0.0));
         own.set("impulse_n_s", along.hypot(across));
         own.set("direction_rad", wrapped(heading + across.atan2(along)));
@@ -197,7 +211,10 @@ impl Machine {
         all.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
         let mut apart: Vec<(usize, f64)> = Vec::new();
         for (run, own) in all {
-            if apart.iter().all(|(known, t_s)| *known != run || (own.t_s - t_s).abs() > APART_S) {
+            if apart
+                .iter()
+                .all(|(known, t_s)| *known != run || (own.t_s - t_s).abs() > APART_S)
+            {
                 apart.push((run, own.t_s));
             }
         }

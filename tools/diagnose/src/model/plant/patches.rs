@@ -245,7 +245,9 @@ impl Machine {
 /// The middle of the places near the first one: where wheels enter a patch and leave it something pushes as well.
 fn middle(places: &[[f64; 2]], near_m: f64) -> Option<[f64; 2]> {
     let [x, y] = *places.first()?;
-    let near = places.iter().filter(|own| (own[0] - x).hypot(own[1] - y) < near_m);
+    let near = places
+        .iter()
+        .filter(|own| (own[0] - x).hypot(own[1] - y) < near_m);
     let (count, sum) = near.fold((0.0, [0.0; 2]), |(count, sum), own| {
         (count + 1.0, [sum[0] + own[0], sum[1] + own[1]])
     });

@@ -7,8 +7,8 @@ use super::machine::Machine;
 use super::noise;
 use crate::data::track::Track;
 use crate::estimate::scoring::Problem;
-use crate::estimate::{Likelihood, Prior};
 use crate::estimate::term::{Acts, Attribution, Search, Term};
+use crate::estimate::{Likelihood, Prior};
 use crate::model::hypothesis::{
     Hypothesis, all_sizes, come_round, kinds, momentary_and_placed, threshold,
 };
@@ -88,7 +88,11 @@ impl Number {
         Self {
             name,
             link,
-            unit: if unit > 0.0 && unit.is_finite() { unit } else { 1.0 },
+            unit: if unit > 0.0 && unit.is_finite() {
+                unit
+            } else {
+                1.0
+            },
             nothing,
             bounds,
         }
@@ -193,7 +197,13 @@ impl Table {
         table
     }
 
-    fn push(&mut self, machine: &Machine, own: &Hypothesis, base: Option<usize>, known: bool) -> usize {
+    fn push(
+        &mut self,
+        machine: &Machine,
+        own: &Hypothesis,
+        base: Option<usize>,
+        known: bool,
+    ) -> usize {
         let numbers = own.values.iter();
         let numbers = numbers.map(|(name, _)| Number::new(own, name, machine));
         let numbers: Vec<Number> = numbers.collect();
@@ -206,13 +216,21 @@ impl Table {
             });
             self.longest.push(LONGEST);
             self.twins.push(twin);
-            let grips = if slides_by(own, number) { -1.0 / GRIPS } else { 0.0 };
+            let grips = if slides_by(own, number) {
+                -1.0 / GRIPS
+            } else {
+                0.0
+            };
             let nominal = number.nothing.max(0.0) + grips;
             self.nominal.push(match base {
                 Some(base) => self.nominal[self.kinds[base].first + place],
                 None => nominal / number.unit,
             });
-            self.start.push(if known { number.at(own.values[place].1) } else { 0.0 });
+            self.start.push(if known {
+                number.at(own.values[place].1)
+            } else {
+                0.0
+            });
         }
         self.kinds.push(Kind {
             own: own.clone(),
@@ -250,28 +268,52 @@ impl Table {
         let kind = &self.kinds[kind];
         let at = |own: &Hypothesis| -> Vec<f64> {
             let pairs = kind.numbers.iter().zip(&own.values);
-            pairs.map(|(number, (_, value))| number.at(*value)).collect()
+            pairs
+                .map(|(number, (_, value))| number.at(*value))
+                .collect()
         };
         let search = if own.is_threshold() {
-            let [number] = kind.numbers.as_slice() else { return };
-            Search::Profiled(thresholds(machine).into_iter().map(|own| number.at(own)).collect())
+            let [number] = kind.numbers.as_slice() else {
+                return;
+            };
+            Search::Profiled(
+                thresholds(machine)
+                    .into_iter()
+                    .map(|own| number.at(own))
+                    .collect(),
+            )
         } else if own.is_local() || own.is_abrupt() {
             Search::Located
         } else if own.replaces.is_some() || base.is_some_and(|base| self.kinds[base].known) {
             Search::Smooth(Vec::new())
         } else {
-            let plays = if own.has_play() { plays(own) } else { Vec::new() };
+            let plays = if own.has_play() {
+                plays(own)
+            } else {
+                Vec::new()
+            };
             Search::Smooth(starts.iter().copied().chain(&plays).map(at).collect())
         };
         let count = kind.numbers.len();
-        let sizes = |number: &Number| number.link != Link::Angle && number.bounds[0] >= 0.0 && own.info.parameter(number.name).is_some_and(|p| p.role == Role::Size || p.role == Role::Limit);
+        let sizes = |number: &Number| {
+            number.link != Link::Angle
+                && number.bounds[0] >= 0.0
+                && own
+                    .info
+                    .parameter(number.name)
+                    .is_some_and(|p| p.role == Role::Size || p.role == Role::Limit)
+        };
         self.terms.push(Term {
             name: name(own),
             parameters: kind.places().collect(),
             resolution: vec![TINY * TINY; count],
             repeatability: vec![0.0; count],
             inflation: 1.0,
-            cost: if own.info.id == "encoder_scale" { COUNTS_WRONG } else { 0.0 },
+            cost: if own.info.id == "encoder_scale" {
+                COUNTS_WRONG
+            } else {
+                0.0
+            },
             positive: kind.numbers.iter().all(sizes),
             rare: search == Search::Located,
             search,
@@ -334,8 +376,12 @@ impl Table {
     pub(crate) fn hypotheses(&self, at: &[f64]) -> Vec<Hypothesis> {
         let of = |kind: &Kind| {
             let mut own = kind.own.clone();
-            for (place, (number, (_, value))) in kind.numbers.iter().zip(&mut own.values).enumerate() {
-                let base = kind.base.map_or(0.0, |base| at[self.kinds[base].first + place]);
+            for (place, (number, (_, value))) in
+                kind.numbers.iter().zip(&mut own.values).enumerate()
+            {
+                let base = kind
+                    .base
+                    .map_or(0.0, |base| at[self.kinds[base].first + place]);
                 *value = number.value(own.info, base + at[kind.first + place]);
             }
             own.keep_in_order();
@@ -354,8 +400,12 @@ impl Table {
             let numbers = kind.numbers.iter().zip(&own.values).enumerate();
             let numbers = numbers.map(|(place, (number, (_, value)))| {
                 let slope = number.slope(*value);
-                let base = kind.base.map(|base| (self.kinds[base].first + place, slope));
-                std::iter::once((kind.first + place, slope)).chain(base).collect()
+                let base = kind
+                    .base
+                    .map(|base| (self.kinds[base].first + place, slope));
+                std::iter::once((kind.first + place, slope))
+                    .chain(base)
+                    .collect()
             });
             numbers.collect()
         };
@@ -410,7 +460,9 @@ impl Table {
     pub(crate) fn with(&self, at: &[f64], own: &Hypothesis) -> Vec<f64> {
         let mut out = at.to_vec();
         if let Some(kind) = self.kinds.iter().find(|kind| kind.own.is_like(own)) {
-            for (index, (number, (_, value))) in kind.places().zip(kind.numbers.iter().zip(&own.values)) {
+            for (index, (number, (_, value))) in
+                kind.places().zip(kind.numbers.iter().zip(&own.values))
+            {
                 out[index] = number.at(*value);
             }
         }
