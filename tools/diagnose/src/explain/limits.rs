@@ -10,6 +10,7 @@ use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
+use crate::filter::motion_law::TABLES;
 use crate::model::streams::{Joint, ROBUST};
 use crate::select::elimination::LEAST_APART;
 
@@ -72,7 +73,7 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
             .iter()
             .enumerate()
             .filter_map(move |(number, index)| {
-                let own = named(shown, number, *index)?;
+                let own = named((term, shown), number, *index)?;
                 Some((shown, *index, own))
             })
     });
@@ -90,6 +91,7 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
             word: shown.word.map(|(_, word)| word),
             parameter,
             unit: match (shown.effect, unit) {
+                ("unknown", _) if parameter == "turn_rate" => "rad/s",
                 ("unknown", _) => "m/s",
                 (_, Some(own)) => own.unit,
                 (_, None) => "1",
@@ -108,9 +110,15 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
 }
 
 /// What a fitted parameter is called, and how it changes; one of a table stands for all.
-fn named(shown: &Attribution, number: usize, index: usize) -> Option<(&'static str, Link)> {
+fn named(
+    (term, shown): (&Term, &Attribution),
+    number: usize,
+    index: usize,
+) -> Option<(&'static str, Link)> {
     if shown.effect == "unknown" {
-        return (number == 0).then_some(("speed", Link::Identity));
+        let mut tables = TABLES.iter();
+        let table = tables.find(|own| own.name == term.name)?;
+        return (number == 0).then_some((table.acts_on, Link::Identity));
     }
     let mut values = shown.values.iter();
     let own = values.find(|value| value.weights.iter().any(|(own, _)| *own == index))?;

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::claim::{Claim, Law, Value};
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
-use crate::filter::motion_law::{DRIVERS, VALUES};
+use crate::filter::motion_law::TABLES;
 use crate::model::from_wheels::GYRO_LATENCY;
 use crate::model::run::Run;
 use crate::model::streams::{Joint, ROBUST, Streams, read};
@@ -298,18 +298,16 @@ impl Naming<'_> {
         value.half = [below, above];
     }
 
-    /// What the catalogue does not have: a speed that follows the turn rate, or the speed.
+    /// What the catalogue does not have: a speed or a turn rate that follows the turn rate, or the speed.
     fn law(&self, term: &Term) -> Option<Law> {
-        let place = ["law of w", "law of v"]
-            .iter()
-            .position(|name| *name == term.name)?;
-        let knots = self.streams.reference.knots[place];
+        let table = TABLES.iter().find(|own| own.name == term.name)?;
+        let knots = self.streams.reference.knots[table.over];
         let fit = &self.found.selected.fit;
         let changes: Vec<f64> = term.parameters.iter().map(|i| fit.at[*i]).collect();
         // values are linear in the parameters: the weights of each
-        let parts: Vec<Vec<f64>> = (0..VALUES[place])
+        let parts: Vec<Vec<f64>> = (0..table.count)
             .map(|k| {
-                let mut one = vec![0.0; VALUES[place]];
+                let mut one = vec![0.0; table.count];
                 one[k] = 1.0;
                 knots.values(&one).to_vec()
             })
@@ -321,7 +319,7 @@ impl Naming<'_> {
             self.found.criterion.half_width() * self.known(&weights, term).deviation
         });
         Some(Law {
-            driver: DRIVERS[place],
+            table: *table,
             knots: knots.places(),
             values: knots.values(&changes).to_vec(),
             half: half.collect(),

@@ -16,7 +16,7 @@ use super::run::{RUN_NOISE, Run, Source};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::reference::{POSE_STEP_S, PoseRow, match_poses, match_rates};
 use crate::filter::gyro as gyro_filter;
-use crate::filter::motion_law::{DRIVERS, Knots, LAW, VALUES};
+use crate::filter::motion_law::{Knots, LAW, OF_TURNS, TABLES};
 use crate::filter::wheels_to_pose::{self, WheelsToPose};
 
 /// Parameters of the machine.
@@ -32,8 +32,10 @@ pub(crate) const GYRO_LATENCY: usize = 8;
 pub(crate) const GYRO_RATE: usize = 9;
 /// Parameters of the drive begin here; they matter where no wheels were recorded.
 pub(crate) const DRIVE_FIRST: usize = 10;
-/// Values of a law of speed over turn rate (m/s).
+/// Values of laws of speed (m/s) and of turn rate (rad/s).
 pub(crate) const LAW_FIRST: usize = DRIVE_FIRST + DRIVE;
+/// Values of the law of turns, which poses and gyro see.
+pub(crate) const TURNS_FIRST: usize = LAW_FIRST + OF_TURNS;
 /// How many there are.
 pub(crate) const MACHINE: usize = LAW_FIRST + LAW;
 /// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
@@ -49,7 +51,7 @@ const RUN: usize = RUN_NOISE_FIRST;
 /// Those that a run shares with the one from before on its course.
 const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 
-/// Values of a law, as a share of the fastest speed of a rim.
+/// Values of a law, as a share of the fastest speed of a rim, or of the largest turn rate.
 const LAW_SHARE: f64 = 0.3;
 
 /// The machine.
@@ -117,10 +119,11 @@ impl FromWheels {
         (!machine.runs.is_empty()).then_some(machine)
     }
 
-    /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
-    pub(crate) fn law_prior_m_s(&self) -> f64 {
+    /// How large the values of laws may plausibly be: of speed a share of the fastest rim (m/s), of turns a share
+    /// of the largest turn rate (rad/s).
+    pub(crate) fn law_priors(&self) -> [f64; 2] {
         let [w, v] = self.knots.map(|knots| knots.reach());
-        LAW_SHARE * v.max(w * self.half_track_m)
+        [v.max(w * self.half_track_m), w].map(|most| LAW_SHARE * most)
     }
 
     /// Number of parameters, noise sizes included.
@@ -518,17 +521,17 @@ pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
         local[GYRO_RATE] + run[RUN_RATE],
         run[RUN_BIAS],
     ]);
+    all.extend(&local[TURNS_FIRST..MACHINE]);
     all.extend(&run[RUN + wheels_to_pose::NOISE..]);
     all
 }
 
 /// Values of the laws that a model lists, as parameters at these knots.
 fn law_of(model: &RobotModel, knots: &[Knots; 2]) -> Vec<f64> {
-    let places = DRIVERS.iter().zip(knots).zip(VALUES);
-    let each = places.flat_map(|((driver, knots), count)| {
-        let zero = vec![0.0; count];
-        nominal::laws(model, driver).fold(zero, |sum, table| {
-            let own = knots.parameters(count, &table);
+    let each = TABLES.iter().flat_map(|own| {
+        let zero = vec![0.0; own.count];
+        nominal::laws(model, own).fold(zero, |sum, table| {
+            let own = knots[own.over].parameters(own.count, &table);
             sum.iter().zip(own).map(|(a, b)| a + b).collect()
         })
     });
