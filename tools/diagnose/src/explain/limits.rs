@@ -10,7 +10,7 @@ use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
-use crate::filter::motion_law::TABLES;
+use crate::model::from_wheels::TURNS_FIRST;
 use crate::model::streams::{Joint, ROBUST};
 use crate::select::elimination::LEAST_APART;
 
@@ -73,7 +73,9 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
             .iter()
             .enumerate()
             .filter_map(move |(number, index)| {
-                let own = named((term, shown), number, *index)?;
+                let moves = &found.table.weights[*index];
+                let of_turns = moves.iter().any(|(read, _)| *read >= TURNS_FIRST);
+                let own = named((shown, of_turns), number, *index)?;
                 Some((shown, *index, own))
             })
     });
@@ -111,14 +113,13 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
 
 /// What a fitted parameter is called, and how it changes; one of a table stands for all.
 fn named(
-    (term, shown): (&Term, &Attribution),
+    (shown, of_turns): (&Attribution, bool),
     number: usize,
     index: usize,
 ) -> Option<(&'static str, Link)> {
     if shown.effect == "unknown" {
-        let mut tables = TABLES.iter();
-        let table = tables.find(|own| own.name == term.name)?;
-        return (number == 0).then_some((table.acts_on, Link::Identity));
+        let acts_on = if of_turns { "turn_rate" } else { "speed" };
+        return (number == 0).then_some((acts_on, Link::Identity));
     }
     let mut values = shown.values.iter();
     let own = values.find(|value| value.weights.iter().any(|(own, _)| *own == index))?;

@@ -6,7 +6,7 @@ use super::claim::{Claim, Law, Value};
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
 use crate::filter::motion_law::TABLES;
-use crate::model::from_wheels::GYRO_LATENCY;
+use crate::model::from_wheels::{GYRO_LATENCY, LAW_FIRST};
 use crate::model::run::Run;
 use crate::model::streams::{Joint, ROBUST, Streams, read};
 use crate::model::table::Key;
@@ -300,18 +300,28 @@ impl Naming<'_> {
 
     /// What the catalogue does not have: a speed or a turn rate that follows the turn rate, or the speed.
     fn law(&self, term: &Term) -> Option<Law> {
-        let table = TABLES.iter().find(|own| own.name == term.name)?;
+        let moved = |index: &usize| &self.found.table.weights[*index];
+        let (first, _) = term
+            .parameters
+            .first()
+            .and_then(|index| moved(index).first())?;
+        let own = first.checked_sub(LAW_FIRST)?;
+        let table = TABLES.iter().rfind(|table| table.first <= own)?;
         let knots = self.streams.reference.knots[table.over];
         let fit = &self.found.selected.fit;
-        let changes: Vec<f64> = term.parameters.iter().map(|i| fit.at[*i]).collect();
         // values are linear in the parameters: the weights of each
-        let parts: Vec<Vec<f64>> = (0..table.count)
-            .map(|k| {
-                let mut one = vec![0.0; table.count];
-                one[k] = 1.0;
-                knots.values(&one).to_vec()
-            })
-            .collect();
+        let parts = term.parameters.iter().map(|index| {
+            let mut one = vec![0.0; table.count];
+            for (read, weight) in moved(index) {
+                one[read - LAW_FIRST - table.first] += weight;
+            }
+            knots.values(&one).to_vec()
+        });
+        let parts: Vec<Vec<f64>> = parts.collect();
+        let value = |knot: usize| {
+            let own = term.parameters.iter().zip(&parts);
+            own.map(|(index, part)| fit.at[*index] * part[knot]).sum()
+        };
         let half = (0..knots.places().len()).map(|value| {
             let own = term.parameters.iter().copied();
             let weights: Vec<(usize, f64)> =
@@ -321,7 +331,7 @@ impl Naming<'_> {
         Some(Law {
             table: *table,
             knots: knots.places(),
-            values: knots.values(&changes).to_vec(),
+            values: (0..knots.places().len()).map(value).collect(),
             half: half.collect(),
         })
     }

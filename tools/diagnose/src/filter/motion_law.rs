@@ -87,6 +87,11 @@ impl Knots {
         self.step * self.zero.max(BESIDE - self.zero) as f64
     }
 
+    /// Whether they lie on both sides of 0.
+    pub(crate) fn has_both_sides(&self) -> bool {
+        self.zero == BESIDE / 2
+    }
+
     /// The knots.
     pub(crate) fn places(&self) -> Vec<f64> {
         (0..=BESIDE)
@@ -175,6 +180,10 @@ pub(crate) fn added<S: Scalar>(law: &[S], drivers: [S; 2], knots: &[Knots; 2]) -
     [of(TABLES[0]) + of(TABLES[1]), of(TABLES[2])]
 }
 
+/// Parameters of a table over the turn rate, with their weights, for one in proportion to the size of the turn rate
+/// whose values at the outermost knots are 1; there is one where the knots lie on both sides.
+pub(crate) const OF_SIZE: [(usize, f64); 2] = [(0, 1.0), (1, 0.5)];
+
 /// The turn rate (rad/s) that the table of turns adds at a turn rate (rad/s).
 pub(crate) fn turning<S: Scalar>(of_turns: &[S], w: S, knots: &Knots) -> S {
     knots.at(of_turns, w)
@@ -206,6 +215,15 @@ mod tests {
         let of_speed = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0];
         let [found, none]: [f64; 2] = added(&of_speed, [0.0, 0.125], &knots);
         assert!((found - 0.5).abs() < 1e-12 && none == 0.0, "{found} {none}");
+    }
+
+    #[test]
+    fn a_table_can_be_in_proportion_to_the_size_of_the_turn_rate() {
+        let knots = Knots::over([-2.0, 1.9]);
+        let mut law = [0.0; 3];
+        OF_SIZE.iter().for_each(|(own, weight)| law[*own] = *weight);
+        assert!(knots.has_both_sides());
+        assert_eq!(knots.values(&law), [1.0, 0.5, 0.0, 0.5, 1.0]);
     }
 
     #[test]

@@ -118,6 +118,7 @@ impl<'a> Known<'a> {
         if self.is_driven() {
             self.commands(&mut all);
         }
+        self.in_turns(&mut all);
         self.laws(&mut all);
         all
     }

@@ -122,7 +122,7 @@ impl Table {
 
     fn add(&mut self, asked: &Asked<'_>, known: &Known<'_>, draft: Draft) {
         let allowed = |effect: &&str| !asked.excluded.iter().any(|own| own == effect);
-        let is_law = draft.name.starts_with("law");
+        let is_law = draft.shown.iter().any(|shown| shown.effect == "unknown");
         if is_law && !allowed(&"motion_law") || draft.rows.is_empty() {
             return;
         }
