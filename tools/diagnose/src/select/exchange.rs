@@ -158,7 +158,7 @@ impl Elimination<'_> {
         indices.dedup();
         let scores = self.problem.likelihood.score(&at, &indices);
         let (_, mut information) = summed(&scores, indices.len());
-        self.problem.add_priors(&mut information, &indices);
+        self.problem.add_priors(&mut information, &at, &indices);
         Overlap {
             at,
             indices,

@@ -109,6 +109,7 @@ impl Machine {
         let flat = |mean: &f64| Prior {
             mean: *mean,
             deviation: FLAT,
+            has_tails: false,
         };
         let problem = scoring::Problem {
             likelihood: &linearised,

@@ -106,7 +106,7 @@ impl Known<'_> {
         let rows = self.factors(
             "gain",
             [vec![(Drive(GAIN), 1.0)], vec![(Drive(GAIN_ASYMMETRY), 1.0)]],
-            [0.3_f64.max(crude.abs()), 0.2],
+            [about(0.3_f64.max(crude.abs())), about(0.2)],
         );
         let mut shown = Shown::wheels("motor_gain", ["right", "left"]);
         if !self.has_reference() {
@@ -125,7 +125,7 @@ impl Known<'_> {
                 vec![(Reference(COMMON), -1.0), (Drive(GAIN), 1.0)],
                 vec![(Reference(ASYMMETRY), -1.0), (Drive(GAIN_ASYMMETRY), 1.0)],
             ],
-            [0.3_f64.max(crude.abs()), 0.2],
+            [about(0.3_f64.max(crude.abs())), about(0.2)],
         );
         let shown = vec![Shown::wheels(
             "encoder_scale",
@@ -157,6 +157,7 @@ impl Known<'_> {
         let prior = Prior {
             mean,
             deviation: top,
+            has_tails: false,
         };
         let row = of("saturation", SATURATION, prior, resolution, unnoticed);
         let shown = vec![Shown::plain("command_saturation", "speed_rad_s")];

@@ -1,8 +1,9 @@
 //! What is known of the streams when their table is made.
 
 use super::draft::Place::{Drive, Reference};
-use super::draft::{Draft, Place, Row, about};
+use super::draft::{Draft, Place, Row};
 use super::sizes::{FACTOR, GYRO_ASYMMETRY, repeatability};
+use crate::estimate::Prior;
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::DRIVE_FIRST;
 use crate::model::run::Run;
@@ -127,15 +128,15 @@ impl<'a> Known<'a> {
         &self,
         name: &'static str,
         moves: [Vec<(Place, f64)>; 2],
-        prior: [f64; 2],
+        priors: [Prior; 2],
     ) -> Vec<Row> {
         let unnoticed = [repeatability::SCALE, repeatability::ASYMMETRY];
-        let rows = moves.into_iter().zip(prior).zip(unnoticed).enumerate();
-        rows.map(|(number, ((moves, deviation), repeatability))| Row {
+        let rows = moves.into_iter().zip(priors).zip(unnoticed).enumerate();
+        rows.map(|(number, ((moves, prior), repeatability))| Row {
             name,
             number,
             moves,
-            prior: about(deviation),
+            prior,
             resolution: if number == 1 && !self.has_pose {
                 GYRO_ASYMMETRY
             } else {

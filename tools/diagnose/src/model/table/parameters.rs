@@ -110,11 +110,14 @@ impl Table {
             .map(|(place, weight)| (asked.index(*place, is_shared), *weight))
             .collect();
         let prior = if is_shared {
-            about(row.prior.deviation)
+            Prior {
+                mean: 0.0,
+                ..row.prior
+            }
         } else {
             row.prior
         };
-        let at = self.push(key, weights, prior, row.prior.deviation / 2.0);
+        let at = self.push(key, weights, prior, row.prior.reach() / 2.0);
         self.resolution[at] = row.resolution * row.resolution;
         self.repeatability[at] = row.repeatability * row.repeatability;
         at
