@@ -45,8 +45,10 @@ pub(crate) const RUN_BIAS: usize = 2;
 /// How much later (s) and faster the gyro's clock is in this run than in all.
 pub(crate) const RUN_LATE: usize = 3;
 pub(crate) const RUN_RATE: usize = 4;
+/// How much later (s) poses are stamped in this run than in all.
+pub(crate) const RUN_POSE_LATE: usize = 5;
 /// Noise sizes begin here.
-pub(crate) const RUN_NOISE_FIRST: usize = 5;
+pub(crate) const RUN_NOISE_FIRST: usize = 6;
 const RUN: usize = RUN_NOISE_FIRST;
 /// Those that a run shares with the one from before on its course.
 const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
@@ -398,7 +400,8 @@ impl FromWheels {
         let mut points = Vec::new();
         own.wheels.turned(drive_parameters(&local), |wheels| {
             let mut seen = |stamp_s: f64, [x, y, heading]: [f64; 3]| {
-                let t_s = (stamp_s - local[POSE_LATENCY]) / (1.0 + local[POSE_RATE]);
+                let late_s = local[POSE_LATENCY] + local[MACHINE + RUN_POSE_LATE];
+                let t_s = (stamp_s - late_s) / (1.0 + local[POSE_RATE]);
                 let (sin, cos) = heading.sin_cos();
                 let ahead = self.com_to_axle_m;
                 points.push((
@@ -505,7 +508,8 @@ pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let scale = local[COMMON] + run[RUN_SCALE];
     let half = local[ASYMMETRY] * 0.5;
     let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
-    all.extend(&local[OFFSET_X..=POSE_RATE]);
+    all.extend(&local[OFFSET_X..POSE_LATENCY]);
+    all.extend([local[POSE_LATENCY] + run[RUN_POSE_LATE], local[POSE_RATE]]);
     all.extend(&local[LAW_FIRST..MACHINE]);
     all.extend(&run[RUN..RUN + wheels_to_pose::NOISE]);
     all

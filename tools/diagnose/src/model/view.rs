@@ -6,7 +6,7 @@ use slipstream_sim::Scalar;
 use super::comparison;
 use super::from_wheels::{
     DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE, OFFSET_X, POSE_RATE,
-    RUN_BIAS, RUN_NOISE_FIRST, RUN_RATE, RUN_TRACK, Reference, TRACK, TURNS_FIRST,
+    RUN_BIAS, RUN_NOISE_FIRST, RUN_POSE_LATE, RUN_RATE, RUN_TRACK, Reference, TRACK, TURNS_FIRST,
     drive_parameters, gyro_parameters, pose_parameters,
 };
 use super::run::Run;
@@ -62,11 +62,11 @@ impl View<'_> {
         }
     }
 
-    /// Log-likelihood of the gyro of one run.
-    pub(crate) fn gyro_value(&self, run: usize, at: &[f64]) -> f64 {
+    /// Log-likelihood of one reference of one run.
+    pub(crate) fn value_of(&self, reference: Reference, run: usize, at: &[f64]) -> f64 {
         let mut sum = 0.0;
         let mut sink = |row: Innovation<f64>| sum += row.weight * row.log_likelihood;
-        self.innovations(Reference::Gyro, run, at, &mut sink);
+        self.innovations(reference, run, at, &mut sink);
         sum
     }
 
@@ -136,7 +136,9 @@ impl Reference {
         geometry
             || match self {
                 Self::Pose => {
-                    (OFFSET_X..=POSE_RATE).contains(&local) || pose_noise.contains(&local)
+                    (OFFSET_X..=POSE_RATE).contains(&local)
+                        || local == MACHINE + RUN_POSE_LATE
+                        || pose_noise.contains(&local)
                 }
                 Self::Gyro => {
                     local == GYRO_LATENCY

@@ -54,7 +54,12 @@ impl Known<'_> {
         let starts = LATENCIES_S.into_iter().filter(|own| *own > -0.2);
         let starts = starts.chain((stamped_s != 0.0).then_some(stamped_s));
         let row = of("delay", DELAY, about(0.2), step_s, repeatability::TIME_S);
-        all.push(Draft::new("delay", vec![row], vec![delay]).from(starts.map(|own| vec![own])));
+        // without wheels, a delay is a latency of the poses in all runs
+        let is_of_runs = is_commanded && !self.has_gyro && self.asked.by_run[2];
+        if !is_of_runs {
+            let starts = starts.map(|own| vec![own]);
+            all.push(Draft::new("delay", vec![row], vec![delay]).from(starts));
+        }
         let row = of("lag", LAG, about(0.3), step_s, repeatability::TIME_S);
         let shown = vec![Shown::plain("actuator_lag", "time_constant_s")];
         let mut lag = Draft::new("lag", vec![row], shown).from(LAGS_S.map(|own| vec![own]));

@@ -16,8 +16,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) nominal: &'a [f64],
     /// Effects that are not looked for.
     pub(crate) excluded: &'a [String],
-    /// Whether scale and track are those of each run.
-    pub(crate) by_run: [bool; 2],
+    /// Whether scale, track and latency of the poses are those of each run.
+    pub(crate) by_run: [bool; 3],
 }
 
 impl Asked<'_> {

@@ -2,10 +2,12 @@
 
 use super::draft::{Draft, Drafted, Place, Row, about, acts};
 use super::known::{Asked, Known};
-use super::sizes::{FACTOR, USUAL, repeatability};
+use super::sizes::{FACTOR, STAMP_SHARE, USUAL, repeatability};
 use crate::estimate::Prior;
 use crate::estimate::term::Term;
-use crate::model::from_wheels::{RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK};
+use crate::model::from_wheels::{
+    RUN_BIAS, RUN_LATE, RUN_POSE_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK,
+};
 
 /// Which parameter it is: the same in the table of all runs and in that of today's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -211,6 +213,11 @@ impl Table {
             about(deviation),
             deviation.min(0.3) / 1.5,
         );
+        if parameter == RUN_POSE_LATE {
+            let stamp_s = STAMP_SHARE * reference.runs[run].pose_interval_s();
+            self.resolution[at] = stamp_s * stamp_s;
+            return at;
+        }
         self.resolution[at] = FACTOR * FACTOR;
         let place = usize::from(parameter == RUN_TRACK);
         let spread = reference.before.spread[place].unwrap_or(0.0);

@@ -55,7 +55,7 @@ impl Known<'_> {
                 vec![("scale", Link::Log, vec![(place, 1.0)])],
             )
         };
-        let [by_scale, by_track] = self.asked.by_run;
+        let [by_scale, by_track, _] = self.asked.by_run;
         if !self.has_pose {
             // a gyro sees turns alone: a common factor of both wheels and the track are one
             if by_track {
