@@ -31,15 +31,6 @@ impl Known<'_> {
             resolution,
             repeatability: unnoticed(resolution),
         };
-        let duration_s = self.duration_s();
-        let fast = |name, moves: Vec<(Place, f64)>, stamp_s: f64| Row {
-            name,
-            number: 0,
-            moves,
-            prior: about(0.003),
-            resolution: RATE.max(stamp_s / duration_s),
-            repeatability: repeatability::RATE,
-        };
         let stamped = reference.before.stamped;
         let mut add_late = |row: Row, effect, mirror, stamped_s: f64| {
             let mut shown = Shown::plain(effect, "latency_s");
@@ -75,6 +66,21 @@ impl Known<'_> {
         if is_of_runs {
             self.late_poses(all, two);
         }
+        self.rates(all, has_wheels && !two, [pose_s, gyro_s]);
+    }
+
+    /// Whose clock runs fast; `tells`: what else there is tells the clock of the wheels. What stamps of poses and gyro mean
+    /// within their intervals is a convention of so many seconds.
+    fn rates(&self, all: &mut Vec<Draft>, tells: bool, [pose_s, gyro_s]: [f64; 2]) {
+        let duration_s = self.duration_s();
+        let fast = |name, moves: Vec<(Place, f64)>, stamp_s: f64| Row {
+            name,
+            number: 0,
+            moves,
+            prior: about(0.003),
+            resolution: RATE.max(stamp_s / duration_s),
+            repeatability: repeatability::RATE,
+        };
         let mut add_fast = |row: Row, stream: &'static str| {
             let mut shown = Shown::plain("clock_drift", "rate");
             shown.word = Some(("stream", stream));
@@ -90,13 +96,13 @@ impl Known<'_> {
                 "pose",
             );
         }
-        if self.has_gyro && !reference.has_clocks_of_runs() {
+        if self.has_gyro && !self.streams.reference.has_clocks_of_runs() {
             add_fast(
                 fast("fast gyro", vec![(Reference(GYRO_RATE), 1.0)], gyro_s),
                 "imu",
             );
         }
-        if (has_wheels && !two) || self.streams.drive.is_some() {
+        if tells || self.streams.drive.is_some() {
             let moves = self.of_wheels([POSE_RATE, GYRO_RATE], CLOCK);
             add_fast(fast("fast wheels", moves, 0.0), "wheels");
         }

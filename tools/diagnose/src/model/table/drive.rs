@@ -81,6 +81,23 @@ impl Known<'_> {
             let slow = Draft::new("slow response", vec![share, time], Vec::new());
             all.push(slow.from([SLOW.to_vec()]));
         }
+        self.means(all, &of);
+        let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
+        let mut sag = Draft::new(
+            "sag",
+            vec![row],
+            vec![Shown::plain("supply_sag", "rate_per_s")],
+        );
+        (sag.positive, sag.lasting, sag.later) = (true, true, true);
+        all.push(sag);
+    }
+
+    /// Speeds of wheels that are means over an interval.
+    fn means(
+        &self,
+        all: &mut Vec<Draft>,
+        of: &dyn Fn(&'static str, usize, Prior, f64, f64) -> Row,
+    ) {
         let speeds = self.streams.drive.filter(|own| {
             let mut runs = own.runs.iter();
             runs.any(|run| run.wheels.kind == WheelKind::Speed)
@@ -96,14 +113,6 @@ impl Known<'_> {
             averaged.positive = true;
             all.push(averaged.from([vec![interval_s], vec![0.5 * interval_s]]));
         }
-        let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
-        let mut sag = Draft::new(
-            "sag",
-            vec![row],
-            vec![Shown::plain("supply_sag", "rate_per_s")],
-        );
-        (sag.positive, sag.lasting, sag.later) = (true, true, true);
-        all.push(sag);
     }
 
     /// Motors that turn more than commanded, or encoders that count more.
