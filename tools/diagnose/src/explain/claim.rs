@@ -72,7 +72,9 @@ impl Law {
             .filter_map(extreme)
             .map(|(knot, value)| format!("{value:+.3} {of} at {knot:+.2} {unit}"))
             .collect();
-        let near = resemblance(self.table.driver, &self.knots, &self.values);
+        // shapes have the names of losses of speed
+        let near = resemblance(self.table.driver, &self.knots, &self.values)
+            .filter(|_| self.table.acts_on == "speed");
         format!(
             "{what} that depends on the {name}: {}{}",
             words.join(", "),
