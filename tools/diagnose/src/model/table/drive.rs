@@ -1,11 +1,11 @@
 //! How drives follow their commands.
 
 use super::draft::Place::{Drive, Reference};
-use super::draft::{Draft, Row, Shown, about};
+use super::draft::{Draft, Row, Shown, about, mostly};
 use super::known::Known;
 use super::sizes::{
-    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, SAG_PER_S,
-    SATURATION_COST, SATURATIONS, SLOW, TIME_S, repeatability,
+    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, PAIR, SAG_PER_S,
+    SATURATION_COST, SATURATIONS, SIZE, SLOW, TIME_S, repeatability,
 };
 use crate::data::streams::WheelKind;
 use crate::estimate::Prior;
@@ -139,7 +139,8 @@ impl Known<'_> {
                 vec![(Reference(COMMON), -1.0), (Drive(GAIN), 1.0)],
                 vec![(Reference(ASYMMETRY), -1.0), (Drive(GAIN_ASYMMETRY), 1.0)],
             ],
-            [about(0.3_f64.max(crude.abs())), about(0.2)],
+            // beside wheels of another size, whose prior it has: what is due for it tells them apart
+            [mostly(SIZE), mostly(PAIR)],
         );
         let shown = vec![Shown::wheels(
             "encoder_scale",
