@@ -73,21 +73,46 @@ pub(crate) struct BlockScore {
     pub(crate) information: DMatrix<f64>,
 }
 
-/// What is known of a parameter before the data: a normal distribution.
+/// What is known of a parameter before the data.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Prior {
     pub(crate) mean: f64,
     pub(crate) deviation: f64,
+    /// Whether it is a Cauchy distribution, with `deviation` as its scale: most values are small, and some are
+    /// anything. Else it is normal.
+    pub(crate) has_tails: bool,
 }
+
+/// How far values with tails go, in scales: one in sixteen lies beyond.
+const TAIL: f64 = 10.0;
 
 impl Prior {
     /// Log-density up to a constant (nats).
     pub(crate) fn log(&self, value: f64) -> f64 {
         let z = (value - self.mean) / self.deviation;
+        if self.has_tails {
+            return -(z * z).ln_1p();
+        }
         -0.5 * z * z
     }
 
-    pub(crate) fn precision(&self) -> f64 {
-        self.deviation.powi(-2)
+    /// Precision of the normal distribution that has the same derivative at a value.
+    pub(crate) fn precision(&self, value: f64) -> f64 {
+        let z = (value - self.mean) / self.deviation;
+        let share = if self.has_tails {
+            2.0 / (1.0 + z * z)
+        } else {
+            1.0
+        };
+        share / (self.deviation * self.deviation)
+    }
+
+    /// How far values go.
+    pub(crate) fn reach(&self) -> f64 {
+        if self.has_tails {
+            TAIL * self.deviation
+        } else {
+            self.deviation
+        }
     }
 }

@@ -99,16 +99,16 @@ impl Problem<'_> {
         let (mut gradient, mut information) = summed(scores, free.len());
         for (place, index) in free.iter().enumerate() {
             let prior = &self.priors[*index];
-            gradient[place] += (prior.mean - at[*index]) * prior.precision();
+            gradient[place] += (prior.mean - at[*index]) * prior.precision(at[*index]);
         }
-        self.add_priors(&mut information, free);
+        self.add_priors(&mut information, at, free);
         (gradient, information)
     }
 
-    /// Adds what the priors of `free` know to the information on them, which come first in it.
-    pub(crate) fn add_priors(&self, information: &mut DMatrix<f64>, free: &[usize]) {
+    /// Adds what the priors of `free` know at `at` to the information on them, which come first in it.
+    pub(crate) fn add_priors(&self, information: &mut DMatrix<f64>, at: &[f64], free: &[usize]) {
         for (place, index) in free.iter().enumerate() {
-            information[(place, place)] += self.priors[*index].precision();
+            information[(place, place)] += self.priors[*index].precision(at[*index]);
         }
     }
 
@@ -235,6 +235,7 @@ mod tests {
         let flat = Prior {
             mean: 0.0,
             deviation: 1e6,
+            has_tails: false,
         };
         let problem = Problem {
             likelihood: &Rosenbrock,

@@ -409,7 +409,7 @@ impl Elimination<'_> {
         // along the estimate, the variance is a small share of the prior's
         let of_prior = |index: &usize| {
             let change = fit.at[*index];
-            (change / self.problem.priors[*index].deviation).powi(2)
+            (change / self.problem.priors[*index].reach()).powi(2)
         };
         let floors = self.scaled(&term.resolution, fit);
         let by_data = self.wald_beside(term, fit, precision, &floors);

@@ -141,10 +141,12 @@ impl Elimination<'_> {
         let mut indices = fit.free.clone();
         for term in lacking {
             if let Search::Smooth(starts) = &term.search
-                && let ([index], Some(first)) = (term.parameters.as_slice(), starts.first())
-                && term.kinked
+                && let Some(first) = starts.first()
+                && begins(term, first)
             {
-                at[*index] = first[0];
+                for (index, own) in term.parameters.iter().zip(first) {
+                    at[*index] = *own;
+                }
             }
             let new = term
                 .parameters
@@ -156,13 +158,19 @@ impl Elimination<'_> {
         indices.dedup();
         let scores = self.problem.likelihood.score(&at, &indices);
         let (_, mut information) = summed(&scores, indices.len());
-        self.problem.add_priors(&mut information, &indices);
+        self.problem.add_priors(&mut information, &at, &indices);
         Overlap {
             at,
             indices,
             information,
         }
     }
+}
+
+/// Whether a term does nothing where it is 0, or is left out there, so that it is looked at from its first start on.
+fn begins(term: &Term, first: &[f64]) -> bool {
+    let is_law = first.iter().all(|own| *own == f64::MIN_POSITIVE);
+    term.kinked && first.len() == 1 || is_law
 }
 
 /// The information on everything that is fitted and that is lacking.

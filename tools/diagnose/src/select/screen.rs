@@ -148,7 +148,7 @@ impl Elimination<'_> {
         let own = &term.parameters;
         let scores = self.problem.likelihood.score(at, own);
         let (gradient, mut information) = summed(&scores, own.len());
-        self.problem.add_priors(&mut information, own);
+        self.problem.add_priors(&mut information, at, own);
         promised(information, &gradient)
     }
 
@@ -183,7 +183,7 @@ impl Elimination<'_> {
         }
         let scores = self.problem.likelihood.score(&at, &indices);
         let (gradient, mut all) = summed(&scores, indices.len());
-        self.problem.add_priors(&mut all, &fit.free);
+        self.problem.add_priors(&mut all, &at, &fit.free);
         let count = fit.free.len();
         let fitted = all.view((0, 0), (count, count)).into_owned();
         let factor = fitted.cholesky()?;
@@ -191,7 +191,8 @@ impl Elimination<'_> {
         let across = beside.rows(0, count).into_owned();
         let own = beside.rows(count, indices.len() - count).into_owned();
         let mut information = own - across.transpose() * factor.solve(&across);
-        self.problem.add_priors(&mut information, &indices[count..]);
+        self.problem
+            .add_priors(&mut information, &at, &indices[count..]);
         Some(Scores {
             lost,
             information,

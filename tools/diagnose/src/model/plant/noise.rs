@@ -41,10 +41,12 @@ impl Machine {
         let sizes = sizes.map(|(place, floor)| Prior {
             mean: (floor / self.expected(place)).ln(),
             deviation: DEVIATION,
+            has_tails: false,
         });
         let times = Prior {
             mean: 0.0,
             deviation: TIME_DEVIATION,
+            has_tails: false,
         };
         sizes.chain([times; TIMES]).collect()
     }

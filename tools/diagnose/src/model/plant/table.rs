@@ -213,6 +213,7 @@ impl Table {
             self.priors.push(Prior {
                 mean: 0.0,
                 deviation: DEVIATION,
+                has_tails: false,
             });
             self.longest.push(LONGEST);
             self.twins.push(twin);
