@@ -15,6 +15,9 @@ pub(crate) mod whitened;
 
 use nalgebra::{DMatrix, DVector};
 
+/// The log-likelihood of each block (nats) as a function of parameters.
+pub(crate) type Near<'a> = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a>;
+
 /// A log-likelihood that is a sum over blocks of time.
 pub(crate) trait Likelihood: Sync {
     /// Number of blocks.
@@ -47,7 +50,7 @@ pub(crate) trait Likelihood: Sync {
 
     /// The log-likelihood of each block (nats) near `at`, as far as a look at many parameters needs it: what costs
     /// much may stay as it is at `at`.
-    fn near<'a>(&'a self, _at: &[f64]) -> Box<dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a> {
+    fn near<'a>(&'a self, _at: &[f64]) -> Near<'a> {
         Box::new(|other| self.value(other))
     }
 

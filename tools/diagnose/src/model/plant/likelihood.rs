@@ -15,7 +15,7 @@ use super::table::Table;
 use crate::estimate::blocks::{self, Blocks};
 use crate::estimate::information::empty;
 use crate::estimate::term::Term;
-use crate::estimate::{BlockScore, Likelihood};
+use crate::estimate::{BlockScore, Likelihood, Near};
 use crate::filter::dynamic::Noise;
 use crate::filter::dynamic::linear::likelihood;
 
@@ -275,7 +275,7 @@ impl Likelihood for Plant<'_> {
         }
     }
 
-    fn near<'a>(&'a self, at: &[f64]) -> Box<dyn Fn(&[f64]) -> Vec<f64> + Sync + 'a> {
+    fn near<'a>(&'a self, at: &[f64]) -> Near<'a> {
         let base = self.filtered(at);
         let hopeless = || vec![f64::NEG_INFINITY; self.blocks()];
         Box::new(move |other| {
