@@ -115,7 +115,14 @@ impl Selection<'_> {
             return Some(found);
         }
         (self.progress)("looking for single pushes");
-        self.mark_gusts()?;
+        let gusts = self.gusts()?;
+        if gusts.len() == GUSTS {
+            // what pushes all the time is no gust
+            return Some(found);
+        }
+        for (run, span_s) in gusts {
+            self.machine.runs[run].gusts_s.push(span_s);
+        }
         self.among(&table)
     }
 
@@ -125,23 +132,26 @@ impl Selection<'_> {
         !self.machine.is_silent(whole) && self.machine.pushes(whole, due_of_push(found.tried)) > 1
     }
 
-    /// Marks the times at which something pushes for a moment, one after the other, while that gains what is due.
-    fn mark_gusts(&mut self) -> Option<()> {
+    /// Times at which something pushes for a moment, each with its run, one after the other while that gains what is due.
+    fn gusts(&self) -> Option<Vec<(usize, [f64; 2])>> {
         let due = due_of_push(kinds(self.all).len());
-        let table = Table::new(&self.machine, &[], &[]);
+        let mut machine = self.machine.clone();
+        let table = Table::new(&machine, &[], &[]);
         let mut at = table.start.clone();
-        for _ in 0..GUSTS {
-            let plant = Plant::new(&self.machine, &table);
+        let mut gusts = Vec::new();
+        while gusts.len() < GUSTS {
+            let plant = Plant::new(&machine, &table);
             at = table.problem(&plant).fit(&at, &table.told, ROUGH).at;
-            let found = self.machine.impulse(plant.filtered(&at)?.as_ref());
+            let found = machine.impulse(plant.filtered(&at)?.as_ref());
             let Some((run, impulse)) = found.filter(|(_, own)| own.gain > due) else {
                 break;
             };
             let [before, after] = GUST_S;
             let span_s = [impulse.t_s - before, impulse.t_s + after];
-            self.machine.runs[run].gusts_s.push(span_s);
+            machine.runs[run].gusts_s.push(span_s);
+            gusts.push((run, span_s));
         }
-        Some(())
+        Some(gusts)
     }
 
     fn among(&self, table: &Table) -> Option<Selected> {
