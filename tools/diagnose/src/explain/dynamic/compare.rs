@@ -93,7 +93,7 @@ fn alone_today(
     let places: Vec<usize> = changes.iter().flat_map(|at| numbers(fit, *at)).collect();
     let table = Table::new(&machine, &all, &[]);
     let plant = Plant::new(&machine, &table);
-    let (_, still) = fitted_noise(&plant)?;
+    let still = fitted_noise(&plant)?;
     let at = all
         .iter()
         .fold(still.clone(), |at, own| table.with(&at, own));

@@ -249,8 +249,8 @@ fn due_of_push(tried: usize) -> f64 {
     2.0 * Criterion { tried, blocks: 2 }.least_gain(numbers)
 }
 
-/// The noise of the model as it is: how well it fits (nats), and its parameters.
-pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<(f64, Vec<f64>)> {
+/// Parameters of the model as it is, with its noise.
+pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<Vec<f64>> {
     let table = plant.table;
     let problem = table.problem(plant);
     let fits = [0.0, LESS].map(|shift| {
@@ -263,7 +263,7 @@ pub(crate) fn fitted_noise(plant: &Plant<'_>) -> Option<(f64, Vec<f64>)> {
     let best = fits
         .into_iter()
         .max_by(|a, b| a.objective.total_cmp(&b.objective))?;
-    Some((best.objective, best.at))
+    Some(best.at)
 }
 
 /// What each effect of a fit brings (nats), and those that fit as well in its place.

@@ -6,5 +6,6 @@ pub(crate) mod likelihood;
 pub(crate) mod located;
 pub(crate) mod machine;
 pub(crate) mod noise;
+mod number;
 mod patches;
 pub(crate) mod table;

@@ -1,17 +1,15 @@
 //! Effects of the catalogue as parameters of a likelihood, 0 where an effect does nothing.
 
-use slipstream_sim::effects::{Domain, Info, Role, When};
+use slipstream_sim::effects::{Role, When};
 
-use super::filtered::least_change;
 use super::machine::Machine;
 use super::noise;
+use super::number::{Link, Number};
 use crate::data::track::Track;
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Acts, Attribution, Search, Term};
 use crate::estimate::{Likelihood, Prior};
-use crate::model::hypothesis::{
-    Hypothesis, all_sizes, come_round, kinds, momentary_and_placed, threshold,
-};
+use crate::model::hypothesis::{Hypothesis, all_sizes, kinds, momentary_and_placed, threshold};
 
 /// Standard deviation of the size of an effect, in the smallest sizes that the catalogue expects: next to
 /// nothing is known of it.
@@ -34,96 +32,6 @@ const PLAYS_RAD: [f64; 2] = [0.002, 0.15];
 const PLAYS_APART: f64 = 1.35;
 /// Share of all commanded sizes that a threshold swallows at most.
 const SWALLOWED: f64 = 0.95;
-
-/// How a number of an effect changes with its parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Link {
-    /// It is added.
-    Added,
-    /// It is added to the inverse: a limit that is infinite does nothing.
-    Inverse,
-    /// The same as an angle.
-    Angle,
-}
-
-/// One number of an effect.
-#[derive(Debug, Clone, Copy)]
-struct Number {
-    name: &'static str,
-    link: Link,
-    /// Change of the number, or of its inverse, by a parameter of 1.
-    unit: f64,
-    /// The number, or its inverse, where the parameter is 0.
-    nothing: f64,
-    bounds: [f64; 2],
-}
-
-impl Number {
-    fn new(own: &Hypothesis, name: &'static str, machine: &Machine) -> Self {
-        let info = own.info;
-        let parameter = info.parameter(name);
-        let (role, bounds) = match parameter.map(|p| (p.role, p.domain)) {
-            Some((role, Domain::Number { lower, upper, .. })) => (role, [lower, upper]),
-            _ => (Role::Size, [f64::NEG_INFINITY, f64::INFINITY]),
-        };
-        let link = match role {
-            Role::Limit => Link::Inverse,
-            Role::Direction => Link::Angle,
-            _ => Link::Added,
-        };
-        let nominal = own.nominal(&machine.model, name);
-        let nothing = match (link, nominal) {
-            (Link::Inverse, Some(limit)) => 1.0 / limit,
-            (Link::Inverse, None) => 0.0,
-            _ => own.nothing(&machine.model, name),
-        };
-        let length_m = machine.model.robot.half_track_m;
-        let unit = match (link, role) {
-            (Link::Inverse, _) => own.value(name).map_or(1.0, |value| 1.0 / value),
-            (Link::Angle, _) => 1.0,
-            (_, Role::Position | Role::Radius) => length_m,
-            (_, Role::Mass) => 0.1 * machine.model.robot.body_mass_kg.unwrap_or(1.0),
-            _ => least_change(info, name),
-        };
-        Self {
-            name,
-            link,
-            unit: if unit > 0.0 && unit.is_finite() {
-                unit
-            } else {
-                1.0
-            },
-            nothing,
-            bounds,
-        }
-    }
-
-    fn value(&self, info: &Info, at: f64) -> f64 {
-        let own = self.nothing + self.unit * at;
-        let [lower, upper] = self.bounds;
-        match self.link {
-            Link::Added => own.clamp(lower, upper),
-            Link::Angle => come_round(info, self.name, own),
-            Link::Inverse => (1.0 / own.max(1.0 / upper)).clamp(lower, upper),
-        }
-    }
-
-    fn at(&self, value: f64) -> f64 {
-        let own = match self.link {
-            Link::Inverse => 1.0 / value,
-            _ => value,
-        };
-        (own - self.nothing) / self.unit
-    }
-
-    /// Change of the number by its parameter.
-    fn slope(&self, value: f64) -> f64 {
-        match self.link {
-            Link::Inverse => -value * value * self.unit,
-            _ => self.unit,
-        }
-    }
-}
 
 /// One effect, in whatever numbers.
 #[derive(Debug, Clone)]
@@ -267,34 +175,7 @@ impl Table {
         let kind = self.push(machine, own, base, false);
         self.kinds[kind].starts = starts.iter().map(|own| (*own).clone()).collect();
         let kind = &self.kinds[kind];
-        let at = |own: &Hypothesis| -> Vec<f64> {
-            let pairs = kind.numbers.iter().zip(&own.values);
-            pairs
-                .map(|(number, (_, value))| number.at(*value))
-                .collect()
-        };
-        let search = if own.is_threshold() {
-            let [number] = kind.numbers.as_slice() else {
-                return;
-            };
-            Search::Profiled(
-                thresholds(machine)
-                    .into_iter()
-                    .map(|own| number.at(own))
-                    .collect(),
-            )
-        } else if own.is_local() || own.is_abrupt() {
-            Search::Located
-        } else if own.replaces.is_some() || base.is_some_and(|base| self.kinds[base].known) {
-            Search::Smooth(Vec::new())
-        } else {
-            let plays = if own.has_play() {
-                plays(own)
-            } else {
-                Vec::new()
-            };
-            Search::Smooth(starts.iter().copied().chain(&plays).map(at).collect())
-        };
+        let search = self.search(machine, kind);
         let count = kind.numbers.len();
         let sizes = |number: &Number| {
             number.link != Link::Angle
@@ -332,6 +213,40 @@ impl Table {
                 mirror: None,
             }],
         });
+    }
+
+    /// How a kind is searched.
+    fn search(&self, machine: &Machine, kind: &Kind) -> Search {
+        let own = &kind.own;
+        let base = kind.base.map(|base| &self.kinds[base]);
+        if own.is_threshold() {
+            let before = base.map_or(0.0, |base| self.start[base.first]);
+            let all = thresholds(machine).into_iter();
+            let numbers = kind.numbers.iter().take(1);
+            return Search::Profiled(
+                numbers
+                    .flat_map(|number| all.clone().map(|own| number.at(own) - before))
+                    .collect(),
+            );
+        }
+        if own.is_local() || own.is_abrupt() {
+            return Search::Located;
+        }
+        if own.replaces.is_some() || base.is_some_and(|base| base.known) {
+            return Search::Smooth(Vec::new());
+        }
+        let at = |own: &Hypothesis| {
+            let pairs = kind.numbers.iter().zip(&own.values);
+            pairs
+                .map(|(number, (_, value))| number.at(*value))
+                .collect()
+        };
+        let plays = if own.has_play() {
+            plays(own)
+        } else {
+            Vec::new()
+        };
+        Search::Smooth(kind.starts.iter().chain(&plays).map(at).collect())
     }
 
     fn add_noise(&mut self, machine: &Machine) {
