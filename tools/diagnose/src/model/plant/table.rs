@@ -22,8 +22,10 @@ const LONGEST_NOISE: f64 = 2.0;
 const TINY: f64 = 0.005;
 /// Small noise, over what integrators differ by.
 const SMALL: f64 = 5.0;
-/// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect.
+/// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect. Against a
+/// patch: where it covers all of a way, the whole floor is.
 const COUNTS_WRONG: f64 = 6.0;
+const PATCH: f64 = 4.0;
 /// Kinetic friction from which on no wheel is said to slip: rubber on a clean floor has 1.
 const GRIPS: f64 = 1.2;
 /// Smallest and largest play that is tried (rad).
@@ -191,11 +193,7 @@ impl Table {
             resolution: vec![TINY * TINY; count],
             repeatability: vec![0.0; count],
             inflation: 1.0,
-            cost: if own.info.id == "encoder_scale" {
-                COUNTS_WRONG
-            } else {
-                0.0
-            },
+            cost: cost(own.info.id),
             positive: kind.numbers.iter().all(sizes),
             rare: search == Search::Located,
             search,
@@ -389,6 +387,15 @@ impl Table {
 /// Whether wheels slide by a number of an effect that the model does not list.
 fn slides_by(own: &Hypothesis, number: &Number) -> bool {
     own.is_abrupt() && number.link == Link::Inverse
+}
+
+/// Prior log-odds (nats) against an effect, beside those that fit as well.
+fn cost(id: &str) -> f64 {
+    match id {
+        "encoder_scale" => COUNTS_WRONG,
+        "friction_patch" => PATCH,
+        _ => 0.0,
+    }
 }
 
 /// Name of the term of an effect.
