@@ -127,7 +127,8 @@ impl Precision {
         let mut scale = DVector::zeros(n);
         let mut dispersion = Vec::with_capacity(n);
         for i in 0..n {
-            let prior = problem.priors[fit.free[i]].precision();
+            let own = fit.free[i];
+            let prior = problem.priors[own].precision(fit.at[own]);
             let from_prior = model[(i, i)] * model[(i, i)] * prior;
             let ratio = ((spread[i] + from_prior) / model[(i, i)]).max(LEAST_SHARE);
             scale[i] = ratio.sqrt();

@@ -27,6 +27,9 @@ pub(crate) const SHORT: SearchLimits = SearchLimits {
     tolerance_nats: 1.0,
 };
 
+/// Largest step of scoring down in the log of a noise size: a size that explains nothing has one half.
+const LEAST_STEP: f64 = -0.49;
+
 /// Where a search ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
@@ -70,6 +73,9 @@ pub(crate) struct Problem<'a> {
     pub(crate) priors: Vec<Prior>,
     /// Longest step of a parameter in one iteration.
     pub(crate) longest: Vec<f64>,
+    /// Logs of noise sizes. A likelihood of n innovations of size s, fitted with σ, is n (ln σ + s² / 2σ²): a scoring
+    /// step x leads to its maximum as ½ ln (1 + 2x), whose first order it is.
+    pub(crate) sizes: Vec<usize>,
 }
 
 impl Problem<'_> {
@@ -93,16 +99,16 @@ impl Problem<'_> {
         let (mut gradient, mut information) = summed(scores, free.len());
         for (place, index) in free.iter().enumerate() {
             let prior = &self.priors[*index];
-            gradient[place] += (prior.mean - at[*index]) * prior.precision();
+            gradient[place] += (prior.mean - at[*index]) * prior.precision(at[*index]);
         }
-        self.add_priors(&mut information, free);
+        self.add_priors(&mut information, at, free);
         (gradient, information)
     }
 
-    /// Adds what the priors of `free` know to the information on them, which come first in it.
-    pub(crate) fn add_priors(&self, information: &mut DMatrix<f64>, free: &[usize]) {
+    /// Adds what the priors of `free` know at `at` to the information on them, which come first in it.
+    pub(crate) fn add_priors(&self, information: &mut DMatrix<f64>, at: &[f64], free: &[usize]) {
         for (place, index) in free.iter().enumerate() {
-            information[(place, place)] += self.priors[*index].precision();
+            information[(place, place)] += self.priors[*index].precision(at[*index]);
         }
     }
 
@@ -163,6 +169,14 @@ impl Problem<'_> {
                 continue;
             };
             let mut step = factor.solve(gradient);
+            for place in free
+                .iter()
+                .enumerate()
+                .filter(|(_, own)| self.sizes.contains(own))
+                .map(|(place, _)| place)
+            {
+                step[place] = 0.5 * (1.0 + 2.0 * step[place].max(LEAST_STEP)).ln();
+            }
             for (place, index) in free.iter().enumerate() {
                 step[place] = step[place].clamp(-self.longest[*index], self.longest[*index]);
             }
@@ -221,11 +235,13 @@ mod tests {
         let flat = Prior {
             mean: 0.0,
             deviation: 1e6,
+            has_tails: false,
         };
         let problem = Problem {
             likelihood: &Rosenbrock,
             priors: vec![flat; 2],
             longest: vec![10.0; 2],
+            sizes: Vec::new(),
         };
         let limits = SearchLimits {
             iterations: 200,

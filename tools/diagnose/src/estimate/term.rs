@@ -51,6 +51,8 @@ pub(crate) enum Search {
     Smooth(Vec<Vec<f64>>),
     /// By trying values, which rise: the likelihood has no derivative by it.
     Profiled(Vec<f64>),
+    /// From where the likelihood finds that it may act: at one place, at one time, or when something gives way.
+    Located,
 }
 
 /// Physics that is there or not.
@@ -71,10 +73,14 @@ pub(crate) struct Term {
     pub(crate) search: Search,
     /// Most robots have it: one search begins with everything usual.
     pub(crate) usual: bool,
+    /// Where it does nothing it has no derivative: what it would do begins at its first start.
+    pub(crate) kinked: bool,
     /// It cannot be negative.
     pub(crate) positive: bool,
     /// It acts all the time: it has to be of use for predictions.
     pub(crate) lasting: bool,
+    /// It acts at moments: its gain decides, not how blocks of time agree.
+    pub(crate) rare: bool,
     pub(crate) acts: Acts,
     /// What it is reported as; nothing of a nuisance.
     pub(crate) shown: Vec<Attribution>,
@@ -84,6 +90,16 @@ impl Term {
     /// Whether it was set by trying values, and its gain alone decides.
     pub(crate) fn is_profiled(&self) -> bool {
         matches!(self.search, Search::Profiled(_))
+    }
+
+    /// Whether its gain alone decides.
+    pub(crate) fn is_decided_by_gain(&self) -> bool {
+        self.is_profiled() || self.rare
+    }
+
+    /// Whether the likelihood has a derivative by it where it does nothing.
+    pub(crate) fn is_smooth(&self) -> bool {
+        matches!(self.search, Search::Smooth(_))
     }
 
     /// Whether it is no effect.

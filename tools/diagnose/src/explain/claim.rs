@@ -5,6 +5,7 @@ use slipstream_sim::effects::{Domain, find};
 
 use crate::answer::shape::resemblance;
 use crate::estimate::term::Link;
+use crate::filter::motion_law::Table;
 
 /// Factors that wheels and encoders have without a mistake.
 const USUAL_FACTOR: f64 = 2.0;
@@ -43,10 +44,10 @@ pub(crate) struct Claim {
     pub(crate) law: Option<Law>,
 }
 
-/// A speed (m/s) as a table over a driver.
+/// A speed (m/s) or a turn rate (rad/s) as a table over a driver.
 #[derive(Debug, Clone)]
 pub(crate) struct Law {
-    pub(crate) driver: &'static str,
+    pub(crate) table: Table,
     pub(crate) knots: Vec<f64>,
     pub(crate) values: Vec<f64>,
     /// Half widths of their 95 % intervals.
@@ -56,10 +57,11 @@ pub(crate) struct Law {
 impl Law {
     /// What it looks like, in words.
     pub(crate) fn shape(&self) -> String {
-        let (name, unit) = match self.driver {
+        let (name, unit) = match self.table.driver {
             "w" => ("turn rate", "rad/s"),
             _ => ("speed", "m/s"),
         };
+        let (what, of) = self.quantity();
         let pairs = self.knots.iter().zip(&self.values);
         let extreme = |sign: f64| {
             let own = pairs.clone().filter(|(knot, _)| **knot * sign > 0.0);
@@ -68,14 +70,24 @@ impl Law {
         let words: Vec<String> = [-1.0, 1.0]
             .into_iter()
             .filter_map(extreme)
-            .map(|(knot, value)| format!("{value:+.3} m/s at {knot:+.2} {unit}"))
+            .map(|(knot, value)| format!("{value:+.3} {of} at {knot:+.2} {unit}"))
             .collect();
-        let near = resemblance(self.driver, &self.knots, &self.values);
+        // shapes have the names of losses of speed
+        let near = resemblance(self.table.driver, &self.knots, &self.values)
+            .filter(|_| self.table.acts_on == "speed");
         format!(
-            "forward speed that depends on the {name}: {}{}",
+            "{what} that depends on the {name}: {}{}",
             words.join(", "),
             near.map_or(String::new(), |near| format!("; {near}"))
         )
+    }
+
+    /// What it adds, and the unit of that.
+    pub(crate) fn quantity(&self) -> (&'static str, &'static str) {
+        match self.table.acts_on {
+            "turn_rate" => ("turn rate beside that of the track", "rad/s"),
+            _ => ("forward speed", "m/s"),
+        }
     }
 
     /// As a model lists it.
@@ -83,8 +95,8 @@ impl Law {
         let mut spec = EffectSpec::new("motion_law", &[]);
         let text = |word: &str| Parameter::Text(word.to_owned());
         spec.parameters = vec![
-            ("acts_on".to_owned(), text("speed")),
-            ("driver".to_owned(), text(self.driver)),
+            ("acts_on".to_owned(), text(self.table.acts_on)),
+            ("driver".to_owned(), text(self.table.driver)),
             ("knots".to_owned(), Parameter::List(self.knots.clone())),
             ("values".to_owned(), Parameter::List(self.values.clone())),
         ];

@@ -81,8 +81,11 @@ pub(crate) fn finding(
 fn outside(claim: &Claim, law: &Law, robot: &str, span_s: [f64; 2]) -> Finding {
     let what = Unexplained {
         robot: robot.to_owned(),
-        channel: "longitudinal".to_owned(),
-        driver: law.driver.to_owned(),
+        channel: match law.table.acts_on {
+            "turn_rate" => "yaw".to_owned(),
+            _ => "longitudinal".to_owned(),
+        },
+        driver: law.table.driver.to_owned(),
         intervals_s: vec![span_s],
         shape: law.shape(),
     };
@@ -90,5 +93,5 @@ fn outside(claim: &Claim, law: &Law, robot: &str, span_s: [f64; 2]) -> Finding {
         log_likelihood_gain: claim.gain,
         p_value: claim.p_value,
     };
-    what.finding(format!("follows {}", law.driver), evidence)
+    what.finding(format!("follows {}", law.table.driver), evidence)
 }

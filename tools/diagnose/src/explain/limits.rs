@@ -10,6 +10,7 @@ use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
+use crate::model::from_wheels::TURNS_FIRST;
 use crate::model::streams::{Joint, ROBUST};
 use crate::select::elimination::LEAST_APART;
 
@@ -72,7 +73,9 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
             .iter()
             .enumerate()
             .filter_map(move |(number, index)| {
-                let own = named(shown, number, *index)?;
+                let moves = &found.table.weights[*index];
+                let of_turns = moves.iter().any(|(read, _)| *read >= TURNS_FIRST);
+                let own = named((shown, of_turns), number, *index)?;
                 Some((shown, *index, own))
             })
     });
@@ -90,6 +93,7 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
             word: shown.word.map(|(_, word)| word),
             parameter,
             unit: match (shown.effect, unit) {
+                ("unknown", _) if parameter == "turn_rate" => "rad/s",
                 ("unknown", _) => "m/s",
                 (_, Some(own)) => own.unit,
                 (_, None) => "1",
@@ -108,9 +112,14 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
 }
 
 /// What a fitted parameter is called, and how it changes; one of a table stands for all.
-fn named(shown: &Attribution, number: usize, index: usize) -> Option<(&'static str, Link)> {
+fn named(
+    (shown, of_turns): (&Attribution, bool),
+    number: usize,
+    index: usize,
+) -> Option<(&'static str, Link)> {
     if shown.effect == "unknown" {
-        return (number == 0).then_some(("speed", Link::Identity));
+        let acts_on = if of_turns { "turn_rate" } else { "speed" };
+        return (number == 0).then_some((acts_on, Link::Identity));
     }
     let mut values = shown.values.iter();
     let own = values.find(|value| value.weights.iter().any(|(own, _)| *own == index))?;

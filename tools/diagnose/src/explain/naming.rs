@@ -5,8 +5,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::claim::{Claim, Law, Value};
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
-use crate::filter::motion_law::{DRIVERS, VALUES};
-use crate::model::from_wheels::GYRO_LATENCY;
+use crate::filter::motion_law::TABLES;
+use crate::model::from_wheels::{GYRO_LATENCY, LAW_FIRST};
 use crate::model::run::Run;
 use crate::model::streams::{Joint, ROBUST, Streams, read};
 use crate::model::table::Key;
@@ -298,22 +298,30 @@ impl Naming<'_> {
         value.half = [below, above];
     }
 
-    /// What the catalogue does not have: a speed that follows the turn rate, or the speed.
+    /// What the catalogue does not have: a speed or a turn rate that follows the turn rate, or the speed.
     fn law(&self, term: &Term) -> Option<Law> {
-        let place = ["law of w", "law of v"]
-            .iter()
-            .position(|name| *name == term.name)?;
-        let knots = self.streams.reference.knots[place];
+        let moved = |index: &usize| &self.found.table.weights[*index];
+        let (first, _) = term
+            .parameters
+            .first()
+            .and_then(|index| moved(index).first())?;
+        let own = first.checked_sub(LAW_FIRST)?;
+        let table = TABLES.iter().rfind(|table| table.first <= own)?;
+        let knots = self.streams.reference.knots[table.over];
         let fit = &self.found.selected.fit;
-        let changes: Vec<f64> = term.parameters.iter().map(|i| fit.at[*i]).collect();
         // values are linear in the parameters: the weights of each
-        let parts: Vec<Vec<f64>> = (0..VALUES[place])
-            .map(|k| {
-                let mut one = vec![0.0; VALUES[place]];
-                one[k] = 1.0;
-                knots.values(&one).to_vec()
-            })
-            .collect();
+        let parts = term.parameters.iter().map(|index| {
+            let mut one = vec![0.0; table.count];
+            for (read, weight) in moved(index) {
+                one[read - LAW_FIRST - table.first] += weight;
+            }
+            knots.values(&one).to_vec()
+        });
+        let parts: Vec<Vec<f64>> = parts.collect();
+        let value = |knot: usize| {
+            let own = term.parameters.iter().zip(&parts);
+            own.map(|(index, part)| fit.at[*index] * part[knot]).sum()
+        };
         let half = (0..knots.places().len()).map(|value| {
             let own = term.parameters.iter().copied();
             let weights: Vec<(usize, f64)> =
@@ -321,9 +329,9 @@ impl Naming<'_> {
             self.found.criterion.half_width() * self.known(&weights, term).deviation
         });
         Some(Law {
-            driver: DRIVERS[place],
+            table: *table,
             knots: knots.places(),
-            values: knots.values(&changes).to_vec(),
+            values: (0..knots.places().len()).map(value).collect(),
             half: half.collect(),
         })
     }

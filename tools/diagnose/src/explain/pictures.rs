@@ -230,11 +230,12 @@ impl Scene<'_> {
                     let values = values.map(|(value, half)| value + sign * half);
                     law.knots.iter().copied().zip(values).collect()
                 };
+                let (quantity, unit) = law.quantity();
                 Some(LawCurve {
                     finding: self.first_finding + k,
-                    quantity: "forward speed",
-                    unit: "m/s",
-                    driver: law.driver,
+                    quantity,
+                    unit,
+                    driver: law.table.driver,
                     curve: curve(0.0),
                     band: [curve(-1.0), curve(1.0)],
                 })

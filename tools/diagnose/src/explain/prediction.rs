@@ -8,13 +8,13 @@ use super::open_loop::HORIZON_S;
 use super::spread::{Spread, from_start, of_stamp};
 use crate::data::streams::WheelKind;
 use crate::data::wheel_path::Turned;
-use crate::filter::motion_law::{LAW, added};
+use crate::filter::motion_law::{LAW, added, turning};
 use crate::filter::wrapped;
 use crate::judge::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::{AVERAGED, Response};
 use crate::model::from_wheels::{
-    FromWheels, MACHINE, RUN_BIAS, drive_parameters, gyro_parameters, pose_parameters,
+    FromWheels, MACHINE, RUN_BIAS, TURNS_FIRST, drive_parameters, gyro_parameters, pose_parameters,
 };
 use crate::model::run::{Run, sensor_noise};
 
@@ -214,18 +214,18 @@ impl Predictor<'_> {
                 let turned = [0, 1].map(|i| next[i] - angles[i]);
                 let [right, left] = [0, 1].map(|i| metres[i] * turned[i]);
                 angles = next;
-                let turn = (right - left) / track_m;
                 let dt = (to_s - now_s) / pieces;
                 let r = self.machine.wheel_radius_m / 2.0;
                 let nominal_way = r * (turned[0] + turned[1]);
                 let nominal_turn = r * (turned[0] - turned[1]) / self.machine.half_track_m;
-                let law = if dt > 1e-9 {
-                    let driver = [nominal_turn / dt, nominal_way / dt];
-                    added(&law, driver, &self.machine.knots) * dt
+                let [v, w] = if dt > 1e-9 {
+                    let drivers = [nominal_turn / dt, nominal_way / dt];
+                    added(&law, drivers, &self.machine.knots)
                 } else {
-                    0.0
+                    [0.0; 2]
                 };
-                let way = f64::midpoint(right, left) + law;
+                let way = f64::midpoint(right, left) + v * dt;
+                let turn = (right - left) / track_m + w * dt;
                 spread.advance(way, turn, heading, dt);
                 if dt > 1e-9 {
                     rates = [way / dt, turn / dt];
@@ -353,6 +353,7 @@ impl Predictor<'_> {
         let metres = [0, 1].map(|i| p[i].exp() * self.machine.wheel_radius_m);
         let track_m = p[2].exp() * 2.0 * self.machine.half_track_m;
         let bias = local[MACHINE + RUN_BIAS];
+        let law = &local[TURNS_FIRST..MACHINE];
         let first = gyro.all.partition_point(|(t_s, _)| *t_s < window[0]);
         let end = gyro.all.partition_point(|(t_s, _)| *t_s < window[1]);
         let stride = stride(gyro.all.len(), end - first);
@@ -373,7 +374,10 @@ impl Predictor<'_> {
             let after = wheels.angles_at(t_s + half_s, &mut hint);
             let turned = [0, 1].map(|i| after[i] - before[i]);
             let [right, left] = [0, 1].map(|i| metres[i] * turned[i]);
-            let turning = (right - left) / track_m / (2.0 * half_s);
+            let nominal = (turned[0] - turned[1]) * self.machine.wheel_radius_m
+                / (2.0 * self.machine.half_track_m * 2.0 * half_s);
+            let turning = (right - left) / track_m / (2.0 * half_s)
+                + turning(law, nominal, &self.machine.knots[0]);
             let residual = turning + bias - rate;
             if stamp_s < window[0] + FITTED_S || !residual.is_finite() {
                 continue;

@@ -15,6 +15,7 @@ use crate::model::table::{Asked, Key, Table};
 use crate::model::view::View;
 use crate::select::chosen::Chosen;
 use crate::select::criterion::Criterion;
+use crate::select::effort::Effort;
 use crate::select::elimination::Elimination;
 use crate::select::selected::Selected;
 
@@ -31,10 +32,12 @@ const USE_SHARE: f64 = 0.02;
 const RUNS_DIFFER: f64 = 1e-3;
 /// Share of what they would have to gain that a score test has to promise before runs are fitted apart.
 const MAY_DIFFER: f64 = 0.5;
-/// Differences of scale and of track between runs that nobody would call one.
-const RUN_FLOORS: [f64; 2] = [0.01, 0.02];
-/// Runs whose scale or track is not known to this do not tell whether runs differ.
+/// Differences of scale, of track and of latency (s) between runs that nobody would call one.
+const RUN_FLOORS: [f64; 3] = [0.01, 0.02, 0.01];
+/// Runs whose scale, track or latency is not known to this do not tell whether runs differ.
 const RUN_KNOWN: f64 = 0.15;
+/// What may differ from run to run.
+const OF_RUNS: [&str; 3] = ["run scale", "run track", "run pose late"];
 /// Grid of the clocks of single runs: steps to each side, latency (s) and rate of a step.
 const RUN_STEPS: i32 = 8;
 const RUN_LATE_S: f64 = 0.06;
@@ -47,8 +50,8 @@ pub(crate) struct Searched {
     pub(crate) nominal: Vec<f64>,
     pub(crate) selected: Selected,
     pub(crate) criterion: Criterion,
-    /// Whether scale and track are those of each run.
-    pub(crate) by_run: [bool; 2],
+    /// Whether scale, track and latency of the poses are those of each run.
+    pub(crate) by_run: [bool; 3],
     /// Nothing is known of it: the data do not determine a fit.
     pub(crate) is_undetermined: bool,
     /// The machine with poses at full rate, where their errors are independent and all are evidence.
@@ -72,7 +75,7 @@ impl Search<'_> {
     /// First what the catalogue has, then scale and track of single runs, then laws outside of the catalogue, and
     /// at last the rows at full rate.
     fn needed(&self) -> Option<Searched> {
-        let table = self.table([false; 2]);
+        let table = self.table([false; 3]);
         let first = self.chosen(&table);
         let (table, chosen, by_run) = self.of_runs(table, first)?;
         let all = self.with_laws(&table, chosen);
@@ -130,19 +133,19 @@ impl Search<'_> {
 
     /// The nominal model, where the data do not determine any other.
     fn undetermined(&self) -> Searched {
-        let table = self.table([false; 2]);
+        let table = self.table([false; 3]);
         Searched {
             criterion: self.criterion(&table),
             nominal: self.nominal.to_vec(),
             selected: Selected::nothing(table.parameters()),
             table,
-            by_run: [false; 2],
+            by_run: [false; 3],
             is_undetermined: true,
             dense: None,
         }
     }
 
-    fn table(&self, by_run: [bool; 2]) -> Table {
+    fn table(&self, by_run: [bool; 3]) -> Table {
         Table::new(&Asked {
             streams: self.streams,
             nominal: self.nominal,
@@ -171,10 +174,13 @@ impl Search<'_> {
             problem: &problem(&joint, table),
             always: table.always.clone(),
             noise: &table.noise,
+            sizes: &table.noise,
             weights: &table.weights,
             parts: &table.parts,
             nominal: &self.nominal_values(table),
             criterion: Criterion::of(&joint, table.terms.len()),
+            agreement: Criterion::of(&joint, table.terms.len()),
+            effort: Effort::WIDE,
             twins: &table.twins,
             useful: &useful,
         })
@@ -185,24 +191,26 @@ impl Search<'_> {
         self.selecting(table, ROBUST, |own| own.problem.fit(at, free, FULL))
     }
 
-    /// The table and what was chosen, with scale and track of each run where runs differ in them.
-    fn of_runs(&self, table: Table, chosen: Chosen) -> Option<(Table, Chosen, [bool; 2])> {
+    /// The table and what was chosen, with scale, track and latency of the poses of each run where runs differ in them.
+    fn of_runs(&self, table: Table, chosen: Chosen) -> Option<(Table, Chosen, [bool; 3])> {
         let reference = self.streams.reference;
         let today = reference.runs.len() - reference.before.runs;
-        let mut by_run = reference.before.spread.map(|spread| spread.is_some());
+        let [scale, track] = reference.before.spread.map(|spread| spread.is_some());
+        let mut by_run = [scale, track, false];
+        let may = [true, true, reference.has_pose() && !self.streams.compares()];
         if today > 1 && (reference.has_pose() || reference.has_gyro()) {
-            let apart = self.table([true; 2]);
+            let apart = self.table(may);
             let at = self.apart_at(&table, &chosen, &apart);
             if reference.skids || self.may_differ(&apart, &chosen, &at) {
                 let own = self.apart(&apart, &chosen, at);
                 let differ = self.differ(&apart, &own)?;
-                by_run = [0, 1].map(|i| by_run[i] || differ[i]);
-                if by_run == [true; 2] {
+                by_run = [0, 1, 2].map(|i| by_run[i] || differ[i]);
+                if by_run == may {
                     return Some((apart, own, by_run));
                 }
             }
         }
-        if by_run == [false; 2] {
+        if by_run == [false; 3] {
             return Some((table, chosen, by_run));
         }
         let apart = self.table(by_run);
@@ -215,7 +223,7 @@ impl Search<'_> {
     fn may_differ(&self, apart: &Table, chosen: &Chosen, at: &[f64]) -> bool {
         let terms = terms_apart(apart, chosen);
         let own = apart.keys.iter().enumerate();
-        let own = own.filter(|(_, key)| ["run scale", "run track"].contains(&key.name));
+        let own = own.filter(|(_, key)| OF_RUNS.contains(&key.name));
         let own: Vec<usize> = own.map(|(index, _)| index).collect();
         let chance = ChiSquared::new(own.len().max(1) as f64);
         let chance = chance.map_or(0.0, |own| own.inverse_cdf(1.0 - RUNS_DIFFER));
@@ -233,6 +241,11 @@ impl Search<'_> {
         let at = keys.map(|key| match key.name {
             "run scale" => shared("radius"),
             "run track" => shared("track"),
+            // without wheels, a delay of the commands is that of the poses
+            "run pose late" if apart.find(&Key::of("delay", None)).is_none() => {
+                shared("late pose") + shared("delay")
+            }
+            "run pose late" => shared("late pose"),
             _ => value(key),
         });
         at.collect()
@@ -241,6 +254,7 @@ impl Search<'_> {
     /// A fit from `at` with what was found, and scale and track of each run in the place of those of the machine.
     fn apart(&self, apart: &Table, chosen: &Chosen, at: Vec<f64>) -> Chosen {
         let at = self.with_clocks_of_runs(apart, at);
+        let at = self.with_latencies_of_runs(apart, at);
         let terms = terms_apart(apart, chosen);
         // where runs differ much, what they share makes all rows of some of them outliers
         let (free, other) = self.selecting(apart, [false; 2], |plain| {
@@ -344,10 +358,36 @@ impl Search<'_> {
                 at[late] = f64::from(i) * RUN_LATE_S;
                 at[rate] = f64::from(k) * RUN_RATE_STEP;
                 let read = read(self.nominal, &table.weights, &at);
-                (view.gyro_value(run, &read), at)
+                (view.value_of(Reference::Gyro, run, &read), at)
             };
             let best = grid.map(moved).max_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((_, best)) = best {
+                at = best;
+            }
+        }
+        at
+    }
+
+    /// The latency of the poses of each run from the best point of a grid around its own.
+    fn with_latencies_of_runs(&self, table: &Table, mut at: Vec<f64>) -> Vec<f64> {
+        let machine = self.streams.reference;
+        let view = View {
+            machine,
+            robust: true,
+        };
+        for (run, own) in machine.runs.iter().enumerate() {
+            let robot = own.robot as i64 - machine.before.robots as i64;
+            let Some(late) = table.find(&Key::of("run pose late", Some(robot))) else {
+                continue;
+            };
+            let moved = |step: i32| {
+                let mut at = at.clone();
+                at[late] += f64::from(step) * RUN_LATE_S;
+                let read = read(self.nominal, &table.weights, &at);
+                (view.value_of(Reference::Pose, run, &read), at)
+            };
+            let all = (-RUN_STEPS..=RUN_STEPS).map(moved);
+            if let Some((_, best)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
                 at = best;
             }
         }
@@ -376,15 +416,15 @@ impl Search<'_> {
         left_out
     }
 
-    /// Whether scale and track of the runs differ (Cochran's Q).
-    fn differ(&self, apart: &Table, chosen: &Chosen) -> Option<[bool; 2]> {
+    /// Whether scale, track and latency of the runs differ (Cochran's Q).
+    fn differ(&self, apart: &Table, chosen: &Chosen) -> Option<[bool; 3]> {
         let fit = &chosen.fit;
         let precision = self.selecting(apart, ROBUST, |own| {
             let (_, physics) = own.free(&chosen.terms);
             Precision::new(own.problem, fit, physics)
         })?;
-        let names = [("run scale", RUN_FLOORS[0]), ("run track", RUN_FLOORS[1])];
-        Some(names.map(|(name, floor)| {
+        Some([0, 1, 2].map(|kind| {
+            let (name, floor) = (OF_RUNS[kind], RUN_FLOORS[kind]);
             let own = apart.keys.iter().enumerate();
             let own = own.filter(|(_, key)| key.name == name && key.robot.is_some_and(|r| r >= 0));
             let values = own.filter_map(|(index, _)| {
@@ -436,9 +476,14 @@ fn first_law(table: &Table) -> usize {
     first.unwrap_or(table.terms.len())
 }
 
-/// The terms of a table in which scale and track are those of each run, of those that were chosen.
+/// The terms of a table in which scale, track or latency are those of each run, of those that were chosen.
 fn terms_apart(apart: &Table, chosen: &Chosen) -> Vec<Term> {
-    let of_runs = ["scale of runs", "track of runs", "geometry"];
+    let of_runs = [
+        "scale of runs",
+        "track of runs",
+        "latency of runs",
+        "geometry",
+    ];
     let kept = |term: &&Term| of_runs.contains(&term.name) || chosen.has(term.name);
     apart.terms.iter().filter(kept).cloned().collect()
 }
@@ -449,5 +494,6 @@ pub(crate) fn problem<'a>(likelihood: &'a dyn Likelihood, table: &Table) -> Prob
         likelihood,
         priors: table.priors.clone(),
         longest: table.longest.clone(),
+        sizes: Vec::new(),
     }
 }

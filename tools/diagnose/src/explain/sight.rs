@@ -73,7 +73,7 @@ pub(super) fn beside(problem: &Problem<'_>, fit: &Fit, term: &Term) -> Option<Pr
 fn is_known(problem: &Problem<'_>, term: &Term, precision: &Precision) -> bool {
     let mut all = term.parameters.iter().enumerate();
     all.all(|(place, index)| {
-        let prior = problem.priors[*index].deviation;
+        let prior = problem.priors[*index].reach();
         precision.covariance[(place, place)] < KNOWN_SHARE * prior * prior
     })
 }

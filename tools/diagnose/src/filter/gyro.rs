@@ -7,11 +7,14 @@ use slipstream_sim::Scalar;
 
 use super::Innovation;
 use super::mixture::{COMPONENTS, PROBABILITY, PROCESS, SENSOR, posterior};
+use super::motion_law::{self, Knots, LAW, OF_TURNS};
 use super::ornstein_uhlenbeck::{Integrated, OrnsteinUhlenbeck, Step};
 use crate::data::wheel_path::Turned;
 
 /// Physical parameters.
-pub(crate) const PHYSICS: usize = 6;
+pub(crate) const PHYSICS: usize = FIRST_OF_LAW + LAW - OF_TURNS;
+/// The law of turns begins here.
+const FIRST_OF_LAW: usize = 6;
 /// Logarithms of noise sizes.
 pub(crate) const NOISE: usize = 7;
 /// log sqrt(2 π).
@@ -47,13 +50,15 @@ pub(crate) struct Gyro<'a> {
     pub(crate) series: &'a [Vec<(f64, f64)>],
     pub(crate) wheel_radius_m: f64,
     pub(crate) half_track_m: f64,
+    /// Knots of the law of turns.
+    pub(crate) knots: Knots,
     /// Whether rows may be outliers.
     pub(crate) robust: bool,
 }
 
 impl Gyro<'_> {
     /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, latency
-    /// (s), clock rate, bias (rad/s); then logs of: yaw per root metre, per root radian, per root
+    /// (s), clock rate, bias (rad/s), the law of turns; then logs of: yaw per root metre, per root radian, per root
     /// second, angle noise (rad), stamp noise (s), disturbance relative to the motion, its time (s).
     pub(crate) fn run<S: Scalar>(
         &self,
@@ -67,6 +72,8 @@ impl Gyro<'_> {
             p[1].exp() * self.wheel_radius_m,
         ];
         let track_m = p[2].exp() * (2.0 * self.half_track_m);
+        let law = &p[FIRST_OF_LAW..PHYSICS];
+        let has_law = law.iter().any(|own| own.value() != 0.0);
         let noise = &p[PHYSICS..];
         let q: [S; NOISE] = std::array::from_fn(|i| (noise[i] * 2.0).exp());
         let time_constant_s = noise[6].exp();
@@ -89,12 +96,15 @@ impl Gyro<'_> {
                 let next = wheels.angles_at(next_s, &mut hint);
                 let turned = [next[0] - angles[0], next[1] - angles[1]];
                 angles = next;
-                let turn =
+                let mut turn =
                     (metres_per_rad[0] * turned[0] - metres_per_rad[1] * turned[1]) / track_m;
                 let r = self.wheel_radius_m;
                 let way = ((turned[0] + turned[1]) * (r / 2.0)).abs();
                 let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
                 let w = nominal_turn / dt;
+                if has_law {
+                    turn += motion_law::turning(law, w, &self.knots) * dt;
+                }
                 let straight = way / dt / (2.0 * self.half_track_m);
                 let disturbance = OrnsteinUhlenbeck {
                     variance: q[5] * motion2(w, straight),

@@ -1,17 +1,59 @@
-//! A speed that is added to what the wheels say: a table over the turn rate, and one over the speed.
+//! What is added to what the wheels say: a speed over the turn rate, a speed over the speed, and a turn rate over
+//! the turn rate.
 
 use nalgebra::{DMatrix, DVector};
 use slipstream_sim::Scalar;
 
 /// Knots of one table beside the one at 0, where it is 0.
 const BESIDE: usize = 4;
-/// Parameters of each table. The one over the turn rate is without the part in proportion to it, which
-/// the place of the reference beside the axle would be.
-pub(crate) const VALUES: [usize; 2] = [BESIDE - 1, BESIDE];
-/// Values of both tables.
-pub(crate) const LAW: usize = VALUES[0] + VALUES[1];
-/// Drivers of the tables, as `motion_law` names them.
-pub(crate) const DRIVERS: [&str; 2] = ["w", "v"];
+
+/// A table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Table {
+    /// Its name among the terms.
+    pub(crate) name: &'static str,
+    /// What it adds and over what, as `motion_law` names them.
+    pub(crate) acts_on: &'static str,
+    pub(crate) driver: &'static str,
+    /// Number of its driver: turn rate, speed.
+    pub(crate) over: usize,
+    /// Its first parameter, and how many it has.
+    pub(crate) first: usize,
+    pub(crate) count: usize,
+}
+
+/// All tables. Those over the turn rate are without the part in proportion to it: that of the speed would be the
+/// place of the reference beside the axle, and that of the turn rate the track.
+pub(crate) const TABLES: [Table; 3] = [
+    Table {
+        name: "law of w",
+        acts_on: "speed",
+        driver: "w",
+        over: 0,
+        first: 0,
+        count: BESIDE - 1,
+    },
+    Table {
+        name: "law of v",
+        acts_on: "speed",
+        driver: "v",
+        over: 1,
+        first: BESIDE - 1,
+        count: BESIDE,
+    },
+    Table {
+        name: "law of turns",
+        acts_on: "turn_rate",
+        driver: "w",
+        over: 0,
+        first: OF_TURNS,
+        count: BESIDE - 1,
+    },
+];
+/// The first parameter of the table that adds a turn rate.
+pub(crate) const OF_TURNS: usize = 2 * BESIDE - 1;
+/// Parameters of all tables.
+pub(crate) const LAW: usize = OF_TURNS + BESIDE - 1;
 
 /// Knots of a table, at equal distances; one of them is 0.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,6 +85,11 @@ impl Knots {
     /// The last knot, counted from 0.
     pub(crate) fn reach(&self) -> f64 {
         self.step * self.zero.max(BESIDE - self.zero) as f64
+    }
+
+    /// Whether they lie on both sides of 0.
+    pub(crate) fn has_both_sides(&self) -> bool {
+        self.zero == BESIDE / 2
     }
 
     /// The knots.
@@ -124,9 +171,22 @@ impl Knots {
 /// A driver reaches less far on one side than this share of the other: its table has one side.
 const ONE_SIDED: f64 = 0.1;
 
-/// The speed (m/s) that both tables add at a turn rate (rad/s) and a speed (m/s).
-pub(crate) fn added<S: Scalar>(law: &[S], [w, v]: [S; 2], knots: &[Knots; 2]) -> S {
-    knots[0].at(&law[..VALUES[0]], w) + knots[1].at(&law[VALUES[0]..LAW], v)
+/// The speed (m/s) and the turn rate (rad/s) that all tables add at a turn rate (rad/s) and a speed (m/s).
+pub(crate) fn added<S: Scalar>(law: &[S], drivers: [S; 2], knots: &[Knots; 2]) -> [S; 2] {
+    let of = |table: Table| {
+        let own = &law[table.first..table.first + table.count];
+        knots[table.over].at(own, drivers[table.over])
+    };
+    [of(TABLES[0]) + of(TABLES[1]), of(TABLES[2])]
+}
+
+/// Parameters of a table over the turn rate, with their weights, for one in proportion to the size of the turn rate
+/// whose values at the outermost knots are 1; there is one where the knots lie on both sides.
+pub(crate) const OF_SIZE: [(usize, f64); 2] = [(0, 1.0), (1, 0.5)];
+
+/// The turn rate (rad/s) that the table of turns adds at a turn rate (rad/s).
+pub(crate) fn turning<S: Scalar>(of_turns: &[S], w: S, knots: &Knots) -> S {
+    knots.at(of_turns, w)
 }
 
 #[cfg(test)]
@@ -135,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_table_is_linear_between_its_knots_and_constant_beyond() {
-        let law = [-1.0, -0.25, 0.5, 0.0, 0.0, 0.0, 0.0];
+        let law = [-1.0, -0.25, 0.5, 0.0, 0.0, 0.0, 0.0, 2.0, 0.5, -1.0];
         let knots = [Knots::over([-2.0, 1.9]), Knots::over([0.0, 1.0])];
         for (w, wanted) in [
             (-9.0, -0.75),
@@ -147,13 +207,23 @@ mod tests {
             (2.0, -1.25),
             (7.0, -1.25),
         ] {
-            let found: f64 = added(&law, [w, 3.0], &knots);
-            assert!((found - wanted).abs() < 1e-12, "{w} {found}");
+            let [speed, turn]: [f64; 2] = added(&law, [w, 3.0], &knots);
+            assert!((speed - wanted).abs() < 1e-12, "{w} {speed}");
+            assert!((turn + 2.0 * wanted).abs() < 1e-12, "{w} {turn}");
         }
         assert_eq!(knots[1].places(), [0.0, 0.25, 0.5, 0.75, 1.0]);
-        let of_speed = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0];
-        let found: f64 = added(&of_speed, [0.0, 0.125], &knots);
-        assert!((found - 0.5).abs() < 1e-12, "{found}");
+        let of_speed = [0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 0.0];
+        let [found, none]: [f64; 2] = added(&of_speed, [0.0, 0.125], &knots);
+        assert!((found - 0.5).abs() < 1e-12 && none == 0.0, "{found} {none}");
+    }
+
+    #[test]
+    fn a_table_can_be_in_proportion_to_the_size_of_the_turn_rate() {
+        let knots = Knots::over([-2.0, 1.9]);
+        let mut law = [0.0; 3];
+        OF_SIZE.iter().for_each(|(own, weight)| law[*own] = *weight);
+        assert!(knots.has_both_sides());
+        assert_eq!(knots.values(&law), [1.0, 0.5, 0.0, 0.5, 1.0]);
     }
 
     #[test]

@@ -69,7 +69,7 @@ struct Noise<S> {
 
 impl WheelsToPose<'_> {
     /// Filters all series. `parameters`: ln of right and left wheel scale, ln of track scale, offset
-    /// x, y (m), yaw (rad), latency (s), clock rate; then the logs of the nine noise sizes.
+    /// x, y (m), yaw (rad), latency (s), clock rate, the laws; then the logs of the nine noise sizes.
     pub(crate) fn run<S: Scalar>(
         &self,
         wheels: &dyn Turned<S>,
@@ -191,12 +191,13 @@ impl WheelsToPose<'_> {
             let nominal_way = (turned[0] + turned[1]) * (r / 2.0);
             let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
             let dt = span_s / pieces;
-            let way = match physics.law {
+            let (way, turn) = match physics.law {
                 Some(law) if dt.value() > 1e-9 => {
-                    let driver = [nominal_turn / dt, nominal_way / dt];
-                    way + motion_law::added(&law, driver, &self.knots) * dt
+                    let drivers = [nominal_turn / dt, nominal_way / dt];
+                    let [v, w] = motion_law::added(&law, drivers, &self.knots);
+                    (way + v * dt, turn + w * dt)
                 }
-                _ => way,
+                _ => (way, turn),
             };
             let mut q = [
                 noise.along_per_m * nominal_way.abs(),

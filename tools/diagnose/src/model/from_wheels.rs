@@ -16,7 +16,7 @@ use super::run::{RUN_NOISE, Run, Source};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::reference::{POSE_STEP_S, PoseRow, match_poses, match_rates};
 use crate::filter::gyro as gyro_filter;
-use crate::filter::motion_law::{DRIVERS, Knots, LAW, VALUES};
+use crate::filter::motion_law::{Knots, LAW, OF_TURNS, TABLES};
 use crate::filter::wheels_to_pose::{self, WheelsToPose};
 
 /// Parameters of the machine.
@@ -32,8 +32,10 @@ pub(crate) const GYRO_LATENCY: usize = 8;
 pub(crate) const GYRO_RATE: usize = 9;
 /// Parameters of the drive begin here; they matter where no wheels were recorded.
 pub(crate) const DRIVE_FIRST: usize = 10;
-/// Values of a law of speed over turn rate (m/s).
+/// Values of laws of speed (m/s) and of turn rate (rad/s).
 pub(crate) const LAW_FIRST: usize = DRIVE_FIRST + DRIVE;
+/// Values of the law of turns, which poses and gyro see.
+pub(crate) const TURNS_FIRST: usize = LAW_FIRST + OF_TURNS;
 /// How many there are.
 pub(crate) const MACHINE: usize = LAW_FIRST + LAW;
 /// Parameters of each run, after those of the machine: scale, track, gyro bias, then noise sizes.
@@ -43,13 +45,15 @@ pub(crate) const RUN_BIAS: usize = 2;
 /// How much later (s) and faster the gyro's clock is in this run than in all.
 pub(crate) const RUN_LATE: usize = 3;
 pub(crate) const RUN_RATE: usize = 4;
+/// How much later (s) poses are stamped in this run than in all.
+pub(crate) const RUN_POSE_LATE: usize = 5;
 /// Noise sizes begin here.
-pub(crate) const RUN_NOISE_FIRST: usize = 5;
+pub(crate) const RUN_NOISE_FIRST: usize = 6;
 const RUN: usize = RUN_NOISE_FIRST;
 /// Those that a run shares with the one from before on its course.
 const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 
-/// Values of a law, as a share of the fastest speed of a rim.
+/// Values of a law, as a share of the fastest speed of a rim, or of the largest turn rate.
 const LAW_SHARE: f64 = 0.3;
 
 /// The machine.
@@ -117,10 +121,11 @@ impl FromWheels {
         (!machine.runs.is_empty()).then_some(machine)
     }
 
-    /// How large the values of a law may plausibly be (m/s): a share of the fastest rim.
-    pub(crate) fn law_prior_m_s(&self) -> f64 {
+    /// How large the values of laws may plausibly be: of speed a share of the fastest rim (m/s), of turns a share
+    /// of the largest turn rate (rad/s).
+    pub(crate) fn law_priors(&self) -> [f64; 2] {
         let [w, v] = self.knots.map(|knots| knots.reach());
-        LAW_SHARE * v.max(w * self.half_track_m)
+        [v.max(w * self.half_track_m), w].map(|most| LAW_SHARE * most)
     }
 
     /// Number of parameters, noise sizes included.
@@ -395,7 +400,8 @@ impl FromWheels {
         let mut points = Vec::new();
         own.wheels.turned(drive_parameters(&local), |wheels| {
             let mut seen = |stamp_s: f64, [x, y, heading]: [f64; 3]| {
-                let t_s = (stamp_s - local[POSE_LATENCY]) / (1.0 + local[POSE_RATE]);
+                let late_s = local[POSE_LATENCY] + local[MACHINE + RUN_POSE_LATE];
+                let t_s = (stamp_s - late_s) / (1.0 + local[POSE_RATE]);
                 let (sin, cos) = heading.sin_cos();
                 let ahead = self.com_to_axle_m;
                 points.push((
@@ -502,7 +508,8 @@ pub(crate) fn pose_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
     let scale = local[COMMON] + run[RUN_SCALE];
     let half = local[ASYMMETRY] * 0.5;
     let mut all = vec![scale + half, scale - half, local[TRACK] + run[RUN_TRACK]];
-    all.extend(&local[OFFSET_X..=POSE_RATE]);
+    all.extend(&local[OFFSET_X..POSE_LATENCY]);
+    all.extend([local[POSE_LATENCY] + run[RUN_POSE_LATE], local[POSE_RATE]]);
     all.extend(&local[LAW_FIRST..MACHINE]);
     all.extend(&run[RUN..RUN + wheels_to_pose::NOISE]);
     all
@@ -518,17 +525,17 @@ pub(crate) fn gyro_parameters<S: Scalar>(local: &[S]) -> Vec<S> {
         local[GYRO_RATE] + run[RUN_RATE],
         run[RUN_BIAS],
     ]);
+    all.extend(&local[TURNS_FIRST..MACHINE]);
     all.extend(&run[RUN + wheels_to_pose::NOISE..]);
     all
 }
 
 /// Values of the laws that a model lists, as parameters at these knots.
 fn law_of(model: &RobotModel, knots: &[Knots; 2]) -> Vec<f64> {
-    let places = DRIVERS.iter().zip(knots).zip(VALUES);
-    let each = places.flat_map(|((driver, knots), count)| {
-        let zero = vec![0.0; count];
-        nominal::laws(model, driver).fold(zero, |sum, table| {
-            let own = knots.parameters(count, &table);
+    let each = TABLES.iter().flat_map(|own| {
+        let zero = vec![0.0; own.count];
+        nominal::laws(model, own).fold(zero, |sum, table| {
+            let own = knots[own.over].parameters(own.count, &table);
             sum.iter().zip(own).map(|(a, b)| a + b).collect()
         })
     });

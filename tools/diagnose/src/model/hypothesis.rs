@@ -62,12 +62,6 @@ impl Hypothesis {
         among.iter().position(same).filter(|_| self.since)
     }
 
-    /// The value at which a parameter changes nothing beside `others`.
-    pub(crate) fn nothing_beside(&self, model: &RobotModel, name: &str, others: &[Self]) -> f64 {
-        let before = self.counterpart(others).and_then(|i| others[i].value(name));
-        before.unwrap_or_else(|| self.nothing(model, name))
-    }
-
     /// The value at which a parameter does nothing: 1 for a factor, the model's for what it has.
     pub(crate) fn nothing(&self, model: &RobotModel, name: &str) -> f64 {
         let factor = self.info.parameter(name).is_some_and(is_factor);
@@ -192,6 +186,16 @@ pub(crate) fn changes_commands_over_time(info: &Info) -> bool {
     info.site == ModelSite::Command && info.acts == When::Always && !by_factors
 }
 
+/// Effects at one time or place: where they are is searched.
+pub(crate) fn momentary_and_placed() -> impl Iterator<Item = Hypothesis> {
+    let own = CATALOGUE.iter().filter(|info| is_local(info));
+    own.map(|info| {
+        let numbers = info.parameters.iter().filter(|p| !p.alternative);
+        let begun = |p: &ParameterInfo| (p.name, probes(p).first().copied().unwrap_or(0.0));
+        Hypothesis::new(info, numbers.map(begun).collect())
+    })
+}
+
 /// Whether an effect has a place or a time that is searched.
 fn is_local(info: &Info) -> bool {
     matches!(info.acts, When::Inside | When::Once)
@@ -220,13 +224,6 @@ pub(crate) fn is_bound_to_place(info: &Info) -> bool {
 pub(crate) fn points_downhill(info: &Info) -> bool {
     let mut parameters = info.parameters.iter();
     info.acts == When::Always && parameters.any(|p| is_direction(info, p.name))
-}
-
-/// Whether a parameter says where, when or which way, and not how much.
-pub(crate) fn is_where(info: &Info, name: &str) -> bool {
-    let role = info.parameter(name).map(|p| p.role);
-    let place = matches!(role, Some(Role::Time | Role::Position)) && info.site != ModelSite::Sensor;
-    place || is_direction(info, name)
 }
 
 /// Whether a parameter is a direction on the floor, not one in which a sensor looks.

@@ -7,6 +7,7 @@ pub(crate) mod drive;
 pub(crate) mod from_wheels;
 pub(crate) mod hypothesis;
 pub(crate) mod nominal;
+pub(crate) mod plant;
 pub(crate) mod run;
 pub(crate) mod streams;
 pub(crate) mod table;

@@ -2,6 +2,8 @@
 
 use slipstream_bus::{EffectSpec, Parameter, RobotModel};
 
+use crate::filter::motion_law::Table;
+
 /// The rate of the clock of a stream that the model lists.
 pub(crate) fn clock_rate(model: &RobotModel, stream: &str) -> Option<f64> {
     let named = |value: &Parameter| matches!(value, Parameter::Text(text) if text == stream);
@@ -16,10 +18,10 @@ pub(crate) fn clock_rate(model: &RobotModel, stream: &str) -> Option<f64> {
     })
 }
 
-/// The laws of speed over `driver` that the model lists: pairs of knot and value.
+/// The laws of the kind of a table that the model lists: pairs of knot and value.
 pub(crate) fn laws<'a>(
     model: &'a RobotModel,
-    driver: &'a str,
+    table: &'a Table,
 ) -> impl Iterator<Item = Vec<[f64; 2]>> + 'a {
     let has = |spec: &EffectSpec, key: &str, word: &str| {
         let named = |(own, value): &(String, Parameter)| {
@@ -28,7 +30,9 @@ pub(crate) fn laws<'a>(
         spec.parameters.iter().any(named)
     };
     let laws = model.effects.iter().filter(move |spec| {
-        spec.effect == "motion_law" && has(spec, "acts_on", "speed") && has(spec, "driver", driver)
+        spec.effect == "motion_law"
+            && has(spec, "acts_on", table.acts_on)
+            && has(spec, "driver", table.driver)
     });
     laws.filter_map(|spec| {
         let list = |name: &str| {

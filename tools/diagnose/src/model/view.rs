@@ -6,8 +6,8 @@ use slipstream_sim::Scalar;
 use super::comparison;
 use super::from_wheels::{
     DRIVE_FIRST, FromWheels, GYRO_LATENCY, GYRO_RATE, LAW_FIRST, MACHINE, OFFSET_X, POSE_RATE,
-    RUN_BIAS, RUN_NOISE_FIRST, RUN_RATE, RUN_TRACK, Reference, TRACK, drive_parameters,
-    gyro_parameters, pose_parameters,
+    RUN_BIAS, RUN_NOISE_FIRST, RUN_POSE_LATE, RUN_RATE, RUN_TRACK, Reference, TRACK, TURNS_FIRST,
+    drive_parameters, gyro_parameters, pose_parameters,
 };
 use super::run::Run;
 use crate::estimate::blocks;
@@ -51,6 +51,7 @@ impl View<'_> {
                         series: &gyro.series,
                         wheel_radius_m: self.machine.wheel_radius_m,
                         half_track_m: self.machine.half_track_m,
+                        knots: self.machine.knots[0],
                         robust: self.robust,
                     };
                     run.wheels.turned(drive_parameters(local), |wheels| {
@@ -61,11 +62,11 @@ impl View<'_> {
         }
     }
 
-    /// Log-likelihood of the gyro of one run.
-    pub(crate) fn gyro_value(&self, run: usize, at: &[f64]) -> f64 {
+    /// Log-likelihood of one reference of one run.
+    pub(crate) fn value_of(&self, reference: Reference, run: usize, at: &[f64]) -> f64 {
         let mut sum = 0.0;
         let mut sink = |row: Innovation<f64>| sum += row.weight * row.log_likelihood;
-        self.innovations(Reference::Gyro, run, at, &mut sink);
+        self.innovations(reference, run, at, &mut sink);
         sum
     }
 
@@ -128,14 +129,16 @@ impl Reference {
         }
         let geometry = local <= TRACK || (MACHINE..=MACHINE + RUN_TRACK).contains(&local);
         if (LAW_FIRST..MACHINE).contains(&local) {
-            return self == Self::Pose;
+            return self == Self::Pose || local >= TURNS_FIRST;
         }
         let pose_noise =
             MACHINE + RUN_NOISE_FIRST..MACHINE + RUN_NOISE_FIRST + wheels_to_pose::NOISE;
         geometry
             || match self {
                 Self::Pose => {
-                    (OFFSET_X..=POSE_RATE).contains(&local) || pose_noise.contains(&local)
+                    (OFFSET_X..=POSE_RATE).contains(&local)
+                        || local == MACHINE + RUN_POSE_LATE
+                        || pose_noise.contains(&local)
                 }
                 Self::Gyro => {
                     local == GYRO_LATENCY

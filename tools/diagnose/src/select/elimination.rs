@@ -4,10 +4,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::criterion::Criterion;
+use super::effort::Effort;
 use super::halves::Halves;
 use super::selected::{Kept, Selected};
 use crate::estimate::cluster::{LEAST_RUNS, Precision};
-use crate::estimate::scoring::{FULL, Fit, Problem, SHORT, SearchLimits};
+use crate::estimate::scoring::{Fit, Problem, SHORT, SearchLimits};
 use crate::estimate::term::Term;
 
 /// What one round of the elimination did.
@@ -39,8 +40,9 @@ pub(crate) struct Elimination<'a> {
     pub(crate) problem: &'a Problem<'a>,
     /// Parameters that are always free and no noise sizes.
     pub(crate) always: Vec<usize>,
-    /// Noise sizes.
+    /// Noise parameters, and those of them that are sizes.
     pub(crate) noise: &'a [usize],
+    pub(crate) sizes: &'a [usize],
     /// How each parameter moves what the likelihood reads.
     pub(crate) weights: &'a [Vec<(usize, f64)>],
     /// The parts of the likelihood that each parameter moves, a bit for each.
@@ -48,6 +50,9 @@ pub(crate) struct Elimination<'a> {
     /// What the model has of each parameter that cannot be negative.
     pub(crate) nominal: &'a [f64],
     pub(crate) criterion: Criterion,
+    /// The test by which blocks of time have to agree on a term that gains enough.
+    pub(crate) agreement: Criterion,
+    pub(crate) effort: Effort,
     /// Of each parameter that is a change, what runs from before have of it.
     pub(crate) twins: &'a [Option<usize>],
     /// Whether the fit with a term predicts better than the one without.
@@ -115,8 +120,11 @@ impl Elimination<'_> {
 
     /// Fits with these terms, others at their neutral values, from `start`.
     pub(crate) fn fit(&self, start: &[f64], terms: &[Term], all: &[Term]) -> Fit {
-        self.problem
-            .fit(&self.without(start, terms, all), &self.free(terms).0, FULL)
+        self.problem.fit(
+            &self.without(start, terms, all),
+            &self.free(terms).0,
+            self.effort.full,
+        )
     }
 
     /// `start` with terms that are not among `terms` at their neutral values.
@@ -136,7 +144,7 @@ impl Elimination<'_> {
     /// `at` with the logs of all noise sizes moved by so much.
     pub(crate) fn with_noise(&self, at: &[f64], shift: f64) -> Vec<f64> {
         let mut moved = at.to_vec();
-        for index in self.noise {
+        for index in self.sizes {
             moved[*index] += shift;
         }
         moved
@@ -150,7 +158,7 @@ impl Elimination<'_> {
             let at = self.with_noise(&self.without(start, terms, all), shift);
             let other = self.problem.fit(&at, &free, SHORT);
             if other.objective > best.objective + 0.5 {
-                self.problem.fit(&other.at, &free, FULL)
+                self.problem.fit(&other.at, &free, self.effort.full)
             } else {
                 best
             }
@@ -180,7 +188,7 @@ impl Elimination<'_> {
         let mut less = self.fit_near(&start, &rest, gone, SHORT);
         // what is needed by far is so whether or not the fit without it is finished
         if fit.objective - less.objective < CERTAIN * self.due(gone) {
-            less = self.fit_near(&less.at, &rest, gone, FULL);
+            less = self.fit_near(&less.at, &rest, gone, self.effort.full);
         }
         let stands_in = rest.iter().any(|t| !self.is_possible(t, &less));
         if stands_in {
@@ -208,7 +216,7 @@ impl Elimination<'_> {
                 moved = true;
             }
         }
-        moved.then(|| self.problem.fit(&at, &self.free(rest).0, FULL))
+        moved.then(|| self.problem.fit(&at, &self.free(rest).0, self.effort.full))
     }
 
     /// Removes terms from `fit`, which has all of `terms`, until each that is left is needed.
@@ -243,6 +251,7 @@ impl Elimination<'_> {
             };
             terms.retain(|own| own.name != term.name);
             self.criterion.tried = terms.len();
+            self.agreement.tried = self.agreement.tried.min(terms.len());
             if !term.is_profiled() {
                 let own = term.parameters.iter();
                 self.always.extend(own.filter_map(|i| self.twins[*i]));
@@ -271,7 +280,7 @@ impl Elimination<'_> {
                     *own = base;
                 }
             }
-            let fit = self.problem.fit(&at, &free, FULL);
+            let fit = self.problem.fit(&at, &free, self.effort.full);
             let least = self.due(term);
             let overdispersion = self.overdispersion(term, &found.fit, &found.precision);
             let loss = (found.fit.objective - fit.objective) / overdispersion;
@@ -297,6 +306,9 @@ impl Elimination<'_> {
 
     /// By how much less a gain of this term counts, for its rows err together.
     fn overdispersion(&self, term: &Term, fit: &Fit, precision: &Precision) -> f64 {
+        if term.rare {
+            return 1.0;
+        }
         precision.overdispersion(&fit.places(&term.parameters))
     }
 
@@ -306,10 +318,10 @@ impl Elimination<'_> {
         let precision = Precision::new(self.problem, fit, physics)?;
         let walds: Vec<f64> = left.iter().map(|t| self.wald(t, fit, &precision)).collect();
         let share = |i: &usize| {
-            if left[*i].is_profiled() {
+            if left[*i].is_decided_by_gain() {
                 return 1.0;
             }
-            walds[*i] / self.criterion.least_wald(left[*i].parameters.len())
+            walds[*i] / self.agreement.least_wald(left[*i].parameters.len())
         };
         let mut order: Vec<usize> = (0..left.len()).collect();
         order.sort_by(|a, b| share(a).total_cmp(&share(b)));
@@ -329,7 +341,7 @@ impl Elimination<'_> {
             }
             let gain = fit.objective - less.objective;
             if gain < -UNFINISHED_NATS {
-                let better = self.problem.fit(&less.at, &fit.free, FULL);
+                let better = self.problem.fit(&less.at, &fit.free, self.effort.full);
                 if better.objective > fit.objective + UNFINISHED_NATS {
                     return Some(Round::Better(better));
                 }
@@ -360,8 +372,9 @@ impl Elimination<'_> {
 
     /// Removes all terms at once that are far from being needed, where that costs nothing.
     fn idle(&self, fit: &Fit, left: &[Term], terms: &[Term], walds: &[f64]) -> Option<Round> {
-        let is_idle =
-            |i: usize| !left[i].is_profiled() && walds[i] < IDLE * left[i].parameters.len() as f64;
+        let is_idle = |i: usize| {
+            !left[i].is_decided_by_gain() && walds[i] < IDLE * left[i].parameters.len() as f64
+        };
         let rest: Vec<Term> = (0..left.len())
             .filter(|i| !is_idle(*i))
             .map(|i| left[i].clone())
@@ -396,16 +409,16 @@ impl Elimination<'_> {
         // along the estimate, the variance is a small share of the prior's
         let of_prior = |index: &usize| {
             let change = fit.at[*index];
-            (change / self.problem.priors[*index].deviation).powi(2)
+            (change / self.problem.priors[*index].reach()).powi(2)
         };
         let floors = self.scaled(&term.resolution, fit);
         let by_data = self.wald_beside(term, fit, precision, &floors);
         let known = term.parameters.iter().map(of_prior).sum::<f64>() < KNOWN_SHARE * by_data;
         let clear =
-            known && wald > self.criterion.least_wald(count) * term.inflation * term.inflation;
+            known && wald > self.agreement.least_wald(count) * term.inflation * term.inflation;
         self.is_possible(term, fit)
-            && (clear || term.is_profiled())
-            && gain - best > 0.0
+            && (clear || term.is_decided_by_gain())
+            && (gain - best > 0.0 || term.rare)
             && (!term.lasting || (self.useful)(term, fit, less))
     }
 
@@ -453,7 +466,7 @@ impl Elimination<'_> {
     fn wald_beside(&self, term: &Term, fit: &Fit, precision: &Precision, floors: &[f64]) -> f64 {
         let places = fit.places(&term.parameters);
         let k = places.len();
-        if term.is_profiled() || k < term.parameters.len() {
+        if term.is_decided_by_gain() || k < term.parameters.len() {
             return 0.0;
         }
         let d = DVector::from_iterator(k, term.parameters.iter().map(|i| fit.at[*i]));

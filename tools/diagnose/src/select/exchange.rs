@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::chosen::Chosen;
 use super::criterion::{BETTER_NATS, TIE_NATS};
 use super::elimination::Elimination;
-use crate::estimate::scoring::{FULL, Fit, SHORT, summed};
+use crate::estimate::scoring::{Fit, summed};
 use crate::estimate::term::{Search, Term};
 
 /// A term is tried in the place of another from which it would take over this share.
@@ -84,7 +84,7 @@ impl Elimination<'_> {
         let lacking = all
             .iter()
             .filter(|term| !chosen.has(term.name) && !term.is_nuisance());
-        let lacking: Vec<&Term> = lacking.filter(|term| !term.is_profiled()).collect();
+        let lacking: Vec<&Term> = lacking.filter(|term| term.is_smooth()).collect();
         let overlap = self.overlap(&chosen.fit, &lacking);
         let own = chosen.terms.iter();
         let own: Vec<Term> = own
@@ -114,11 +114,11 @@ impl Elimination<'_> {
                 terms: terms.clone(),
                 alike: Vec::new(),
             };
-            let mut with = with(&start, SHORT);
+            let mut with = with(&start, self.effort.glanced);
             if self.worth(&with) < self.worth(chosen) - UNFINISHED_NATS {
                 continue;
             }
-            with.fit = self.fit_near(&with.fit.at, &terms, &both, FULL);
+            with.fit = self.fit_near(&with.fit.at, &terms, &both, self.effort.full);
             if !self.is_possible(other, &with.fit) {
                 continue;
             }
@@ -141,10 +141,12 @@ impl Elimination<'_> {
         let mut indices = fit.free.clone();
         for term in lacking {
             if let Search::Smooth(starts) = &term.search
-                && let ([index], Some(first)) = (term.parameters.as_slice(), starts.first())
-                && (term.positive || term.name == "lag")
+                && let Some(first) = starts.first()
+                && begins(term, first)
             {
-                at[*index] = first[0];
+                for (index, own) in term.parameters.iter().zip(first) {
+                    at[*index] = *own;
+                }
             }
             let new = term
                 .parameters
@@ -156,13 +158,19 @@ impl Elimination<'_> {
         indices.dedup();
         let scores = self.problem.likelihood.score(&at, &indices);
         let (_, mut information) = summed(&scores, indices.len());
-        self.problem.add_priors(&mut information, &indices);
+        self.problem.add_priors(&mut information, &at, &indices);
         Overlap {
             at,
             indices,
             information,
         }
     }
+}
+
+/// Whether a term does nothing where it is 0, or is left out there, so that it is looked at from its first start on.
+fn begins(term: &Term, first: &[f64]) -> bool {
+    let is_law = first.iter().all(|own| *own == f64::MIN_POSITIVE);
+    term.kinked && first.len() == 1 || is_law
 }
 
 /// The information on everything that is fitted and that is lacking.

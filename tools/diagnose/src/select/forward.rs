@@ -6,19 +6,13 @@ use super::chosen::Chosen;
 use super::criterion::BETTER_NATS;
 use super::elimination::Elimination;
 use super::screen::{Candidate, LOWERED_MORE};
-use crate::estimate::scoring::{FULL, Fit, SearchLimits};
+use crate::estimate::scoring::Fit;
 use crate::estimate::term::Term;
 
-/// Candidates that are refitted with noise sizes, and of these the ones that are fitted to the end.
-const REFITTED: usize = 6;
-const POLISHED: usize = 3;
 /// Share of what the best of them brings from which on another one is a rival.
 const NEAR: f64 = 0.3;
-/// A fit that tells which of them are the best.
-const RANKED: SearchLimits = SearchLimits {
-    iterations: 3,
-    tolerance_nats: 1.0,
-};
+/// A located term is refined while that gains this much (nats).
+const REFINED_NATS: f64 = 2.0;
 
 impl Elimination<'_> {
     /// Adds to `chosen` what is lacking of `all`, the most first.
@@ -72,7 +66,7 @@ impl Elimination<'_> {
         let (free, _) = self.free(&terms);
         let fits = LOWERED_MORE.par_iter().map(|lowered| {
             self.problem
-                .fit(&self.with_noise(&at, -lowered), &free, FULL)
+                .fit(&self.with_noise(&at, -lowered), &free, self.effort.full)
         });
         let fits: Vec<Fit> = fits.collect();
         let best = fits
@@ -86,8 +80,13 @@ impl Elimination<'_> {
     }
 
     fn extended(&self, chosen: &Chosen, all: &[Term]) -> Option<Chosen> {
-        let candidates = self.screened(chosen, all);
-        let best = self.best(chosen, &candidates);
+        let best = self.best(chosen, &self.screened(chosen, all));
+        let rival = best.as_ref().map_or(&chosen.fit, |own| &own.fit);
+        let located = self.best(chosen, &self.located(chosen, rival, all));
+        let best = best.into_iter().chain(located).max_by(|a, b| {
+            let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
+            a.total_cmp(&b)
+        });
         best.filter(|own| self.worth(own) > self.worth(chosen))
     }
 
@@ -108,11 +107,14 @@ impl Elimination<'_> {
                 alike: chosen.alike.clone(),
             }
         };
-        let first = candidates.par_iter().take(REFITTED).flat_map(|own| {
-            let starts = own.starts.par_iter();
-            starts.map(|start| (own.term, start))
-        });
-        let short = first.map(|(term, start)| with(term, start, RANKED));
+        let first = candidates
+            .par_iter()
+            .take(self.effort.refitted)
+            .flat_map(|own| {
+                let starts = own.starts.par_iter();
+                starts.map(|start| (own.term, start))
+            });
+        let short = first.map(|(term, start)| with(term, start, self.effort.ranked));
         let mut short: Vec<Chosen> = short.collect();
         short.sort_by(|a, b| {
             let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
@@ -130,10 +132,22 @@ impl Elimination<'_> {
             .first()
             .map_or(0.0, |own| self.excess(&chosen.fit, own));
         let near = |own: &&Chosen| self.excess(&chosen.fit, own) > NEAR * most;
-        let rivals: Vec<&Chosen> = short.iter().take(POLISHED).filter(near).collect();
+        let rivals: Vec<&Chosen> = short
+            .iter()
+            .take(self.effort.polished)
+            .filter(near)
+            .collect();
         let polished = rivals.into_par_iter().filter_map(|own| {
-            let own = with(own.terms.last()?, &own.fit.at, FULL);
-            self.is_possible(own.terms.last()?, &own.fit).then_some(own)
+            let term = own.terms.last()?;
+            let mut own = with(term, &own.fit.at, self.effort.full);
+            while let Some(at) = self.problem.likelihood.refined(term, &own.fit.at) {
+                let other = with(term, &at, self.effort.full);
+                if other.fit.objective < own.fit.objective + REFINED_NATS {
+                    break;
+                }
+                own = other;
+            }
+            self.is_possible(term, &own.fit).then_some(own)
         });
         let polished: Vec<Chosen> = polished.collect();
         polished.into_iter().max_by(|a, b| {

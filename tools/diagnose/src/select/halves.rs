@@ -42,6 +42,7 @@ impl Halves {
                 likelihood: &masked,
                 priors: problem.priors.clone(),
                 longest: problem.longest.clone(),
+                sizes: problem.sizes.clone(),
             };
             let fit = own.fit(&fit.at, &fit.free, SHORT);
             let precision = Precision::new(&own, &fit, physics)?;

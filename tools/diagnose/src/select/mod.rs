@@ -5,6 +5,7 @@
 
 pub(crate) mod chosen;
 pub(crate) mod criterion;
+pub(crate) mod effort;
 pub(crate) mod elimination;
 mod exchange;
 mod forward;

@@ -28,7 +28,7 @@ const PROMISE: f64 = 0.5;
 /// A term that may be lacking, where its fit may begin, and what it promises to gain (nats).
 pub(super) struct Candidate<'a> {
     pub(super) term: &'a Term,
-    pub(super) starts: [Vec<f64>; 2],
+    pub(super) starts: Vec<Vec<f64>>,
     promise: f64,
 }
 
@@ -42,7 +42,9 @@ pub(super) struct Start {
 impl Elimination<'_> {
     /// Candidates beside `chosen`, the most promising first.
     pub(super) fn screened<'t>(&self, chosen: &Chosen, all: &'t [Term]) -> Vec<Candidate<'t>> {
-        let lacking = all.iter().filter(|term| !chosen.has(term.name));
+        let lacking = all
+            .iter()
+            .filter(|term| !chosen.has(term.name) && term.search != Search::Located);
         let lacking: Vec<&Term> = lacking.collect();
         let scores: Vec<Scores> = LOWERED
             .par_iter()
@@ -51,11 +53,12 @@ impl Elimination<'_> {
         // from the noise that was fitted, and from less: what acts all the time was noise so far
         let less = self.with_noise(&chosen.fit.at, -LOWERED[1]);
         let candidates = lacking.par_iter().filter_map(|term| {
-            let smooth = scores.iter().filter(|_| !term.is_profiled());
+            let smooth = scores.iter().filter(|_| term.is_smooth());
             let promises = smooth.map(|own| own.promise(term));
+            let less = self.effort.from_less.then(|| less.clone());
             let mut own = Candidate {
                 term,
-                starts: [chosen.fit.at.clone(), less.clone()],
+                starts: std::iter::once(chosen.fit.at.clone()).chain(less).collect(),
                 promise: promises.fold(0.0, f64::max),
             };
             // what a start gains is certain, what a score promises far from it is not
@@ -71,11 +74,38 @@ impl Elimination<'_> {
             let [a, b] = [a, b].map(|own| own.promise - self.due(own.term));
             b.total_cmp(&a)
         });
+        let best = candidates.first().map_or(0.0, |own| own.promise);
+        candidates.retain(|own| own.promise >= self.effort.least_promise * best);
         candidates
+    }
+
+    /// Candidates beside `chosen` that act at a time or a place; `rival` is the best fit with another one.
+    pub(super) fn located<'t>(
+        &self,
+        chosen: &Chosen,
+        rival: &Fit,
+        all: &'t [Term],
+    ) -> Vec<Candidate<'t>> {
+        let located = all
+            .iter()
+            .filter(|term| term.search == Search::Located && !chosen.has(term.name));
+        let of = |term: &'t Term| Candidate {
+            term,
+            starts: self
+                .problem
+                .likelihood
+                .located(term, &chosen.fit.at, &rival.at),
+            promise: 0.0,
+        };
+        located
+            .map(of)
+            .filter(|own| !own.starts.is_empty())
+            .collect()
     }
 
     /// Places at which a fit of a term may begin, and what they promise (nats).
     pub(super) fn starts(&self, fit: &Fit, term: &Term) -> Vec<Start> {
+        let near = self.problem.likelihood.near(&fit.at);
         let start = |values: &[f64]| {
             let mut at = fit.at.clone();
             for (index, value) in term.parameters.iter().zip(values) {
@@ -83,7 +113,8 @@ impl Elimination<'_> {
             }
             let own = term.parameters.iter();
             let prior: f64 = own.map(|i| self.problem.priors[*i].log(at[*i])).sum();
-            let gain = self.problem.objective(&at, &fit.free) + prior - fit.objective;
+            let own: f64 = near(&at).iter().sum();
+            let gain = own + self.problem.log_prior(&at, &fit.free) + prior - fit.objective;
             Start {
                 at,
                 gain,
@@ -91,6 +122,7 @@ impl Elimination<'_> {
             }
         };
         match &term.search {
+            Search::Located => Vec::new(),
             Search::Profiled(values) => profiled(values, &|value| start(&[value])),
             Search::Smooth(starts) => {
                 let mut all: Vec<Start> = starts.iter().map(|own| start(own)).collect();
@@ -116,7 +148,7 @@ impl Elimination<'_> {
         let own = &term.parameters;
         let scores = self.problem.likelihood.score(at, own);
         let (gradient, mut information) = summed(&scores, own.len());
-        self.problem.add_priors(&mut information, own);
+        self.problem.add_priors(&mut information, at, own);
         promised(information, &gradient)
     }
 
@@ -143,7 +175,7 @@ impl Elimination<'_> {
         let at = self.with_noise(&fit.at, -lowered);
         let lost = fit.objective - self.problem.objective(&at, &fit.free);
         let mut indices = fit.free.clone();
-        let smooth = lacking.iter().filter(|term| !term.is_profiled());
+        let smooth = lacking.iter().filter(|term| term.is_smooth());
         for index in smooth.flat_map(|term| &term.parameters) {
             if !indices.contains(index) {
                 indices.push(*index);
@@ -151,7 +183,7 @@ impl Elimination<'_> {
         }
         let scores = self.problem.likelihood.score(&at, &indices);
         let (gradient, mut all) = summed(&scores, indices.len());
-        self.problem.add_priors(&mut all, &fit.free);
+        self.problem.add_priors(&mut all, &at, &fit.free);
         let count = fit.free.len();
         let fitted = all.view((0, 0), (count, count)).into_owned();
         let factor = fitted.cholesky()?;
@@ -159,7 +191,8 @@ impl Elimination<'_> {
         let across = beside.rows(0, count).into_owned();
         let own = beside.rows(count, indices.len() - count).into_owned();
         let mut information = own - across.transpose() * factor.solve(&across);
-        self.problem.add_priors(&mut information, &indices[count..]);
+        self.problem
+            .add_priors(&mut information, &at, &indices[count..]);
         Some(Scores {
             lost,
             information,

@@ -3,9 +3,7 @@
 use slipstream_sim::effects::When;
 
 use super::condition::condition;
-use super::fit::Fit;
-use super::machine::Machine;
-use super::precision::Known;
+use super::selection::Known;
 use super::selection::Selected;
 use super::unknown::Unknown;
 use crate::answer::in_digits;
@@ -14,6 +12,8 @@ use crate::answer::{
     Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
 };
 use crate::model::hypothesis::{Hypothesis, STATIC};
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::select::criterion::Criterion;
 
 /// Share of a value by which integrators differ.
@@ -27,12 +27,9 @@ const GAP_S: f64 = 0.1;
 const PUSH_S: f64 = 0.06;
 
 /// The findings of one machine.
-pub(crate) fn findings(
-    machine: &Machine,
-    selected: &Selected,
-    known: Option<&Known>,
-) -> Vec<Finding> {
+pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
     let fit = &selected.fit;
+    let known = selected.known.as_ref();
     let mut first = 0;
     let mut out = Vec::new();
     for (index, hypothesis) in fit.hypotheses.iter().enumerate() {
@@ -57,7 +54,7 @@ pub(crate) fn findings(
 /// 95 % interval of the parameter `name` of the effect `index`, the `place`th of all.
 fn interval(
     machine: &Machine,
-    fit: &Fit,
+    fit: &Filtered,
     known: Option<&Known>,
     (index, place): (usize, usize),
     (name, value): (&str, f64),
@@ -150,7 +147,7 @@ fn finding(
 }
 
 /// When an effect is at work (s): while a wheel slides, during a push, always.
-fn at_work(machine: &Machine, fit: &Fit, hypothesis: &Hypothesis) -> Vec<[f64; 2]> {
+fn at_work(machine: &Machine, fit: &Filtered, hypothesis: &Hypothesis) -> Vec<[f64; 2]> {
     match hypothesis.info.acts {
         When::Sliding => sliding(machine, fit, None),
         When::Inside => sliding(machine, fit, Some(hypothesis)),
@@ -163,7 +160,7 @@ fn at_work(machine: &Machine, fit: &Fit, hypothesis: &Hypothesis) -> Vec<[f64; 2
 }
 
 /// When a wheel slides in the first run, or only on a patch.
-fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
+fn sliding(machine: &Machine, fit: &Filtered, patch: Option<&Hypothesis>) -> Vec<[f64; 2]> {
     let value = |name: &str| patch.and_then(|p| p.value(name)).unwrap_or(0.0);
     let (px, py, radius) = (value("x_m"), value("y_m"), value("radius_m"));
     let Some(robot) = machine.robot(&fit.hypotheses) else {
@@ -194,7 +191,7 @@ fn sliding(machine: &Machine, fit: &Fit, patch: Option<&Hypothesis>) -> Vec<[f64
 }
 
 /// What always pushes and follows nothing that was looked at.
-pub(crate) fn process_noise(machine: &Machine, fit: &Fit) -> Vec<ProcessNoise> {
+pub(crate) fn process_noise(machine: &Machine, fit: &Filtered) -> Vec<ProcessNoise> {
     let floor = machine.floor(fit.noise.of_wheels);
     let names = if fit.noise.of_wheels {
         [

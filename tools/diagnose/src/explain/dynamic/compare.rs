@@ -3,12 +3,14 @@
 //! What runs from before need is found first. It acts in all runs, its numbers fitted with whatever
 //! changed; a change acts in runs of today alone, and has to explain more than the same effect in all runs.
 
-use super::fit::{Fit, values};
 use super::judged::{Judged, alone, machine_of};
-use super::machine::Machine;
-use super::precision::Known;
-use super::selection::{Selected, Selection};
+use super::selection::{Known, Selected, Selection, fitted_noise};
+use crate::estimate::scoring::FULL;
 use crate::model::hypothesis::{self, Hypothesis, in_force, with};
+use crate::model::plant::filtered::{Filtered, values};
+use crate::model::plant::likelihood::Plant;
+use crate::model::plant::machine::Machine;
+use crate::model::plant::table::Table;
 use crate::predict::predictor::Predictor;
 use crate::request::Request;
 use crate::select::criterion::Criterion;
@@ -73,7 +75,6 @@ fn alone_today(
     excluded: &[String],
 ) -> Option<Judged> {
     let fit = &selected.fit;
-    let precision = joint.known(fit);
     let shared = in_force(&fit.hypotheses, false);
     let model = with(&joint.model, &shared);
     let machine = machine_of(&today.tracks, &model, excluded);
@@ -87,28 +88,34 @@ fn alone_today(
         },
         ..own.clone()
     };
-    let hypotheses: Vec<Hypothesis> = changes
-        .iter()
-        .map(|at| listed(&fit.hypotheses[*at]))
-        .collect();
+    let all = changes.iter().map(|at| listed(&fit.hypotheses[*at]));
+    let all: Vec<Hypothesis> = all.collect();
     let places: Vec<usize> = changes.iter().flat_map(|at| numbers(fit, *at)).collect();
-    let nominal_fit = machine.nominal(&[])?;
-    let own = machine.pass(hypotheses, fit.noise)?;
-    let nominal = precision.as_ref().map(|known| intervals(fit, known));
+    let table = Table::new(&machine, &all, &[]);
+    let plant = Plant::new(&machine, &table);
+    let still = fitted_noise(&plant)?;
+    let at = all
+        .iter()
+        .fold(still.clone(), |at, own| table.with(&at, own));
+    let at = table.problem(&plant).fit(&at, &table.told, FULL).at;
     let pick = |at: &usize| (selected.gains[*at], selected.alike[*at].clone());
     let (gains, alike) = changes.iter().map(pick).unzip();
+    let nominal = selected.known.as_ref().map(|known| intervals(fit, known));
+    let own = Selected {
+        nominal: plant.filtered(&still)?.as_ref().clone(),
+        fit: plant.filtered(&at)?.as_ref().clone(),
+        known: selected.known.map(|known| known.of(&places)),
+        at,
+        gains,
+        alike,
+        tried: selected.tried,
+        unknown: None,
+    };
     Some(Judged {
         all: hypothesis::all(&model, &today.tracks, excluded),
-        known: precision.map(|known| known.of(&places)),
         nominal: nominal.unwrap_or_default(),
-        selected: Selected {
-            nominal: nominal_fit,
-            fit: own,
-            gains,
-            alike,
-            tried: selected.tried,
-            unknown: None,
-        },
+        selected: own,
+        table,
         machine,
     })
 }
@@ -128,7 +135,7 @@ fn place(
 }
 
 /// Places of the fitted numbers of a hypothesis.
-fn numbers(fit: &Fit, at: usize) -> std::ops::Range<usize> {
+fn numbers(fit: &Filtered, at: usize) -> std::ops::Range<usize> {
     let own = &fit.hypotheses[at];
     let first = values(&fit.hypotheses[..at]).len();
     let count = if own.is_threshold() {
@@ -140,7 +147,7 @@ fn numbers(fit: &Fit, at: usize) -> std::ops::Range<usize> {
 }
 
 /// 95 % intervals of what acted before.
-fn intervals(fit: &Fit, known: &Known) -> Vec<(&'static str, &'static str, [f64; 2])> {
+fn intervals(fit: &Filtered, known: &Known) -> Vec<(&'static str, &'static str, [f64; 2])> {
     let blocks = known.blocks;
     let width = Criterion { tried: 1, blocks }.half_width();
     let shared = fit.hypotheses.iter().enumerate().filter(|(_, h)| !h.since);

@@ -1,9 +1,9 @@
 //! Variables that a force outside of the catalogue may follow, and functions of them.
 
-use super::fit::Fit;
-use super::machine::Machine;
 use crate::data::command::asked;
 use crate::filter::dynamic::columns::Load;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 
 /// Hats over a variable, over a place, and over what a wheel is told.
 const HATS: usize = 9;
@@ -53,7 +53,7 @@ pub(crate) struct Driver {
 
 impl Machine {
     /// The motion of `fit` at each row of each run, in the order of its passes.
-    pub(crate) fn moments(&self, fit: &Fit) -> Option<Vec<Vec<Moment>>> {
+    pub(crate) fn moments(&self, fit: &Filtered) -> Option<Vec<Vec<Moment>>> {
         let body = &self.model.robot;
         let per_volt = self
             .model

@@ -5,8 +5,6 @@ use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::judged::{Judged, alone};
-use super::machine::Machine;
-use super::precision::Known;
 use super::selection::Selected;
 use super::{answer, compare, pictures, prediction};
 use crate::answer::statement::changed;
@@ -16,6 +14,8 @@ use crate::explain::collected::Collected;
 use crate::explain::links::Course;
 use crate::judge::{Predictions, Score, passing};
 use crate::model::hypothesis::with;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::Predictor;
 use crate::request::{Request, Runs};
 
@@ -98,7 +98,7 @@ fn looked_for(
     predictor.model = judged.machine.model.clone();
     progress("how well it predicts");
     let fit = &judged.selected.fit;
-    let mut predictions = prediction::predictions(&judged.machine, &predictor, fit);
+    let mut predictions = prediction::predictions(&judged, &predictor);
     if let Some(mut other) = other {
         // what was learnt from before is in the model by now
         other.model = judged.machine.model.clone();
@@ -117,7 +117,6 @@ fn add(found: &Found, before: Option<&Vec<(&Recording, &Recorded)>>, collected: 
     let Judged {
         machine,
         selected,
-        known,
         nominal,
         ..
     } = &found.judged;
@@ -125,7 +124,7 @@ fn add(found: &Found, before: Option<&Vec<(&Recording, &Recorded)>>, collected: 
     let answer = &mut collected.answer;
     answer
         .findings
-        .extend(findings(machine, selected, known.as_ref(), before, nominal));
+        .extend(findings(machine, selected, before, nominal));
     answer
         .held_out
         .merge(&prediction::held_out(machine, &found.predictions));
@@ -167,11 +166,10 @@ fn illustrated(found: &Found, collected: &Collected, progress: &(dyn Fn(&str) + 
 fn findings(
     machine: &Machine,
     selected: &Selected,
-    known: Option<&Known>,
     before: Option<&Vec<(&Recording, &Recorded)>>,
     nominal: &[(&'static str, &'static str, [f64; 2])],
 ) -> Vec<Finding> {
-    let mut all = answer::findings(machine, selected, known);
+    let mut all = answer::findings(machine, selected);
     let Some(before) = before else { return all };
     for finding in &mut all {
         for parameter in &mut finding.parameters {
@@ -186,7 +184,7 @@ fn findings(
 }
 
 /// Where the robot was in its first run, by the filter; none without a pose.
-fn course(machine: &Machine, fit: &super::fit::Fit) -> Option<Course> {
+fn course(machine: &Machine, fit: &Filtered) -> Option<Course> {
     let track = &machine.tracks[0];
     let deviation = track.of(Sensor::Pose)?.deviation;
     let mut points: Vec<(f64, [f64; 3])> = Vec::new();

@@ -2,11 +2,11 @@
 
 use slipstream_bus::RobotModel;
 
-use super::machine::Machine;
-use super::precision::Known;
 use super::selection::{Selected, Selection};
 use crate::data::track::Track;
 use crate::model::hypothesis::{self, Hypothesis};
+use crate::model::plant::machine::Machine;
+use crate::model::plant::table::Table;
 use crate::predict::predictor::Predictor;
 use crate::request::Request;
 
@@ -16,13 +16,13 @@ const ROWS: usize = 6000;
 const LEAST_ROWS: usize = 500;
 
 /// What was found on a machine.
-pub(super) struct Judged {
+pub(crate) struct Judged {
     pub(super) machine: Machine,
     pub(super) selected: Selected,
     /// What was looked for.
     pub(super) all: Vec<Hypothesis>,
-    /// How well the numbers of what was found are known.
-    pub(super) known: Option<Known>,
+    /// The parameters in which it was found.
+    pub(super) table: Table,
     /// Of a comparison, 95 % intervals of what was there before: effect, parameter, interval.
     pub(super) nominal: Vec<(&'static str, &'static str, [f64; 2])>,
 }
@@ -50,12 +50,11 @@ pub(super) fn alone(
     };
     let selected = selection.run()?;
     let machine = selection.machine;
-    let known = machine.known(&selected.fit);
     Some(Judged {
+        table: Table::new(&machine, &all, &[]),
         machine,
         selected,
         all,
-        known,
         nominal: Vec::new(),
     })
 }

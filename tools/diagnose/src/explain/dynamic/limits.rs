@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 use slipstream_sim::effects::When;
 
-use super::channels::precisions;
-use super::fit::{Fit, least_change};
-use super::machine::Machine;
-use super::screen::beside;
 use crate::answer::{Limit, Seen};
 use crate::data::track::Sensor;
 use crate::model::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
+use crate::model::plant::channels::precisions;
+use crate::model::plant::filtered::{Filtered, least_change};
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::Predictor;
 use crate::predict::window::Window;
 
@@ -26,7 +25,7 @@ const STEP: f64 = 0.1;
 pub(crate) fn limits(
     machine: &Machine,
     predictor: &Predictor,
-    fit: &Fit,
+    fit: &Filtered,
     all: &[Hypothesis],
 ) -> Vec<Limit> {
     let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
@@ -65,7 +64,7 @@ fn caused(
     machine: &Machine,
     predictor: &Predictor,
     windows: &[Window],
-    fit: &Fit,
+    fit: &Filtered,
     base: &[Option<Vec<f64>>],
     one: &Hypothesis,
     limit: &Limit,
@@ -85,7 +84,7 @@ fn caused(
         Seen::Above | Seen::Around(_) => nothing + size,
     };
     moved.set(limit.parameter, value);
-    let with = predicted(predictor, windows, &beside(fit, &moved));
+    let with = predicted(predictor, windows, &fit.beside(&moved));
     let [mut place, mut turn] = [[0.0_f64; 2]; 2];
     let channels = [Sensor::Pose.channel(), Sensor::Pose.channel() + 2];
     for ((window, before), after) in windows.iter().zip(base).zip(&with) {
@@ -111,7 +110,7 @@ fn caused(
     [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
 }
 
-fn of_kind(machine: &Machine, fit: &Fit, kind: &[&Hypothesis]) -> Vec<Limit> {
+fn of_kind(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis]) -> Vec<Limit> {
     let one = kind[0];
     match one.info.acts {
         When::Sliding | When::Above => vec![by_trial(machine, fit, kind, Seen::Below)],
@@ -126,7 +125,7 @@ fn of_kind(machine: &Machine, fit: &Fit, kind: &[&Hypothesis]) -> Vec<Limit> {
 }
 
 /// The limit of a parameter by its standard deviation beside the effects of `fit`.
-fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static str) -> Limit {
+fn by_deviation(machine: &Machine, fit: &Filtered, one: &Hypothesis, name: &'static str) -> Limit {
     let nothing = one.nothing(&machine.model, name);
     let step = STEP * least_change(one.info, name);
     let mut moved = one.clone();
@@ -137,16 +136,14 @@ fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static s
         }
     }
     moved.set(name, nothing + step);
-    let size = machine
-        .innovations(fit, &beside(fit, &moved))
-        .and_then(|e| {
-            let precisions = precisions(&fit.whitened, &machine.channels);
-            let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
-            let square: f64 = pairs
-                .map(|((after, before), precision)| (after - before).powi(2) * precision)
-                .sum();
-            (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
-        });
+    let size = machine.innovations(fit, &fit.beside(&moved)).and_then(|e| {
+        let precisions = precisions(&fit.whitened, &machine.channels);
+        let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
+        let square: f64 = pairs
+            .map(|((after, before), precision)| (after - before).powi(2) * precision)
+            .sum();
+        (square > 1e-12).then(|| SIGMAS * step / square.sqrt())
+    });
     let seen = if nothing == 0.0 {
         Seen::Above
     } else {
@@ -157,11 +154,11 @@ fn by_deviation(machine: &Machine, fit: &Fit, one: &Hypothesis, name: &'static s
 
 /// The limit of what changes nothing until it is large, or small, enough: of the sizes that were tried
 /// the one nearest to nothing that the recording refutes.
-fn by_trial(machine: &Machine, fit: &Fit, kind: &[&Hypothesis], seen: Seen) -> Limit {
+fn by_trial(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis], seen: Seen) -> Limit {
     let here = machine.deviance(&fit.whitened);
     let name = kind[0].values[0].0;
     let refuted = kind.iter().filter(|one| {
-        let e = machine.promising(fit, &beside(fit, one));
+        let e = machine.promising(fit, &fit.beside(one));
         e.is_none_or(|e| machine.deviance(&e) > here + REFUTED)
     });
     let sizes = refuted.filter_map(|one| one.value(name));

@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 
-use super::fit::Fit;
 use super::limits::limits;
-use super::machine::Machine;
 use super::selection::Selected;
 use crate::answer::{ErrorLine, Figures, LawCurve, MissingForce, Motion, Paths, Point, Profile};
 use crate::data::track::{CHANNEL_NAMES, CHANNELS, Sensor, Track};
 use crate::explain::drawn_span::drawn_span;
 use crate::model::hypothesis::Hypothesis;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::machine::Machine;
 use crate::predict::misfit::Misfit;
 use crate::predict::predictor::{Predictor, unit};
 use crate::predict::window::{WINDOW_S, Window, cut};
@@ -77,7 +77,7 @@ fn names(machine: &Machine) -> Vec<String> {
 }
 
 /// How each run drove, by the filter.
-fn motion(machine: &Machine, fit: &Fit) -> Vec<Motion> {
+fn motion(machine: &Machine, fit: &Filtered) -> Vec<Motion> {
     let mut all: Vec<Motion> = (0..machine.runs.len())
         .map(|run| Motion {
             run,
@@ -104,7 +104,7 @@ fn thinned(points: &[Point]) -> Vec<Point> {
 }
 
 /// The disturbances along and about that the filter estimates over time (N, N m), of each run.
-fn missing(machine: &Machine, fit: &Fit) -> Vec<[Vec<Point>; 2]> {
+fn missing(machine: &Machine, fit: &Filtered) -> Vec<[Vec<Point>; 2]> {
     let mut all = vec![[Vec::new(), Vec::new()]; machine.runs.len()];
     machine.watched(fit, &fit.hypotheses, |run, t_s, _, disturbance| {
         all[run][0].push((t_s, disturbance[0]));

@@ -2,34 +2,41 @@
 
 use rayon::prelude::*;
 
-use super::channels::NO_CHANNEL;
-use super::fit::{Fit, valued, values};
-use super::machine::Machine;
+use super::judged::Judged;
 use crate::answer::HeldOut;
 use crate::data::track::Sensor;
+use crate::estimate::scoring::SearchLimits;
 use crate::filter::dynamic::open_loop::{Sums, add_variances};
 use crate::judge::{HEADING, PLACE, POSE, Predictions, Score, Worth};
 use crate::model::hypothesis::Hypothesis;
+use crate::model::plant::channels::NO_CHANNEL;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::likelihood::Plant;
+use crate::model::plant::machine::Machine;
 use crate::predict::predictor::{FITTED_S, Predictor, unit};
 use crate::predict::window::{WINDOW_S, Window};
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 2;
-/// Iterations of such a fit.
-const ITERATIONS: usize = 3;
+/// A fit of these.
+const LEARNT: SearchLimits = SearchLimits {
+    iterations: 3,
+    tolerance_nats: 0.5,
+};
 /// Windows of a budget at most, and effects.
 const BUDGET_WINDOWS: usize = 12;
 const PLAYERS: usize = 5;
 
 /// What every window scores by the nominal model, and by effects that were fitted without it.
-pub(crate) fn predictions(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Predictions {
+pub(crate) fn predictions(judged: &Judged, predictor: &Predictor) -> Predictions {
+    let (machine, fit) = (&judged.machine, &judged.selected.fit);
     let windows = &predictor.windows;
     let before = predictor.scores(windows, &[]);
     let mut after = match (fit.hypotheses.is_empty(), windows.len()) {
         (true, _) => before.clone(),
         // beside a single window there is nothing to fit to
         (_, 1) => predictor.scores(windows, &fit.hypotheses),
-        _ => unseen(machine, predictor, fit),
+        _ => unseen(judged, predictor),
     };
     let expected = expected(machine, fit);
     for score in &mut after {
@@ -48,7 +55,7 @@ pub(crate) fn held_out(machine: &Machine, predictions: &Predictions) -> HeldOut 
 }
 
 /// What every subset of the effects that were found is worth.
-pub(crate) fn worth(predictor: &Predictor, fit: &Fit) -> Worth {
+pub(crate) fn worth(predictor: &Predictor, fit: &Filtered) -> Worth {
     let windows = predictor.some_windows(BUDGET_WINDOWS);
     let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
     names.sort_unstable();
@@ -67,14 +74,11 @@ pub(crate) fn worth(predictor: &Predictor, fit: &Fit) -> Worth {
 }
 
 /// What each window scores by effects that were fitted without it.
-fn unseen(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Vec<Score> {
+fn unseen(judged: &Judged, predictor: &Predictor) -> Vec<Score> {
     let windows = &predictor.windows;
     let folds = (0..FOLDS).into_par_iter().map(|fold| {
         let own: Vec<Window> = windows.iter().skip(fold).step_by(FOLDS).cloned().collect();
-        let learnt = machine
-            .fitted_outside(fit, &own)
-            .unwrap_or_else(|| fit.hypotheses.clone());
-        predictor.scores(&own, &learnt)
+        predictor.scores(&own, &fitted_outside(judged, &own))
     });
     let folds: Vec<Vec<Score>> = folds.collect();
     (0..windows.len())
@@ -83,7 +87,7 @@ fn unseen(machine: &Machine, predictor: &Predictor, fit: &Fit) -> Vec<Score> {
 }
 
 /// Mean variance that process noise adds to each quantity over the windows.
-fn expected(machine: &Machine, fit: &Fit) -> Vec<(usize, f64)> {
+fn expected(machine: &Machine, fit: &Filtered) -> Vec<(usize, f64)> {
     let mut sums = Sums::default();
     for (run, pass) in machine.runs.iter().zip(&fit.passes) {
         add_variances(run, pass, &fit.noise, [WINDOW_S, FITTED_S], &mut sums);
@@ -102,27 +106,22 @@ fn expected(machine: &Machine, fit: &Fit) -> Vec<(usize, f64)> {
     all
 }
 
-impl Machine {
-    /// The effects of `fit` fitted without what was measured in `windows`, at its gains.
-    fn fitted_outside(&self, fit: &Fit, windows: &[Window]) -> Option<Vec<Hypothesis>> {
-        let inside = |stamp_s: f64, run: usize| {
-            let mut own = windows.iter().filter(|w| w.run == run);
-            own.any(|w| (w.from_s..w.to_s).contains(&stamp_s))
-        };
-        let channels: Vec<u8> = self
-            .channels
-            .iter()
-            .zip(&self.stamps)
-            .map(|(channel, (stamp_s, run))| {
-                if inside(*stamp_s, *run) {
-                    NO_CHANNEL
-                } else {
-                    *channel
-                }
-            })
-            .collect();
-        let at = values(&fit.hypotheses);
-        let solution = self.solve_on(fit, &fit.hypotheses, &at, ITERATIONS, &channels)?;
-        Some(valued(&fit.hypotheses, &solution.at))
+/// The effects that were selected, fitted without what was measured in `windows`, at their noise.
+fn fitted_outside(judged: &Judged, windows: &[Window]) -> Vec<Hypothesis> {
+    let mut machine = judged.machine.clone();
+    let inside = |stamp_s: f64, run: usize| {
+        let mut own = windows.iter().filter(|w| w.run == run);
+        own.any(|w| (w.from_s..w.to_s).contains(&stamp_s))
+    };
+    for (channel, (stamp_s, run)) in machine.channels.iter_mut().zip(&judged.machine.stamps) {
+        if inside(*stamp_s, *run) {
+            *channel = NO_CHANNEL;
+        }
     }
+    let (table, at) = (&judged.table, &judged.selected.at);
+    let plant = Plant::new(&machine, table);
+    let fit = table
+        .problem(&plant)
+        .fit(at, &table.acting_parameters(at), LEARNT);
+    table.hypotheses(&fit.at)
 }

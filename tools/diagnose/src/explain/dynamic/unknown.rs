@@ -5,16 +5,21 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use slipstream_bus::{EffectSpec, Parameter};
 
-use super::channels::precisions;
 use super::drivers::Driver;
-use super::fit::Fit;
-use super::machine::Machine;
-use super::noise_sizes::THOROUGH;
 use crate::answer::shape::resemblance;
+use crate::estimate::Likelihood;
+use crate::estimate::scoring::SHORT;
 use crate::filter::dynamic::columns::{Load, columns};
+use crate::model::plant::channels::precisions;
+use crate::model::plant::filtered::Filtered;
+use crate::model::plant::likelihood::Plant;
+use crate::model::plant::machine::Machine;
+use crate::model::plant::table::Table;
 
 /// Half width of a 95 % interval of a normal distribution (deviations).
 const NORMAL: f64 = 1.96;
+/// Share of what is due that a force has to promise at the noise without it.
+const PROMISE: f64 = 0.25;
 /// Drivers that are refitted with their noise.
 const LEADERS: usize = 4;
 /// Gain (−2 ln L) from which on a force is linearised again, at the sharper gains.
@@ -32,7 +37,9 @@ pub(crate) struct Unknown {
     pub(crate) driver: &'static str,
     pub(crate) channel: &'static str,
     /// The fit under it.
-    pub(crate) fit: Fit,
+    pub(crate) fit: Filtered,
+    /// Log-likelihood of each block there (nats).
+    pub(crate) by_block: Vec<f64>,
     /// Gain in −2 ln L, and how many numbers it took.
     pub(crate) gain: f64,
     pub(crate) numbers: usize,
@@ -58,14 +65,30 @@ struct Fitted<'a> {
     gain: f64,
 }
 
-impl Machine {
-    /// The force that gains most beside `fit`.
-    pub(crate) fn unknown(&self, fit: &Fit) -> Option<Unknown> {
-        let moments = self.moments(fit)?;
-        let drivers = self.drivers(&moments);
+/// What is fitted already: its effects, and its noise with which a force begins.
+pub(crate) struct Beside<'a> {
+    pub(crate) machine: &'a Machine,
+    pub(crate) table: &'a Table,
+    pub(crate) at: &'a [f64],
+    pub(crate) fit: &'a Filtered,
+}
+
+/// A machine under a force, and what is fitted there.
+struct Under {
+    machine: Machine,
+    at: Vec<f64>,
+    fit: Filtered,
+    by_block: Vec<f64>,
+}
+
+impl Beside<'_> {
+    /// The force that gains most, if one promises a share of what is `due` (−2 ln L).
+    pub(crate) fn unknown(&self, due: f64) -> Option<Unknown> {
+        let moments = self.machine.moments(self.fit)?;
+        let drivers = self.machine.drivers(&moments);
         let mut fitted: Vec<Fitted<'_>> = drivers
             .par_iter()
-            .filter_map(|driver| self.linear(fit, driver))
+            .filter_map(|driver| self.machine.linear(self.fit, driver))
             .collect();
         fitted.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let mut seen: Vec<&str> = Vec::new();
@@ -75,15 +98,79 @@ impl Machine {
             new
         });
         fitted.truncate(LEADERS);
-        let refitted = fitted.par_iter().filter_map(|own| self.refitted(fit, own));
+        fitted.retain(|own| own.gain > PROMISE * due);
+        let refitted = fitted.par_iter().filter_map(|own| self.refitted(own));
         refitted.max_by(|a, b| {
             let score = |own: &Unknown| own.gain - 2.0 * own.numbers as f64;
             score(a).total_cmp(&score(b))
         })
     }
 
+    /// A force with its own noise; linearised again while that gains.
+    fn refitted(&self, own: &Fitted<'_>) -> Option<Unknown> {
+        let mut factors = own.factors.clone();
+        let mut under = self.under(self.at, own.driver, &factors)?;
+        let gain = self.fit.deviance - under.fit.deviance;
+        let promising = gain - 2.0 * factors.len() as f64 > AGAIN;
+        for _ in 0..if promising { LINEARISED } else { 0 } {
+            let Some(more) = under.machine.linear(&under.fit, own.driver) else {
+                break;
+            };
+            let pairs = factors.iter().zip(&more.factors);
+            let moved: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
+            let Some(next) = self.under(&under.at, own.driver, &moved) else {
+                break;
+            };
+            let gain = under.fit.deviance - next.fit.deviance;
+            if gain < 0.0 {
+                break;
+            }
+            (under, factors) = (next, moved);
+            if gain < LITTLE {
+                break;
+            }
+        }
+        let loads = load(own.driver, &factors);
+        Some(Unknown {
+            driver: own.driver.name,
+            channel: own.driver.channel,
+            gain: self.fit.deviance - under.fit.deviance,
+            numbers: factors.len(),
+            largest: largest(loads.iter().flatten()),
+            intervals_s: at_work(&under.fit, &loads[0]),
+            shape: shape(own.driver, &loads, &factors),
+            spec: spec(own.driver, &factors),
+            half: own.deviations.iter().map(|d| NORMAL * d).collect(),
+            table: own
+                .driver
+                .table
+                .as_ref()
+                .map(|(_, knots)| (knots.clone(), factors.clone())),
+            by_block: under.by_block,
+            fit: under.fit,
+        })
+    }
+
+    /// The machine under a force with these factors, and the noise there.
+    fn under(&self, at: &[f64], driver: &Driver, factors: &[f64]) -> Option<Under> {
+        let mut machine = self.machine.clone();
+        machine.add_loads(self.fit, &load(driver, factors));
+        let plant = Plant::new(&machine, self.table);
+        let fit = self.table.problem(&plant).fit(at, &self.table.told, SHORT);
+        let filtered = plant.filtered(&fit.at)?.as_ref().clone();
+        let by_block = plant.value(&fit.at);
+        Some(Under {
+            at: fit.at,
+            fit: filtered,
+            by_block,
+            machine,
+        })
+    }
+}
+
+impl Machine {
     /// The factors that fit best, were the innovations linear in them.
-    fn linear<'a>(&self, fit: &Fit, driver: &'a Driver) -> Option<Fitted<'a>> {
+    fn linear<'a>(&self, fit: &Filtered, driver: &'a Driver) -> Option<Fitted<'a>> {
         let count = driver.functions.len();
         let mut all: Vec<Vec<f64>> = vec![Vec::with_capacity(self.channels.len()); count];
         for (run, pass) in fit.passes.iter().enumerate() {
@@ -124,59 +211,6 @@ impl Machine {
             gain: gain - 2.0 * count as f64,
         })
     }
-
-    /// A force beside `fit`, with its own noise; linearised again while that gains.
-    fn refitted(&self, fit: &Fit, own: &Fitted<'_>) -> Option<Unknown> {
-        let mut factors = own.factors.clone();
-        let (mut machine, mut under) = self.under(fit, own.driver, &factors)?;
-        let promising = fit.deviance - under.deviance - 2.0 * factors.len() as f64 > AGAIN;
-        for _ in 0..if promising { LINEARISED } else { 0 } {
-            let Some(more) = machine.linear(&under, own.driver) else {
-                break;
-            };
-            let pairs = factors.iter().zip(&more.factors);
-            let moved: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
-            let Some((next, better)) = self.under(fit, own.driver, &moved) else {
-                break;
-            };
-            let gain = under.deviance - better.deviance;
-            if gain < 0.0 {
-                break;
-            }
-            (machine, under, factors) = (next, better, moved);
-            if gain < LITTLE {
-                break;
-            }
-        }
-        let loads = load(own.driver, &factors);
-        Some(Unknown {
-            driver: own.driver.name,
-            channel: own.driver.channel,
-            gain: fit.deviance - under.deviance,
-            numbers: factors.len(),
-            largest: largest(loads.iter().flatten()),
-            intervals_s: at_work(&under, &loads[0]),
-            shape: shape(own.driver, &loads, &factors),
-            spec: spec(own.driver, &factors),
-            half: own.deviations.iter().map(|d| NORMAL * d).collect(),
-            table: own
-                .driver
-                .table
-                .as_ref()
-                .map(|(_, knots)| (knots.clone(), factors.clone())),
-            fit: under,
-        })
-    }
-
-    /// The machine under a force with these factors, and the fit there.
-    fn under(&self, fit: &Fit, driver: &Driver, factors: &[f64]) -> Option<(Self, Fit)> {
-        let loads = load(driver, factors);
-        let mut machine = self.clone();
-        machine.add_loads(fit, &loads);
-        let pass = machine.pass(fit.hypotheses.clone(), fit.noise)?;
-        let fit = machine.with_noise(pass, 1, THOROUGH);
-        Some((machine, fit))
-    }
 }
 
 /// The load of a driver at each row of the pass of each run.
@@ -206,7 +240,7 @@ fn largest<'a>(loads: impl Iterator<Item = &'a Load>) -> [f64; 2] {
 }
 
 /// When a load of the first run is large (s).
-fn at_work(fit: &Fit, loads: &[Load]) -> Vec<[f64; 2]> {
+fn at_work(fit: &Filtered, loads: &[Load]) -> Vec<[f64; 2]> {
     let largest = largest(loads.iter());
     let large =
         |load: &Load| (0..2).any(|i| largest[i] > 0.0 && load[i].abs() > AT_WORK * largest[i]);

@@ -31,6 +31,84 @@ pub(crate) struct Derivatives {
     pub(crate) still: bool,
 }
 
+/// Derivatives by differences that hold for some rows: a robot whose wheels roll on answers a force alike from row to
+/// row, but for its heading. Gains need no more.
+#[derive(Default)]
+pub(super) struct Lately {
+    all: Vec<Lasting>,
+}
+
+/// Derivatives by differences of one kind of row.
+struct Lasting {
+    sensor: Sensor,
+    over_s: f64,
+    /// Heading, and wheel speeds (rad/s).
+    heading: f64,
+    wheels: [f64; 2],
+    step: Derivatives,
+    uses: u32,
+}
+
+/// Rows for which a derivative is used, kinds of rows that are kept, and the share by which the times between rows of
+/// one kind differ.
+const USES: u32 = 6;
+const KINDS: usize = 8;
+const ALIKE: f64 = 0.02;
+/// Slowest wheel that rolls on (rad/s): friction jumps where it stops.
+const ROLLS_RAD_S: f64 = 0.1;
+/// Change of a wheel's speed beyond which derivatives are taken anew (rad/s).
+const CHANGED_RAD_S: f64 = 1.0;
+
+impl Lately {
+    /// Derivatives that still hold, of a robot with these wheel speeds.
+    fn recall(
+        &mut self,
+        row: &Row,
+        over_s: f64,
+        heading: f64,
+        wheels: [f64; 2],
+    ) -> Option<Derivatives> {
+        let mut all = self.all.iter_mut();
+        let own = all.find(|own| own.is_like(row, over_s))?;
+        let same = |i: usize| {
+            (wheels[i] - own.wheels[i]).abs() < CHANGED_RAD_S
+                && wheels[i].signum() == own.wheels[i].signum()
+                && wheels[i].abs().min(own.wheels[i].abs()) > ROLLS_RAD_S
+        };
+        if own.uses == 0 || !same(0) || !same(1) {
+            return None;
+        }
+        own.uses -= 1;
+        Some(own.step.turned(row.sensor, heading - own.heading))
+    }
+
+    fn keep(&mut self, row: &Row, over_s: f64, heading: f64, wheels: [f64; 2], step: Derivatives) {
+        let own = Lasting {
+            sensor: row.sensor,
+            over_s,
+            heading,
+            wheels,
+            step,
+            uses: USES,
+        };
+        match self.all.iter_mut().find(|known| known.is_like(row, over_s)) {
+            Some(known) => *known = own,
+            None => {
+                if self.all.len() == KINDS {
+                    self.all.remove(0);
+                }
+                self.all.push(own);
+            }
+        }
+    }
+}
+
+impl Lasting {
+    fn is_like(&self, row: &Row, over_s: f64) -> bool {
+        self.sensor == row.sensor && (self.over_s - over_s).abs() <= ALIKE * over_s
+    }
+}
+
 /// The flow to `true_s`, and its derivatives.
 pub(super) fn differentiated(
     flow: &Flow<'_>,
@@ -38,6 +116,7 @@ pub(super) fn differentiated(
     true_s: f64,
     row: &Row,
     deviation: &Vector,
+    lately: &mut Lately,
 ) -> (Point, Derivatives) {
     let over_s = true_s - from.t_s;
     let mut after = from.clone();
@@ -50,8 +129,25 @@ pub(super) fn differentiated(
     };
     step.by_configuration(flow, &after, row, &predicted);
     let of_pose_or_angle = matches!(row.sensor, Sensor::Pose | Sensor::WheelAngle);
-    if !(step.still && of_pose_or_angle) {
+    if step.still && of_pose_or_angle {
+        return (after, step);
+    }
+    let rolls =
+        |point: &Point| point.state.slides() == [false; 2] && point.state.engaged() == [true; 2];
+    if step.still || !rolls(from) || !rolls(&after) {
         step.by_differences(flow, [from, &after], row, &predicted, deviation);
+        return (after, step);
+    }
+    let heading = from.state.pose()[2];
+    let [surge, _, turn] = from.state.velocity();
+    let [radius, lever] = flow.robot.nominal_lengths();
+    let wheels = [surge + lever * turn, surge - lever * turn].map(|own| own / radius);
+    match lately.recall(row, over_s, heading, wheels) {
+        Some(known) => step.take(&known, flow.of_wheels),
+        None => {
+            step.by_differences(flow, [from, &after], row, &predicted, deviation);
+            lately.keep(row, over_s, heading, wheels, step);
+        }
     }
     (after, step)
 }
@@ -87,6 +183,35 @@ fn is_closed(column: usize, of_wheels: bool) -> bool {
 }
 
 impl Derivatives {
+    /// Columns by motion and forces, of a robot that has turned by so much.
+    fn turned(&self, sensor: Sensor, by: f64) -> Self {
+        let (sin, cos) = by.sin_cos();
+        let mut out = *self;
+        for column in 0..N {
+            let turn = |x: f64, y: f64| [x * cos - y * sin, x * sin + y * cos];
+            let [x, y] = turn(self.flow[POSE][column], self.flow[POSE + 1][column]);
+            (out.flow[POSE][column], out.flow[POSE + 1][column]) = (x, y);
+            if sensor == Sensor::Pose {
+                let [x, y] = turn(self.measurement[0][column], self.measurement[1][column]);
+                (out.measurement[0][column], out.measurement[1][column]) = (x, y);
+            }
+        }
+        out
+    }
+
+    /// Columns that are differenced, from `other`.
+    fn take(&mut self, other: &Self, of_wheels: bool) {
+        let columns = (0..SLIP).filter(|column| !is_closed(*column, of_wheels));
+        for column in columns {
+            for (own, known) in self.flow.iter_mut().zip(&other.flow) {
+                own[column] = known[column];
+            }
+            for (own, known) in self.measurement.iter_mut().zip(&other.measurement) {
+                own[column] = known[column];
+            }
+        }
+    }
+
     /// Of the measurement by what is known in closed form: through pose and angles after the flow.
     fn by_configuration(
         &mut self,

@@ -28,8 +28,8 @@ impl Point {
 pub(crate) struct Flow<'a> {
     pub(crate) robot: &'a Robot,
     pub(crate) run: &'a Run,
-    /// Longest step (s).
-    pub(crate) step_s: f64,
+    /// Longest step (s) of wheels that roll, and of wheels that slide or gears that are apart.
+    pub(crate) step_s: [f64; 2],
     /// Whether the third and the fourth disturbance are torques of the wheels.
     pub(crate) of_wheels: bool,
     /// A load outside of the catalogue: until when (s) each acts, along (N) and about (N m).
@@ -123,12 +123,14 @@ impl Flow<'_> {
 
     /// Advances under one command.
     fn held(&self, point: &mut Point, to_s: f64, command: &Command) {
-        let steps = ((to_s - point.t_s) / self.step_s - 1e-6).ceil().max(1.0);
-        let step_s = (to_s - point.t_s) / steps;
-        let from_s = point.t_s;
-        for k in 0..steps as u32 {
-            let t_s = from_s + f64::from(k) * step_s;
-            self.robot.step(&mut point.state, t_s, step_s, command);
+        while point.t_s < to_s - SIMULTANEOUS_S {
+            let rolls = point.state.slides() == [false; 2] && point.state.engaged() == [true; 2];
+            let longest_s = self.step_s[usize::from(!rolls)];
+            let left_s = to_s - point.t_s;
+            let step_s = left_s / (left_s / longest_s - 1e-6).ceil().max(1.0);
+            self.robot
+                .step(&mut point.state, point.t_s, step_s, command);
+            point.t_s += step_s;
         }
         point.t_s = to_s;
     }

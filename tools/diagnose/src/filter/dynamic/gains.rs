@@ -1,6 +1,6 @@
 //! One pass of the extended Kalman filter.
 
-use super::derivatives::{Derivatives, differentiated};
+use super::derivatives::{Derivatives, Lately, differentiated};
 use super::flow::Flow;
 use super::update::{Covariance, Gain};
 use super::{DISTURBANCES, DISTURBED, N, Noise, SLIP, Sensor, in_order};
@@ -58,10 +58,12 @@ impl Pass {
         let mut rows = Vec::with_capacity(order.len());
         let mut point = flow.start();
         let mut apart = false;
+        let mut lately = Lately::default();
         let mut before_s = f64::INFINITY;
         for (place, &(true_s, index)) in order.iter().enumerate() {
             let row = &run.rows[index];
-            let (after, step) = differentiated(flow, &point, true_s, row, &covariance.deviation());
+            let deviation = covariance.deviation();
+            let (after, step) = differentiated(flow, &point, true_s, row, &deviation, &mut lately);
             point = after;
             if point.is_lost() {
                 return None;

@@ -186,7 +186,8 @@ mod tests {
     use slipstream_bus::RobotModel;
 
     use super::impulses;
-    use crate::explain::dynamic::machine::Machine;
+    use crate::filter::dynamic::Noise;
+    use crate::model::plant::machine::Machine;
     use crate::predict::fixture;
 
     #[test]
@@ -195,7 +196,12 @@ mod tests {
         let truth = RobotModel::default().with("push", &push);
         let track = fixture::driven(&truth, 8.0, fixture::gentle);
         let machine = Machine::new(vec![track], RobotModel::default(), &[]);
-        let fit = machine.nominal(&[]).unwrap();
+        let noise = Noise {
+            size: [0.2, 4e-4, 1e-5, 1e-4, 1e-5],
+            time_s: [0.05, 0.1, 0.2],
+            of_wheels: false,
+        };
+        let fit = machine.pass(Vec::new(), noise).unwrap();
         let weights = vec![1.0; fit.whitened.len()];
         let lever = machine.model.robot.com_to_axle_m.unwrap();
         let all = impulses(&fit.passes[0], &fit.whitened, &weights, lever);

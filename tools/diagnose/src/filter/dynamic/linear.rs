@@ -1,6 +1,6 @@
 //! The filter for other noise sizes, linear about the trajectory of a pass.
 
-use super::gains::{Pass, start_covariance};
+use super::gains::{Pass, Passed, start_covariance};
 use super::update::{Covariance, Gain};
 use super::{DISTURBANCES, DISTURBED, N, Noise, Run, SLIP};
 
@@ -8,11 +8,13 @@ use super::{DISTURBANCES, DISTURBED, N, Noise, Run, SLIP};
 pub(crate) struct Likelihood {
     /// Whitened innovations, three for each row of the run.
     pub(crate) whitened: Vec<f64>,
-    /// Sum of the logs of the determinants of their covariances.
-    pub(crate) log_determinant: f64,
+    /// Inverse of the lower Cholesky factor of the covariance of each row of the run.
+    pub(crate) whitening: Vec<[[f64; 3]; 3]>,
+    /// Logs of the determinants of these covariances.
+    pub(crate) log_determinants: Vec<f64>,
 }
 
-/// Likelihood of `run` under `noise`; `pass` was made with other noise.
+/// Likelihood of `run` under `noise`, which acts on the same as that with which `pass` was made.
 pub(crate) fn likelihood(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
     if noise.of_wheels {
         of::<N>(pass, run, noise)
@@ -22,57 +24,74 @@ pub(crate) fn likelihood(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
 }
 
 fn of<const M: usize>(pass: &Pass, run: &Run, noise: &Noise) -> Likelihood {
-    let mut covariance = Covariance::<M> {
-        p: start_covariance(&run.start_deviation, noise),
-    };
-    let mut whitened = vec![0.0; 3 * run.rows.len()];
-    let mut log_determinant = 0.0;
-    // state under this noise minus state in the pass, after the update
-    let mut off = [0.0; N];
-    // disturbances in the pass
-    let mut passed = [0.0; DISTURBANCES];
+    let mut filter: Filter<'_, M> = Filter::new(run, noise);
     for (place, row) in pass.rows.iter().enumerate() {
-        let mut innovation = row.innovation;
-        for (a, own) in innovation.iter_mut().enumerate() {
-            let g = &row.step.measurement[a];
-            *own -= (0..M).map(|j| g[j] * off[j]).sum::<f64>();
+        let next = pass.rows.get(place + 1);
+        let until_next_s = next.map_or(0.0, |next| next.true_s - row.true_s);
+        let before = pass.gains[row.row].correction(&row.innovation);
+        filter.hear(run, row, &before, until_next_s);
+    }
+    filter.out
+}
+
+/// The filter under one noise on its way through a pass.
+struct Filter<'a, const M: usize> {
+    noise: &'a Noise,
+    covariance: Covariance<M>,
+    /// State under this noise minus state in the pass, after the update.
+    off: [f64; N],
+    /// Disturbances in the pass.
+    passed: [f64; DISTURBANCES],
+    out: Likelihood,
+}
+
+impl<'a, const M: usize> Filter<'a, M> {
+    fn new(run: &Run, noise: &'a Noise) -> Self {
+        Self {
+            noise,
+            covariance: Covariance {
+                p: start_covariance(&run.start_deviation, noise),
+            },
+            off: [0.0; N],
+            passed: [0.0; DISTURBANCES],
+            out: Likelihood {
+                whitened: vec![0.0; 3 * run.rows.len()],
+                whitening: vec![[[0.0; 3]; 3]; run.rows.len()],
+                log_determinants: vec![0.0; run.rows.len()],
+            },
         }
-        let mut moved = off;
-        for (i, own) in moved.iter_mut().enumerate().take(M) {
-            let f = &row.step.flow[i];
-            *own = (0..M).map(|j| f[j] * off[j]).sum();
+    }
+
+    /// One row, which the pass has corrected by `before`.
+    fn hear(&mut self, run: &Run, row: &Passed, before: &[f64; N], until_next_s: f64) {
+        let mut innovation = row.innovation;
+        for (own, g) in innovation.iter_mut().zip(&row.step.measurement) {
+            *own -= (0..M).map(|j| g[j] * self.off[j]).sum::<f64>();
         }
         if row.lost {
-            covariance.p = start_covariance(&run.lost_deviation, noise);
+            self.covariance.p = start_covariance(&run.lost_deviation, self.noise);
         }
-        let gain = covariance.update(&row.step, &row.variance);
+        let moved = Covariance::<M>::moved(&row.step.flow, &self.off);
+        let gain = self.covariance.update(&row.step, &row.variance);
         let own = gain.correction(&innovation);
-        let before = pass.gains[row.row].correction(&row.innovation);
         for i in 0..M {
-            off[i] = moved[i] + own[i] - before[i];
+            self.off[i] = moved[i] + own[i] - before[i];
         }
-        let next_s = pass
-            .rows
-            .get(place + 1)
-            .map_or(row.true_s, |next| next.true_s);
-        let decay = noise.decay(next_s - row.true_s);
-        for k in 0..DISTURBANCES {
+        let decay = self.noise.decay(until_next_s);
+        for (k, decay) in decay.iter().enumerate() {
             // the disturbance of the pass decays by its own time, the other by the new one
-            passed[k] += before[DISTURBED + k];
-            off[DISTURBED + k] =
-                (off[DISTURBED + k] + passed[k]) * decay[k] - passed[k] * row.decay[k];
-            passed[k] *= row.decay[k];
+            let (passed, off) = (&mut self.passed[k], &mut self.off[DISTURBED + k]);
+            *passed += before[DISTURBED + k];
+            *off = (*off + *passed) * decay - *passed * row.decay[k];
+            *passed *= row.decay[k];
         }
-        covariance.disturb(noise, &decay);
+        self.covariance.disturb(self.noise, &decay);
         if row.gusty {
-            covariance.push(&run.lost_deviation);
+            self.covariance.push(&run.lost_deviation);
         }
-        write(&mut whitened, row.row, &gain, &innovation);
-        log_determinant += gain.log_determinant;
-    }
-    Likelihood {
-        whitened,
-        log_determinant,
+        write(&mut self.out.whitened, row.row, &gain, &innovation);
+        self.out.whitening[row.row] = gain.whitening;
+        self.out.log_determinants[row.row] = gain.log_determinant;
     }
 }
 
@@ -84,9 +103,9 @@ pub(super) fn write(whitened: &mut [f64], row: usize, gain: &Gain, innovation: &
 mod tests {
     use slipstream_bus::RobotModel;
 
-    use crate::explain::dynamic::machine::Machine;
     use crate::filter::dynamic::Noise;
     use crate::filter::dynamic::linear::likelihood;
+    use crate::model::plant::machine::Machine;
     use crate::predict::fixture;
 
     fn noise(surge: f64, yaw: f64, time_s: f64) -> Noise {
@@ -113,7 +132,7 @@ mod tests {
         let same = likelihood(&fit.passes[0], &machine.runs[0], &own);
         // the same operations up to their order: rounding alone
         assert!(apart(&same.whitened, &fit.whitened) < 1e-8);
-        assert!((same.log_determinant - fit.log_determinant()).abs() < 1e-8);
+        assert!((same.log_determinants.iter().sum::<f64>() - fit.log_determinant()).abs() < 1e-8);
     }
 
     #[test]
@@ -128,7 +147,7 @@ mod tests {
         let largest = apart(&exact.whitened, &vec![0.0; exact.whitened.len()]);
         // the trajectories differ by a small part of what is not linear in them
         assert!(apart(&linear.whitened, &exact.whitened) < 0.05 * largest);
-        let off = linear.log_determinant - exact.log_determinant();
+        let off = linear.log_determinants.iter().sum::<f64>() - exact.log_determinant();
         assert!(off.abs() < 0.5, "{off}");
     }
 }

@@ -1,7 +1,7 @@
 //! Covariance of the state through flow, measurement and disturbances.
 
 use super::derivatives::Derivatives;
-use super::{DISTURBANCES, DISTURBED, Matrix, N, Noise, ROLLING};
+use super::{ANGLE, DISTURBANCES, DISTURBED, Matrix, N, Noise, POSE, ROLLING, SLIP};
 
 /// Gains and whitening of one row.
 #[derive(Debug, Clone, Copy)]
@@ -37,6 +37,37 @@ impl Gain {
 /// Share of a variance below which an update leaves rounding alone.
 const DIGITS: f64 = 1e-12;
 
+/// What a flow changes: pose, motion, wheel angles and slip; disturbances are held.
+const MOVED: [usize; 10] = [
+    POSE,
+    POSE + 1,
+    POSE + 2,
+    ROLLING,
+    ROLLING + 1,
+    ANGLE,
+    ANGLE + 1,
+    SLIP,
+    SLIP + 1,
+    SLIP + 2,
+];
+/// What changes it: heading, motion, disturbances and slip. Of place and wheel angles it is the identity.
+const MOVING: [usize; 11] = [
+    POSE + 2,
+    ROLLING,
+    ROLLING + 1,
+    DISTURBED,
+    DISTURBED + 1,
+    DISTURBED + 2,
+    DISTURBED + 3,
+    DISTURBED + 4,
+    SLIP,
+    SLIP + 1,
+    SLIP + 2,
+];
+/// How many of both are below [`SLIP`].
+const MOVED_ROLLING: usize = 7;
+const MOVING_ROLLING: usize = 8;
+
 /// Covariance of the first M entries of the state; the others are known.
 pub(crate) struct Covariance<const M: usize> {
     pub(crate) p: [[f64; M]; M],
@@ -65,11 +96,7 @@ impl<const M: usize> Covariance<M> {
         // cross covariance of the state after the flow with the row, times the whitening
         let mut cross = pg;
         if !step.still {
-            for (own, before) in cross.iter_mut().zip(&pg) {
-                for (own, f) in own.iter_mut().zip(&step.flow) {
-                    *own = f.iter().zip(before).map(|(x, y)| x * y).sum();
-                }
-            }
+            cross = pg.map(|before| Self::moved(&step.flow, &before));
             self.flow(&step.flow);
         }
         let mut w = [[0.0; M]; 3];
@@ -128,16 +155,54 @@ impl<const M: usize> Covariance<M> {
         }
     }
 
-    /// P becomes F P Fᵀ: F (F P)ᵀ, as P is symmetric. F has few entries.
+    /// Entries of the state that a flow changes, and those that change it.
+    fn structure() -> (&'static [usize], &'static [usize]) {
+        if M > SLIP {
+            (&MOVED, &MOVING)
+        } else {
+            (&MOVED[..MOVED_ROLLING], &MOVING[..MOVING_ROLLING])
+        }
+    }
+
+    /// F x; beyond the first M entries x stays.
+    pub(super) fn moved<const L: usize>(f: &Matrix, x: &[f64; L]) -> [f64; L] {
+        let (moved, moving) = Self::structure();
+        let mut out = *x;
+        for &i in moved {
+            let own = if is_moving(i) { 0.0 } else { x[i] };
+            out[i] = own + moving.iter().map(|&k| f[i][k] * x[k]).sum::<f64>();
+        }
+        out
+    }
+
+    /// P becomes F P Fᵀ. What F leaves alone it leaves alone on both sides.
     fn flow(&mut self, f: &Matrix) {
-        let once = product(f, &self.p);
-        let mut turned = [[0.0; M]; M];
-        for (i, row) in once.iter().enumerate() {
-            for (k, own) in row.iter().enumerate() {
-                turned[k][i] = *own;
+        let (moved, moving) = Self::structure();
+        let mut once = [[0.0; M]; M];
+        for &i in moved {
+            let mut own = if is_moving(i) { [0.0; M] } else { self.p[i] };
+            for &k in moving {
+                let factor = f[i][k];
+                for (own, p) in own.iter_mut().zip(&self.p[k]) {
+                    *own += factor * p;
+                }
+            }
+            once[i] = own;
+        }
+        for &i in moved {
+            self.p[i] = once[i];
+            for (row, entry) in self.p.iter_mut().zip(&once[i]) {
+                row[i] = *entry;
             }
         }
-        self.p = product(f, &turned);
+        for (place, &i) in moved.iter().enumerate() {
+            for &k in &moved[..=place] {
+                let own = if is_moving(k) { 0.0 } else { once[i][k] };
+                let entry = own + moving.iter().map(|&j| once[i][j] * f[k][j]).sum::<f64>();
+                self.p[i][k] = entry;
+                self.p[k][i] = entry;
+            }
+        }
     }
 
     /// Standard deviations of the state; 0 for what is known.
@@ -158,14 +223,15 @@ impl<const M: usize> Covariance<M> {
 
     /// The disturbances decay, and are disturbed anew.
     pub(crate) fn disturb(&mut self, noise: &Noise, decay: &[f64; DISTURBANCES]) {
+        let mut left = [1.0; M];
+        left[DISTURBED..DISTURBED + DISTURBANCES].copy_from_slice(decay);
+        for (row, own) in self.p.iter_mut().zip(left) {
+            for (entry, a) in row.iter_mut().zip(&left) {
+                *entry *= own * a;
+            }
+        }
         for (k, a) in decay.iter().enumerate() {
             let j = DISTURBED + k;
-            for row in &mut self.p {
-                row[j] *= a;
-            }
-            for own in &mut self.p[j] {
-                *own *= a;
-            }
             self.p[j][j] += noise.size[k] * noise.size[k] * (1.0 - a * a);
         }
     }
@@ -181,19 +247,14 @@ fn add<const M: usize>(to: &mut [f64; M], factor: f64, from: &[f64; M]) {
     }
 }
 
-/// F times `m`, where F has few entries.
-fn product<const M: usize>(f: &Matrix, m: &[[f64; M]; M]) -> [[f64; M]; M] {
-    let mut out = [[0.0; M]; M];
-    for (own, f) in out.iter_mut().zip(f) {
-        for (factor, row) in f.iter().zip(m) {
-            add(own, *factor, row);
-        }
-    }
-    out
+/// Whether a flow depends on an entry of the state by more than the identity.
+fn is_moving(entry: usize) -> bool {
+    !(entry < POSE + 2 || (ANGLE..ANGLE + 2).contains(&entry))
 }
 
 /// Inverse of the lower Cholesky factor of `s`, and the log of its determinant.
 fn whitening(s: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
+    // the product of three of their roots is not zero
     let least = f64::MIN_POSITIVE.sqrt();
     let a = s[0][0].max(least).sqrt();
     let b = s[1][0] / a;
@@ -209,13 +270,45 @@ fn whitening(s: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
         [ib, ic, 0.0],
         [-(d * ia + e * ib) * i_f, ie, i_f],
     ];
-    (inverse, 2.0 * (a.ln() + c.ln() + f.ln()))
+    (inverse, 2.0 * (a * c * f).ln())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{POSE, SLIP};
     use super::*;
+
+    /// F P Fᵀ in full, for a flow in which everything depends on everything that it may depend on.
+    #[test]
+    fn a_flow_is_that_of_the_full_matrix() {
+        let mut f = [[0.0; N]; N];
+        for (i, line) in f.iter_mut().enumerate() {
+            line[i] = 1.0;
+            if MOVED.contains(&i) {
+                for k in MOVING {
+                    line[k] += 0.1 * (1.0 + (3 * i + 5 * k) as f64 % 7.0);
+                }
+            }
+        }
+        let mut covariance = Covariance::<N> { p: [[0.0; N]; N] };
+        for i in 0..N {
+            for k in 0..N {
+                covariance.p[i][k] = if i == k {
+                    5.0
+                } else {
+                    1.0 / (1 + i + k) as f64
+                };
+            }
+        }
+        let before = covariance.p;
+        covariance.flow(&f);
+        for i in 0..N {
+            for k in 0..N {
+                let sum = |j: usize| (0..N).map(|l| before[j][l] * f[k][l]).sum::<f64>();
+                let full: f64 = (0..N).map(|j| f[i][j] * sum(j)).sum();
+                assert!((covariance.p[i][k] - full).abs() < 1e-9, "{i} {k}");
+            }
+        }
+    }
 
     /// Rows of which each tells two coordinates nearly alike, far better than they were known.
     #[test]

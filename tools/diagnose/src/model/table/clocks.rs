@@ -1,14 +1,15 @@
 //! Which streams are late, and whose clock runs fast.
 
 use super::draft::Place::{Drive, Reference};
-use super::draft::{Draft, Place, Row, Shown, about};
+use super::draft::{Draft, Drafted, Place, Row, Shown, about};
 use super::known::Known;
 use super::sizes::{
     LATENCIES_S, LATENCY_INFLATION, RATE, RATE_COST, RATE_INFLATION, STAMP_SHARE, TIME_S,
     WHEELS_COST, repeatability,
 };
+use crate::estimate::term::Link;
 use crate::model::drive::{CLOCK, DELAY};
-use crate::model::from_wheels::{GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE};
+use crate::model::from_wheels::{GYRO_LATENCY, GYRO_RATE, POSE_LATENCY, POSE_RATE, RUN_POSE_LATE};
 use crate::model::run::Run;
 
 impl Known<'_> {
@@ -30,15 +31,6 @@ impl Known<'_> {
             resolution,
             repeatability: unnoticed(resolution),
         };
-        let duration_s = self.duration_s();
-        let fast = |name, moves: Vec<(Place, f64)>, stamp_s: f64| Row {
-            name,
-            number: 0,
-            moves,
-            prior: about(0.003),
-            resolution: RATE.max(stamp_s / duration_s),
-            repeatability: repeatability::RATE,
-        };
         let stamped = reference.before.stamped;
         let mut add_late = |row: Row, effect, mirror, stamped_s: f64| {
             let mut shown = Shown::plain(effect, "latency_s");
@@ -56,7 +48,8 @@ impl Known<'_> {
             all.push(draft);
         };
         let wheels = Some(("wheels_latency", -1.0));
-        if self.has_pose && !self.is_commanded {
+        let is_of_runs = self.asked.by_run[2];
+        if self.has_pose && !self.is_commanded && !is_of_runs {
             let row = late("late pose", vec![(Reference(POSE_LATENCY), 1.0)], pose_s);
             add_late(row, "pose_latency", wheels, stamped[0][0]);
         }
@@ -70,6 +63,24 @@ impl Known<'_> {
             let row = late("late wheels", moves, TIME_S.max(gyro_s));
             add_late(row, "wheels_latency", None, -stamped[0][0]);
         }
+        if is_of_runs {
+            self.late_poses(all, two);
+        }
+        self.rates(all, has_wheels && !two, [pose_s, gyro_s]);
+    }
+
+    /// Whose clock runs fast; `tells`: what else there is tells the clock of the wheels. What stamps of poses and gyro mean
+    /// within their intervals is a convention of so many seconds.
+    fn rates(&self, all: &mut Vec<Draft>, tells: bool, [pose_s, gyro_s]: [f64; 2]) {
+        let duration_s = self.duration_s();
+        let fast = |name, moves: Vec<(Place, f64)>, stamp_s: f64| Row {
+            name,
+            number: 0,
+            moves,
+            prior: about(0.003),
+            resolution: RATE.max(stamp_s / duration_s),
+            repeatability: repeatability::RATE,
+        };
         let mut add_fast = |row: Row, stream: &'static str| {
             let mut shown = Shown::plain("clock_drift", "rate");
             shown.word = Some(("stream", stream));
@@ -85,16 +96,45 @@ impl Known<'_> {
                 "pose",
             );
         }
-        if self.has_gyro && !reference.has_clocks_of_runs() {
+        if self.has_gyro && !self.streams.reference.has_clocks_of_runs() {
             add_fast(
                 fast("fast gyro", vec![(Reference(GYRO_RATE), 1.0)], gyro_s),
                 "imu",
             );
         }
-        if (has_wheels && !two) || self.streams.drive.is_some() {
+        if tells || self.streams.drive.is_some() {
             let moves = self.of_wheels([POSE_RATE, GYRO_RATE], CLOCK);
             add_fast(fast("fast wheels", moves, 0.0), "wheels");
         }
+    }
+
+    /// Poses of each run are stamped late by themselves; `two`: nothing tells which of wheels and poses is late.
+    fn late_poses(&self, all: &mut Vec<Draft>, two: bool) {
+        let runs: Vec<usize> = (0..self.streams.reference.runs.len()).collect();
+        let shown = runs.iter().enumerate().map(|(place, run)| {
+            let values = vec![("latency_s", Link::Identity, vec![(place, 1.0)])];
+            let mut shown = Shown::new("pose_latency", values);
+            shown.run = Some(*run);
+            if self.is_commanded {
+                shown.confused = vec!["actuator_delay"];
+            } else if two {
+                shown.mirror = Some(("wheels_latency", -1.0));
+                shown.confused = vec!["wheels_latency"];
+            }
+            shown
+        });
+        let mut draft = Draft::new("latency of runs", Vec::new(), shown.collect());
+        draft.rows = runs
+            .iter()
+            .map(|run| Drafted::Run {
+                name: "run pose late",
+                run: *run,
+                place: RUN_POSE_LATE,
+                deviation: 0.3,
+            })
+            .collect();
+        draft.inflation = LATENCY_INFLATION;
+        all.push(draft);
     }
 
     /// What the clock of the wheels moves.

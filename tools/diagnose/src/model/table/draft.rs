@@ -24,6 +24,15 @@ pub(super) fn about(deviation: f64) -> Prior {
     Prior {
         mean: 0.0,
         deviation,
+        has_tails: false,
+    }
+}
+
+/// Mostly within `scale` of 0, and anything at times.
+pub(super) fn mostly(scale: f64) -> Prior {
+    Prior {
+        has_tails: true,
+        ..about(scale)
     }
 }
 

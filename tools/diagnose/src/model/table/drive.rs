@@ -1,11 +1,11 @@
 //! How drives follow their commands.
 
 use super::draft::Place::{Drive, Reference};
-use super::draft::{Draft, Row, Shown, about};
+use super::draft::{Draft, Row, Shown, about, mostly};
 use super::known::Known;
 use super::sizes::{
-    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, SAG_PER_S,
-    SATURATION_COST, SATURATIONS, SLOW, TIME_S, repeatability,
+    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, PAIR, SAG_PER_S,
+    SATURATION_COST, SATURATIONS, SIZE, SLOW, TIME_S, repeatability,
 };
 use crate::data::streams::WheelKind;
 use crate::estimate::Prior;
@@ -54,7 +54,12 @@ impl Known<'_> {
         let starts = LATENCIES_S.into_iter().filter(|own| *own > -0.2);
         let starts = starts.chain((stamped_s != 0.0).then_some(stamped_s));
         let row = of("delay", DELAY, about(0.2), step_s, repeatability::TIME_S);
-        all.push(Draft::new("delay", vec![row], vec![delay]).from(starts.map(|own| vec![own])));
+        // without wheels, a delay is a latency of the poses in all runs
+        let is_of_runs = is_commanded && !self.has_gyro && self.asked.by_run[2];
+        if !is_of_runs {
+            let starts = starts.map(|own| vec![own]);
+            all.push(Draft::new("delay", vec![row], vec![delay]).from(starts));
+        }
         let row = of("lag", LAG, about(0.3), step_s, repeatability::TIME_S);
         let shown = vec![Shown::plain("actuator_lag", "time_constant_s")];
         let mut lag = Draft::new("lag", vec![row], shown).from(LAGS_S.map(|own| vec![own]));
@@ -76,6 +81,23 @@ impl Known<'_> {
             let slow = Draft::new("slow response", vec![share, time], Vec::new());
             all.push(slow.from([SLOW.to_vec()]));
         }
+        self.means(all, &of);
+        let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
+        let mut sag = Draft::new(
+            "sag",
+            vec![row],
+            vec![Shown::plain("supply_sag", "rate_per_s")],
+        );
+        (sag.positive, sag.lasting, sag.later) = (true, true, true);
+        all.push(sag);
+    }
+
+    /// Speeds of wheels that are means over an interval.
+    fn means(
+        &self,
+        all: &mut Vec<Draft>,
+        of: &dyn Fn(&'static str, usize, Prior, f64, f64) -> Row,
+    ) {
         let speeds = self.streams.drive.filter(|own| {
             let mut runs = own.runs.iter();
             runs.any(|run| run.wheels.kind == WheelKind::Speed)
@@ -91,14 +113,6 @@ impl Known<'_> {
             averaged.positive = true;
             all.push(averaged.from([vec![interval_s], vec![0.5 * interval_s]]));
         }
-        let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
-        let mut sag = Draft::new(
-            "sag",
-            vec![row],
-            vec![Shown::plain("supply_sag", "rate_per_s")],
-        );
-        (sag.positive, sag.lasting, sag.later) = (true, true, true);
-        all.push(sag);
     }
 
     /// Motors that turn more than commanded, or encoders that count more.
@@ -106,7 +120,7 @@ impl Known<'_> {
         let rows = self.factors(
             "gain",
             [vec![(Drive(GAIN), 1.0)], vec![(Drive(GAIN_ASYMMETRY), 1.0)]],
-            [0.3_f64.max(crude.abs()), 0.2],
+            [about(0.3_f64.max(crude.abs())), about(0.2)],
         );
         let mut shown = Shown::wheels("motor_gain", ["right", "left"]);
         if !self.has_reference() {
@@ -125,7 +139,8 @@ impl Known<'_> {
                 vec![(Reference(COMMON), -1.0), (Drive(GAIN), 1.0)],
                 vec![(Reference(ASYMMETRY), -1.0), (Drive(GAIN_ASYMMETRY), 1.0)],
             ],
-            [0.3_f64.max(crude.abs()), 0.2],
+            // beside wheels of another size, whose prior it has: what is due for it tells them apart
+            [mostly(SIZE), mostly(PAIR)],
         );
         let shown = vec![Shown::wheels(
             "encoder_scale",
@@ -157,6 +172,7 @@ impl Known<'_> {
         let prior = Prior {
             mean,
             deviation: top,
+            has_tails: false,
         };
         let row = of("saturation", SATURATION, prior, resolution, unnoticed);
         let shown = vec![Shown::plain("command_saturation", "speed_rad_s")];

@@ -1,8 +1,9 @@
 //! What is known of the streams when their table is made.
 
 use super::draft::Place::{Drive, Reference};
-use super::draft::{Draft, Place, Row, about};
+use super::draft::{Draft, Place, Row};
 use super::sizes::{FACTOR, GYRO_ASYMMETRY, repeatability};
+use crate::estimate::Prior;
 use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::DRIVE_FIRST;
 use crate::model::run::Run;
@@ -15,8 +16,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) nominal: &'a [f64],
     /// Effects that are not looked for.
     pub(crate) excluded: &'a [String],
-    /// Whether scale and track are those of each run.
-    pub(crate) by_run: [bool; 2],
+    /// Whether scale, track and latency of the poses are those of each run.
+    pub(crate) by_run: [bool; 3],
 }
 
 impl Asked<'_> {
@@ -118,6 +119,7 @@ impl<'a> Known<'a> {
         if self.is_driven() {
             self.commands(&mut all);
         }
+        self.in_turns(&mut all);
         self.laws(&mut all);
         all
     }
@@ -126,15 +128,15 @@ impl<'a> Known<'a> {
         &self,
         name: &'static str,
         moves: [Vec<(Place, f64)>; 2],
-        prior: [f64; 2],
+        priors: [Prior; 2],
     ) -> Vec<Row> {
         let unnoticed = [repeatability::SCALE, repeatability::ASYMMETRY];
-        let rows = moves.into_iter().zip(prior).zip(unnoticed).enumerate();
-        rows.map(|(number, ((moves, deviation), repeatability))| Row {
+        let rows = moves.into_iter().zip(priors).zip(unnoticed).enumerate();
+        rows.map(|(number, ((moves, prior), repeatability))| Row {
             name,
             number,
             moves,
-            prior: about(deviation),
+            prior,
             resolution: if number == 1 && !self.has_pose {
                 GYRO_ASYMMETRY
             } else {

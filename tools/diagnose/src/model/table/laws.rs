@@ -1,42 +1,72 @@
-//! Laws of speed over turn rate and over speed: what the catalogue does not have.
+//! Speed lost in turns, a track that is larger to one side, and laws of speed and of turn rate: what the catalogue does
+//! not have.
 
 use super::draft::Place::Reference;
 use super::draft::{Draft, Row, Shown, about};
 use super::known::Known;
-use super::sizes::{LAW_COST, LEAST_DRIVER, LENGTH_SHARE};
-use crate::filter::motion_law::VALUES;
+use super::sizes::{LAW_COST, LEAST_DRIVER, LENGTH_SHARE, TURN_COST};
+use crate::filter::motion_law::{OF_SIZE, TABLES, Table};
 use crate::model::from_wheels::LAW_FIRST;
 
 impl Known<'_> {
-    /// Laws of speed over turn rate and over speed: what the catalogue does not have.
-    pub(super) fn laws(&self, all: &mut Vec<Draft>) {
-        if !self.has_pose {
+    /// What is in proportion to the size of the turn rate: a speed that is lost, and a turn rate, for the track is
+    /// larger to one side.
+    pub(super) fn in_turns(&self, all: &mut Vec<Draft>) {
+        if !self.streams.reference.knots[0].has_both_sides() {
             return;
         }
-        let reference = self.streams.reference;
-        let reach = reference.knots.map(|knots| knots.reach());
-        let floor = LENGTH_SHARE * (reach[0] * self.half_track_m).max(reach[1]);
-        for (place, name) in ["law of w", "law of v"].into_iter().enumerate() {
-            if reach[place] <= LEAST_DRIVER[place] {
-                continue;
+        for (table, name, sign) in [(0, "loss in turns", -1.0), (2, "track by side", 1.0)] {
+            let table = &TABLES[table];
+            if self.shows(table) {
+                let moves = OF_SIZE.map(|(own, weight)| (own, sign * weight));
+                let mut term = self.outside(table, name, vec![moves.to_vec()]);
+                term.cost = TURN_COST;
+                // nothing makes a robot faster in turns
+                term.positive = sign < 0.0;
+                all.push(term);
             }
-            let first = LAW_FIRST + place * VALUES[0];
-            let rows = (0..VALUES[place]).map(|number| Row {
-                name,
-                number,
-                moves: vec![(Reference(first + number), 1.0)],
-                prior: about(reference.law_prior_m_s()),
-                resolution: floor,
-                repeatability: 0.0,
-            });
-            let shown = vec![Shown::new("unknown", Vec::new())];
-            // at exactly 0 the filter leaves a law out, and has no derivative by it
-            let start = vec![f64::MIN_POSITIVE; VALUES[place]];
-            let mut law = Draft::new(name, rows.collect(), shown).from([start]);
+        }
+    }
+
+    /// Laws of speed over turn rate and over speed, and of turn rate over turn rate.
+    pub(super) fn laws(&self, all: &mut Vec<Draft>) {
+        for table in TABLES.iter().filter(|own| self.shows(own)) {
+            let moves = (0..table.count).map(|own| vec![(own, 1.0)]);
+            let mut law = self.outside(table, table.name, moves.collect());
             law.cost = LAW_COST;
-            law.lasting = true;
-            law.later = true;
             all.push(law);
         }
+    }
+
+    /// Whether a table would show: a gyro sees turns alone.
+    fn shows(&self, table: &Table) -> bool {
+        let reach = self.streams.reference.knots[table.over].reach();
+        let seen = self.has_pose || self.has_gyro && table.acts_on == "turn_rate";
+        seen && reach > LEAST_DRIVER[table.over]
+    }
+
+    /// A term of a table, each parameter of which moves some of the table's.
+    fn outside(&self, table: &Table, name: &'static str, moves: Vec<Vec<(usize, f64)>>) -> Draft {
+        let reference = self.streams.reference;
+        let [w, v] = reference.knots.map(|knots| knots.reach());
+        let of_turns = usize::from(table.acts_on == "turn_rate");
+        let most = [v.max(w * self.half_track_m), w][of_turns];
+        // at exactly 0 the filter leaves a law out, and has no derivative by it
+        let start = vec![f64::MIN_POSITIVE; moves.len()];
+        let place =
+            |(own, weight): (usize, f64)| (Reference(LAW_FIRST + table.first + own), weight);
+        let rows = moves.into_iter().enumerate().map(|(number, moves)| Row {
+            name,
+            number,
+            moves: moves.into_iter().map(place).collect(),
+            prior: about(reference.law_priors()[of_turns]),
+            resolution: LENGTH_SHARE * most,
+            repeatability: 0.0,
+        });
+        let shown = vec![Shown::new("unknown", Vec::new())];
+        let mut term = Draft::new(name, rows.collect(), shown).from([start]);
+        term.lasting = true;
+        term.later = true;
+        term
     }
 }

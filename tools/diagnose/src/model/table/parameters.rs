@@ -2,10 +2,12 @@
 
 use super::draft::{Draft, Drafted, Place, Row, about, acts};
 use super::known::{Asked, Known};
-use super::sizes::{FACTOR, USUAL, repeatability};
+use super::sizes::{FACTOR, STAMP_SHARE, USUAL, repeatability};
 use crate::estimate::Prior;
 use crate::estimate::term::Term;
-use crate::model::from_wheels::{RUN_BIAS, RUN_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK};
+use crate::model::from_wheels::{
+    RUN_BIAS, RUN_LATE, RUN_POSE_LATE, RUN_RATE, RUN_SCALE, RUN_TRACK,
+};
 
 /// Which parameter it is: the same in the table of all runs and in that of today's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,11 +112,14 @@ impl Table {
             .map(|(place, weight)| (asked.index(*place, is_shared), *weight))
             .collect();
         let prior = if is_shared {
-            about(row.prior.deviation)
+            Prior {
+                mean: 0.0,
+                ..row.prior
+            }
         } else {
             row.prior
         };
-        let at = self.push(key, weights, prior, row.prior.deviation / 2.0);
+        let at = self.push(key, weights, prior, row.prior.reach() / 2.0);
         self.resolution[at] = row.resolution * row.resolution;
         self.repeatability[at] = row.repeatability * row.repeatability;
         at
@@ -122,7 +127,7 @@ impl Table {
 
     fn add(&mut self, asked: &Asked<'_>, known: &Known<'_>, draft: Draft) {
         let allowed = |effect: &&str| !asked.excluded.iter().any(|own| own == effect);
-        let is_law = draft.name.starts_with("law");
+        let is_law = draft.shown.iter().any(|shown| shown.effect == "unknown");
         if is_law && !allowed(&"motion_law") || draft.rows.is_empty() {
             return;
         }
@@ -137,6 +142,8 @@ impl Table {
             usual: USUAL.contains(&draft.name),
             positive: draft.positive,
             lasting: draft.lasting,
+            rare: false,
+            kinked: draft.positive || draft.name == "lag",
             acts: acts(&draft.rows),
             shown: Vec::new(),
         };
@@ -208,6 +215,11 @@ impl Table {
             about(deviation),
             deviation.min(0.3) / 1.5,
         );
+        if parameter == RUN_POSE_LATE {
+            let stamp_s = STAMP_SHARE * reference.runs[run].pose_interval_s();
+            self.resolution[at] = stamp_s * stamp_s;
+            return at;
+        }
         self.resolution[at] = FACTOR * FACTOR;
         let place = usize::from(parameter == RUN_TRACK);
         let spread = reference.before.spread[place].unwrap_or(0.0);

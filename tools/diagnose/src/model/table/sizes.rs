@@ -46,8 +46,15 @@ pub(super) const RATE_COST: f64 = 3.0;
 pub(super) const SATURATION_COST: f64 = 2.0;
 /// The same against late wheels, beside commands that act late.
 pub(super) const WHEELS_COST: f64 = 2.0;
+/// The same against speed lost in turns and a track that is larger to one side, which few robots have so that it shows.
+pub(super) const TURN_COST: f64 = 3.0;
 /// The same against a law that the catalogue does not have, beside any effect that it has.
 pub(super) const LAW_COST: f64 = 10.0;
+
+/// How far wheels and tracks mostly are from their data sheets, as a logarithm: tyres are pressed and worn by some
+/// per cent. Wheels of one robot differ by less (Borenstein and Feng 1996).
+pub(super) const SIZE: f64 = 0.03;
+pub(super) const PAIR: f64 = 0.01;
 
 /// What most robots have somewhat of.
 pub(super) const USUAL: [&str; 6] = [

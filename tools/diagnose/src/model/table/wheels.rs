@@ -1,9 +1,9 @@
 //! Wheels and their track, and where the tracked point is mounted.
 
 use super::draft::Place::Reference;
-use super::draft::{Draft, Drafted, Row, Shown, about};
+use super::draft::{Draft, Drafted, Row, Shown, about, mostly};
 use super::known::Known;
-use super::sizes::{FACTOR, LENGTH_SHARE, MOUNTINGS_RAD, repeatability};
+use super::sizes::{FACTOR, LENGTH_SHARE, MOUNTINGS_RAD, PAIR, SIZE, repeatability};
 use crate::estimate::term::Link;
 use crate::model::from_wheels::{
     ASYMMETRY, COMMON, OFFSET_X, OFFSET_Y, OFFSET_YAW, RUN_SCALE, RUN_TRACK, TRACK,
@@ -16,11 +16,11 @@ impl Known<'_> {
             number: 0,
             moves: vec![(Reference(TRACK), 1.0)],
             // steering by skidding, the contact lies anywhere between the wheels and twice beyond
-            prior: about(if self.streams.reference.skids {
-                0.6
+            prior: if self.streams.reference.skids {
+                about(0.6)
             } else {
-                0.2
-            }),
+                mostly(SIZE)
+            },
             resolution: FACTOR,
             repeatability: repeatability::TRACK,
         }
@@ -34,7 +34,7 @@ impl Known<'_> {
                 vec![(Reference(COMMON), 1.0)],
                 vec![(Reference(ASYMMETRY), 1.0)],
             ],
-            [0.3_f64.max(crude.abs()), 0.1],
+            [mostly(SIZE), mostly(PAIR)],
         );
         let names = ["right_scale", "left_scale"];
         let mut radius = if self.has_pose {
@@ -55,7 +55,7 @@ impl Known<'_> {
                 vec![("scale", Link::Log, vec![(place, 1.0)])],
             )
         };
-        let [by_scale, by_track] = self.asked.by_run;
+        let [by_scale, by_track, _] = self.asked.by_run;
         if !self.has_pose {
             // a gyro sees turns alone: a common factor of both wheels and the track are one
             if by_track {

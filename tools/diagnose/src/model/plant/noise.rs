@@ -1,0 +1,84 @@
+//! Noise of the filter over the plant as fitted parameters: logs of sizes and of correlation times.
+//!
+//! A size is never below its floor, the difference between two integrators of one model: of a disturbance
+//! that is not there the likelihood says nothing, and its prior holds the logarithm.
+
+use super::machine::Machine;
+use crate::estimate::Prior;
+use crate::filter::dynamic::Noise;
+
+/// Where sizes are expected for a robot of 1.6 kg: surge force (N), yaw moment (N m), creep along (m/s), about
+/// (rad/s) and across (m/s), torque of a wheel (N m).
+const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3];
+const EXPECTED_TIME_S: f64 = 0.3;
+/// Standard deviations of the logs of sizes, about their floors, and of times: a size is known to a factor of 50, a time
+/// to lie between some hundredths of a second and some seconds.
+const DEVIATION: f64 = 4.0;
+const TIME_DEVIATION: f64 = 1.2;
+/// Logs beyond which a size is held.
+const HELD: f64 = 9.0;
+/// Shortest and longest correlation time (s).
+const TIMES_S: [f64; 2] = [0.01, 10.0];
+/// Torque of a wheel, in the place of creep along and about where wheels can slide.
+const TORQUE: usize = 5;
+/// Sizes and times.
+pub(super) const SIZES: usize = 6;
+const TIMES: usize = 3;
+pub(super) const COUNT: usize = SIZES + TIMES;
+
+/// Those that runs with or without poses tell of.
+pub(super) fn told(has_pose: bool) -> impl Iterator<Item = usize> {
+    let of_pose = |index: &usize| (2..TORQUE).contains(index);
+    (0..COUNT).filter(move |index| has_pose || !of_pose(index))
+}
+
+impl Machine {
+    /// The prior of each noise parameter.
+    pub(super) fn noise_priors(&self) -> Vec<Prior> {
+        let [rolling, sliding] = [false, true].map(|of_wheels| self.floor(of_wheels));
+        let floors = [0, 1, 2, 3, 4].map(|place| rolling[place]);
+        let sizes = floors.into_iter().chain([sliding[2]]).enumerate();
+        let sizes = sizes.map(|(place, floor)| Prior {
+            mean: (floor / self.expected(place)).ln(),
+            deviation: DEVIATION,
+            has_tails: false,
+        });
+        let times = Prior {
+            mean: 0.0,
+            deviation: TIME_DEVIATION,
+            has_tails: false,
+        };
+        sizes.chain([times; TIMES]).collect()
+    }
+
+    /// The size of a disturbance that is expected.
+    fn expected(&self, place: usize) -> f64 {
+        let of_force = place < 2 || place == TORQUE;
+        let scale = if of_force { self.mass_share() } else { 1.0 };
+        scale * EXPECTED[place]
+    }
+
+    /// Noise at these parameters.
+    pub(crate) fn noise(&self, at: &[f64], of_wheels: bool) -> Noise {
+        let floor = self.floor(of_wheels);
+        let places = if of_wheels {
+            [0, 1, TORQUE, TORQUE, 4]
+        } else {
+            [0, 1, 2, 3, 4]
+        };
+        let size = |k: usize| {
+            let place = places[k];
+            let own = self.expected(place) * at[place].clamp(-HELD, HELD).exp();
+            own.hypot(floor[k])
+        };
+        let time_s = |k: usize| {
+            let own = EXPECTED_TIME_S * at[SIZES + k].clamp(-HELD, HELD).exp();
+            own.clamp(TIMES_S[0], TIMES_S[1])
+        };
+        Noise {
+            size: std::array::from_fn(size),
+            time_s: std::array::from_fn(time_s),
+            of_wheels,
+        }
+    }
+}
