@@ -192,7 +192,7 @@ fn count_once(rows: &mut [Row]) {
     }
 }
 
-/// Whether the robot moves when its recording begins ([1] or [0]), and surge and yaw rate there.
+/// Whether the robot moves when its recording begins (1 or 0), and surge and yaw rate there.
 fn motion(rows: &[Row], model: &RobotModel) -> [[f64; 2]; 2] {
     let wheels: Vec<&Row> = rows
         .iter()
