@@ -340,14 +340,8 @@ impl Search<'_> {
 
     /// The gyro's clock of each run from the best point of a grid.
     fn with_clocks_of_runs(&self, table: &Table, mut at: Vec<f64>) -> Vec<f64> {
-        let machine = self.streams.reference;
-        let view = View {
-            machine,
-            robust: true,
-        };
-        for (run, own) in machine.runs.iter().enumerate() {
-            let robot = own.robot as i64 - machine.before.robots as i64;
-            let of = |name| table.find(&Key::of(name, Some(robot)));
+        for run in 0..self.streams.reference.runs.len() {
+            let of = |name| self.of_run(table, name, run);
             let (Some(late), Some(rate)) = (of("run late"), of("run rate")) else {
                 continue;
             };
@@ -357,41 +351,55 @@ impl Search<'_> {
                 let mut at = at.clone();
                 at[late] = f64::from(i) * RUN_LATE_S;
                 at[rate] = f64::from(k) * RUN_RATE_STEP;
-                let read = read(self.nominal, &table.weights, &at);
-                (view.value_of(Reference::Gyro, run, &read), at)
+                at
             };
-            let best = grid.map(moved).max_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((_, best)) = best {
-                at = best;
-            }
+            let best = self.best(table, (Reference::Gyro, run), grid.map(moved));
+            at = best.unwrap_or(at);
         }
         at
     }
 
     /// The latency of the poses of each run from the best point of a grid around its own.
     fn with_latencies_of_runs(&self, table: &Table, mut at: Vec<f64>) -> Vec<f64> {
-        let machine = self.streams.reference;
-        let view = View {
-            machine,
-            robust: true,
-        };
-        for (run, own) in machine.runs.iter().enumerate() {
-            let robot = own.robot as i64 - machine.before.robots as i64;
-            let Some(late) = table.find(&Key::of("run pose late", Some(robot))) else {
+        for run in 0..self.streams.reference.runs.len() {
+            let Some(late) = self.of_run(table, "run pose late", run) else {
                 continue;
             };
             let moved = |step: i32| {
                 let mut at = at.clone();
                 at[late] += f64::from(step) * RUN_LATE_S;
-                let read = read(self.nominal, &table.weights, &at);
-                (view.value_of(Reference::Pose, run, &read), at)
+                at
             };
             let all = (-RUN_STEPS..=RUN_STEPS).map(moved);
-            if let Some((_, best)) = all.max_by(|a, b| a.0.total_cmp(&b.0)) {
-                at = best;
-            }
+            at = self.best(table, (Reference::Pose, run), all).unwrap_or(at);
         }
         at
+    }
+
+    /// Place of a parameter of one run.
+    fn of_run(&self, table: &Table, name: &'static str, run: usize) -> Option<usize> {
+        let machine = self.streams.reference;
+        let robot = machine.runs[run].robot as i64 - machine.before.robots as i64;
+        table.find(&Key::of(name, Some(robot)))
+    }
+
+    /// The parameters by which a reference of a run is likeliest.
+    fn best(
+        &self,
+        table: &Table,
+        (reference, run): (Reference, usize),
+        all: impl Iterator<Item = Vec<f64>>,
+    ) -> Option<Vec<f64>> {
+        let view = View {
+            machine: self.streams.reference,
+            robust: true,
+        };
+        let valued = all.map(|at| {
+            let read = read(self.nominal, &table.weights, &at);
+            (view.value_of(reference, run, &read), at)
+        });
+        let best = valued.max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, at)| at)
     }
 
     /// What the model has of each parameter already.

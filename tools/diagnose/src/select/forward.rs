@@ -1,5 +1,7 @@
 //! Forward selection: the term that is lacking most is added, as long as one brings what is due.
 
+use std::cmp::Ordering;
+
 use rayon::prelude::*;
 
 use super::chosen::Chosen;
@@ -83,10 +85,8 @@ impl Elimination<'_> {
         let best = self.best(chosen, &self.screened(chosen, all));
         let rival = best.as_ref().map_or(&chosen.fit, |own| &own.fit);
         let located = self.best(chosen, &self.located(chosen, rival, all));
-        let best = best.into_iter().chain(located).max_by(|a, b| {
-            let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
-            a.total_cmp(&b)
-        });
+        let both = best.into_iter().chain(located);
+        let best = both.max_by(|a, b| self.by_excess(&chosen.fit, a, b));
         best.filter(|own| self.worth(own) > self.worth(chosen))
     }
 
@@ -94,6 +94,11 @@ impl Elimination<'_> {
     fn excess(&self, fit: &Fit, own: &Chosen) -> f64 {
         let due = own.terms.last().map_or(0.0, |term| self.due(term));
         own.fit.objective - fit.objective - due
+    }
+
+    /// The order of two sets by what their last terms bring.
+    fn by_excess(&self, fit: &Fit, a: &Chosen, b: &Chosen) -> Ordering {
+        self.excess(fit, a).total_cmp(&self.excess(fit, b))
     }
 
     /// Refits the first candidates beside `chosen`; the one that brings most beyond what is due.
@@ -116,10 +121,7 @@ impl Elimination<'_> {
             });
         let short = first.map(|(term, start)| with(term, start, self.effort.ranked));
         let mut short: Vec<Chosen> = short.collect();
-        short.sort_by(|a, b| {
-            let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
-            b.total_cmp(&a)
-        });
+        short.sort_by(|a, b| self.by_excess(&chosen.fit, b, a));
         // of one term the better start alone
         let mut seen: Vec<&str> = Vec::new();
         short.retain(|own| {
@@ -150,9 +152,7 @@ impl Elimination<'_> {
             self.is_possible(term, &own.fit).then_some(own)
         });
         let polished: Vec<Chosen> = polished.collect();
-        polished.into_iter().max_by(|a, b| {
-            let [a, b] = [a, b].map(|own| self.excess(&chosen.fit, own));
-            a.total_cmp(&b)
-        })
+        let polished = polished.into_iter();
+        polished.max_by(|a, b| self.by_excess(&chosen.fit, a, b))
     }
 }

@@ -11,6 +11,7 @@ use crate::estimate::term::Term;
 use crate::model::hypothesis::{Hypothesis, kinds};
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
+use crate::model::plant::located::pushes;
 use crate::model::plant::machine::Machine;
 use crate::model::plant::table::Table;
 use crate::select::chosen::Chosen;
@@ -129,7 +130,8 @@ impl Selection<'_> {
     /// Whether what was found leaves pushes, each by itself.
     fn is_gusty(&self, found: &Selected) -> bool {
         let whole = found.whole();
-        !self.machine.is_silent(whole) && self.machine.pushes(whole, due_of_push(found.tried)) > 1
+        !self.machine.is_silent(whole)
+            && pushes(self.machine.impulses(whole), due_of_push(found.tried)) > 1
     }
 
     /// Times at which something pushes for a moment, each with its run, one after the other while that gains what is due.
@@ -290,8 +292,7 @@ fn weighed(table: &Table, fit: &Filtered, found: &Needed) -> (Vec<f64>, Vec<Vec<
 /// How well the numbers of the effects of a fit are known.
 fn known(plant: &Plant<'_>, found: &Needed) -> Known {
     let fit = &found.fit;
-    let weights: Vec<Vec<(usize, f64)>> =
-        plant.table.weights(&fit.at).into_iter().flatten().collect();
+    let weights = plant.table.weights(&fit.at);
     let count = weights.len();
     let precision = &found.precision;
     let raise = |place: usize| {

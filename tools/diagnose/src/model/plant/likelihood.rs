@@ -112,6 +112,19 @@ impl<'a> Plant<'a> {
         out
     }
 
+    /// Log-likelihood of each block at the gains of `base`.
+    fn at_gains(&self, base: &Filtered, at: &[f64]) -> Vec<f64> {
+        match self.machine.promising(base, &self.table.hypotheses(at)) {
+            Some(e) => self.by_block(base, &e),
+            None => self.impossible(),
+        }
+    }
+
+    /// The log-likelihood where no robot has such parameters.
+    fn impossible(&self) -> Vec<f64> {
+        vec![f64::NEG_INFINITY; self.blocks()]
+    }
+
     /// By a parameter of an effect, at the gains of `base`; `here` are the innovations at `at`.
     fn by_effect(&self, base: &Filtered, here: &[f64], at: &[f64], index: usize) -> Column {
         let precisions = precisions(here, &self.machine.channels);
@@ -271,20 +284,15 @@ impl Likelihood for Plant<'_> {
     fn value(&self, at: &[f64]) -> Vec<f64> {
         match self.filtered(at) {
             Some(own) => self.by_block(&own, &own.whitened),
-            None => vec![f64::NEG_INFINITY; self.blocks()],
+            None => self.impossible(),
         }
     }
 
     fn near<'a>(&'a self, at: &[f64]) -> Near<'a> {
         let base = self.filtered(at);
-        let hopeless = || vec![f64::NEG_INFINITY; self.blocks()];
-        Box::new(move |other| {
-            let Some(base) = &base else { return hopeless() };
-            let own = self.table.hypotheses(other);
-            match self.machine.promising(base, &own) {
-                Some(e) => self.by_block(base, &e),
-                None => hopeless(),
-            }
+        Box::new(move |other| match &base {
+            Some(base) => self.at_gains(base, other),
+            None => self.impossible(),
         })
     }
 
@@ -320,13 +328,6 @@ pub(crate) struct AtGains<'a> {
     pub(crate) base: &'a Filtered,
 }
 
-impl AtGains<'_> {
-    fn innovations(&self, at: &[f64]) -> Option<Vec<f64>> {
-        let own = self.plant.table.hypotheses(at);
-        self.plant.machine.promising(self.base, &own)
-    }
-}
-
 impl Likelihood for AtGains<'_> {
     fn blocks(&self) -> usize {
         self.plant.blocks()
@@ -341,14 +342,12 @@ impl Likelihood for AtGains<'_> {
     }
 
     fn value(&self, at: &[f64]) -> Vec<f64> {
-        match self.innovations(at) {
-            Some(e) => self.plant.by_block(self.base, &e),
-            None => vec![f64::NEG_INFINITY; self.blocks()],
-        }
+        self.plant.at_gains(self.base, at)
     }
 
     fn score(&self, at: &[f64], free: &[usize]) -> Vec<BlockScore> {
-        let Some(here) = self.innovations(at) else {
+        let own = self.plant.table.hypotheses(at);
+        let Some(here) = self.plant.machine.promising(self.base, &own) else {
             return empty(self.blocks(), free.len());
         };
         let columns = free.par_iter();

@@ -15,7 +15,7 @@ use crate::estimate::term::Term;
 use crate::filter::dynamic::impulse::{Impulse, impulses};
 use crate::filter::dynamic::linear::likelihood;
 use crate::filter::wrapped;
-use crate::model::hypothesis::Hypothesis;
+use crate::model::hypothesis::{Hypothesis, momentary_and_placed};
 
 /// A push lasts this long (s); its first instant lies half of it before the middle.
 const PUSH_S: f64 = 0.06;
@@ -98,13 +98,18 @@ impl Plant<'_> {
         each.any(|[sum, count]| sum / count > PUSHED)
     }
 
+    /// What acts in `fit` under the noise of `at`, which acts on the wheels.
+    pub(super) fn with_noise_of_wheels(&self, fit: &Filtered, at: &[f64]) -> Option<Filtered> {
+        self.machine
+            .pass(fit.hypotheses.clone(), self.noise(at, true))
+    }
+
     /// Frictions that gain most: at the gains of small noise that acts on the wheels, where what slides is told from
     /// what pushes; where none fits there, at those of the fit.
     fn frictions(&self, term: &Term, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
         let small = self.table.with_expected_noise(at);
-        let noise = self.noise(&small, true);
-        let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
+        let base = self.with_noise_of_wheels(&fit, &small)?;
         let ranked = |base: &Filtered| {
             let still = base.deviance - base.log_determinant();
             let gains = self.table.starts(term).par_iter().filter_map(|own| {
@@ -161,9 +166,10 @@ impl Plant<'_> {
     /// The push that gains most.
     fn push(&self, at: &[f64]) -> Option<Hypothesis> {
         let fit = self.filtered(at)?;
-        let (run, impulse) = self.machine.impulse(&fit)?;
+        let all = self.machine.impulses(&fit);
+        let (run, impulse) = largest(&all)?;
         // what pushes more than once follows something, or is nothing to name
-        if self.machine.pushes(&fit, ONLY * impulse.gain) > 1 {
+        if pushes(all, ONLY * impulse.gain) > 1 {
             return None;
         }
         let mut heading = 0.0;
@@ -174,8 +180,7 @@ impl Plant<'_> {
                 }
             })?;
         let [along, across] = impulse.size;
-        let mut own =
-            crate::model::hypothesis::momentary_and_placed().find(Hypothesis::is_momentary)?;
+        let mut own = momentary_and_placed().find(Hypothesis::is_momentary)?;
         own.set("t_s", (impulse.t_s - 0.5 * PUSH_S).max(0.0));
         own.set("impulse_n_s", along.hypot(across));
         own.set("direction_rad", wrapped(heading + across.atan2(along)));
@@ -185,7 +190,7 @@ impl Plant<'_> {
 
 impl Machine {
     /// Impulses beside `fit` in every interval that is believed, each with its run.
-    pub(super) fn impulses(&self, fit: &Filtered) -> Vec<(usize, Impulse)> {
+    pub(crate) fn impulses(&self, fit: &Filtered) -> Vec<(usize, Impulse)> {
         let weights = weights(&fit.whitened, &self.channels);
         let lever = self.model.robot.com_to_axle_m.unwrap_or(0.0);
         let mut first = 0;
@@ -204,26 +209,28 @@ impl Machine {
         all
     }
 
-    /// How many pushes, each by itself, gain `due` (−2 ln L) beside `fit`.
-    pub(crate) fn pushes(&self, fit: &Filtered, due: f64) -> usize {
-        let mut all = self.impulses(fit);
-        all.retain(|(_, own)| own.gain > due);
-        all.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
-        let mut apart: Vec<(usize, f64)> = Vec::new();
-        for (run, own) in all {
-            if apart
-                .iter()
-                .all(|(known, t_s)| *known != run || (own.t_s - t_s).abs() > APART_S)
-            {
-                apart.push((run, own.t_s));
-            }
-        }
-        apart.len()
-    }
-
     /// The impulse that gains most beside `fit`, and its run.
     pub(crate) fn impulse(&self, fit: &Filtered) -> Option<(usize, Impulse)> {
-        let all = self.impulses(fit).into_iter();
-        all.reduce(|best, own| if own.1.gain > best.1.gain { own } else { best })
+        largest(&self.impulses(fit))
     }
+}
+
+/// The impulse that gains most, and its run.
+fn largest(all: &[(usize, Impulse)]) -> Option<(usize, Impulse)> {
+    let all = all.iter().copied();
+    all.reduce(|best, own| if own.1.gain > best.1.gain { own } else { best })
+}
+
+/// How many pushes, each by itself, gain `due` (−2 ln L).
+pub(crate) fn pushes(mut all: Vec<(usize, Impulse)>, due: f64) -> usize {
+    all.retain(|(_, own)| own.gain > due);
+    all.sort_by(|a, b| b.1.gain.total_cmp(&a.1.gain));
+    let mut apart: Vec<(usize, f64)> = Vec::new();
+    for (run, own) in all {
+        let mut known = apart.iter();
+        if known.all(|(known, t_s)| *known != run || (own.t_s - t_s).abs() > APART_S) {
+            apart.push((run, own.t_s));
+        }
+    }
+    apart.len()
 }

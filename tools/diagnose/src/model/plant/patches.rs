@@ -61,8 +61,7 @@ impl Plant<'_> {
     pub(super) fn patches(&self, at: &[f64]) -> Option<Vec<Vec<f64>>> {
         let fit = self.filtered(at)?;
         let small = self.table.with_small_noise(at);
-        let noise = self.noise(&small, true);
-        let base = self.machine.pass(fit.hypotheses.clone(), noise)?;
+        let base = self.with_noise_of_wheels(&fit, &small)?;
         let places = self.machine.conspicuous_places(&fit, &base)?;
         // at small noise what slides is told from what pushes; where only noise is left, at its own
         let least = PLACE_GAIN.max(SHARE * (base.deviance - fit.deviance));

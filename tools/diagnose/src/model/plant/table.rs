@@ -304,8 +304,8 @@ impl Table {
         self.acting(at).map(of).collect()
     }
 
-    /// Each number of each of [`Table::hypotheses`] as parameters with their weights; none of a threshold.
-    pub(crate) fn weights(&self, at: &[f64]) -> Vec<Vec<Vec<(usize, f64)>>> {
+    /// The numbers of all of [`Table::hypotheses`] as parameters with their weights; none of a threshold.
+    pub(crate) fn weights(&self, at: &[f64]) -> Vec<Vec<(usize, f64)>> {
         let hypotheses = self.hypotheses(at);
         let of = |(kind, own): (&Kind, Hypothesis)| {
             if own.is_threshold() {
@@ -323,7 +323,7 @@ impl Table {
             });
             numbers.collect()
         };
-        self.acting(at).zip(hypotheses).map(of).collect()
+        self.acting(at).zip(hypotheses).flat_map(of).collect()
     }
 
     /// Parameters of the effects that act at `at`, but for thresholds.
