@@ -57,7 +57,8 @@ impl Span<'_> {
 /// Poses of a robot; `None` with too few.
 pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
     let mut all: Vec<PoseRow> = Vec::new();
-    for (stamp_s, row) in streams::poses(robot)? {
+    let placed = streams::poses(robot)?.into_iter();
+    for (stamp_s, row) in placed.filter(|(_, [x, y, _])| x.is_finite() && y.is_finite()) {
         let t_s = stamp_s - span.origin_s;
         if span.has(stamp_s, BEYOND_S) && all.last().is_none_or(|(last, _)| t_s > *last) {
             all.push((t_s, row));

@@ -95,7 +95,7 @@ pub(super) fn commands(robot: &Robot) -> Vec<(f64, Command)> {
     }
 }
 
-/// Poses with a place: x and y (m), and yaw (rad), NaN where it was not seen. `None` without poses.
+/// Poses: x and y (m), and yaw (rad); NaN what was not seen. `None` without poses.
 pub(super) fn poses(robot: &Robot) -> Option<Rows<3>> {
     let stream = robot.pose.as_ref()?;
     let values = &stream.values;
@@ -104,7 +104,7 @@ pub(super) fn poses(robot: &Robot) -> Option<Rows<3>> {
         (*t_s, [values.x_m[i], values.y_m[i], yaw_rad])
     });
     Some(
-        rows.filter(|(_, [x, y, _])| x.is_finite() && y.is_finite())
+        rows.filter(|(_, [x, y, yaw])| x.is_finite() && y.is_finite() || yaw.is_finite())
             .collect(),
     )
 }

@@ -75,6 +75,8 @@ pub(crate) struct Series {
     /// Stamp (s) and values.
     pub(crate) rows: Vec<(f64, [f64; 3])>,
     pub(crate) deviation: [f64; 3],
+    /// The deviation is what the rows themselves show: neither declared nor that of a rounding.
+    pub(crate) is_guessed: bool,
 }
 
 /// What the simulation is driven by.
@@ -302,6 +304,7 @@ fn wheels(robot: &Recorded, model: &RobotModel) -> Option<Series> {
         sensor,
         rows,
         deviation: [deviation[0], deviation[1], 1.0],
+        is_guessed: one.is_none(),
     })
 }
 
@@ -356,6 +359,7 @@ fn poses(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Pose,
         rows,
         deviation: [pose_m, pose_m, pose_rad],
+        is_guessed: noise.pose_m.or(noise.pose_rad).is_none(),
     })
 }
 
@@ -373,6 +377,7 @@ fn odometry(robot: &Recorded) -> Option<Series> {
         sensor: Sensor::Odometry,
         rows,
         deviation: [v, w, 1.0],
+        is_guessed: noise.odometry_m_s.or(noise.odometry_rad_s).is_none(),
     })
 }
 
@@ -390,6 +395,7 @@ fn imu(robot: &Recorded) -> Option<Series> {
     Some(Series {
         sensor: Sensor::Imu,
         deviation: [along(0), along(1), turn],
+        is_guessed: noise.imu_m_s2.or(noise.imu_rad_s).is_none(),
         rows,
     })
 }

@@ -15,6 +15,14 @@ pub(super) struct State<S> {
     pub(super) q: Matrix3<S>,
 }
 
+/// How the predicted pose of a point moves with that of the axle: H is the identity but for its last column, of which
+/// these are the first two entries; rows of what was not seen are zero.
+#[derive(Clone, Copy)]
+pub(super) struct Lever<S> {
+    pub(super) by_heading: [S; 2],
+    pub(super) seen: [bool; 3],
+}
+
 /// One row: its linearised observation, sensor covariance, and measured minus predicted.
 pub(super) struct Row<'a, S> {
     r: &'a Matrix3<S>,
@@ -36,10 +44,17 @@ fn matrix<S>(element: impl Fn(usize, usize) -> S) -> Matrix3<S> {
     std::array::from_fn(|i| std::array::from_fn(|k| element(i, k)))
 }
 
+/// A symmetric matrix with these elements on and below its diagonal.
+fn symmetric<S: Copy>(element: impl Fn(usize, usize) -> S) -> Matrix3<S> {
+    let [a, b, c, d, e, f] =
+        [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)].map(|(i, k)| element(i, k));
+    [[a, b, d], [b, c, e], [d, e, f]]
+}
+
 impl<'a, S: Scalar> Row<'a, S> {
     pub(super) fn new(
         state: &State<S>,
-        h: &Matrix3<S>,
+        h: &Lever<S>,
         r: &'a Matrix3<S>,
         difference: &'a [S; 3],
     ) -> Self {
@@ -63,7 +78,12 @@ impl<'a, S: Scalar> Row<'a, S> {
 
     /// Log-density of the row under one component, without derivatives.
     fn value(&self, component: usize) -> f64 {
-        let s = self.covariance(component).map(|row| row.map(|x| x.value()));
+        let extra = PROCESS[component] - 1.0;
+        let s = matrix(|i, k| {
+            self.of_state.1[i][k].value()
+                + self.of_process.1[i][k].value() * extra
+                + self.r[i][k].value() * SENSOR[component]
+        });
         let d = self.difference.map(|x| x.value());
         log_density(&s, &d).map_or(f64::NEG_INFINITY, |(log, _)| {
             log + PROBABILITY[component].ln()
@@ -106,13 +126,13 @@ impl<S: Scalar> State<S> {
         };
         let mean: [S; 3] =
             std::array::from_fn(|i| parts().fold(zero, |sum, (w, own)| sum + w * own.mean[i]));
-        let p = matrix(|i, k| {
+        let p = symmetric(|i, k| {
             parts().fold(zero, |sum, (w, own)| {
                 sum + w * (own.p[i][k] + (own.mean[i] - mean[i]) * (own.mean[k] - mean[k]))
             })
         });
         self.mean = mean;
-        self.p = matrix(|i, k| (p[i][k] + p[k][i]) * 0.5);
+        self.p = p;
         (log_likelihood, weights[0].value())
     }
 
@@ -126,7 +146,7 @@ impl<S: Scalar> State<S> {
             mean: std::array::from_fn(|i| {
                 (0..3).fold(self.mean[i], |sum, k| sum + gain[i][k] * row.difference[k])
             }),
-            p: matrix(|i, k| {
+            p: symmetric(|i, k| {
                 let prior = self.p[i][k] + self.q[i][k] * extra;
                 (0..3).fold(prior, |sum, l| sum - gain[i][l] * hp[l][k])
             }),
@@ -135,13 +155,17 @@ impl<S: Scalar> State<S> {
 }
 
 /// H M and H M Hᵀ.
-fn projected<S: Scalar>(h: &Matrix3<S>, m: &Matrix3<S>) -> (Matrix3<S>, Matrix3<S>) {
+fn projected<S: Scalar>(h: &Lever<S>, m: &Matrix3<S>) -> (Matrix3<S>, Matrix3<S>) {
     let zero = S::constant(0.0);
-    let hm: Matrix3<S> = std::array::from_fn(|i| {
-        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + h[i][l] * m[l][k]))
+    let hm = matrix(|i, k| match (h.seen[i], h.by_heading.get(i)) {
+        (false, _) => zero,
+        (true, Some(by)) => m[i][k] + *by * m[2][k],
+        (true, None) => m[i][k],
     });
-    let hmh = std::array::from_fn(|i| {
-        std::array::from_fn(|k| (0..3).fold(zero, |sum, l| sum + hm[i][l] * h[k][l]))
+    let hmh = symmetric(|i, k| match (h.seen[k], h.by_heading.get(k)) {
+        (false, _) => zero,
+        (true, Some(by)) => hm[i][k] + *by * hm[i][2],
+        (true, None) => hm[i][k],
     });
     (hm, hmh)
 }
@@ -156,12 +180,10 @@ fn log_density<S: Scalar>(s: &Matrix3<S>, d: &[S; 3]) -> Option<(S, Matrix3<S>)>
     if determinant.value().partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
         return None;
     }
-    let inverse = [
-        [minor[0], minor[1], minor[2]],
-        [minor[1], a * i - c * c, b * c - a * f],
-        [minor[2], b * c - a * f, a * e - b * b],
-    ]
-    .map(|row| row.map(|x| x / determinant));
+    let over = S::constant(1.0) / determinant;
+    let [p, q, t] = minor.map(|x| x * over);
+    let [u, v, w] = [a * i - c * c, b * c - a * f, a * e - b * b].map(|x| x * over);
+    let inverse = [[p, q, t], [q, u, v], [t, v, w]];
     let zero = S::constant(0.0);
     let square = (0..3).fold(zero, |sum, i| {
         sum + d[i] * (0..3).fold(zero, |sum, k| sum + inverse[i][k] * d[k])
@@ -177,6 +199,10 @@ mod tests {
 
     const P: Matrix3<f64> = [[0.3, 0.1, -0.05], [0.1, 0.2, 0.04], [-0.05, 0.04, 0.1]];
     const R: Matrix3<f64> = [[0.02, 0.005, 0.0], [0.005, 0.03, 0.0], [0.0, 0.0, 0.01]];
+    const LEVER: Lever<f64> = Lever {
+        by_heading: [-0.4, 0.7],
+        seen: [true; 3],
+    };
     const H: Matrix3<f64> = [[1.0, 0.0, -0.4], [0.0, 1.0, 0.7], [0.0, 0.0, 1.0]];
     const DIFFERENCE: [f64; 3] = [0.1, -0.2, 0.05];
 
@@ -210,7 +236,7 @@ mod tests {
             p: P,
             q: [[0.0; 3]; 3],
         };
-        let row = Row::new(&state, &H, &R, &DIFFERENCE);
+        let row = Row::new(&state, &LEVER, &R, &DIFFERENCE);
         let (_, ordinary) = state.merge(&row, false);
         let (h, r) = (nalgebra(&H), nalgebra(&R).try_inverse().unwrap());
         let information = nalgebra(&P).try_inverse().unwrap() + h.transpose() * r * h;

@@ -9,8 +9,8 @@
 use slipstream_sim::Scalar;
 
 use super::motion_law::{self, Knots, LAW};
-use super::row_update::{Row, State};
-use super::{Innovation, Matrix3, wrapped};
+use super::row_update::{Lever, Row, State};
+use super::{Innovation, wrapped};
 use crate::data::reference::PoseRow;
 use crate::data::wheel_path::Turned;
 
@@ -228,7 +228,7 @@ impl WheelsToPose<'_> {
     ) -> Innovation<S> {
         let zero = S::constant(0.0);
         let (sin, cos) = (state.mean[2].sin(), state.mean[2].cos());
-        let (mut difference, mut h) = observed(physics.offset, &state.mean, z);
+        let (mut difference, by_heading) = observed(physics.offset, &state.mean, z);
         // an error of the stamp displaces the row along the motion
         let moved = [v * cos, v * sin, w];
         let mut r = moved.map(|a| moved.map(|b| noise.stamp * a * b));
@@ -238,14 +238,17 @@ impl WheelsToPose<'_> {
         for i in 0..3 {
             if !z[i].is_finite() {
                 difference[i] = zero;
-                h[i] = [zero; 3];
                 r[i] = [zero; 3];
                 r.iter_mut().for_each(|line| line[i] = zero);
                 // a variance of 1/(2 π) with a difference of 0 adds nothing to the likelihood
                 r[i][i] = S::constant(1.0 / std::f64::consts::TAU);
             }
         }
-        let row = Row::new(state, &h, &r, &difference);
+        let lever = Lever {
+            by_heading,
+            seen: z.map(f64::is_finite),
+        };
+        let row = Row::new(state, &lever, &r, &difference);
         let (log_likelihood, ordinary) = state.merge(&row, self.robust);
         let covariance = row.covariance(0);
         Innovation {
@@ -260,14 +263,9 @@ impl WheelsToPose<'_> {
     }
 }
 
-/// A pose of the tracked point minus the one predicted from that of the axle, and H: derivative of the predicted
-/// one by that of the axle.
-fn observed<S: Scalar>(
-    [ox, oy, oyaw]: [S; 3],
-    axle: &[S; 3],
-    z: &[f64; 3],
-) -> ([S; 3], Matrix3<S>) {
-    let (zero, one) = (S::constant(0.0), S::constant(1.0));
+/// A pose of the tracked point minus the one predicted from that of the axle, and derivatives of the predicted place
+/// by the heading of the axle.
+fn observed<S: Scalar>([ox, oy, oyaw]: [S; 3], axle: &[S; 3], z: &[f64; 3]) -> ([S; 3], [S; 2]) {
     let (sin, cos) = (axle[2].sin(), axle[2].cos());
     // derivatives of the tracked point by the heading
     let lever = [-(ox * sin + oy * cos), ox * cos - oy * sin];
@@ -276,12 +274,7 @@ fn observed<S: Scalar>(
         S::constant(z[1]) - axle[1] + lever[0],
         wrapped(S::constant(z[2]) - axle[2] - oyaw),
     ];
-    let h = [
-        [one, zero, lever[0]],
-        [zero, one, lever[1]],
-        [zero, zero, one],
-    ];
-    (difference, h)
+    (difference, lever)
 }
 
 impl<S: Scalar> Physics<S> {
@@ -338,6 +331,7 @@ impl<S: Scalar> State<S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Matrix3;
     use super::*;
 
     /// Derivative of `f` at `at`, column by column, by central differences.
@@ -408,7 +402,8 @@ mod tests {
     #[test]
     fn h_is_the_derivative_of_the_predicted_pose() {
         let (offset, at, z) = ([0.2, -0.1, 0.3], [0.4, -0.7, 1.1], [0.5, -0.6, 1.2]);
-        let (_, h) = observed(offset, &at, &z);
+        let (_, [x, y]) = observed(offset, &at, &z);
+        let h = [[1.0, 0.0, x], [0.0, 1.0, y], [0.0, 0.0, 1.0]];
         let lost = numeric(at, |axle| observed(offset, &axle, &z).0);
         assert!(apart(&h, &lost.map(|row| row.map(|own| -own))) < 1e-9);
     }

@@ -7,6 +7,7 @@ use slipstream_sim::effects::{
 };
 use slipstream_sim::{CommandKind, Stream};
 
+use super::load;
 use crate::data::command::asked;
 use crate::data::track::{Sensor, Series, Track};
 use crate::filter::wrapped;
@@ -149,6 +150,10 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
 pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel {
     let mut better = model.clone();
     for hypothesis in hypotheses {
+        if load::is_load(hypothesis) {
+            load::apply(hypothesis, &mut better);
+            continue;
+        }
         match hypothesis.replaces {
             Some(at) => better.effects[at] = hypothesis.spec(),
             None => better.effects.push(hypothesis.spec()),
@@ -246,8 +251,10 @@ pub(crate) const STATIC: &str = "friction_static";
 pub(crate) const KINETIC: &str = "friction_kinetic";
 
 /// Effects that this engine takes as a model lists them: it has no means to tell them from their
-/// look-alikes (a radius, a dead band, a force without a name).
-const NOT_TRIED: [&str; 4] = ["slip_ratio", "command_dead_zone", "force_law", "motion_law"];
+/// look-alikes (a radius, a force without a name).
+const NOT_TRIED: [&str; 3] = ["slip_ratio", "force_law", "motion_law"];
+/// The same under torques: a dead zone of torques is the friction of an axle, but for wheels that coast.
+const NOT_OF_TORQUES: &str = "command_dead_zone";
 
 /// All hypotheses that `model` can express and `tracks` can show, without `excluded`.
 pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> Vec<Hypothesis> {
@@ -257,7 +264,9 @@ pub(crate) fn all(model: &RobotModel, tracks: &[Track], excluded: &[String]) -> 
     let able = |info: &&Info| {
         // what links do several robots show together
         let search = !is_local(info) && info.site != ModelSite::Link;
-        let left_out = NOT_TRIED.contains(&info.id) || excluded.iter().any(|id| id == info.id);
+        let left_out = NOT_TRIED.contains(&info.id)
+            || info.id == NOT_OF_TORQUES && track.kind() == CommandKind::Torque
+            || excluded.iter().any(|id| id == info.id);
         search && !left_out && shows(info, track)
     };
     let fresh = CATALOGUE
@@ -318,7 +327,7 @@ fn listed(model: &RobotModel, excluded: &[String]) -> Vec<Hypothesis> {
     let listed = model.effects.iter().enumerate();
     let known = listed.filter_map(|(i, spec)| Some((i, spec, find(&spec.effect)?)));
     known
-        .filter(|(_, _, info)| !NOT_TRIED.contains(&info.id))
+        .filter(|(_, _, info)| !NOT_TRIED.contains(&info.id) && info.id != NOT_OF_TORQUES)
         .filter(|(_, _, info)| !excluded.iter().any(|id| id == info.id))
         .map(|(i, spec, info)| {
             let numbers = info.parameters.iter().filter_map(|p| {
@@ -363,9 +372,14 @@ fn expressible(
 
 fn of(info: &'static Info, track: &Track, model: &RobotModel) -> Vec<Hypothesis> {
     let kind = track.kind();
+    let by_volts = info.parameter("voltage_v").is_some();
     let fits = |parameter: &&ParameterInfo| {
-        let speed = parameter.name == "speed_rad_s";
-        !parameter.alternative || speed == (kind == CommandKind::Speed)
+        let own = match kind {
+            CommandKind::Speed => "speed_rad_s",
+            CommandKind::Voltage if by_volts => "voltage_v",
+            _ => "torque_nm",
+        };
+        !parameter.alternative || parameter.name == own
     };
     let numbers: Vec<&'static ParameterInfo> = info.parameters.iter().filter(fits).collect();
     let words: Vec<Option<(&str, &str)>> = info

@@ -15,6 +15,7 @@ pub(crate) fn series(sensor: Sensor, rows: Vec<(f64, [f64; 3])>, deviation: f64)
         sensor,
         rows,
         deviation: [deviation; 3],
+        is_guessed: false,
     }
 }
 

@@ -259,9 +259,11 @@ impl Window {
         let poses = rows(Sensor::Pose);
         let reckoned = || track.reckoned(&[self.from_s], geometry(body))?.pop();
         let seen = poses.map(|rows| rows[0].1).or_else(reckoned);
-        let pose = seen.unwrap_or([0.0; 3]);
+        let pose = seen
+            .unwrap_or([0.0; 3])
+            .map(|own| if own.is_finite() { own } else { 0.0 });
+        let yaw = pose[2];
         let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
-        let yaw = if pose[2].is_finite() { pose[2] } else { 0.0 };
         let [mut u, mut rate] = [0.0; 2];
         if let Some(wheels) = track.of(Sensor::WheelAngle).filter(|_| self.free[3]) {
             let [right, left] = speeds(wheels, self.from_s).map(|speed| speed * radius_m);
@@ -277,7 +279,7 @@ impl Window {
                 ];
             }
         }
-        let rate = if rate.is_finite() { rate } else { 0.0 };
+        let [u, rate] = [u, rate].map(|own| if own.is_finite() { own } else { 0.0 });
         let ahead = track.tracked_ahead_m;
         let [x, y] = [pose[0] - ahead * yaw.cos(), pose[1] - ahead * yaw.sin()];
         [x, y, yaw, u, rate, angle[0], angle[1]]

@@ -3,10 +3,11 @@
 //! What runs from before need is found first. It acts in all runs, its numbers fitted with whatever
 //! changed; a change acts in runs of today alone, and has to explain more than the same effect in all runs.
 
-use super::judged::{Judged, alone, machine_of};
+use super::judged::{Judged, alone, machine_of, whole};
 use super::selection::{Known, Selected, Selection, fitted_noise};
 use crate::estimate::scoring::FULL;
 use crate::model::hypothesis::{self, Hypothesis, in_force, with};
+use crate::model::load::is_load;
 use crate::model::plant::filtered::{Filtered, values};
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::machine::Machine;
@@ -25,7 +26,7 @@ pub(super) fn judged(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Option<Judged> {
     let said = |what: &str| progress(&format!("from before: {what}"));
-    let then = alone(request, before, &said)?.selected;
+    let then = whole(alone(request, before, &said)?, &said)?.selected;
     let mut model = before.model.clone();
     if let Some(unknown) = &then.unknown {
         model.effects.extend(unknown.spec.clone());
@@ -51,6 +52,8 @@ pub(super) fn judged(
         all: &all,
         known: &known,
         progress,
+        begun: None,
+        is_whole: true,
     };
     let selected = selection.run()?;
     alone_today(&selection.machine, selected, today, &excluded)
@@ -75,7 +78,9 @@ fn alone_today(
     excluded: &[String],
 ) -> Option<Judged> {
     let fit = &selected.fit;
-    let shared = in_force(&fit.hypotheses, false);
+    let mut shared = in_force(&fit.hypotheses, false);
+    // what loads the motors today is all of it, and no change
+    shared.retain(|own| !is_load(own));
     let model = with(&joint.model, &shared);
     let machine = machine_of(&today.tracks, &model, excluded);
     let is_change = |at: &usize| fit.hypotheses[*at].since;
@@ -110,6 +115,7 @@ fn alone_today(
         alike,
         tried: selected.tried,
         unknown: None,
+        needed: selected.needed,
     };
     Some(Judged {
         all: hypothesis::all(&model, &today.tracks, excluded),

@@ -4,7 +4,7 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
-use super::judged::{Judged, alone};
+use super::judged::{Judged, alone, whole};
 use super::selection::Selected;
 use super::{answer, compare, pictures, prediction};
 use crate::answer::statement::changed;
@@ -12,7 +12,7 @@ use crate::answer::{Figures, Finding};
 use crate::data::track::Sensor;
 use crate::explain::collected::Collected;
 use crate::explain::links::Course;
-use crate::judge::{Predictions, Score, passing};
+use crate::judge::{Culprit, Predictions, Score, passing};
 use crate::model::hypothesis::with;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::machine::Machine;
@@ -53,8 +53,16 @@ pub(crate) fn examine(
             ..*request
         };
         let found = looked_for(&own, runs, before, &progress)?;
-        let worth = || prediction::worth(&found.predictor, &found.judged.selected.fit);
-        Ok(match found.predictions.culprit(worth) {
+        if let Some(culprit) = found.culprit() {
+            return Ok(Err(culprit));
+        }
+        let at = found.judged.selected.at.clone();
+        let found = match before {
+            None => found.whole(&progress).ok_or_else(|| unusable(name))?,
+            Some(_) => found,
+        };
+        let changed = found.judged.selected.at != at;
+        Ok(match found.culprit().filter(|_| changed) {
             Some(culprit) => Err(culprit),
             None => Ok(found),
         })
@@ -73,6 +81,36 @@ struct Found {
     predictions: Predictions,
 }
 
+impl Found {
+    /// An effect that predicts worse.
+    fn culprit(&self) -> Option<Culprit> {
+        let worth = || prediction::worth(&self.predictor, &self.judged.selected.fit);
+        self.predictions.culprit(worth)
+    }
+
+    /// The same with single pushes and forces outside of the catalogue, which may take the place of effects.
+    fn whole(self, progress: &(dyn Fn(&str) + Sync)) -> Option<Self> {
+        let at = self.judged.selected.at.clone();
+        let judged = whole(self.judged, progress)?;
+        let same = judged.selected.at == at;
+        let predictions = if same {
+            self.predictions
+        } else {
+            prediction::predictions(&judged, &self.predictor)
+        };
+        Some(Self {
+            judged,
+            predictions,
+            ..self
+        })
+    }
+}
+
+fn unusable(robot: &str) -> InputError {
+    let remedy = "check masses, lengths and units, and the kind of the commands";
+    InputError::new(robot, "cannot be simulated by its model", remedy)
+}
+
 fn looked_for(
     request: &Request<'_>,
     runs: &Runs<'_>,
@@ -80,10 +118,7 @@ fn looked_for(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, InputError> {
     let mut predictor = Predictor::new(request, runs)?;
-    let unusable = || {
-        let remedy = "check masses, lengths and units, and the kind of the commands";
-        InputError::new(&runs[0].1.name, "cannot be simulated by its model", remedy)
-    };
+    let unusable = || unusable(&runs[0].1.name);
     let (judged, other) = match before {
         None => (
             alone(request, &predictor, progress).ok_or_else(unusable)?,

@@ -35,7 +35,7 @@ pub(super) fn machine_of(tracks: &[Track], model: &RobotModel, excluded: &[Strin
     Machine::new(tracks, model.clone(), excluded)
 }
 
-/// What a machine lacks.
+/// What a machine lacks of the catalogue.
 pub(super) fn alone(
     request: &Request<'_>,
     predictor: &Predictor,
@@ -47,6 +47,8 @@ pub(super) fn alone(
         all: &all,
         known: &[],
         progress,
+        begun: None,
+        is_whole: false,
     };
     let selected = selection.run()?;
     let machine = selection.machine;
@@ -56,5 +58,24 @@ pub(super) fn alone(
         selected,
         all,
         nominal: Vec::new(),
+    })
+}
+
+/// The same with single pushes, and with what the catalogue does not hold.
+pub(super) fn whole(judged: Judged, progress: &(dyn Fn(&str) + Sync)) -> Option<Judged> {
+    let mut selection = Selection {
+        machine: judged.machine,
+        all: &judged.all,
+        known: &[],
+        progress,
+        begun: Some(judged.selected),
+        is_whole: true,
+    };
+    let selected = selection.run()?;
+    let machine = selection.machine;
+    Some(Judged {
+        machine,
+        selected,
+        ..judged
     })
 }

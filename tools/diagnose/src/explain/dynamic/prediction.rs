@@ -9,6 +9,7 @@ use crate::estimate::scoring::SearchLimits;
 use crate::filter::dynamic::open_loop::{Sums, add_variances};
 use crate::judge::{HEADING, PLACE, POSE, Predictions, Score, Worth};
 use crate::model::hypothesis::Hypothesis;
+use crate::model::load::is_load;
 use crate::model::plant::channels::NO_CHANNEL;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
@@ -57,7 +58,12 @@ pub(crate) fn held_out(machine: &Machine, predictions: &Predictions) -> HeldOut 
 /// What every subset of the effects that were found is worth.
 pub(crate) fn worth(predictor: &Predictor, fit: &Filtered) -> Worth {
     let windows = predictor.some_windows(BUDGET_WINDOWS);
-    let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
+    let mut names: Vec<&'static str> = fit
+        .hypotheses
+        .iter()
+        .filter(|h| !is_load(h))
+        .map(|h| h.info.id)
+        .collect();
     names.sort_unstable();
     names.dedup();
     names.truncate(PLAYERS);

@@ -9,6 +9,7 @@ use crate::estimate::Likelihood;
 use crate::estimate::scoring::{FULL, SearchLimits};
 use crate::estimate::term::Term;
 use crate::model::hypothesis::{Hypothesis, kinds};
+use crate::model::load::is_load;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::located::pushes;
@@ -56,6 +57,8 @@ pub(crate) struct Selected {
     pub(crate) tried: usize,
     /// What the catalogue does not hold.
     pub(crate) unknown: Option<Unknown>,
+    /// The terms that are needed.
+    pub(super) needed: Needed,
 }
 
 /// Covariances of the numbers of effects, in their order.
@@ -89,7 +92,7 @@ impl Selected {
             "w" => OF_TURN.contains(&own.info.id),
             _ => false,
         };
-        !self.unknown.as_ref().is_some_and(part)
+        !is_load(own) && !self.unknown.as_ref().is_some_and(part)
     }
 
     /// The fit of everything that was found.
@@ -105,6 +108,10 @@ pub(crate) struct Selection<'a> {
     /// What acts in runs from before.
     pub(crate) known: &'a [Hypothesis],
     pub(crate) progress: &'a (dyn Fn(&str) + Sync),
+    /// What was found before single pushes and forces outside of the catalogue were looked for, and whether they are
+    /// now.
+    pub(crate) begun: Option<Selected>,
+    pub(crate) is_whole: bool,
 }
 
 impl Selection<'_> {
@@ -112,7 +119,7 @@ impl Selection<'_> {
     pub(crate) fn run(&mut self) -> Option<Selected> {
         let table = Table::new(&self.machine, self.all, self.known);
         let found = self.among(&table)?;
-        if !self.is_gusty(&found) {
+        if !self.is_whole || !self.is_gusty(&found) {
             return Some(found);
         }
         (self.progress)("looking for single pushes");
@@ -156,7 +163,8 @@ impl Selection<'_> {
         Some(gusts)
     }
 
-    fn among(&self, table: &Table) -> Option<Selected> {
+    fn among(&mut self, table: &Table) -> Option<Selected> {
+        let begun = self.begun.take();
         let plant = Plant::new(&self.machine, table);
         let problem = table.problem(&plant);
         let count = table.priors.len();
@@ -175,18 +183,13 @@ impl Selection<'_> {
             twins: &table.twins,
             useful: &|_, _, _| true,
         };
-        (self.progress)("fitting the model as it is");
-        let begun = self.begun(&selection, &plant);
-        let nominal = plant.filtered(&begun.fit.at)?;
-        let is_silent = self.machine.is_silent(&nominal);
-        let mut needed = if is_silent {
-            selection.run(begun.fit.clone(), &[])?
-        } else {
-            self.needed(&mut selection, table, begun)?
+        let (nominal, mut needed) = match begun {
+            Some(own) => (own.nominal, own.needed),
+            None => self.first(&mut selection, table, &plant)?,
         };
         let mut unknown = None;
         let last = plant.filtered(&needed.fit.at)?;
-        if self.machine.before == 0 && !self.machine.is_silent(&last) {
+        if self.is_whole && self.machine.before == 0 && !self.machine.is_silent(&last) {
             (self.progress)("looking for forces that no effect explains");
             let outside = Outside {
                 selection: &selection,
@@ -204,15 +207,34 @@ impl Selection<'_> {
         let fit = plant.filtered(&needed.fit.at)?.as_ref().clone();
         let (gains, alike) = weighed(table, &fit, &needed);
         Some(Selected {
-            nominal: nominal.as_ref().clone(),
+            nominal,
             known: Some(known(&plant, &needed)),
             gains,
             alike,
             tried: table.terms.len(),
             unknown,
             fit,
-            at: needed.fit.at,
+            at: needed.fit.at.clone(),
+            needed,
         })
+    }
+
+    /// The model as it is, with its noise, and the terms that are needed beside it.
+    fn first(
+        &self,
+        selection: &mut Elimination<'_>,
+        table: &Table,
+        plant: &Plant<'_>,
+    ) -> Option<(Filtered, Needed)> {
+        (self.progress)("fitting the model as it is");
+        let begun = self.as_it_is(selection, plant);
+        let nominal = plant.filtered(&begun.fit.at)?;
+        let needed = if self.machine.is_silent(&nominal) {
+            selection.run(begun.fit, &[])?
+        } else {
+            self.needed(selection, table, begun)?
+        };
+        Some((nominal.as_ref().clone(), needed))
     }
 
     /// What is needed beside `begun`.
@@ -233,7 +255,7 @@ impl Selection<'_> {
     }
 
     /// The fit of what is known and of the noise.
-    fn begun(&self, selection: &Elimination<'_>, plant: &Plant<'_>) -> Chosen {
+    fn as_it_is(&self, selection: &Elimination<'_>, plant: &Plant<'_>) -> Chosen {
         let (free, _) = selection.free(&[]);
         Chosen {
             fit: selection

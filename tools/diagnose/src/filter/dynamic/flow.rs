@@ -170,6 +170,17 @@ impl Flow<'_> {
         }
     }
 
+    /// How fast what a row measures changes, where its stamp is uncertain: the angles of wheels.
+    pub(crate) fn rates(&self, point: &Point, row: &Row) -> [f64; 3] {
+        match row.sensor {
+            Sensor::WheelAngle => {
+                let [right, left] = self.robot.measured_speed(&point.state);
+                [right, left, 0.0]
+            }
+            _ => [0.0; 3],
+        }
+    }
+
     /// Measured minus predicted; 0 where nothing was measured.
     pub(crate) fn innovation(&self, point: &Point, row: &Row) -> [f64; 3] {
         let predicted = self.measured(point, row);

@@ -22,8 +22,9 @@ pub(crate) struct Passed {
     pub(crate) innovation: [f64; 3],
     /// What is left of the disturbances at the next row.
     pub(crate) decay: [f64; DISTURBANCES],
-    /// Variance of the sensor's error.
+    /// Variance of the sensor's error but for that of its stamp, and how fast what it measures changes.
     pub(crate) variance: [f64; 3],
+    pub(crate) rates: [f64; 3],
     /// The state was lost before it.
     pub(crate) lost: bool,
     /// Something pushes after it.
@@ -83,7 +84,8 @@ impl Pass {
                 covariance.p = start_covariance(&run.lost_deviation, noise);
             }
             before_s = true_s;
-            let gain = covariance.update(&step, &variance);
+            let rates = flow.rates(&point, row);
+            let gain = covariance.update(&step, &noise.variance(row.sensor, &variance, &rates));
             let next_s = order.get(place + 1).map_or(true_s, |(next_s, _)| *next_s);
             let decay = noise.decay(next_s - true_s);
             flow.correct(&mut point, &gain.correction(&innovation));
@@ -103,6 +105,7 @@ impl Pass {
                 innovation,
                 decay,
                 variance,
+                rates,
                 lost,
                 gusty,
             });

@@ -200,6 +200,8 @@ mod tests {
             size: [0.2, 4e-4, 1e-5, 1e-4, 1e-5],
             time_s: [0.05, 0.1, 0.2],
             of_wheels: false,
+            jitter_s: 0.0,
+            beyond: [0.0; 3],
         };
         let fit = machine.pass(Vec::new(), noise).unwrap();
         let weights = vec![1.0; fit.whitened.len()];

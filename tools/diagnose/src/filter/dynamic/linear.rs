@@ -72,7 +72,9 @@ impl<'a, const M: usize> Filter<'a, M> {
             self.covariance.p = start_covariance(&run.lost_deviation, self.noise);
         }
         let moved = Covariance::<M>::moved(&row.step.flow, &self.off);
-        let gain = self.covariance.update(&row.step, &row.variance);
+        let sensor = run.rows[row.row].sensor;
+        let variance = self.noise.variance(sensor, &row.variance, &row.rates);
+        let gain = self.covariance.update(&row.step, &variance);
         let own = gain.correction(&innovation);
         for i in 0..M {
             self.off[i] = moved[i] + own[i] - before[i];
@@ -113,6 +115,8 @@ mod tests {
             size: [surge, yaw, 1e-4, 1e-3, 1e-4],
             time_s: [time_s; 3],
             of_wheels: false,
+            jitter_s: 0.0,
+            beyond: [0.0; 3],
         }
     }
 

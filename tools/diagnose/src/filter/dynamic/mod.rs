@@ -122,9 +122,30 @@ pub(crate) struct Noise {
     pub(crate) time_s: [f64; 3],
     /// Whether the third and the fourth are torques of the wheels.
     pub(crate) of_wheels: bool,
+    /// Standard deviation of the stamps of the wheels' angles (s): a wheel that turns is read a little before or after.
+    pub(crate) jitter_s: f64,
+    /// What the readings of wheels, poses and inertial sensor have beyond what is known of their error, as a share of
+    /// it.
+    pub(crate) beyond: [f64; 3],
 }
 
 impl Noise {
+    /// Variance of a row that changes at `rates`, of which its sensor's own is known as `variance`.
+    pub(super) fn variance(
+        &self,
+        sensor: Sensor,
+        variance: &[f64; 3],
+        rates: &[f64; 3],
+    ) -> [f64; 3] {
+        let beyond = self.beyond[match sensor {
+            Sensor::WheelAngle | Sensor::WheelSpeed => 0,
+            Sensor::Pose => 1,
+            Sensor::Imu => 2,
+        }];
+        [0, 1, 2]
+            .map(|i| variance[i] * (1.0 + beyond * beyond) + (self.jitter_s * rates[i]).powi(2))
+    }
+
     /// What is left of each disturbance after `over_s` (s).
     pub(super) fn decay(&self, over_s: f64) -> [f64; DISTURBANCES] {
         let [surge, yaw, other] = self.time_s.map(|time_s| (-over_s / time_s).exp());

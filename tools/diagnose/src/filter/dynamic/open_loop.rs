@@ -43,7 +43,9 @@ fn add<const M: usize>(
             from_s = row.true_s;
         }
         if row.true_s < from_s + fitted_s {
-            covariance.update(&row.step, &row.variance);
+            let sensor = run.rows[row.row].sensor;
+            let variance = noise.variance(sensor, &row.variance, &row.rates);
+            covariance.update(&row.step, &variance);
         } else {
             let variance = covariance.unheard(&row.step, &row.variance);
             let first = match run.rows[row.row].sensor {

@@ -1,11 +1,14 @@
 //! The runs of one machine as the filter reads them.
 
 use slipstream_bus::RobotModel;
+use slipstream_sim::CommandKind;
 
 use super::channels::{NO_CHANNEL, first};
 use crate::data::track::{self, Track};
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
+use crate::model::hypothesis::Hypothesis;
+use crate::model::load::is_load;
 
 /// Standard deviation of the first pose (m, rad): nothing is known of where a robot begins.
 const START_POSE: [f64; 3] = [1.0, 1.0, 0.5];
@@ -75,6 +78,31 @@ impl Machine {
         !self.excluded.iter().any(|excluded| excluded == id)
     }
 
+    /// Of wheels, poses and inertial sensor, whether their errors are guessed from their rows.
+    pub(super) fn guessed(&self) -> [bool; 3] {
+        let series = || self.tracks.iter().flat_map(|track| &track.series);
+        let of =
+            |all: &[track::Sensor]| series().any(|own| all.contains(&own.sensor) && own.is_guessed);
+        [
+            of(&[track::Sensor::WheelAngle, track::Sensor::WheelSpeed]),
+            of(&[track::Sensor::Pose]),
+            of(&[track::Sensor::Imu]),
+        ]
+    }
+
+    /// Whether wheels under voltage are all that moves: nothing weighs the robot, and nothing measures a length.
+    pub(crate) fn weighs_nothing(&self) -> bool {
+        let mut tracks = self.tracks.iter();
+        !self.has_pose() && tracks.all(|own| own.kind() == CommandKind::Voltage)
+    }
+
+    /// Whether its runs tell an effect from what is fitted anyway: a length and a mass need places.
+    pub(crate) fn tells(&self, own: &Hypothesis) -> bool {
+        let of_length = ["wheel_radius", "encoder_scale"].contains(&own.info.id);
+        let of_mass = own.info.id == "payload";
+        !is_load(own) && !(of_length && !self.has_pose() || of_mass && self.weighs_nothing())
+    }
+
     /// Where the right and the left wheel of the nominal model touch the floor at a pose of c (m).
     pub(crate) fn contacts(&self, [x, y, yaw]: [f64; 3]) -> [[f64; 2]; 2] {
         let body = &self.model.robot;
@@ -83,10 +111,15 @@ impl Machine {
         [b, -b].map(|side| [x - d * cos + side * sin, y - d * sin - side * cos])
     }
 
-    /// Whether a pose was measured.
+    /// Whether places were measured.
     pub(crate) fn has_pose(&self) -> bool {
+        self.measures(Sensor::Pose, 0)
+    }
+
+    /// Whether a sensor measured this part of its row.
+    pub(crate) fn measures(&self, sensor: Sensor, part: usize) -> bool {
         let mut rows = self.runs.iter().flat_map(|run| &run.rows);
-        rows.any(|row| row.sensor == Sensor::Pose)
+        rows.any(|row| row.sensor == sensor && row.variance[part] < NOT_MEASURED)
     }
 }
 
@@ -129,8 +162,7 @@ fn run(track: &Track, model: &RobotModel) -> Run {
     deviation[..3].copy_from_slice(&START_POSE);
     let first_of = |sensor: Sensor| rows.iter().find(|row| row.sensor == sensor);
     if let Some(row) = first_of(Sensor::Pose) {
-        let [x, y, yaw] = row.value;
-        let yaw = if yaw.is_finite() { yaw } else { 0.0 };
+        let [x, y, yaw] = row.value.map(|own| if own.is_finite() { own } else { 0.0 });
         let (sin, cos) = yaw.sin_cos();
         let ahead = track.tracked_ahead_m;
         start[..3].copy_from_slice(&[x - ahead * cos, y - ahead * sin, yaw]);

@@ -5,11 +5,15 @@
 
 use super::machine::Machine;
 use crate::estimate::Prior;
-use crate::filter::dynamic::Noise;
+use crate::filter::dynamic::{Noise, Sensor};
 
 /// Where sizes are expected for a robot of 1.6 kg: surge force (N), yaw moment (N m), creep along (m/s), about
-/// (rad/s) and across (m/s), torque of a wheel (N m).
-const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3];
+/// (rad/s) and across (m/s), torque of a wheel (N m); and of any robot, how far a stamp is off (s), and shares by
+/// which readings of wheels, poses and inertial sensor err beyond what is known.
+const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3, 3e-4, 1.0, 1.0, 1.0];
+/// A stamp that is exact (s): a tenth of what most logs round to; and the share of an error that is none.
+const EXACT_S: f64 = 1e-5;
+const NOTHING: f64 = 0.03;
 const EXPECTED_TIME_S: f64 = 0.3;
 /// Standard deviations of the logs of sizes, about their floors, and of times: a size is known to a factor of 50, a time
 /// to lie between some hundredths of a second and some seconds.
@@ -21,23 +25,37 @@ const HELD: f64 = 9.0;
 const TIMES_S: [f64; 2] = [0.01, 10.0];
 /// Torque of a wheel, in the place of creep along and about where wheels can slide.
 const TORQUE: usize = 5;
+const JITTER: usize = 6;
+const BEYOND: usize = 7;
 /// Sizes and times.
-pub(super) const SIZES: usize = 6;
+pub(super) const SIZES: usize = 10;
 const TIMES: usize = 3;
 pub(super) const COUNT: usize = SIZES + TIMES;
 
-/// Those that runs with or without poses tell of.
-pub(super) fn told(has_pose: bool) -> impl Iterator<Item = usize> {
-    let of_pose = |index: &usize| (2..TORQUE).contains(index);
-    (0..COUNT).filter(move |index| has_pose || !of_pose(index))
-}
-
 impl Machine {
+    /// Those that the runs tell of: creep where a heading or a place is measured, stamps where angles are.
+    pub(super) fn told_noise(&self) -> impl Iterator<Item = usize> {
+        let heading = self.measures(Sensor::Pose, 2);
+        let place = self.has_pose();
+        let angles = self.measures(Sensor::WheelAngle, 0);
+        let guessed = self.guessed();
+        (0..COUNT).filter(move |index| match *index {
+            2 | 4 => place,
+            3 => heading,
+            JITTER => angles,
+            BEYOND..SIZES => guessed[*index - BEYOND],
+            _ => true,
+        })
+    }
+
     /// The prior of each noise parameter.
     pub(super) fn noise_priors(&self) -> Vec<Prior> {
         let [rolling, sliding] = [false, true].map(|of_wheels| self.floor(of_wheels));
         let floors = [0, 1, 2, 3, 4].map(|place| rolling[place]);
-        let sizes = floors.into_iter().chain([sliding[2]]).enumerate();
+        let sizes = floors
+            .into_iter()
+            .chain([sliding[2], EXACT_S, NOTHING, NOTHING, NOTHING])
+            .enumerate();
         let sizes = sizes.map(|(place, floor)| Prior {
             mean: (floor / self.expected(place)).ln(),
             deviation: DEVIATION,
@@ -75,10 +93,17 @@ impl Machine {
             let own = EXPECTED_TIME_S * at[SIZES + k].clamp(-HELD, HELD).exp();
             own.clamp(TIMES_S[0], TIMES_S[1])
         };
+        let guessed = self.guessed();
+        let beyond = |k: usize| {
+            let own = EXPECTED[BEYOND + k] * at[BEYOND + k].clamp(-HELD, HELD).exp();
+            if guessed[k] { own } else { 0.0 }
+        };
         Noise {
             size: std::array::from_fn(size),
             time_s: std::array::from_fn(time_s),
             of_wheels,
+            jitter_s: EXPECTED[JITTER] * at[JITTER].clamp(-HELD, HELD).exp(),
+            beyond: std::array::from_fn(beyond),
         }
     }
 }

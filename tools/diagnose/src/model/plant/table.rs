@@ -10,6 +10,7 @@ use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Acts, Attribution, Search, Term};
 use crate::estimate::{Likelihood, Prior};
 use crate::model::hypothesis::{Hypothesis, all_sizes, kinds, momentary_and_placed, threshold};
+use crate::model::load::{is_load, whole};
 
 /// Standard deviation of the size of an effect, in the smallest sizes that the catalogue expects: next to
 /// nothing is known of it.
@@ -22,6 +23,8 @@ const LONGEST_NOISE: f64 = 2.0;
 const TINY: f64 = 0.005;
 /// Small noise, over what integrators differ by.
 const SMALL: f64 = 5.0;
+/// Standard deviation of the share of the body that loads the motors.
+const SHARE: f64 = 0.5;
 /// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect. Against a
 /// patch: where it covers all of a way, the whole floor is.
 const COUNTS_WRONG: f64 = 6.0;
@@ -92,11 +95,16 @@ impl Table {
             twins: Vec::new(),
             nominal: Vec::new(),
         };
-        for own in known {
+        if machine.weighs_nothing() {
+            table.add_load(machine);
+        }
+        for own in known.iter().filter(|own| !is_load(own)) {
             table.add_known(machine, own);
         }
         for starts in kinds(all) {
-            table.add(machine, &starts);
+            if machine.tells(starts[0]) {
+                table.add(machine, &starts);
+            }
         }
         for own in momentary_and_placed() {
             if machine.has_pose() && machine.tries(own.info.id) {
@@ -158,6 +166,23 @@ impl Table {
         let kind = self.push(machine, own, None, true);
         if !own.is_threshold() {
             self.always.extend(self.kinds[kind].places());
+        }
+    }
+
+    /// The share of the body that loads the motors; of a comparison, also how it changed.
+    fn add_load(&mut self, machine: &Machine) {
+        let known = whole();
+        let since = Hypothesis {
+            since: true,
+            ..known.clone()
+        };
+        let first = self.push(machine, &known, None, true);
+        let change = (machine.before > 0).then(|| self.push(machine, &since, Some(first), true));
+        for kind in std::iter::once(first).chain(change) {
+            for index in self.kinds[kind].places() {
+                self.priors[index].deviation = SHARE / self.kinds[kind].numbers[0].unit;
+                self.always.push(index);
+            }
         }
     }
 
@@ -256,8 +281,10 @@ impl Table {
             self.nominal.push(0.0);
             self.start.push(0.0);
         }
-        let told = noise::told(machine.has_pose());
-        self.told = told.map(|index| self.noise + index).collect();
+        self.told = machine
+            .told_noise()
+            .map(|index| self.noise + index)
+            .collect();
         let is_size = |index: &&usize| **index < self.noise + noise::SIZES;
         self.sizes = self.told.iter().filter(is_size).copied().collect();
     }
