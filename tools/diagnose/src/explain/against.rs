@@ -5,9 +5,9 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded, Wheels};
 
-use super::claim::Claim;
+use super::claim::{Claim, Value};
+use super::finding::since;
 use super::kinematic::{self, Learnt, Task};
-use crate::answer::statement::changed;
 use crate::answer::{Finding, Warning};
 use crate::request::{Request, Runs, model_of};
 
@@ -24,7 +24,7 @@ pub(crate) fn counterpart<'a, 'b>(
     today: &Runs<'_>,
     is_alone: bool,
     others: &'b [Vec<(&'a Recording, &'a Recorded)>],
-) -> Result<Option<&'b Vec<(&'a Recording, &'a Recorded)>>, InputError> {
+) -> Result<Option<&'b Runs<'a>>, InputError> {
     if request.against.is_empty() {
         return Ok(None);
     }
@@ -56,17 +56,10 @@ fn same_machine(
     other: &Runs<'_>,
 ) -> Result<(), InputError> {
     let [own, before] = [model_of(request, today[0])?, model_of(request, other[0])?];
+    let [own, before] = [&own.robot, &before.robot];
     let lengths = [
-        (
-            "wheel_radius_m",
-            own.robot.wheel_radius_m,
-            before.robot.wheel_radius_m,
-        ),
-        (
-            "half_track_m",
-            own.robot.half_track_m,
-            before.robot.half_track_m,
-        ),
+        ("wheel_radius_m", own.wheel_radius_m, before.wheel_radius_m),
+        ("half_track_m", own.half_track_m, before.half_track_m),
     ];
     for (name, now, then) in lengths {
         if (now - then).abs() > SAME * now.abs() {
@@ -188,14 +181,16 @@ pub(crate) fn compared(finding: &mut Finding, claim: &Claim, learnt: &Learnt, be
     let same =
         |own: &&Claim| own.effect == claim.effect && own.word == claim.word && own.runs.is_none();
     let known = learnt.claims.iter().find(same);
-    for parameter in &mut finding.parameters {
-        let values = known.iter().flat_map(|own| &own.values);
-        let value = values.into_iter().find(|own| own.name == parameter.name);
-        if let (Some(value), Some(_)) = (value, parameter.nominal) {
-            let [below, above] = value.half;
-            let [a, b] = [-below, above].map(|change| value.applied(parameter.nominal, change));
-            parameter.nominal_ci95 = Some([a.min(b), a.max(b)]);
-        }
-    }
-    finding.statement = changed(finding, before);
+    since(finding, before, |parameter| {
+        let value = known?
+            .values
+            .iter()
+            .find(|own| own.name == parameter.name)?;
+        let nominal = parameter.nominal?;
+        let as_before = Value {
+            change: 0.0,
+            ..value.clone()
+        };
+        Some(as_before.interval(Some(nominal)))
+    });
 }

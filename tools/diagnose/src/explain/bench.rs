@@ -4,19 +4,21 @@
 use slipstream_recording::recording::Robot;
 
 use super::claim::Claim;
+use super::errors::Errors;
 use super::fitted::Fitted;
-use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
+use super::prediction::{Noise, Predictor, SHORTEST_S, at_most, deviations};
 use super::search::problem;
 use crate::data::streams::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;
-use crate::judge::{Predictions, QUANTITIES, Score, Worth, name};
+use crate::judge::{Predictions, QUANTITIES, Score, Worth};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::DRIVE;
 use crate::model::from_wheels::{FromWheels, Reference};
 use crate::model::streams::{Joint, ROBUST};
 use crate::model::view::View;
+use crate::predict::predictor::unit;
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
@@ -175,10 +177,11 @@ impl<'a> Bench<'a> {
         let mut number = 0..;
         let each = self.windows.iter().enumerate().map(|(run, own)| {
             let predictor = self.predictor(run);
-            let before = predictor.errors(run, &self.nominal, own, true);
-            let after = own.iter().zip(&mut number).map(|(window, k)| {
-                predictor.errors(run, &folds[k % folds.len()], &[*window], true)
-            });
+            let before = predictor.errors(run, &self.nominal, own);
+            let after = own
+                .iter()
+                .zip(&mut number)
+                .map(|(window, k)| predictor.errors(run, &folds[k % folds.len()], &[*window]));
             [before, after.fold(Errors::default(), Errors::and)]
         });
         each.collect()
@@ -231,11 +234,8 @@ impl<'a> Bench<'a> {
 
     /// What every subset of the effects that were found is worth.
     pub(super) fn worth(&self) -> Worth {
-        let thinned = |all: &Vec<[f64; 2]>| {
-            let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
-            all.iter().copied().step_by(stride).collect()
-        };
-        let windows: Vec<Vec<[f64; 2]>> = self.windows.iter().map(thinned).collect();
+        let thinned = self.windows.iter().map(|all| at_most(all, BUDGET_WINDOWS));
+        let windows: Vec<Vec<[f64; 2]>> = thinned.collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
         let score = |subset: usize| {
             let own = players.iter().enumerate();
@@ -245,8 +245,7 @@ impl<'a> Bench<'a> {
             let at = &fitted.found.selected.fit.at;
             let at = fitted.machine_at(&fitted.with(at, kept));
             let runs = windows.iter().enumerate();
-            let scores =
-                runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
+            let scores = runs.map(|(run, own)| self.predictor(run).errors(run, &at, own).score);
             scores.collect()
         };
         let names = players.iter().map(|own| own.name).collect();
@@ -270,15 +269,9 @@ impl<'a> Bench<'a> {
 
     /// Unit of a channel.
     pub(super) fn unit(&self, channel: usize) -> &'static str {
-        let speeds = self
-            .drives()
-            .any(|drive| drive.wheels.kind == WheelKind::Speed);
-        match name(channel) {
-            "pose_x" | "pose_y" => "m",
-            "imu_gz" => "rad/s",
-            "wheel_right" | "wheel_left" if speeds => "rad/s",
-            _ => "rad",
-        }
+        let mut drives = self.drives();
+        let angles = drives.all(|drive| drive.wheels.kind == WheelKind::Angle);
+        unit(channel, angles)
     }
 }
 

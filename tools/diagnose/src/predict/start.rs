@@ -172,7 +172,7 @@ fn turned(
     start: &[f64; LOCALS],
     residuals: &[f64],
 ) -> Option<[f64; LOCALS]> {
-    let at = track.series.iter().position(|s| s.sensor == Sensor::Pose)?;
+    let at = track.place(Sensor::Pose)?;
     let mut poses = window.measured(track, at);
     if poses.any(|(_, pose, _)| pose[2].is_finite()) {
         return None;

@@ -187,10 +187,7 @@ impl Window {
     /// What of the start is unknown: no pose without a camera, no angles without encoders, no speed
     /// where it is commanded or where the wheels stand.
     fn unknowns(&self, track: &Track) -> [bool; LOCALS] {
-        let has = |sensor: Sensor| {
-            let at = track.series.iter().position(|s| s.sensor == sensor);
-            at.is_some_and(|at| self.rows[at][1] > self.rows[at][0])
-        };
+        let has = |sensor: Sensor| self.rows_of(track, sensor).is_some();
         let pose = has(Sensor::Pose);
         let angle = has(Sensor::WheelAngle);
         let rolls = track.kind() != CommandKind::Speed && !self.stands(track);
@@ -199,21 +196,22 @@ impl Window {
 
     /// Whether the encoders show no motion as the window begins.
     fn stands(&self, track: &Track) -> bool {
-        let Some(at) = track
-            .series
-            .iter()
-            .position(|s| s.sensor == Sensor::WheelAngle)
-        else {
+        let Some(rows) = self.rows_of(track, Sensor::WheelAngle) else {
             return false;
         };
-        let [first, end] = self.rows[at];
-        let rows = &track.series[at].rows[first..end];
         let begin = rows
             .iter()
             .take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
         let same =
             |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
         begin.clone().count() > 2 && begin.into_iter().all(same)
+    }
+
+    /// The rows of a sensor; `None` where there are none.
+    fn rows_of<'a>(&self, track: &'a Track, sensor: Sensor) -> Option<&'a [(f64, [f64; 3])]> {
+        let which = track.place(sensor)?;
+        let [first, end] = self.rows[which];
+        (end > first).then(|| &track.series[which].rows[first..end])
     }
 
     /// Time (s), values and place among the residuals of each row of a series.
@@ -241,6 +239,15 @@ impl Window {
         }
     }
 
+    /// The channel of readings that share one rounding, and how many were seen beside the first.
+    pub(crate) fn repeated(&self, residuals: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        self.rests.iter().map(|rest| {
+            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
+            let channel = usize::from(self.channels[rest[0]]);
+            (channel, seen.count().saturating_sub(1) as f64)
+        })
+    }
+
     /// The first `over_s` of this window.
     pub(crate) fn head(&self, track: &Track, over_s: f64) -> Self {
         let to_s = (self.from_s + over_s).min(self.to_s);
@@ -251,16 +258,12 @@ impl Window {
     /// Without a camera the robot is where wheels took it since the recording began.
     pub(crate) fn guess(&self, track: &Track, body: &Body) -> [f64; LOCALS] {
         let [radius_m, half_track_m, _] = geometry(body);
-        let rows = |sensor: Sensor| {
-            let at = track.series.iter().position(|s| s.sensor == sensor)?;
-            let [first, end] = self.rows[at];
-            (end > first).then(|| &track.series[at].rows[first..end])
-        };
-        let poses = rows(Sensor::Pose);
+        let poses = self.rows_of(track, Sensor::Pose);
         let reckoned = || track.reckoned(&[self.from_s], geometry(body))?.pop();
         let seen = poses.map(|rows| rows[0].1).or_else(reckoned);
         let pose = seen.unwrap_or([0.0; 3]);
-        let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
+        let angles = self.rows_of(track, Sensor::WheelAngle);
+        let angle = angles.map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
         let yaw = if pose[2].is_finite() { pose[2] } else { 0.0 };
         let [mut u, mut rate] = [0.0; 2];
         if let Some(wheels) = track.of(Sensor::WheelAngle).filter(|_| self.free[3]) {
