@@ -37,13 +37,11 @@ pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Input
 }
 
 fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, InputError> {
-    if let Some(empty) = request.recordings.iter().find(|own| own.robots.is_empty()) {
+    let mut recordings = request.recordings.iter();
+    if let Some(empty) = recordings.find(|own| own.robots.is_empty()) {
+        let problem = "holds no robot to diagnose";
         let remedy = "give one with commands, wheels or poses of a robot";
-        return Err(InputError::new(
-            &empty.name,
-            "holds no robot to diagnose",
-            remedy,
-        ));
+        return Err(InputError::new(&empty.name, problem, remedy));
     }
     let (recordings, mut warnings) = faults::mended(request.recordings, request.model_of);
     let (against, _) = faults::mended(request.against, request.model_of);
@@ -53,14 +51,9 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         ..*request
     };
     warnings.extend(faults::warnings(request)?);
-    let mut collected = Collected {
-        answer: Answer {
-            format: 1,
-            warnings,
-            ..Answer::default()
-        },
-        ..Collected::default()
-    };
+    let mut collected = Collected::default();
+    collected.answer.format = 1;
+    collected.answer.warnings = warnings;
     let mut all: Vec<Figures> = Vec::new();
     let others = machines(request.against);
     let machines = machines(request.recordings);
@@ -76,13 +69,8 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         predictions,
     } = collected;
     if let [recording] = request.recordings {
-        links::add(
-            recording,
-            &courses,
-            request.excluded,
-            &mut answer,
-            &mut improved,
-        );
+        let excluded = request.excluded;
+        links::add(recording, &courses, excluded, &mut answer, &mut improved);
     }
     advise(&mut answer, &improved, request.recordings);
     answer.against = request.against.iter().map(|own| own.name.clone()).collect();

@@ -91,36 +91,27 @@ fn kind(robot: &Recorded) -> [&'static str; 2] {
 
 /// What can be compared of a run: its drive, its pose, its gyro.
 fn channels(robot: &Recorded) -> [bool; 3] {
-    let wheels = robot.wheels.is_some();
-    let driven = robot.command.is_some();
-    let gyro = robot.imu.is_some();
+    let [wheels, driven] = [robot.wheels.is_some(), robot.command.is_some()];
+    let moves = wheels || driven;
     [
         wheels && driven,
-        robot.pose.is_some() && (wheels || driven),
-        gyro && (wheels || driven),
+        robot.pose.is_some() && moves,
+        robot.imu.is_some() && moves,
     ]
 }
 
 fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
     let place = &today[0].1.name;
     let remedy = "compare recordings that were made in the same way";
-    let kinds = [today, other].map(|runs| kind(runs[0].1));
-    for (what, [now, then]) in [
-        ("is told", [kinds[0][0], kinds[1][0]]),
-        ("has its wheels recorded", [kinds[0][1], kinds[1][1]]),
-    ] {
+    let whats = ["is told", "has its wheels recorded"].into_iter();
+    for ((what, now), then) in whats.zip(kind(today[0].1)).zip(kind(other[0].1)) {
         if now != then {
             let problem = format!("{what} {now}, and {then} in the recording from before");
             return Err(InputError::new(place, problem, remedy));
         }
     }
-    let [now, then] = [today, other].map(|runs| {
-        let all = runs.iter().map(|(_, robot)| channels(robot));
-        all.fold([false; 3], |sum, own| {
-            std::array::from_fn(|i| sum[i] || own[i])
-        })
-    });
-    if !(0..3).any(|i| now[i] && then[i]) {
+    let has = |runs: &Runs<'_>, i: usize| runs.iter().any(|(_, robot)| channels(robot)[i]);
+    if !(0..3).any(|i| has(today, i) && has(other, i)) {
         let problem =
             "shares no pose, gyro, or commands with wheels with the recording from before";
         return Err(InputError::new(place, problem, remedy));

@@ -6,19 +6,20 @@ use slipstream_recording::recording::Robot;
 use super::claim::Claim;
 use super::errors::Errors;
 use super::fitted::Fitted;
-use super::prediction::{Noise, Predictor, SHORTEST_S, at_most, deviations};
+use super::prediction::{Noise, Predictor, SHORTEST_S, deviations};
 use super::search::problem;
 use crate::data::streams::WheelKind;
 use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;
-use crate::judge::{Predictions, QUANTITIES, Score, Worth};
+use crate::judge::{Predictions, QUANTITIES, Worth};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::DRIVE;
 use crate::model::from_wheels::{FromWheels, Reference};
 use crate::model::streams::{Joint, ROBUST};
 use crate::model::view::View;
 use crate::predict::predictor::unit;
+use crate::predict::window::at_most;
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
@@ -237,20 +238,16 @@ impl<'a> Bench<'a> {
         let thinned = self.windows.iter().map(|all| at_most(all, BUDGET_WINDOWS));
         let windows: Vec<Vec<[f64; 2]>> = thinned.collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
-        let score = |subset: usize| {
-            let own = players.iter().enumerate();
-            let own = own.filter(|(i, _)| subset >> i & 1 == 1);
-            let fitted = &self.own.fitted;
-            let kept = own.flat_map(|(_, player)| &player.toggles);
-            let at = &fitted.found.selected.fit.at;
-            let at = fitted.machine_at(&fitted.with(at, kept));
+        let fitted = &self.own.fitted;
+        let fit = &fitted.found.selected.fit.at;
+        Worth::new(players.iter().map(|own| own.name).collect(), |left_out| {
+            let own = players.iter().filter(|own| !left_out.contains(&own.name));
+            let kept = own.flat_map(|player| &player.toggles);
+            let at = fitted.machine_at(&fitted.with(fit, kept));
             let runs = windows.iter().enumerate();
             let scores = runs.map(|(run, own)| self.predictor(run).errors(run, &at, own).score);
             scores.collect()
-        };
-        let names = players.iter().map(|own| own.name).collect();
-        let scores: Vec<Vec<Score>> = (0..1_usize << players.len()).map(score).collect();
-        Worth::new(names, &scores)
+        })
     }
 
     /// What the judge is told of the machine.

@@ -11,6 +11,7 @@ use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::{AVERAGED, Response};
 use crate::model::from_wheels::{FromWheels, drive_parameters};
 use crate::model::run::{Run, sensor_noise};
+use crate::predict::window::at_most;
 
 /// Time over which the start of a window is fitted (s).
 pub(super) const FITTED_S: f64 = 0.5;
@@ -121,12 +122,6 @@ impl Predictor<'_> {
 /// At most so many windows, at equal distances.
 pub(super) fn some_windows(predictor: &Predictor<'_>, most: usize) -> Vec<[f64; 2]> {
     at_most(&predictor.windows(), most)
-}
-
-/// At most so many of these windows, at equal distances.
-pub(super) fn at_most(all: &[[f64; 2]], most: usize) -> Vec<[f64; 2]> {
-    let stride = all.len().div_ceil(most.max(1)).max(1);
-    all.iter().copied().step_by(stride).collect()
 }
 
 /// The rows of a window (s), or some of them where the recording has very many.

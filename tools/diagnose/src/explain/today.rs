@@ -27,11 +27,9 @@ pub(super) fn of_today(
     let found = &all.selected;
     let to = |from: usize| table.find(&all.table.keys[from]);
     let mut at = vec![0.0; table.parameters()];
-    for (from, value) in found.fit.at.iter().enumerate() {
-        if let Some(to) = to(from) {
-            at[to] = *value;
-        }
-    }
+    let values = found.fit.at.iter().enumerate();
+    let values = values.filter_map(|(from, value)| Some((to(from)?, *value)));
+    values.for_each(|(to, value)| at[to] = value);
     let places = found.fit.free.iter().enumerate();
     let left: Vec<(usize, usize)> = places
         .filter_map(|(place, from)| Some((place, to(*from)?)))

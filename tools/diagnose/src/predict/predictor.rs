@@ -14,9 +14,9 @@ use crate::model::hypothesis::{
 };
 use crate::predict::facing::Facing;
 use crate::predict::misfit::Misfit;
-use crate::predict::simulation::{Simulated, hardened, is_exact_at_any_step};
+use crate::predict::simulation::{Simulated, hardened};
 use crate::predict::start::Start;
-use crate::predict::window::{Window, cut_some};
+use crate::predict::window::{Window, at_most, cut_some};
 use crate::request::{Request, model_of};
 
 /// Rows of a series above which it is thinned: more say no more.
@@ -87,8 +87,7 @@ impl Predictor {
 
     /// At most so many windows, at equal distances.
     pub(crate) fn some_windows(&self, most: usize) -> Vec<Window> {
-        let stride = self.windows.len().div_ceil(most).max(1);
-        self.windows.iter().step_by(stride).cloned().collect()
+        at_most(&self.windows, most)
     }
 
     /// The robot with these effects. `None` for one that cannot be.
@@ -99,7 +98,8 @@ impl Predictor {
         let has = |such: fn(&Info) -> bool| infos.iter().any(|info| such(info));
         let slips = has(|info| slides(info) || info.acts == When::Apart);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
-        let step_s = if is_exact_at_any_step(kind, slips, has(changes_commands_over_time)) {
+        let as_told = kind == CommandKind::Speed && !has(changes_commands_over_time);
+        let step_s = if as_told && !slips {
             LONG_STEP_S
         } else if slips {
             SHORT_STEP_S
@@ -157,14 +157,12 @@ impl Predictor {
     }
 
     fn score(&self, window: &Window, judged: &Judged) -> Score {
-        let residuals = &judged.residuals;
         let mut score = Score::default();
         let mut start = judged.start;
         let track = &self.tracks[window.run];
         let has_pose = track.of(Sensor::Pose).is_some();
         for (which, series) in track.series.iter().enumerate() {
-            let first = series.sensor.channel();
-            let width = series.sensor.width();
+            let (first, width) = (series.sensor.channel(), series.sensor.width());
             let variance = series.deviation.map(|own| own * own);
             let facing = Facing::new(window, track, which, judged.fitted_s);
             if facing.is_unknown() {
@@ -172,7 +170,7 @@ impl Predictor {
             }
             let mut first_row = None;
             for (_, values, base) in window.measured(track, which) {
-                let square = |part: usize| residuals[base + part].powi(2) * variance[part];
+                let square = |part: usize| judged.residuals[base + part].powi(2) * variance[part];
                 let of_start = facing.spread(values);
                 let known = [0, 1, 2].map(|part| variance[part] + of_start[part]);
                 for part in 0..width {
@@ -202,7 +200,7 @@ impl Predictor {
                 }
             }
         }
-        for (channel, more) in window.repeated(residuals) {
+        for (channel, more) in window.repeated(&judged.residuals) {
             score.repeat(channel, more, self.deviation(channel).powi(2));
         }
         score.begin(start);

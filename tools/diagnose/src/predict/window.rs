@@ -29,8 +29,8 @@ pub(crate) struct Window {
     pub(crate) run: usize,
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
-    /// Of the track's commands, the one that holds at the start, and the end of the range.
-    pub(crate) commands: [usize; 2],
+    /// Which of the track's commands holds at the start.
+    pub(crate) command: usize,
     /// Of each series, the rows in the window.
     pub(crate) rows: Vec<[usize; 2]>,
     /// Where the residuals of each series begin.
@@ -71,6 +71,12 @@ pub(crate) fn cut_some(tracks: &[Track]) -> Vec<Window> {
     let runs = tracks.iter().enumerate();
     let all = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S));
     spread(all.collect(), MOST)
+}
+
+/// At most so many of all, at equal distances.
+pub(crate) fn at_most<T: Clone>(all: &[T], most: usize) -> Vec<T> {
+    let stride = all.len().div_ceil(most.max(1)).max(1);
+    all.iter().step_by(stride).cloned().collect()
 }
 
 /// At most `most` of all windows, from begin to end.
@@ -150,7 +156,8 @@ fn at_rest(rows: &[(f64, [f64; 3])], base: usize) -> Vec<Vec<usize>> {
 
 impl Window {
     pub(crate) fn new(track: &Track, run: usize, from_s: f64, to_s: f64) -> Self {
-        let [first, end] = range(&track.commands, from_s + 1e-9, to_s - 1e-9);
+        let told = &track.commands;
+        let first = told.partition_point(|(t_s, _)| *t_s < from_s + 1e-9);
         let (mut rows, mut base) = (Vec::new(), Vec::new());
         let (mut channels, mut stamps_s) = (Vec::new(), Vec::new());
         let mut rests = Vec::new();
@@ -172,7 +179,7 @@ impl Window {
             run,
             from_s,
             to_s,
-            commands: [first.saturating_sub(1), end],
+            command: first.saturating_sub(1),
             rows,
             base,
             channels,

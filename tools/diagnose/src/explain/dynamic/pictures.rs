@@ -14,7 +14,7 @@ use crate::model::plant::machine::Machine;
 use crate::predict::drawn::{Drawn, GAP};
 use crate::predict::misfit::Misfit;
 use crate::predict::predictor::Predictor;
-use crate::predict::window::{WINDOW_S, cut};
+use crate::predict::window::{WINDOW_S, at_most, cut};
 
 /// Places of a line that the filter draws.
 const PLACES: usize = 4000;
@@ -75,7 +75,8 @@ fn watched(machine: &Machine, fit: &Filtered) -> (Vec<Motion>, Vec<[Vec<Point>; 
         }
     });
     let runs = all.iter().enumerate().map(|(run, lines)| {
-        let [speed_m_s, turn_rad_s, along, about] = [0, 1, 2, 3].map(|i| thinned(&lines[i]));
+        let [speed_m_s, turn_rad_s, along, about] =
+            [0, 1, 2, 3].map(|i| at_most(&lines[i], PLACES));
         let motion = Motion {
             run,
             speed_m_s,
@@ -84,12 +85,6 @@ fn watched(machine: &Machine, fit: &Filtered) -> (Vec<Motion>, Vec<[Vec<Point>; 
         (motion, [along, about])
     });
     runs.unzip()
-}
-
-/// At most [`PLACES`] points.
-fn thinned(points: &[Point]) -> Vec<Point> {
-    let stride = points.len().div_ceil(PLACES).max(1);
-    points.iter().copied().step_by(stride).collect()
 }
 
 /// The forces that the models miss in each run; without findings the improved model is the nominal one.
@@ -159,18 +154,9 @@ fn profile(
         return None;
     }
     let (name, value) = *own.values.last()?;
-    let nothing = own.nothing(&machine.model, name);
-    let by_factor = own.is_abrupt() || own.is_threshold() || own.has_play();
     let windows = predictor.some_windows(WINDOWS);
-    let sizes = (-SIZES..=SIZES).into_par_iter().map(|k| {
-        let share = f64::from(k) / f64::from(SIZES);
-        if by_factor {
-            value * 2.0_f64.powf(share)
-        } else {
-            value + share * (value - nothing)
-        }
-    });
-    let worth: Vec<(f64, Misfit)> = sizes
+    let worth: Vec<(f64, Misfit)> = sizes(own, value, own.nothing(&machine.model, name))
+        .into_par_iter()
         .map(|size| {
             let mut moved = hypotheses.to_vec();
             moved[index].set(name, size);
@@ -197,6 +183,21 @@ fn profile(
         unit,
         points: points.collect(),
     })
+}
+
+/// Sizes around one that was found, from nothing on, or by factors of it where nothing is far.
+fn sizes(own: &Hypothesis, found: f64, nothing: f64) -> Vec<f64> {
+    let by_factor = own.is_abrupt() || own.is_threshold() || own.has_play();
+    let shares = (-SIZES..=SIZES).map(|k| f64::from(k) / f64::from(SIZES));
+    shares
+        .map(|share| {
+            if by_factor {
+                found * 2.0_f64.powf(share)
+            } else {
+                found + share * (found - nothing)
+            }
+        })
+        .collect()
 }
 
 /// The force outside of the catalogue as a curve, where it is a table.
