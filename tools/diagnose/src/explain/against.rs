@@ -121,21 +121,21 @@ fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
 
 /// Streams that only one side has: what they show cannot be compared.
 pub(crate) fn not_compared(today: &Runs<'_>, other: &Runs<'_>) -> Vec<Warning> {
-    let has = |runs: &Runs<'_>, stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
-    type Stream = (&'static str, fn(&Recorded) -> bool);
-    let streams: [Stream; 2] = [
-        ("pose", |robot| robot.pose.is_some()),
-        ("gyro", |robot| robot.imu.is_some()),
-    ];
-    let apart = streams
-        .into_iter()
-        .filter(|(_, stream)| has(today, *stream) != has(other, *stream));
+    let has = |runs: &Runs<'_>| {
+        let any = |stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
+        [
+            any(|robot| robot.pose.is_some()),
+            any(|robot| robot.imu.is_some()),
+        ]
+    };
+    let streams = ["pose", "gyro"].into_iter().zip(has(today)).zip(has(other));
+    let apart = streams.filter(|((_, now), then)| now != then);
     apart
-        .map(|(name, stream)| Warning {
+        .map(|((name, now), _)| Warning {
             recording: today[0].0.name.clone(),
             robot: Some(today[0].1.name.clone()),
             id: "not_compared".to_owned(),
-            statement: if has(today, stream) {
+            statement: if now {
                 format!("the recording from before has no {name}: what it shows is not compared")
             } else {
                 format!("this recording has no {name}: what that of before shows is not compared")

@@ -25,7 +25,13 @@ const OF_WHEELS: [&str; 2] = ["both wheels", "right over left"];
 
 /// The limits of all terms that no finding has.
 pub(super) fn limits(scene: &Scene<'_>) -> Vec<Limit> {
-    let base = Base::new(scene);
+    let most = WINDOWS.div_ceil(scene.predictors.len());
+    let base = scene.predictors.iter().enumerate().map(|(run, predictor)| {
+        let windows = some_windows(predictor, most);
+        let errors = predictor.errors(run, scene.with_all, &windows);
+        (windows, errors.drawn)
+    });
+    let base: Vec<_> = base.collect();
     // beside recordings from before: what a change would have to be
     let asked = scene.all;
     let found = asked.found;
@@ -61,7 +67,7 @@ fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Ter
         let named = named((shown, of_turns), number, index)?;
         let place = term.parameters.iter().position(|own| *own == index);
         let change = place.and_then(|place| *sizes.get(place)?);
-        let error = change.map_or([None, None], |change| base.caused(scene, index, change));
+        let error = change.map_or([None, None], |change| caused(scene, base, index, change));
         Some(limit(shown, named, change, error))
     })
     .collect()
@@ -141,44 +147,28 @@ fn named(
     }
 }
 
-/// Some windows of each run as the findings predict them: what a change is compared with.
-struct Base {
-    runs: Vec<(Vec<[f64; 2]>, Drawn)>,
-}
+/// Some windows (s) of each run as the findings predict them: what a change is compared with.
+type Base = [(Vec<[f64; 2]>, Drawn)];
 
-impl Base {
-    fn new(scene: &Scene<'_>) -> Self {
-        let most = WINDOWS.div_ceil(scene.predictors.len());
-        let runs = scene.predictors.iter().enumerate().map(|(run, predictor)| {
-            let windows = some_windows(predictor, most);
-            let errors = predictor.errors(run, scene.with_all, &windows);
-            (windows, errors.drawn)
+/// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
+fn caused(scene: &Scene<'_>, base: &Base, index: usize, change: f64) -> [Option<f64>; 2] {
+    let key = &scene.all.found.table.keys[index];
+    let Some(own) = scene.own.found.table.find(key) else {
+        return [None, None];
+    };
+    let mut at = scene.at.clone();
+    at[own] += change;
+    let moved = scene.own.machine_at(&at);
+    let runs = scene.predictors.iter().zip(base).enumerate();
+    root_means(runs.flat_map(|(run, (predictor, (windows, own)))| {
+        let other = predictor.errors(run, &moved, windows).drawn;
+        let places = own.path.iter().zip(&other.path);
+        let places = places.flat_map(|(a, b)| {
+            let [(ax, ay), (bx, by)] = [a.predicted, b.predicted];
+            [(POSE, ax - bx), (POSE + 1, ay - by)]
         });
-        Self {
-            runs: runs.collect(),
-        }
-    }
-
-    /// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
-    fn caused(&self, scene: &Scene<'_>, index: usize, change: f64) -> [Option<f64>; 2] {
-        let key = &scene.all.found.table.keys[index];
-        let Some(own) = scene.own.found.table.find(key) else {
-            return [None, None];
-        };
-        let mut at = scene.at.clone();
-        at[own] += change;
-        let moved = scene.own.machine_at(&at);
-        let runs = scene.predictors.iter().zip(&self.runs).enumerate();
-        root_means(runs.flat_map(|(run, (predictor, (windows, own)))| {
-            let other = predictor.errors(run, &moved, windows).drawn;
-            let places = own.path.iter().zip(&other.path);
-            let places = places.flat_map(|(a, b)| {
-                let [(ax, ay), (bx, by)] = [a.predicted, b.predicted];
-                [(POSE, ax - bx), (POSE + 1, ay - by)]
-            });
-            let yaws = own.errors[POSE + 2].iter().zip(&other.errors[POSE + 2]);
-            let yaws = yaws.map(|((_, a), (_, b))| (POSE + 2, a - b));
-            places.chain(yaws).collect::<Vec<_>>()
-        }))
-    }
+        let yaws = own.errors[POSE + 2].iter().zip(&other.errors[POSE + 2]);
+        let yaws = yaws.map(|((_, a), (_, b))| (POSE + 2, a - b));
+        places.chain(yaws).collect::<Vec<_>>()
+    }))
 }

@@ -2,11 +2,11 @@
 
 pub(crate) mod against;
 mod bench;
-pub(crate) mod claim;
+mod claim;
 pub(crate) mod collected;
 mod drawn_span;
 pub(crate) mod dynamic;
-pub(crate) mod errors;
+mod errors;
 mod figures;
 pub(crate) mod finding;
 mod fitted;
@@ -16,10 +16,10 @@ mod limits;
 pub(crate) mod links;
 mod naming;
 mod open_loop;
-pub(crate) mod pictures;
+mod pictures;
 mod poses;
-pub(crate) mod prediction;
-pub(crate) mod scene;
+mod prediction;
+mod scene;
 mod search;
 mod sight;
 mod spread;

@@ -65,19 +65,23 @@ pub(crate) fn limits(
 /// An effect with the size of its limit; `None` without one.
 fn at_limit(machine: &Machine, one: &Hypothesis, limit: &Limit) -> Option<Hypothesis> {
     let size = limit.size.filter(|size| size.is_finite())?;
-    let mut moved = one.clone();
-    if sizes_of(one.info) == one.values.len() {
-        for (own, value) in &mut moved.values {
-            *value = one.nothing(&machine.model, own);
-        }
-    }
-    let nothing = one.nothing(&machine.model, limit.parameter);
     let value = match limit.seen {
         Seen::Below => size,
-        Seen::Above | Seen::Around(_) => nothing + size,
+        Seen::Above | Seen::Around(_) => one.nothing(&machine.model, limit.parameter) + size,
     };
-    moved.set(limit.parameter, value);
-    Some(moved)
+    Some(with_only(machine, one, limit.parameter, value))
+}
+
+/// An effect with one of its sizes; its others do nothing, while places and directions stay where they begin.
+fn with_only(machine: &Machine, one: &Hypothesis, name: &str, value: f64) -> Hypothesis {
+    let mut own = one.clone();
+    if sizes_of(one.info) == one.values.len() {
+        for (name, value) in &mut own.values {
+            *value = one.nothing(&machine.model, name);
+        }
+    }
+    own.set(name, value);
+    own
 }
 
 fn of_kind(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis]) -> Vec<Limit> {
@@ -98,14 +102,7 @@ fn of_kind(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis]) -> Vec<Limit
 fn by_deviation(machine: &Machine, fit: &Filtered, one: &Hypothesis, name: &'static str) -> Limit {
     let nothing = one.nothing(&machine.model, name);
     let step = STEP * least_change(one.info, name);
-    let mut moved = one.clone();
-    for (own, value) in &mut moved.values {
-        // places and directions stay where they begin
-        if sizes_of(one.info) == one.values.len() || own == &name {
-            *value = one.nothing(&machine.model, own);
-        }
-    }
-    moved.set(name, nothing + step);
+    let moved = with_only(machine, one, name, nothing + step);
     let size = machine.innovations(fit, &fit.beside(&moved)).and_then(|e| {
         let precisions = precisions(&fit.whitened, &machine.channels);
         let pairs = e.iter().zip(&fit.whitened).zip(&precisions);
