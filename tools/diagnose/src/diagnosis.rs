@@ -4,7 +4,7 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::Robot as Recorded;
 
-use crate::answer::{Answer, Figures, Unexplained, advise};
+use crate::answer::{Answer, Figures, advise};
 use crate::data::faults;
 use crate::data::track::Track;
 use crate::explain::against;
@@ -37,13 +37,11 @@ pub fn diagnose_with_figures(request: &Request<'_>) -> Result<Illustrated, Input
 }
 
 fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, InputError> {
-    if let Some(empty) = request.recordings.iter().find(|own| own.robots.is_empty()) {
+    let mut recordings = request.recordings.iter();
+    if let Some(empty) = recordings.find(|own| own.robots.is_empty()) {
+        let problem = "holds no robot to diagnose";
         let remedy = "give one with commands, wheels or poses of a robot";
-        return Err(InputError::new(
-            &empty.name,
-            "holds no robot to diagnose",
-            remedy,
-        ));
+        return Err(InputError::new(&empty.name, problem, remedy));
     }
     let (recordings, mut warnings) = faults::mended(request.recordings, request.model_of);
     let (against, _) = faults::mended(request.against, request.model_of);
@@ -53,46 +51,16 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         ..*request
     };
     warnings.extend(faults::warnings(request)?);
-    let mut collected = Collected {
-        answer: Answer {
-            format: 1,
-            warnings,
-            ..Answer::default()
-        },
-        ..Collected::default()
-    };
+    let mut collected = Collected::default();
+    collected.answer.format = 1;
+    collected.answer.warnings = warnings;
     let mut all: Vec<Figures> = Vec::new();
     let others = machines(request.against);
     let machines = machines(request.recordings);
     let is_alone = machines.len() == 1;
     for machine in machines {
         let other = against::counterpart(request, &machine, is_alone, &others)?;
-        let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
-        let model = model_of(request, machine[0])?;
-        slipstream_sim::Robot::new(&model)?;
-        if kinematic::applies(&robots) {
-            let before = match other {
-                Some(other) => Some((other, against::learn(request, other, &model)?)),
-                None => None,
-            };
-            let asked = Asked {
-                machine: &machine,
-                model: before.as_ref().map_or(&model, |(_, learnt)| &learnt.model),
-                before: before.as_ref(),
-                illustrate,
-            };
-            all.extend(by_filter(request, &asked, &mut collected)?);
-        } else if dynamic::applies(&robots, &model) {
-            all.extend(dynamic::examine(
-                request,
-                &machine,
-                other,
-                &mut collected,
-                illustrate,
-            )?);
-        } else {
-            return Err(told_apart(&machine, &model));
-        }
+        all.extend(one(request, &machine, other, &mut collected, illustrate)?);
     }
     let Collected {
         mut answer,
@@ -101,13 +69,8 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
         predictions,
     } = collected;
     if let [recording] = request.recordings {
-        links::add(
-            recording,
-            &courses,
-            request.excluded,
-            &mut answer,
-            &mut improved,
-        );
+        let excluded = request.excluded;
+        links::add(recording, &courses, excluded, &mut answer, &mut improved);
     }
     advise(&mut answer, &improved, request.recordings);
     answer.against = request.against.iter().map(|own| own.name.clone()).collect();
@@ -115,8 +78,37 @@ fn examine(request: &Request<'_>, illustrate: bool) -> Result<Illustrated, Input
     Ok((answer, improved, all))
 }
 
+/// Diagnoses one machine beside its runs from before; returns its figures, if they are asked for.
+fn one(
+    request: &Request<'_>,
+    machine: &Runs<'_>,
+    other: Option<&Runs<'_>>,
+    collected: &mut Collected,
+    illustrate: bool,
+) -> Result<Option<Figures>, InputError> {
+    let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
+    let model = model_of(request, machine[0])?;
+    slipstream_sim::Robot::new(&model)?;
+    if kinematic::applies(&robots) {
+        let learnt = other.map(|other| against::learn(request, other, &model));
+        let learnt = learnt.transpose()?;
+        let model = learnt.as_ref().map_or(&model, |learnt| &learnt.model);
+        let known = (model, other.zip(learnt.as_ref()));
+        by_filter(request, machine, known, collected, illustrate)
+    } else if dynamic::applies(&robots, &model) {
+        let figures = dynamic::examine(request, machine, other, collected, illustrate)?;
+        let runs = (0..machine.len()).map(|run| run_name(machine, run));
+        Ok(figures.map(|figures| Figures {
+            runs: runs.collect(),
+            ..figures
+        }))
+    } else {
+        Err(told_apart(machine, &model))
+    }
+}
+
 /// Why a machine is neither told speeds alone nor efforts alone, or cannot be told its efforts.
-fn told_apart(machine: &[(&Recording, &Recorded)], model: &RobotModel) -> InputError {
+fn told_apart(machine: &Runs<'_>, model: &RobotModel) -> InputError {
     let place = &machine[0].1.name;
     let accepts = |(recording, robot): &(&Recording, &Recorded)| {
         let kind = Track::new(recording, robot, model)?.kind();
@@ -130,26 +122,14 @@ fn told_apart(machine: &[(&Recording, &Recorded)], model: &RobotModel) -> InputE
     InputError::new(place, problem, remedy)
 }
 
-/// What is asked of a machine that is told speeds or nothing.
-struct Asked<'a> {
-    machine: &'a Runs<'a>,
-    model: &'a RobotModel,
-    before: Option<&'a (&'a Vec<(&'a Recording, &'a Recorded)>, Learnt)>,
-    illustrate: bool,
-}
-
 /// Diagnoses a machine that is told speeds or nothing.
 fn by_filter(
     request: &Request<'_>,
-    asked: &Asked<'_>,
+    machine: &Runs<'_>,
+    (model, before): (&RobotModel, Option<(&Runs<'_>, &Learnt)>),
     collected: &mut Collected,
+    illustrate: bool,
 ) -> Result<Option<Figures>, InputError> {
-    let Asked {
-        machine,
-        model,
-        before,
-        illustrate,
-    } = *asked;
     let name = &machine[0].1.name;
     let progress = |what: &str| (request.progress)(&format!("{name}: {what}"));
     let found = kinematic::examine(&Task {
@@ -166,46 +146,33 @@ fn by_filter(
     for claim in &found.claims {
         let run = claim.runs.as_ref().and_then(|runs| runs.first());
         let span_s = found.spans_s[run.copied().unwrap_or(0)];
-        let mut finding = finding(claim, name, &runs, model, span_s);
+        let (mut finding, unexplained) = finding(claim, name, &runs, model, span_s);
         if let Some((earlier, learnt)) = before {
             against::compared(&mut finding, claim, learnt, &earlier[0].0.name);
         }
-        if let (Some(shape), Some(driver)) = (&finding.shape, &finding.driver) {
-            answer.unexplained.push(Unexplained {
-                robot: name.clone(),
-                channel: finding.place.channel.clone(),
-                driver: driver.clone(),
-                intervals_s: finding.place.intervals_s.clone(),
-                shape: shape.clone(),
-            });
-        }
         answer.findings.push(finding);
+        answer.unexplained.extend(unexplained);
     }
     answer.held_out.merge(&found.held_out);
-    answer.budget.extend(found.budget.clone());
-    answer.outliers.extend(found.outliers.clone());
-    answer.detectable.extend(found.detectable.clone());
-    answer.process_noise.extend(found.process_noise.clone());
-    answer.warnings.extend(found.warnings.clone());
+    answer.budget.extend(found.budget);
+    answer.outliers.extend(found.outliers);
+    answer.detectable.extend(found.detectable);
+    answer.process_noise.extend(found.process_noise);
+    answer.warnings.extend(found.warnings);
     if let Some((earlier, _)) = before {
         let warnings = against::not_compared(machine, earlier);
         answer.warnings.extend(warnings);
     }
-    collected
-        .improved
-        .push((name.clone(), found.improved.clone()));
+    collected.improved.push((name.clone(), found.improved));
     collected.predictions.push(found.predictions);
-    collected.courses.extend(
-        found
-            .courses
-            .iter()
-            .map(|course| Course::of(name.clone(), course.points.clone(), course.deviation)),
-    );
+    let courses = found.courses.into_iter();
+    let courses = courses.map(|own| Course::of(name.clone(), own.points, own.deviation));
+    collected.courses.extend(courses);
     Ok(found.figures.map(|figures| Figures { runs, ..figures }))
 }
 
 /// Name of a run: of its recording where there are several, else of its robot.
-fn run_name(machine: &[(&Recording, &Recorded)], run: usize) -> String {
+fn run_name(machine: &Runs<'_>, run: usize) -> String {
     let (recording, robot) = machine[run];
     let alone = machine
         .iter()

@@ -237,6 +237,13 @@ impl Track {
         self.series.iter().find(|series| series.sensor == sensor)
     }
 
+    /// Which of the series is that of `sensor`.
+    pub(crate) fn place(&self, sensor: Sensor) -> Option<usize> {
+        self.series
+            .iter()
+            .position(|series| series.sensor == sensor)
+    }
+
     /// The quantity that commands set.
     pub(crate) fn kind(&self) -> CommandKind {
         match self.commands.first() {

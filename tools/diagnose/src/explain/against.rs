@@ -5,9 +5,9 @@ use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded, Wheels};
 
-use super::claim::Claim;
+use super::claim::{Claim, Value};
+use super::finding::since;
 use super::kinematic::{self, Learnt, Task};
-use crate::answer::statement::changed;
 use crate::answer::{Finding, Warning};
 use crate::request::{Request, Runs, model_of};
 
@@ -24,7 +24,7 @@ pub(crate) fn counterpart<'a, 'b>(
     today: &Runs<'_>,
     is_alone: bool,
     others: &'b [Vec<(&'a Recording, &'a Recorded)>],
-) -> Result<Option<&'b Vec<(&'a Recording, &'a Recorded)>>, InputError> {
+) -> Result<Option<&'b Runs<'a>>, InputError> {
     if request.against.is_empty() {
         return Ok(None);
     }
@@ -56,17 +56,10 @@ fn same_machine(
     other: &Runs<'_>,
 ) -> Result<(), InputError> {
     let [own, before] = [model_of(request, today[0])?, model_of(request, other[0])?];
+    let [own, before] = [&own.robot, &before.robot];
     let lengths = [
-        (
-            "wheel_radius_m",
-            own.robot.wheel_radius_m,
-            before.robot.wheel_radius_m,
-        ),
-        (
-            "half_track_m",
-            own.robot.half_track_m,
-            before.robot.half_track_m,
-        ),
+        ("wheel_radius_m", own.wheel_radius_m, before.wheel_radius_m),
+        ("half_track_m", own.half_track_m, before.half_track_m),
     ];
     for (name, now, then) in lengths {
         if (now - then).abs() > SAME * now.abs() {
@@ -98,36 +91,27 @@ fn kind(robot: &Recorded) -> [&'static str; 2] {
 
 /// What can be compared of a run: its drive, its pose, its gyro.
 fn channels(robot: &Recorded) -> [bool; 3] {
-    let wheels = robot.wheels.is_some();
-    let driven = robot.command.is_some();
-    let gyro = robot.imu.is_some();
+    let [wheels, driven] = [robot.wheels.is_some(), robot.command.is_some()];
+    let moves = wheels || driven;
     [
         wheels && driven,
-        robot.pose.is_some() && (wheels || driven),
-        gyro && (wheels || driven),
+        robot.pose.is_some() && moves,
+        robot.imu.is_some() && moves,
     ]
 }
 
 fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
     let place = &today[0].1.name;
     let remedy = "compare recordings that were made in the same way";
-    let kinds = [today, other].map(|runs| kind(runs[0].1));
-    for (what, [now, then]) in [
-        ("is told", [kinds[0][0], kinds[1][0]]),
-        ("has its wheels recorded", [kinds[0][1], kinds[1][1]]),
-    ] {
+    let whats = ["is told", "has its wheels recorded"].into_iter();
+    for ((what, now), then) in whats.zip(kind(today[0].1)).zip(kind(other[0].1)) {
         if now != then {
             let problem = format!("{what} {now}, and {then} in the recording from before");
             return Err(InputError::new(place, problem, remedy));
         }
     }
-    let [now, then] = [today, other].map(|runs| {
-        let all = runs.iter().map(|(_, robot)| channels(robot));
-        all.fold([false; 3], |sum, own| {
-            std::array::from_fn(|i| sum[i] || own[i])
-        })
-    });
-    if !(0..3).any(|i| now[i] && then[i]) {
+    let has = |runs: &Runs<'_>, i: usize| runs.iter().any(|(_, robot)| channels(robot)[i]);
+    if !(0..3).any(|i| has(today, i) && has(other, i)) {
         let problem =
             "shares no pose, gyro, or commands with wheels with the recording from before";
         return Err(InputError::new(place, problem, remedy));
@@ -137,21 +121,21 @@ fn comparable(today: &Runs<'_>, other: &Runs<'_>) -> Result<(), InputError> {
 
 /// Streams that only one side has: what they show cannot be compared.
 pub(crate) fn not_compared(today: &Runs<'_>, other: &Runs<'_>) -> Vec<Warning> {
-    let has = |runs: &Runs<'_>, stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
-    type Stream = (&'static str, fn(&Recorded) -> bool);
-    let streams: [Stream; 2] = [
-        ("pose", |robot| robot.pose.is_some()),
-        ("gyro", |robot| robot.imu.is_some()),
-    ];
-    let apart = streams
-        .into_iter()
-        .filter(|(_, stream)| has(today, *stream) != has(other, *stream));
+    let has = |runs: &Runs<'_>| {
+        let any = |stream: fn(&Recorded) -> bool| runs.iter().any(|own| stream(own.1));
+        [
+            any(|robot| robot.pose.is_some()),
+            any(|robot| robot.imu.is_some()),
+        ]
+    };
+    let streams = ["pose", "gyro"].into_iter().zip(has(today)).zip(has(other));
+    let apart = streams.filter(|((_, now), then)| now != then);
     apart
-        .map(|(name, stream)| Warning {
+        .map(|((name, now), _)| Warning {
             recording: today[0].0.name.clone(),
             robot: Some(today[0].1.name.clone()),
             id: "not_compared".to_owned(),
-            statement: if has(today, stream) {
+            statement: if now {
                 format!("the recording from before has no {name}: what it shows is not compared")
             } else {
                 format!("this recording has no {name}: what that of before shows is not compared")
@@ -188,14 +172,16 @@ pub(crate) fn compared(finding: &mut Finding, claim: &Claim, learnt: &Learnt, be
     let same =
         |own: &&Claim| own.effect == claim.effect && own.word == claim.word && own.runs.is_none();
     let known = learnt.claims.iter().find(same);
-    for parameter in &mut finding.parameters {
-        let values = known.iter().flat_map(|own| &own.values);
-        let value = values.into_iter().find(|own| own.name == parameter.name);
-        if let (Some(value), Some(_)) = (value, parameter.nominal) {
-            let [below, above] = value.half;
-            let [a, b] = [-below, above].map(|change| value.applied(parameter.nominal, change));
-            parameter.nominal_ci95 = Some([a.min(b), a.max(b)]);
-        }
-    }
-    finding.statement = changed(finding, before);
+    since(finding, before, |parameter| {
+        let value = known?
+            .values
+            .iter()
+            .find(|own| own.name == parameter.name)?;
+        let nominal = parameter.nominal?;
+        let as_before = Value {
+            change: 0.0,
+            ..value.clone()
+        };
+        Some(as_before.interval(Some(nominal)))
+    });
 }

@@ -4,19 +4,22 @@
 use slipstream_recording::recording::Robot;
 
 use super::claim::Claim;
+use super::errors::Errors;
 use super::fitted::Fitted;
-use super::prediction::{Errors, Noise, Predictor, SHORTEST_S, deviations};
+use super::prediction::{Noise, Predictor, SHORTEST_S, deviations};
 use super::search::problem;
 use crate::data::streams::WheelKind;
-use crate::estimate::blocks::Blocks;
 use crate::estimate::masked::Masked;
 use crate::estimate::scoring::SHORT;
-use crate::judge::{Predictions, QUANTITIES, Score, Worth, name};
+use crate::judge::{Predictions, QUANTITIES, Worth};
 use crate::model::command_to_wheels::DriveRun;
 use crate::model::drive::DRIVE;
 use crate::model::from_wheels::{FromWheels, Reference};
+use crate::model::run::Run;
 use crate::model::streams::{Joint, ROBUST};
 use crate::model::view::View;
+use crate::predict::predictor::unit;
+use crate::predict::window::at_most;
 
 /// Parts of the windows that are predicted by what was fitted to the others.
 const FOLDS: usize = 5;
@@ -30,6 +33,9 @@ const AFTER_S: f64 = 1e-6;
 const BUDGET_WINDOWS: usize = 40;
 /// Most effects of a budget: every subset of them is predicted once.
 const PLAYERS: usize = 10;
+
+/// Number of a run, and begin and end (s) of a window of it.
+type Window = (usize, [f64; 2]);
 
 /// Claims of one effect, and the parameters of the machine that they explain.
 struct Player {
@@ -56,8 +62,8 @@ pub(super) struct Bench<'a> {
     pub(super) found: Vec<f64>,
     /// Standard deviations of the sensors of each run.
     pub(super) deviations: Vec<[f64; QUANTITIES]>,
-    /// Begin and end of the windows of each run (s).
-    windows: Vec<Vec<[f64; 2]>>,
+    /// Windows of all runs.
+    windows: Vec<Window>,
 }
 
 /// The players of these claims, those that bring most first.
@@ -147,15 +153,14 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Windows of each run. Where a few poses jump, no prediction runs over them: they count as outliers, which
+    /// Windows of all runs. Where a few poses jump, no prediction runs over them: they count as outliers, which
     /// are told, and say nothing of the model.
-    fn cut(&self) -> Vec<Vec<[f64; 2]>> {
+    fn cut(&self) -> Vec<Window> {
         let view = View {
             machine: self.machine(),
             robust: true,
         };
-        let runs = self.machine().runs.iter().enumerate();
-        runs.map(|(i, run)| {
+        let of_run = |(i, run): (usize, &Run)| {
             let windows = self.predictor(i).windows();
             let Some(pose) = &run.pose else {
                 return windows;
@@ -165,62 +170,60 @@ impl<'a> Bench<'a> {
                 return windows;
             }
             cut(&windows, &jumps_s)
-        })
-        .collect()
+        };
+        let runs = self.machine().runs.iter().enumerate();
+        runs.flat_map(|own| of_run(own).into_iter().map(move |window| (own.0, window)))
+            .collect()
     }
 
     /// Predicts every window of each run by the nominal model, and by a model fitted without it.
     pub(super) fn errors(&self) -> Vec<[Errors; 2]> {
         let folds = self.folds();
-        let mut number = 0..;
-        let each = self.windows.iter().enumerate().map(|(run, own)| {
-            let predictor = self.predictor(run);
-            let before = predictor.errors(run, &self.nominal, own, true);
-            let after = own.iter().zip(&mut number).map(|(window, k)| {
-                predictor.errors(run, &folds[k % folds.len()], &[*window], true)
-            });
-            [before, after.fold(Errors::default(), Errors::and)]
-        });
-        each.collect()
+        let mut all: Vec<[Errors; 2]> = Vec::new();
+        all.resize_with(self.machine().runs.len(), Default::default);
+        for (k, (run, window)) in self.windows.iter().enumerate() {
+            let predictor = self.predictor(*run);
+            let sides = [&self.nominal, &folds[k % folds.len()]];
+            for (sum, at) in all[*run].iter_mut().zip(sides) {
+                let own = predictor.errors(*run, at, &[*window]);
+                *sum = std::mem::take(sum).and(own);
+            }
+        }
+        all
     }
 
     /// Parameters fitted without the windows of each fold; with a single window there is nothing beside it.
     fn folds(&self) -> Vec<Vec<f64>> {
-        let count = self.windows.iter().map(Vec::len).sum::<usize>();
+        let count = self.windows.len();
         if self.players.is_empty() || count < 2 {
             return vec![self.found.clone()];
         }
         let folds = FOLDS.min(count);
-        let left_out = |fold: usize| -> Vec<Vec<[f64; 2]>> {
-            let mut number = 0..;
-            let of_run = |own: &Vec<[f64; 2]>| {
-                let own = own.iter().zip(&mut number);
-                let own = own.filter(|(_, k)| k % folds == fold);
-                own.map(|(window, _)| *window).collect()
-            };
-            self.windows.iter().map(of_run).collect()
-        };
+        let left_out = |fold: usize| self.windows.iter().skip(fold).step_by(folds);
         (0..folds)
-            .map(|fold| self.fitted_without(&left_out(fold)))
+            .map(|fold| self.fitted_without(&left_out(fold).collect::<Vec<_>>()))
             .collect()
     }
 
-    /// The machine as it is fitted without these times (s) of each run.
-    fn fitted_without(&self, left_out: &[Vec<[f64; 2]>]) -> Vec<f64> {
+    /// The machine as it is fitted without these windows.
+    fn fitted_without(&self, left_out: &[&Window]) -> Vec<f64> {
         let Fitted { streams, found } = self.own.fitted;
-        let machine = streams.reference;
-        let runs = machine.runs.iter().zip(left_out);
-        let times_of = |robot: usize| {
-            let own = runs.clone().find(|(run, _)| run.robot == robot);
-            own.map_or(&[][..], |(_, times)| times.as_slice())
+        let runs = &streams.reference.runs;
+        let is_left_out = |robot: usize, t_s: f64| {
+            let mut own = left_out.iter().filter(|(run, _)| runs[*run].robot == robot);
+            own.any(|(_, [from_s, to_s])| (*from_s..*to_s).contains(&t_s))
         };
-        let of_machine = machine.runs.iter().map(|run| (run.blocks, run.robot));
+        let of_machine = runs.iter().map(|run| (run.blocks, run.robot));
         let of_drive = self.drives().map(|run| (run.blocks, run.robot));
-        let all = of_machine.chain(of_drive);
+        let mask = of_machine.chain(of_drive).flat_map(|(blocks, robot)| {
+            let middles = (0..blocks.count).map(move |block| blocks.middle_s(block));
+            middles.map(move |t_s| (robot, t_s))
+        });
+        let mask: Vec<bool> = mask.map(|(robot, t_s)| is_left_out(robot, t_s)).collect();
         let joint = Joint::new(streams, &found.nominal, &found.table.weights, ROBUST);
         let masked = Masked {
             inner: &joint,
-            left_out: &mask(all.map(|(blocks, robot)| (blocks, times_of(robot)))),
+            left_out: &mask,
         };
         let fit = &found.selected.fit;
         let at = problem(&masked, &found.table)
@@ -231,27 +234,24 @@ impl<'a> Bench<'a> {
 
     /// What every subset of the effects that were found is worth.
     pub(super) fn worth(&self) -> Worth {
-        let thinned = |all: &Vec<[f64; 2]>| {
-            let stride = all.len().div_ceil(BUDGET_WINDOWS).max(1);
-            all.iter().copied().step_by(stride).collect()
-        };
-        let windows: Vec<Vec<[f64; 2]>> = self.windows.iter().map(thinned).collect();
+        let of_runs = self.windows.chunk_by(|(a, _), (b, _)| a == b);
+        let windows = of_runs.flat_map(|own| at_most(own, BUDGET_WINDOWS));
+        let windows: Vec<Window> = windows.collect();
         let players = &self.players[..self.players.len().min(PLAYERS)];
-        let score = |subset: usize| {
-            let own = players.iter().enumerate();
-            let own = own.filter(|(i, _)| subset >> i & 1 == 1);
-            let fitted = &self.own.fitted;
-            let kept = own.flat_map(|(_, player)| &player.toggles);
-            let at = &fitted.found.selected.fit.at;
-            let at = fitted.machine_at(&fitted.with(at, kept));
-            let runs = windows.iter().enumerate();
-            let scores =
-                runs.map(|(run, own)| self.predictor(run).errors(run, &at, own, false).score);
+        let fitted = &self.own.fitted;
+        let fit = &fitted.found.selected.fit.at;
+        Worth::new(players.iter().map(|own| own.name).collect(), |left_out| {
+            let own = players.iter().filter(|own| !left_out.contains(&own.name));
+            let kept = own.flat_map(|player| &player.toggles);
+            let at = fitted.machine_at(&fitted.with(fit, kept));
+            let of_runs = windows.chunk_by(|(a, _), (b, _)| a == b);
+            let scores = of_runs.map(|own| {
+                let (run, _) = own[0];
+                let windows: Vec<[f64; 2]> = own.iter().map(|(_, window)| *window).collect();
+                self.predictor(run).errors(run, &at, &windows).score
+            });
             scores.collect()
-        };
-        let names = players.iter().map(|own| own.name).collect();
-        let scores: Vec<Vec<Score>> = (0..1_usize << players.len()).map(score).collect();
-        Worth::new(names, &scores)
+        })
     }
 
     /// What the judge is told of the machine.
@@ -270,15 +270,9 @@ impl<'a> Bench<'a> {
 
     /// Unit of a channel.
     pub(super) fn unit(&self, channel: usize) -> &'static str {
-        let speeds = self
-            .drives()
-            .any(|drive| drive.wheels.kind == WheelKind::Speed);
-        match name(channel) {
-            "pose_x" | "pose_y" => "m",
-            "imu_gz" => "rad/s",
-            "wheel_right" | "wheel_left" if speeds => "rad/s",
-            _ => "rad",
-        }
+        let mut drives = self.drives();
+        let angles = drives.all(|drive| drive.wheels.kind == WheelKind::Angle);
+        unit(channel, angles)
     }
 }
 
@@ -295,15 +289,4 @@ fn cut(windows: &[[f64; 2]], times_s: &[f64]) -> Vec<[f64; 2]> {
     }
     pieces.retain(|[from_s, to_s]| to_s - from_s >= SHORTEST_S);
     pieces
-}
-
-/// Which blocks of runs lie in times (s) that are left out.
-fn mask<'a>(runs: impl Iterator<Item = (Blocks, &'a [[f64; 2]])>) -> Vec<bool> {
-    let own = runs.flat_map(|(blocks, times)| {
-        (0..blocks.count).map(move |block| {
-            let middle_s = blocks.middle_s(block);
-            times.iter().any(|[a, b]| (*a..*b).contains(&middle_s))
-        })
-    });
-    own.collect()
 }

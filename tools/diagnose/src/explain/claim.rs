@@ -207,28 +207,21 @@ impl Claim {
             });
             spec.effect == self.effect && words
         };
-        let values: Vec<(String, f64)> = self
-            .values
-            .iter()
-            .map(|v| (v.name.to_owned(), v.estimate(self.nominal(model, v.name))))
-            .collect();
         let place = model.effects.iter().position(listed);
-        let mut spec = match place {
-            Some(place) => model.effects[place].clone(),
-            None => EffectSpec::new(self.effect, &[]),
-        };
-        for (name, value) in values {
-            let own = spec.parameters.iter_mut().find(|(own, _)| *own == name);
-            match own {
-                Some((_, own)) => *own = Parameter::Number(value),
-                None => spec.parameters.push((name, Parameter::Number(value))),
+        let known = place.map(|place| model.effects[place].clone());
+        let mut spec = known.unwrap_or_else(|| EffectSpec::new(self.effect, &[]));
+        let numbers = self.values.iter().map(|value| {
+            let estimate = value.estimate(self.nominal(model, value.name));
+            (value.name, Parameter::Number(estimate))
+        });
+        let word = self
+            .word
+            .map(|(name, word)| (name, Parameter::Text(word.to_owned())));
+        for (name, value) in numbers.chain(word) {
+            match spec.parameters.iter_mut().find(|(own, _)| own == name) {
+                Some((_, own)) => *own = value,
+                None => spec.parameters.push((name.to_owned(), value)),
             }
-        }
-        if let Some((name, word)) = self.word
-            && place.is_none()
-        {
-            spec.parameters
-                .push((name.to_owned(), Parameter::Text(word.to_owned())));
         }
         match place {
             Some(place) => model.effects[place] = spec,

@@ -6,7 +6,7 @@ const PIECE_S: f64 = 60.0;
 
 /// The whole span (s) of a short run; of a long one the piece in which what was found takes most square error
 /// away. `errors` are times (s) with the square error of a prediction, negative where it is that after.
-pub(crate) fn drawn_span(
+pub(super) fn drawn_span(
     [from_s, to_s]: [f64; 2],
     errors: impl Iterator<Item = (f64, f64)>,
 ) -> [f64; 2] {

@@ -118,19 +118,13 @@ impl WheelNoise {
     /// Variance of one wheel's angle, or of its speed, so long (s) after the start, turning at this speed
     /// (rad/s).
     pub(crate) fn variance(&self, is_angle: bool, over_s: f64, speed_rad_s: f64) -> f64 {
-        let wandered = |own: &Wander| {
-            if is_angle {
-                own.angle(over_s)
-            } else {
-                own.size_rad_s * own.size_rad_s
-            }
-        };
-        let stamp = if is_angle {
-            self.stamp_s2 * speed_rad_s * speed_rad_s
+        let both = self.both.iter();
+        if is_angle {
+            let wandered: f64 = both.map(|own| own.angle(over_s)).sum();
+            wandered + self.stamp_s2 * speed_rad_s * speed_rad_s
         } else {
-            0.0
-        };
-        self.both.iter().map(wandered).sum::<f64>() + stamp
+            both.map(|own| own.size_rad_s * own.size_rad_s).sum()
+        }
     }
 }
 

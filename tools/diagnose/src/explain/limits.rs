@@ -3,16 +3,20 @@
 
 use slipstream_sim::effects::find;
 
-use super::prediction::{Errors, Predictor};
-use super::scene::{Scene, some_windows};
+use super::figures::root_means;
+use super::prediction::some_windows;
+use super::scene::Scene;
 use super::search::problem;
 use super::sight::{self, SIGMAS};
 use crate::answer::{Limit, Seen};
 use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Attribution, Link, Term};
+use crate::judge::POSE;
 use crate::model::from_wheels::TURNS_FIRST;
 use crate::model::streams::{Joint, ROBUST};
+use crate::predict::drawn::Drawn;
 use crate::select::elimination::LEAST_APART;
+use crate::select::selected::Selected;
 
 /// Windows by which the error of a limit is predicted.
 const WINDOWS: usize = 12;
@@ -21,7 +25,13 @@ const OF_WHEELS: [&str; 2] = ["both wheels", "right over left"];
 
 /// The limits of all terms that no finding has.
 pub(super) fn limits(scene: &Scene<'_>) -> Vec<Limit> {
-    let base = Base::new(scene);
+    let most = WINDOWS.div_ceil(scene.predictors.len());
+    let base = scene.predictors.iter().enumerate().map(|(run, predictor)| {
+        let windows = some_windows(predictor, most);
+        let errors = predictor.errors(run, scene.with_all, &windows);
+        (windows, errors.drawn)
+    });
+    let base: Vec<_> = base.collect();
     // beside recordings from before: what a change would have to be
     let asked = scene.all;
     let found = asked.found;
@@ -39,76 +49,84 @@ pub(super) fn limits(scene: &Scene<'_>) -> Vec<Limit> {
 /// The limits of what no finding has of a term.
 fn of_term((scene, base): (&Scene<'_>, &Base), problem: &Problem<'_>, term: &Term) -> Vec<Limit> {
     let found = scene.all.found;
-    let selected = &found.selected;
     // radii and track are one term: what no finding has of it is ruled out as well
     let claimed = |effect: &str| scene.claims.iter().any(|claim| claim.effect == effect);
-    let shown: Vec<&Attribution> = term
-        .shown
-        .iter()
-        .filter(|shown| !claimed(shown.effect))
-        .collect();
+    let shown = term.shown.iter().filter(|shown| !claimed(shown.effect));
+    let shown: Vec<&Attribution> = shown.collect();
     if shown.is_empty() {
         return Vec::new();
     }
-    let deviations: Option<Vec<f64>> = if selected.kept(term.name).is_some() {
-        let own = term.parameters.iter();
-        Some(own.map(|i| selected.deviation(&[(*i, 1.0)])).collect())
-    } else {
-        sight::beside(problem, &selected.fit, term).map(|own| {
-            let places = 0..term.parameters.len();
-            places.map(|i| own.covariance[(i, i)].sqrt()).collect()
-        })
-    };
-    let apart = problem.likelihood.apart(&selected.fit.at).max(LEAST_APART);
-    let size = |index: usize| {
-        let place = term.parameters.iter().position(|own| *own == index)?;
-        let own = deviations.as_ref()?[place] * term.inflation;
-        let floor = apart * (term.resolution[place] + term.repeatability[place]);
-        let size = SIGMAS * (own * own + floor).sqrt();
-        size.is_finite().then_some(size)
-    };
+    let sizes = sizes(&found.selected, problem, term);
     let each = shown.into_iter().flat_map(|shown| {
-        shown
-            .parameters
-            .iter()
-            .enumerate()
-            .filter_map(move |(number, index)| {
-                let moves = &found.table.weights[*index];
-                let of_turns = moves.iter().any(|(read, _)| *read >= TURNS_FIRST);
-                let own = named((shown, of_turns), number, *index)?;
-                Some((shown, *index, own))
-            })
+        let numbered = shown.parameters.iter().enumerate();
+        numbered.map(move |(number, index)| (shown, number, *index))
     });
-    each.map(|(shown, index, (parameter, link))| {
-        let change = size(index);
-        let error = change.map_or([None, None], |change| base.caused(scene, index, change));
-        let is_factor = link == Link::Log;
-        let unit = find(shown.effect).and_then(|info| info.parameter(parameter));
-        Limit {
-            effect: if shown.effect == "unknown" {
-                "motion_law"
-            } else {
-                shown.effect
-            },
-            word: shown.word.map(|(_, word)| word),
-            parameter,
-            unit: match (shown.effect, unit) {
-                ("unknown", _) if parameter == "turn_rate" => "rad/s",
-                ("unknown", _) => "m/s",
-                (_, Some(own)) => own.unit,
-                (_, None) => "1",
-            },
-            seen: if is_factor {
-                Seen::Around(1.0)
-            } else {
-                Seen::Above
-            },
-            size: change.map(|change| if is_factor { change.exp_m1() } else { change }),
-            usual: 1.0,
-            error,
-        }
+    each.filter_map(|(shown, number, index)| {
+        let mut moves = found.table.weights[index].iter();
+        let of_turns = moves.any(|(read, _)| *read >= TURNS_FIRST);
+        let named = named((shown, of_turns), number, index)?;
+        let place = term.parameters.iter().position(|own| *own == index);
+        let change = place.and_then(|place| *sizes.get(place)?);
+        let error = change.map_or([None, None], |change| caused(scene, base, index, change));
+        Some(limit(shown, named, change, error))
     })
     .collect()
+}
+
+/// From which change on each parameter of a term would have been found; none where nothing is known of it.
+fn sizes(selected: &Selected, problem: &Problem<'_>, term: &Term) -> Vec<Option<f64>> {
+    let places = 0..term.parameters.len();
+    let deviations: Vec<f64> = if selected.kept(term.name).is_some() {
+        let own = term.parameters.iter();
+        own.map(|i| selected.deviation(&[(*i, 1.0)])).collect()
+    } else {
+        let beside = sight::beside(problem, &selected.fit, term);
+        let Some(own) = beside else {
+            return Vec::new();
+        };
+        let all = places.clone();
+        all.map(|i| own.covariance[(i, i)].sqrt()).collect()
+    };
+    let apart = problem.likelihood.apart(&selected.fit.at).max(LEAST_APART);
+    let size = |place: usize| {
+        let own = deviations[place] * term.inflation;
+        let floor = apart * (term.resolution[place] + term.repeatability[place]);
+        SIGMAS * (own * own + floor).sqrt()
+    };
+    places
+        .map(|place| Some(size(place)).filter(|size| size.is_finite()))
+        .collect()
+}
+
+/// The limit of a parameter of an effect, by what it would have to change.
+fn limit(
+    shown: &Attribution,
+    (parameter, link): (&'static str, Link),
+    change: Option<f64>,
+    error: [Option<f64>; 2],
+) -> Limit {
+    let (effect, unit) = match (shown.effect, parameter) {
+        ("unknown", "turn_rate") => ("motion_law", "rad/s"),
+        ("unknown", _) => ("motion_law", "m/s"),
+        (own, _) => {
+            let info = find(own).and_then(|info| info.parameter(parameter));
+            (own, info.map_or("1", |own| own.unit))
+        }
+    };
+    let (seen, size) = match link {
+        Link::Log => (Seen::Around(1.0), change.map(f64::exp_m1)),
+        _ => (Seen::Above, change),
+    };
+    Limit {
+        effect,
+        word: shown.word.map(|(_, word)| word),
+        parameter,
+        unit,
+        seen,
+        size,
+        usual: 1.0,
+        error,
+    }
 }
 
 /// What a fitted parameter is called, and how it changes; one of a table stands for all.
@@ -129,67 +147,28 @@ fn named(
     }
 }
 
-/// Some windows of each run as the findings predict them: what a change is compared with.
-struct Base {
-    runs: Vec<(Vec<[f64; 2]>, Errors)>,
-}
+/// Some windows (s) of each run as the findings predict them: what a change is compared with.
+type Base = [(Vec<[f64; 2]>, Drawn)];
 
-impl Base {
-    fn new(scene: &Scene<'_>) -> Self {
-        let most = WINDOWS.div_ceil(scene.predictors.len());
-        let runs = scene.predictors.iter().enumerate().map(|(run, predictor)| {
-            let windows = some_windows(predictor, most);
-            let errors = predictor.errors(run, scene.with_all, &windows, true);
-            (windows, errors)
+/// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
+fn caused(scene: &Scene<'_>, base: &Base, index: usize, change: f64) -> [Option<f64>; 2] {
+    let key = &scene.all.found.table.keys[index];
+    let Some(own) = scene.own.found.table.find(key) else {
+        return [None, None];
+    };
+    let mut at = scene.at.clone();
+    at[own] += change;
+    let moved = scene.own.machine_at(&at);
+    let runs = scene.predictors.iter().zip(base).enumerate();
+    root_means(runs.flat_map(|(run, (predictor, (windows, own)))| {
+        let other = predictor.errors(run, &moved, windows).drawn;
+        let places = own.path.iter().zip(&other.path);
+        let places = places.flat_map(|(a, b)| {
+            let [(ax, ay), (bx, by)] = [a.predicted, b.predicted];
+            [(POSE, ax - bx), (POSE + 1, ay - by)]
         });
-        Self {
-            runs: runs.collect(),
-        }
-    }
-
-    /// Root mean square by which predictions change with this parameter: place (m) and heading (rad).
-    fn caused(&self, scene: &Scene<'_>, index: usize, change: f64) -> [Option<f64>; 2] {
-        let Some(own) = scene
-            .own
-            .found
-            .table
-            .find(&scene.all.found.table.keys[index])
-        else {
-            return [None, None];
-        };
-        let mut at = scene.at.clone();
-        at[own] += change;
-        let moved = scene.own.machine_at(&at);
-        let [mut place, mut turn] = [[0.0_f64; 2]; 2];
-        let runs = scene.predictors.iter().zip(&self.runs).enumerate();
-        for (run, (predictor, (windows, own))) in runs {
-            let other = predictor.errors(run, &moved, windows, true);
-            let pairs = own.predicted.iter().zip(&other.predicted);
-            for ((ax, ay), (bx, by)) in pairs.filter(|(p, _)| p.0.is_finite()) {
-                place = [
-                    place[0] + (ax - bx).powi(2) + (ay - by).powi(2),
-                    place[1] + 1.0,
-                ];
-            }
-            let ends = turns(predictor, own).into_iter();
-            for (a, b) in ends.zip(turns(predictor, &other)) {
-                turn = [turn[0] + (a - b).powi(2), turn[1] + 1.0];
-            }
-        }
-        [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
-    }
-}
-
-/// Errors of the heading.
-fn turns(predictor: &Predictor<'_>, errors: &Errors) -> Vec<f64> {
-    if !predictor.run.has_heading() {
-        return Vec::new();
-    }
-    let own = errors
-        .residuals
-        .iter()
-        .filter(|(_, channel, _)| *channel == 4);
-    own.map(|(_, _, residual)| *residual)
-        .filter(|residual| residual.is_finite())
-        .collect()
+        let yaws = own.errors[POSE + 2].iter().zip(&other.errors[POSE + 2]);
+        let yaws = yaws.map(|((_, a), (_, b))| (POSE + 2, a - b));
+        places.chain(yaws).collect::<Vec<_>>()
+    }))
 }

@@ -2,10 +2,14 @@
 
 use slipstream_bus::{EffectSpec, RobotModel};
 use slipstream_recording::Recording;
-use slipstream_sim::effects::find;
 
-use crate::answer::{Answer, Evidence, Finding, HeldOutChannel, ParameterEstimate, Place};
+use super::finding::{Named, Number};
+use crate::answer::{Answer, Evidence, Finding, HeldOutChannel};
 
+/// What is looked for.
+const EFFECT: &str = "link_delay";
+/// Fewest messages of a link.
+const LEAST: usize = 10;
 /// Gain (nats) that a delay has to bring.
 const PAY: f64 = 15.0;
 /// Estimate over deviation.
@@ -14,6 +18,9 @@ const SIGMAS: f64 = 4.2;
 const STEP_S: f64 = 1e-3;
 /// Rounds of the fit.
 const ROUNDS: usize = 20;
+/// Longest lag of an autocorrelation (messages), and from where on it is gone.
+const LONGEST: usize = 120;
+const GONE: f64 = 0.05;
 
 /// Where one robot was, by its fitted model.
 pub(crate) struct Course {
@@ -78,7 +85,7 @@ impl Link<'_> {
             let own = residuals.iter().skip(part).step_by(3);
             let own: Vec<f64> = own.copied().collect();
             let level = sum(&own) / own.len().max(1) as f64;
-            level.max(1.0) * inefficiency(&[own])
+            level.max(1.0) * inefficiency(&own)
         });
         excess.fold(1.0, f64::max)
     }
@@ -128,67 +135,30 @@ pub(crate) fn add(
     answer: &mut Answer,
     improved: &mut [(String, RobotModel)],
 ) {
-    let Some(links) = &recording.links else {
+    if excluded.iter().any(|id| id == EFFECT) {
         return;
-    };
-    let Some(info) = find("link_delay").filter(|info| !excluded.iter().any(|id| id == info.id))
-    else {
-        return;
-    };
+    }
+    let messages = || recording.links.iter().flat_map(|links| &links.messages);
     for course in courses {
         for (receiver, model) in improved.iter_mut() {
-            let own = links
-                .messages
-                .iter()
-                .filter(|m| *m.from == *course.robot && *m.to == **receiver);
-            let sent: Vec<_> = own
-                .map(|m| (m.t_sent_s, [m.x_m, m.y_m, m.yaw_rad]))
-                .collect();
-            if sent.len() < 10 {
+            let own = messages().filter(|m| *m.from == *course.robot && *m.to == **receiver);
+            let own = own.map(|m| (m.t_sent_s, [m.x_m, m.y_m, m.yaw_rad]));
+            let sent: Vec<(f64, [f64; 3])> = own.collect();
+            if sent.len() < LEAST {
                 continue;
             }
             let link = Link { course, sent };
-            let listed = model.effects.iter().position(|spec| spec.effect == info.id);
-            let known = listed.and_then(|at| delay_of(&model.effects[at]));
-            let before = sum(&link.residuals(known.unwrap_or(0.0)));
-            let starts = [known.unwrap_or(0.0), 0.03, 0.1, 0.25];
-            let fits = starts.iter().map(|start| link.fit(*start));
-            let Some((delay_s, deviation, after)) = fits.min_by(|a, b| a.2.total_cmp(&b.2)) else {
+            let Some(late) = Late::new(&link, receiver, model) else {
                 continue;
             };
-            let count = (3 * link.sent.len()) as f64;
-            let excess = link.excess(delay_s);
-            let deviation = deviation * excess.sqrt();
-            let gain = (before - after) / (2.0 * excess);
-            let found = gain > PAY && (delay_s - known.unwrap_or(0.0)).abs() > SIGMAS * deviation;
-            let [nrmse_before, nrmse_after] =
-                [before, if found { after } else { before }].map(|sum| (sum / count).sqrt());
-            answer.held_out.channels.push(HeldOutChannel {
-                robot: receiver.clone(),
-                channel: "link".to_owned(),
-                nrmse_before,
-                nrmse_after,
-                unit: "m",
-                rms_before: nrmse_before * link.course.deviation[0],
-                rms_after: nrmse_after * link.course.deviation[0],
-                rms_expected: link.course.deviation[0],
-            });
-            if !found {
-                continue;
-            }
-            let late = Late {
-                receiver,
-                sender: &course.robot,
-                known,
-                delay_s,
-                deviation,
-                gain,
-            };
-            answer.findings.push(late.finding(&link));
-            let spec = EffectSpec::new(info.id, &[("delay_s", delay_s)]);
-            match listed {
-                Some(at) => model.effects[at] = spec,
-                None => model.effects.push(spec),
+            answer.held_out.channels.push(late.predicted());
+            if late.is_found() {
+                answer.findings.push(late.finding());
+                let spec = EffectSpec::new(EFFECT, &[("delay_s", late.delay_s)]);
+                match model.effects.iter_mut().find(|own| own.effect == EFFECT) {
+                    Some(own) => *own = spec,
+                    None => model.effects.push(spec),
+                }
             }
         }
     }
@@ -196,92 +166,112 @@ pub(crate) fn add(
 
 /// Messages that are older than they say.
 struct Late<'a> {
+    link: &'a Link<'a>,
     receiver: &'a str,
-    sender: &'a str,
     /// What the receiver's model says (s).
     known: Option<f64>,
     delay_s: f64,
     deviation: f64,
+    /// Sums of squares without and with the delay.
+    squares: [f64; 2],
     /// ln L that the delay brings.
     gain: f64,
 }
 
-impl Late<'_> {
-    fn finding(&self, link: &Link<'_>) -> Finding {
-        let times = link.sent.iter().map(|(t_s, _)| *t_s);
-        let span = [
+impl<'a> Late<'a> {
+    /// The delay that fits a link best, beside what the receiver's model says.
+    fn new(link: &'a Link<'a>, receiver: &'a str, model: &RobotModel) -> Option<Self> {
+        let known = model.number(EFFECT, "delay_s");
+        let before = sum(&link.residuals(known.unwrap_or(0.0)));
+        let starts = [known.unwrap_or(0.0), 0.03, 0.1, 0.25];
+        let fits = starts.iter().map(|start| link.fit(*start));
+        let (delay_s, deviation, after) = fits.min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let excess = link.excess(delay_s);
+        Some(Self {
+            link,
+            receiver,
+            known,
+            delay_s,
+            deviation: deviation * excess.sqrt(),
+            squares: [before, after],
+            gain: (before - after) / (2.0 * excess),
+        })
+    }
+
+    fn is_found(&self) -> bool {
+        let change_s = (self.delay_s - self.known.unwrap_or(0.0)).abs();
+        self.gain > PAY && change_s > SIGMAS * self.deviation
+    }
+
+    /// How well the positions that the receiver hears are predicted.
+    fn predicted(&self) -> HeldOutChannel {
+        let count = (3 * self.link.sent.len()) as f64;
+        let [before, after] = self.squares;
+        let after = if self.is_found() { after } else { before };
+        let [nrmse_before, nrmse_after] = [before, after].map(|sum| (sum / count).sqrt());
+        let camera_m = self.link.course.deviation[0];
+        HeldOutChannel {
+            robot: self.receiver.to_owned(),
+            channel: "link".to_owned(),
+            nrmse_before,
+            nrmse_after,
+            unit: "m",
+            rms_before: nrmse_before * camera_m,
+            rms_after: nrmse_after * camera_m,
+            rms_expected: camera_m,
+        }
+    }
+
+    fn finding(&self) -> Finding {
+        let times = self.link.sent.iter().map(|(t_s, _)| *t_s);
+        let span_s = [
             times.clone().fold(f64::INFINITY, f64::min),
             times.fold(0.0, f64::max),
         ];
         let ci95 = [-1.96, 1.96].map(|side| self.delay_s + side * self.deviation);
-        let (receiver, sender) = (self.receiver, self.sender);
+        let (receiver, sender) = (self.receiver, &self.link.course.robot);
         let [delay, low, high] = [self.delay_s, ci95[0], ci95[1]].map(|s| 1e3 * s);
-        Finding {
-            runs: None,
-            robot: receiver.to_owned(),
-            effect: "link_delay".to_owned(),
-            statement: format!(
-                "Robot {receiver}, link from {sender}: the positions it receives are {delay:.1} ms \
-                 older than their stamps say (95 % between {low:.1} and {high:.1} ms)."
-            ),
-            parameters: vec![ParameterEstimate {
-                name: "delay_s".to_owned(),
-                unit: "s".to_owned(),
+        let named = Named {
+            robot: receiver,
+            effect: EFFECT,
+            numbers: vec![Number {
+                name: "delay_s",
                 nominal: self.known,
-                nominal_ci95: None,
-                estimate: Some(self.delay_s),
-                ci95: Some(ci95),
-                text: None,
+                estimate: self.delay_s,
+                ci95,
             }],
-            place: Place {
-                channel: "link".to_owned(),
-                intervals_s: vec![span],
-                condition: "every message".to_owned(),
-            },
-            confused_with: Vec::new(),
+            word: None,
+            intervals_s: vec![span_s],
+            condition: Some("every message".to_owned()),
+            runs: None,
+            confused: &[],
             evidence: Evidence {
                 log_likelihood_gain: self.gain,
                 p_value: (-self.gain).exp().min(1.0),
             },
-            shape: None,
-            driver: None,
-            actions: Vec::new(),
+            known: self.known.is_some(),
+        };
+        Finding {
+            statement: format!(
+                "Robot {receiver}, link from {sender}: the positions it receives are {delay:.1} ms \
+                 older than their stamps say (95 % between {low:.1} and {high:.1} ms)."
+            ),
+            ..named.finding(span_s)
         }
     }
 }
 
-fn delay_of(spec: &EffectSpec) -> Option<f64> {
-    spec.parameters
-        .iter()
-        .find_map(|(name, value)| match value {
-            slipstream_bus::Parameter::Number(number) if name == "delay_s" => Some(*number),
-            _ => None,
-        })
-}
-
-/// 1 + 2 Σ of the autocorrelation over all series up to where it is gone.
-fn inefficiency(series: &[Vec<f64>]) -> f64 {
-    const LONGEST: usize = 120;
+/// 1 + 2 Σ of the autocorrelation of a series up to where it is gone.
+fn inefficiency(series: &[f64]) -> f64 {
     let covariance = |lag: usize| -> f64 {
-        let sums = series.iter().map(|s| {
-            s.iter()
-                .zip(s.iter().skip(lag))
-                .map(|(a, b)| a * b)
-                .sum::<f64>()
-        });
-        sums.sum()
+        let pairs = series.iter().zip(series.iter().skip(lag));
+        pairs.map(|(a, b)| a * b).sum()
     };
     let own = covariance(0);
     if own <= 0.0 {
         return 1.0;
     }
-    let mut sum = 1.0;
-    for lag in 1..LONGEST {
-        let correlation = covariance(lag) / own;
-        if correlation < 0.05 {
-            break;
-        }
-        sum += 2.0 * correlation;
-    }
-    sum
+    let correlations = (1..LONGEST).map(|lag| covariance(lag) / own);
+    let seen = correlations.take_while(|own| *own >= GONE);
+    seen.fold(1.0, |sum, own| sum + 2.0 * own)
 }

@@ -26,14 +26,8 @@ pub(super) fn drive_error(drive: &CommandToWheels, at: &[f64]) -> f64 {
 fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
     let rows = &run.wheels.rows;
     let mut disturbance = [vec![0.0; 0], vec![0.0; 0]];
-    run.filter(
-        at,
-        Tails::Student,
-        &mut |_| (),
-        &mut |channel, _, d: f64| {
-            disturbance[channel].push(d);
-        },
-    );
+    let hear = &mut |channel: usize, _, d: f64| disturbance[channel].push(d);
+    run.filter(at, Tails::Student, &mut |_| (), hear);
     let times_s = [at[DRIVE + 1].exp(), at[DRIVE + 4].exp()];
     let response = Response::new(&run.commands, at);
     let mut hint = 0;
@@ -54,16 +48,13 @@ fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
         if row.counts {
             count += 1.0;
             for i in 0..2 {
-                let error = match run.wheels.kind {
+                let rest = match run.wheels.kind {
                     WheelKind::Angle => {
-                        row.values[i]
-                            - rows[start].values[i]
-                            - (now.angle_rad[i] - from[i])
-                            - added[i]
+                        row.values[i] - rows[start].values[i] - (now.angle_rad[i] - from[i])
                     }
-                    WheelKind::Speed => row.values[i] - now.speed_rad_s[i] - added[i],
+                    WheelKind::Speed => row.values[i] - now.speed_rad_s[i],
                 };
-                squares[i] += error * error;
+                squares[i] += (rest - added[i]) * (rest - added[i]);
             }
         }
         if h >= HORIZON_S {

@@ -1,22 +1,17 @@
 //! What the figures of a report show of a machine that is told speeds or nothing.
 
 use super::claim::{Claim, Value};
-use super::drawn_span::drawn_span;
+use super::errors::Errors;
+use super::figures::{OfRun, curve};
 use super::limits::limits;
-use super::prediction::{CHANNELS, Errors};
-use super::scene::{Scene, some_windows};
+use super::prediction::some_windows;
+use super::scene::Scene;
 use crate::answer::{ErrorLine, Figures, LawCurve, Motion, Paths, Point, Profile};
-use crate::data::streams::WheelKind;
 use crate::data::wheel_path::Turned;
-use crate::judge::{self, HEADING, PLACE};
+use crate::judge::{HEADING, PLACE, POSE};
 use crate::model::from_wheels::drive_parameters;
+use crate::predict::drawn::Drawn;
 
-/// Names of the pose's channels in the figures: as seen from the robot.
-const SEEN_FROM_ROBOT: [(&str, &str); 3] = [
-    ("pose_x", "forward"),
-    ("pose_y", "sideways"),
-    ("pose_yaw", "heading"),
-];
 /// Places of a line of motion, and the time over which a speed is averaged (s).
 const PLACES: f64 = 3000.0;
 const AVERAGED_S: f64 = 0.2;
@@ -25,36 +20,35 @@ const AVERAGED_ROWS: f64 = 6.0;
 /// Sizes of a profile, and windows at most by which it is predicted.
 const SIZES: i32 = 20;
 const WINDOWS: usize = 20;
-/// A gap between pieces of a line.
-const GAP: Point = (f64::NAN, f64::NAN);
 
 /// The figures of one machine.
 pub(crate) fn figures(scene: &Scene<'_>) -> Figures {
     let runs = 0..scene.predictors.len();
+    let numbered = || (scene.first_finding..).zip(scene.claims);
     Figures {
         robot: scene.robot.to_owned(),
-        runs: Vec::new(),
         spans_s: runs.clone().map(|run| scene.span_s(run)).collect(),
         motion: runs.clone().map(|run| scene.motion(run)).collect(),
         errors: runs.clone().flat_map(|run| scene.lines(run)).collect(),
-        forces: Vec::new(),
         paths: runs.filter_map(|run| scene.path(run)).collect(),
-        profiles: scene.profiles(),
-        laws: scene.laws(),
+        profiles: numbered()
+            .filter_map(|(finding, claim)| scene.profile(finding, claim))
+            .collect(),
+        laws: numbered()
+            .filter_map(|(finding, claim)| law(finding, claim))
+            .collect(),
         limits: limits(scene),
+        ..Figures::default()
     }
 }
 
 impl Scene<'_> {
-    fn origin_s(&self, run: usize) -> f64 {
-        self.machine.runs[run].origin_s
-    }
-
     fn span_s(&self, run: usize) -> [f64; 2] {
         let own = &self.machine.runs[run];
         own.blocks.span_s.map(|t_s| t_s + own.origin_s)
     }
 
+    /// How a run drove, by its wheels.
     fn motion(&self, run: usize) -> Motion {
         let own = &self.machine.runs[run];
         let [from_s, to_s] = own.blocks.span_s;
@@ -64,77 +58,51 @@ impl Scene<'_> {
         let local = self.machine.local(run, self.nominal);
         let averaged_s = AVERAGED_S.max(AVERAGED_ROWS * own.wheel_interval_s);
         let half_s = step_s.max(averaged_s) / 2.0;
-        own.wheels
-            .turned(drive_parameters(&local), |wheels: &dyn Turned<f64>| {
-                let mut hints = [0, 0];
-                let mut motion = Motion {
-                    run,
-                    speed_m_s: Vec::with_capacity(count),
-                    turn_rad_s: Vec::with_capacity(count),
-                };
-                for k in 0..count {
-                    let t_s = from_s + step_s * k as f64;
-                    let before = wheels.angles_at(t_s - half_s, &mut hints[0]);
-                    let after = wheels.angles_at(t_s + half_s, &mut hints[1]);
-                    let [right, left] = [0, 1].map(|i| r * (after[i] - before[i]) / (2.0 * half_s));
-                    let at_s = t_s + own.origin_s;
-                    motion.speed_m_s.push((at_s, f64::midpoint(right, left)));
-                    motion.turn_rad_s.push((at_s, (right - left) / (2.0 * b)));
-                }
-                motion
-            })
+        let rates = |wheels: &dyn Turned<f64>| {
+            let mut hints = [0, 0];
+            let each = (0..count).map(|k| {
+                let t_s = from_s + step_s * k as f64;
+                let before = wheels.angles_at(t_s - half_s, &mut hints[0]);
+                let after = wheels.angles_at(t_s + half_s, &mut hints[1]);
+                let [right, left] = [0, 1].map(|i| r * (after[i] - before[i]) / (2.0 * half_s));
+                let at_s = t_s + own.origin_s;
+                let speed = f64::midpoint(right, left);
+                ((at_s, speed), (at_s, (right - left) / (2.0 * b)))
+            });
+            each.unzip()
+        };
+        let (speed_m_s, turn_rad_s) = own.wheels.turned(drive_parameters(&local), rates);
+        Motion {
+            run,
+            speed_m_s,
+            turn_rad_s,
+        }
+    }
+
+    fn of_run<'b>(&'b self, run: usize, before: &'b Drawn, after: &'b Drawn) -> OfRun<'b> {
+        OfRun {
+            run,
+            before,
+            after: (!self.claims.is_empty()).then_some(after),
+            origin_s: self.machine.runs[run].origin_s,
+        }
     }
 
     fn lines(&self, run: usize) -> Vec<ErrorLine> {
         let [before, after] = &self.errors[run];
-        CHANNELS
-            .into_iter()
-            .filter_map(|channel| {
-                let name = judge::name(channel);
-                let before = line(before, channel, self.origin_s(run));
-                let after = match self.claims {
-                    [] => Vec::new(),
-                    _ => line(after, channel, self.origin_s(run)),
-                };
-                (!before.is_empty()).then(|| ErrorLine {
-                    run,
-                    quantity: quantity(name),
-                    unit: self.unit(name),
-                    deviation: self.deviations[run][channel],
-                    before,
-                    after,
-                })
-            })
-            .collect()
-    }
-
-    fn unit(&self, channel: &str) -> &'static str {
-        let kinds = self.predictors.iter().filter_map(|own| own.drive);
-        let speeds = kinds
-            .into_iter()
-            .any(|drive| drive.wheels.kind == WheelKind::Speed);
-        match channel {
-            "pose_x" | "pose_y" => "m",
-            "imu_gz" => "rad/s",
-            "wheel_right" | "wheel_left" if speeds => "rad/s",
-            _ => "rad",
-        }
+        let angles = self.predictors.iter().all(|own| own.has_angles());
+        self.of_run(run, &before.drawn, &after.drawn)
+            .lines([angles, true], |channel| self.deviations[run][channel])
     }
 
     /// The path of a run, whole if it is short; else of the minute that loses most error.
     fn path(&self, run: usize) -> Option<Paths> {
         let predictor = &self.predictors[run];
         predictor.run.pose.as_ref()?;
+        let [before, after] = &self.errors[run];
+        let own = self.of_run(run, &before.drawn, &after.drawn);
+        let span_s = own.span_s(predictor.run.blocks.span_s, 0..POSE + 2);
         let by_wheels = predictor.drive.is_none();
-        let sides = self.errors[run].iter().zip([1.0, -1.0]);
-        let squares = sides.flat_map(|(errors, sign)| {
-            let own = errors
-                .residuals
-                .iter()
-                .filter(|(_, channel, _)| *channel <= 3);
-            own.map(move |(t_s, _, residual)| (*t_s, sign * residual * residual))
-        });
-        let span_s = drawn_span(predictor.run.blocks.span_s, squares);
         let windows = if by_wheels {
             vec![span_s]
         } else {
@@ -142,31 +110,9 @@ impl Scene<'_> {
             all.filter(|[a, b]| *a >= span_s[0] && *b <= span_s[1] + 1e-9)
                 .collect()
         };
-        let drawn = |at: &[f64]| predictor.errors(run, at, &windows, true);
-        let before = drawn(self.nominal);
-        if before.seen.is_empty() {
-            return None;
-        }
-        let after = match self.claims {
-            [] => Vec::new(),
-            _ => drawn(self.with_all).predicted,
-        };
-        Some(Paths {
-            run,
-            span_s: span_s.map(|t_s| t_s + self.origin_s(run)),
-            in_pieces: !by_wheels,
-            by_wheels,
-            seen: before.seen,
-            before: before.predicted,
-            after,
-        })
-    }
-
-    fn profiles(&self) -> Vec<Profile> {
-        let numbered = self.claims.iter().enumerate();
-        numbered
-            .filter_map(|(k, claim)| self.profile(self.first_finding + k, claim))
-            .collect()
+        let [before, after] =
+            [self.nominal, self.with_all].map(|at| predictor.errors(run, at, &windows).drawn);
+        self.of_run(run, &before, &after).path(span_s, by_wheels)
     }
 
     /// Error against the size of a claim, along the line from nothing to what was found.
@@ -184,18 +130,7 @@ impl Scene<'_> {
         };
         let all = (-SIZES / 4..=SIZES + SIZES / 2).map(|k| f64::from(k) / f64::from(SIZES));
         let worth: Vec<(f64, Errors)> = all.map(|share| (share, self.sum(&at(share)))).collect();
-        let kinds = ["m", "rad", "wheel"];
-        let at_share = |share: f64, unit: &str| {
-            let near = worth.iter().find(|(s, _)| (s - share).abs() < 1e-9);
-            near.and_then(|(_, errors)| root_mean(errors, unit))
-        };
-        let lost = |unit: &str| {
-            let pair = at_share(0.0, unit).zip(at_share(1.0, unit));
-            pair.map_or(0.0, |(before, after)| before / after.max(1e-12))
-        };
-        let unit = kinds
-            .into_iter()
-            .max_by(|a, b| lost(a).total_cmp(&lost(b)))?;
+        let unit = most_lost(&worth)?;
         let points: Vec<Point> = worth
             .iter()
             .filter_map(|(share, errors)| {
@@ -215,61 +150,40 @@ impl Scene<'_> {
     fn sum(&self, at: &[f64]) -> Errors {
         let each = self.predictors.iter().enumerate().map(|(run, predictor)| {
             let windows = some_windows(predictor, WINDOWS.div_ceil(self.predictors.len()));
-            predictor.errors(run, at, &windows, false)
+            predictor.errors(run, at, &windows)
         });
         each.fold(Errors::default(), Errors::and)
     }
+}
 
-    fn laws(&self) -> Vec<LawCurve> {
-        let numbered = self.claims.iter().enumerate();
-        numbered
-            .filter_map(|(k, claim)| {
-                let law = claim.law.as_ref()?;
-                let curve = |sign: f64| {
-                    let values = law.values.iter().zip(&law.half);
-                    let values = values.map(|(value, half)| value + sign * half);
-                    law.knots.iter().copied().zip(values).collect()
-                };
-                let (quantity, unit) = law.quantity();
-                Some(LawCurve {
-                    finding: self.first_finding + k,
-                    quantity,
-                    unit,
-                    driver: law.table.driver,
-                    curve: curve(0.0),
-                    band: [curve(-1.0), curve(1.0)],
-                })
-            })
-            .collect()
-    }
+/// The kind of error that falls most from nothing to what was found, of errors by share of it.
+fn most_lost(worth: &[(f64, Errors)]) -> Option<&'static str> {
+    let at_share = |share: f64, unit: &str| {
+        let near = worth.iter().find(|(s, _)| (s - share).abs() < 1e-9);
+        near.and_then(|(_, errors)| root_mean(errors, unit))
+    };
+    let lost = |unit: &str| {
+        let pair = at_share(0.0, unit).zip(at_share(1.0, unit));
+        pair.map_or(0.0, |(before, after)| before / after.max(1e-12))
+    };
+    let kinds = ["m", "rad", "wheel"].into_iter();
+    kinds.max_by(|a, b| lost(a).total_cmp(&lost(b)))
 }
 
 /// Root mean square error of place (m), heading (rad), or wheels.
 fn root_mean(errors: &Errors, unit: &str) -> Option<f64> {
-    match unit {
-        "m" => errors.score.mean_square(PLACE).map(f64::sqrt),
-        "rad" => errors.score.mean_square(HEADING).map(f64::sqrt),
-        _ => {
-            let both = [0, 1].map(|wheel| errors.score.mean_square(wheel));
-            let [right, left] = both;
-            right.zip(left).map(|(a, b)| f64::midpoint(a, b).sqrt())
-        }
-    }
+    let square = |quantity: usize| errors.score.mean_square(quantity);
+    let mean = match unit {
+        "m" => square(PLACE),
+        "rad" => square(HEADING),
+        _ => square(0).zip(square(1)).map(|(a, b)| f64::midpoint(a, b)),
+    };
+    mean.map(f64::sqrt)
 }
 
-fn quantity(channel: &'static str) -> &'static str {
-    let own = SEEN_FROM_ROBOT.iter().find(|(name, _)| *name == channel);
-    own.map_or(channel, |(_, quantity)| quantity)
-}
-
-/// Errors of one channel in time order, in its unit; a gap after each window.
-fn line(errors: &Errors, channel: usize, origin_s: f64) -> Vec<Point> {
-    let own = errors.residuals.iter().filter(|(_, c, _)| *c == channel);
-    let mut points: Vec<Point> = own.map(|(t_s, _, r)| (t_s + origin_s, *r)).collect();
-    points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if points.iter().all(|(_, r)| !r.is_finite()) {
-        return Vec::new();
-    }
-    points.push(GAP);
-    points
+fn law(finding: usize, claim: &Claim) -> Option<LawCurve> {
+    let law = claim.law.as_ref()?;
+    let driver = law.table.driver;
+    let values = [law.values.as_slice(), &law.half];
+    Some(curve(finding, law.quantity(), driver, &law.knots, values))
 }

@@ -1,8 +1,9 @@
 //! What the figures of one machine are drawn from.
 
 use super::claim::Claim;
+use super::errors::Errors;
 use super::fitted::Fitted;
-use super::prediction::{Errors, Predictor};
+use super::prediction::Predictor;
 use crate::judge::QUANTITIES;
 use crate::model::from_wheels::FromWheels;
 
@@ -26,11 +27,4 @@ pub(crate) struct Scene<'a> {
     pub(crate) deviations: &'a [[f64; QUANTITIES]],
     /// The nominal value of a claim's parameter.
     pub(crate) nominal_of: &'a dyn Fn(&Claim, &str) -> Option<f64>,
-}
-
-/// At most so many windows, at equal distances.
-pub(super) fn some_windows(predictor: &Predictor<'_>, most: usize) -> Vec<[f64; 2]> {
-    let all = predictor.windows();
-    let stride = all.len().div_ceil(most.max(1)).max(1);
-    all.into_iter().step_by(stride).collect()
 }

@@ -1,7 +1,7 @@
 //! What noise makes of an open-loop prediction: the covariance of pose and drive over a window, with nothing
 //! heard after its start.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix};
 
 /// Pose of the axle (m, m, rad), and speeds by which half the sum and half the difference of both wheels are
 /// off (rad/s).
@@ -133,13 +133,10 @@ pub(crate) fn from_start(
     [both[(0, 0)], both[(1, 1)], both[(2, 2)]]
 }
 
-/// Variance that a pose's error of the stamp of this variance (s²) adds, moving at this rate.
-pub(crate) fn of_stamp(variance_s2: f64, moved: [f64; 3]) -> Vector3<f64> {
-    SVector::from(moved.map(|rate| variance_s2 * rate * rate))
-}
-
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
 
     #[test]

@@ -16,39 +16,30 @@ const LAGS: usize = 4;
 /// A row with a smaller probability of being ordinary is left out.
 const ORDINARY: f64 = 0.5;
 
-/// Largest autocorrelation of the innovations of a reference, less what chance makes of it; `None`
-/// without that reference.
-pub(super) fn colour(machine: &FromWheels, at: &[f64], reference: Reference) -> Option<f64> {
+/// Whether the innovations of a reference are white: no autocorrelation is larger than chance makes it.
+pub(super) fn is_white(machine: &FromWheels, at: &[f64], reference: Reference) -> bool {
     let view = View {
         machine,
         robust: true,
     };
-    let mut worst: Option<f64> = None;
-    for run in 0..machine.runs.len() {
+    (0..machine.runs.len()).all(|run| {
         // standardised innovations, series after series; NaN where a row does not count
-        let mut rows: Vec<[f64; 3]> = Vec::new();
+        let mut rows: [Vec<f64>; 3] = Default::default();
         view.innovations(reference, run, at, &mut |row: Innovation<f64>| {
-            let own = std::array::from_fn(|i| {
+            for (i, own) in rows.iter_mut().enumerate() {
                 let variance = row.covariance[i][i];
                 let seen = row.difference[i] != 0.0 && variance > 0.0;
-                if seen && row.ordinary > ORDINARY {
+                own.push(if seen && row.ordinary > ORDINARY {
                     row.difference[i] / variance.sqrt()
                 } else {
                     f64::NAN
-                }
-            });
-            rows.push(own);
-        });
-        for channel in 0..3 {
-            let own: Vec<f64> = rows.iter().map(|row| row[channel]).collect();
-            for lag in 1..=LAGS {
-                if let Some(excess) = correlation(&own, lag) {
-                    worst = Some(worst.map_or(excess, |w: f64| w.max(excess)));
-                }
+                });
             }
-        }
-    }
-    worst
+        });
+        let is_white = |own: &Vec<f64>, lag| correlation(own, lag).is_none_or(|size| size < WHITE);
+        rows.iter()
+            .all(|own| (1..=LAGS).all(|lag| is_white(own, lag)))
+    })
 }
 
 /// Size of the autocorrelation at a lag, less what chance makes of it.
@@ -65,9 +56,4 @@ fn correlation(rows: &[f64], lag: usize) -> Option<f64> {
     let product: f64 = pairs.iter().map(|(a, b)| a * b).sum();
     let square: f64 = pairs.iter().map(|(a, b)| a * a + b * b).sum::<f64>() / 2.0;
     Some((product / square).abs() - CHANCE / count.sqrt())
-}
-
-/// Whether the innovations of a reference are white.
-pub(super) fn is_white(machine: &FromWheels, at: &[f64], reference: Reference) -> bool {
-    colour(machine, at, reference).is_none_or(|colour| colour < WHITE)
 }

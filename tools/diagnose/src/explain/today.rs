@@ -25,34 +25,15 @@ pub(super) fn of_today(
         by_run: all.by_run,
     });
     let found = &all.selected;
-    let mut at = vec![0.0; table.parameters()];
     let to = |from: usize| table.find(&all.table.keys[from]);
-    for (from, value) in found.fit.at.iter().enumerate() {
-        if let Some(to) = to(from) {
-            at[to] = *value;
-        }
-    }
+    let mut at = vec![0.0; table.parameters()];
+    let values = found.fit.at.iter().enumerate();
+    let values = values.filter_map(|(from, value)| Some((to(from)?, *value)));
+    values.for_each(|(to, value)| at[to] = value);
     let places = found.fit.free.iter().enumerate();
     let left: Vec<(usize, usize)> = places
         .filter_map(|(place, from)| Some((place, to(*from)?)))
         .collect();
-    let of_left = |own: &DMatrix<f64>| {
-        DMatrix::from_fn(left.len(), left.len(), |i, k| own[(left[i].0, left[k].0)])
-    };
-    let kept = found.kept.iter().filter_map(|kept| {
-        let term = table
-            .terms
-            .iter()
-            .find(|term| term.name == kept.term.name)?;
-        Some(Kept {
-            term: Term {
-                resolution: kept.term.resolution.clone(),
-                repeatability: kept.term.repeatability.clone(),
-                ..term.clone()
-            },
-            ..kept.clone()
-        })
-    });
     let free: Vec<usize> = left.iter().map(|(_, to)| *to).collect();
     let objective = {
         let joint = Joint::new(streams, &nominal, &table.weights, ROBUST);
@@ -65,15 +46,8 @@ pub(super) fn of_today(
             objective,
             converged: found.fit.converged,
         },
-        precision: Precision {
-            covariance: of_left(&found.precision.covariance),
-            expected: of_left(&found.precision.expected),
-            dispersion: left
-                .iter()
-                .map(|(place, _)| found.precision.dispersion[*place])
-                .collect(),
-        },
-        kept: kept.collect(),
+        precision: of_left(&found.precision, &left),
+        kept: kept(found, &table),
         alike: found.alike.clone(),
         halves: found.halves.as_ref().map(|own| own.of(&left)),
     };
@@ -86,4 +60,32 @@ pub(super) fn of_today(
         is_undetermined: all.is_undetermined,
         dense: None,
     }
+}
+
+/// What is known of the fitted parameters at these places.
+fn of_left(known: &Precision, left: &[(usize, usize)]) -> Precision {
+    let places: Vec<usize> = left.iter().map(|(place, _)| *place).collect();
+    let of = |own: &DMatrix<f64>| own.select_rows(&places).select_columns(&places);
+    Precision {
+        covariance: of(&known.covariance),
+        expected: of(&known.expected),
+        dispersion: places.iter().map(|i| known.dispersion[*i]).collect(),
+    }
+}
+
+/// The terms that are kept, as `table` has them.
+fn kept(found: &Selected, table: &Table) -> Vec<Kept> {
+    let kept = found.kept.iter().filter_map(|kept| {
+        let mut terms = table.terms.iter();
+        let own = terms.find(|term| term.name == kept.term.name)?;
+        Some(Kept {
+            term: Term {
+                resolution: kept.term.resolution.clone(),
+                repeatability: kept.term.repeatability.clone(),
+                ..own.clone()
+            },
+            ..kept.clone()
+        })
+    });
+    kept.collect()
 }

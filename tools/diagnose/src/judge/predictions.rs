@@ -1,5 +1,7 @@
 //! One machine before the judge: its predictions window by window, without and with what was found.
 
+use rayon::prelude::*;
+
 use super::budget::{Squares, budget, culprit};
 use super::passing::Culprit;
 use super::score::{GYRO, HEADING, PLACE, POSE, QUANTITIES, Score, name};
@@ -32,14 +34,23 @@ pub(crate) struct Worth {
 }
 
 impl Worth {
-    /// What every subset of `names` scores on every window; where all together do not know a start, the window says
-    /// nothing.
-    pub(crate) fn new(names: Vec<&'static str>, windows: &[Vec<Score>]) -> Self {
+    /// What every subset of `names` scores on every window, by `scores` of those that are left out; where all together
+    /// do not know a start, the window says nothing.
+    pub(crate) fn new(
+        names: Vec<&'static str>,
+        scores: impl Fn(&[&'static str]) -> Vec<Score> + Sync,
+    ) -> Self {
+        let subsets = (0..1_usize << names.len()).into_par_iter().map(|subset| {
+            let all = names.iter().enumerate();
+            let left_out = all.filter(|(i, _)| subset >> i & 1 == 0);
+            scores(&left_out.map(|(_, name)| *name).collect::<Vec<_>>())
+        });
+        let windows: Vec<Vec<Score>> = subsets.collect();
         let starts = windows.last().map_or_else(Vec::new, |own| known(own));
         let sum = |own: &Vec<Score>| Score::of_all(&kept(own, &starts));
         Self {
-            names,
             scores: windows.iter().map(sum).collect(),
+            names,
         }
     }
 

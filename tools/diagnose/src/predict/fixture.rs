@@ -77,7 +77,7 @@ pub(crate) fn window(channels: Vec<u8>) -> Window {
         run: 0,
         from_s: 0.0,
         to_s: 1.0,
-        commands: [0; 2],
+        command: 0,
         rows: Vec::new(),
         base: Vec::new(),
         stamps_s: vec![0.0; channels.len()],

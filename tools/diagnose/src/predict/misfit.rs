@@ -24,10 +24,8 @@ impl Misfit {
                 misfit.counts[usize::from(*channel)] += 1.0;
             }
         }
-        for rest in &window.rests {
-            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
-            let more = seen.count().saturating_sub(1);
-            misfit.counts[usize::from(window.channels[rest[0]])] -= more as f64;
+        for (channel, more) in window.repeated(residuals) {
+            misfit.counts[channel] -= more;
         }
         misfit
     }

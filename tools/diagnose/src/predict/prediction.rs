@@ -1,14 +1,14 @@
 //! How far a model's predictions go astray, in metres and radians.
 
 use rayon::prelude::*;
-
-use crate::data::faults;
-use crate::data::track::{Sensor, Track};
-use crate::predict::predictor::Predictor;
-use crate::predict::window::{WINDOW_S, Window, cut};
 use slipstream_bus::InputError;
 
 use crate::answer::Point;
+use crate::data::faults;
+use crate::judge::{GYRO, POSE};
+use crate::predict::drawn::{Drawn, GAP};
+use crate::predict::predictor::Predictor;
+use crate::predict::window::{WINDOW_S, cut};
 use crate::request::Request;
 
 /// How one robot of one recording is predicted over windows of 5 s: the start of each is fitted to
@@ -33,18 +33,10 @@ pub struct Prediction {
     pub predicted: Vec<Point>,
 }
 
-/// A gap between pieces of a line.
-const GAP: Point = (f64::NAN, f64::NAN);
-
-/// One window's prediction.
-#[derive(Default)]
+/// One window's prediction, and when (s) the part begins that its start was not fitted to.
 struct Piece {
-    heading: Vec<Point>,
-    seen: Vec<Point>,
-    predicted: Vec<Point>,
-    /// Square distances (m²) and heading errors (rad) behind the fitted part.
-    squares_m2: Vec<f64>,
-    turned_rad: Vec<f64>,
+    drawn: Drawn,
+    from_s: f64,
 }
 
 /// Predicts every robot of the recordings by its model.
@@ -62,8 +54,10 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
             let windows = cut(track, 0, WINDOW_S);
             let pieces = windows.par_iter().filter_map(|window| {
                 let (residuals, fitted_s) = predictor.predicted(simulated.as_ref()?, window)?;
-                let from_s = window.from_s + fitted_s;
-                Some(piece(track, window, &residuals, from_s))
+                Some(Piece {
+                    drawn: Drawn::new(track, window, &residuals),
+                    from_s: window.from_s + fitted_s,
+                })
             });
             let pieces: Vec<Piece> = pieces.collect();
             predictions.push(Prediction::new(&recording.name, &robot.name, &pieces));
@@ -74,23 +68,31 @@ pub fn predict(request: &Request<'_>) -> Result<Vec<Prediction>, InputError> {
 
 impl Prediction {
     fn new(recording: &str, robot: &str, pieces: &[Piece]) -> Self {
-        let joined = |own: fn(&Piece) -> &Vec<Point>| {
-            let all = pieces.iter().filter(|piece| !own(piece).is_empty());
-            all.flat_map(|piece| own(piece).iter().copied().chain([GAP]))
-                .collect()
-        };
-        let distances = pieces.iter().flat_map(|piece| &piece.squares_m2);
-        let turns = pieces.iter().flat_map(|piece| &piece.turned_rad);
+        let headings: Vec<Vec<Point>> = pieces.iter().map(Piece::heading).collect();
+        let turns = headings.iter().flatten().map(|(_, error)| error * error);
+        let path = |of: fn(&Piece) -> Vec<Point>| joined(pieces.iter().map(of));
         Self {
             recording: recording.to_owned(),
             robot: robot.to_owned(),
-            position_m: root_mean(distances.copied()),
-            heading_rad: root_mean(turns.map(|error| error * error)),
-            heading: joined(|piece| &piece.heading),
-            seen: joined(|piece| &piece.seen),
-            predicted: joined(|piece| &piece.predicted),
+            position_m: root_mean(pieces.iter().flat_map(Piece::squares_m2)),
+            heading_rad: root_mean(turns),
+            seen: path(|own| own.drawn.path.iter().map(|place| place.seen).collect()),
+            predicted: path(|own| {
+                // what a late stamp puts before the window is not simulated
+                let all = own.drawn.path.iter().map(|place| place.predicted);
+                all.filter(|(x, y)| x.is_finite() && y.is_finite())
+                    .collect()
+            }),
+            heading: joined(headings.into_iter()),
         }
     }
+}
+
+/// Lines one after the other, with gaps between them.
+fn joined(lines: impl Iterator<Item = Vec<Point>>) -> Vec<Point> {
+    let seen = lines.filter(|line| !line.is_empty());
+    seen.flat_map(|line| line.into_iter().chain([GAP]))
+        .collect()
 }
 
 fn root_mean(squares: impl Iterator<Item = f64>) -> Option<f64> {
@@ -100,70 +102,32 @@ fn root_mean(squares: impl Iterator<Item = f64>) -> Option<f64> {
     (count > 0.0).then(|| f64::sqrt(sum / count))
 }
 
-/// What residuals (deviations) say in metres and radians; what counts begins at `from_s`.
-fn piece(track: &Track, window: &Window, residuals: &[f64], from_s: f64) -> Piece {
-    let mut piece = Piece::default();
-    if let Some(which) = track.series.iter().position(|s| s.sensor == Sensor::Pose) {
-        piece.add_poses(track, window, residuals, which, from_s);
-    }
-    let gyro = track.series.iter().position(|s| s.sensor == Sensor::Imu);
-    if let Some(which) = gyro.filter(|_| piece.heading.is_empty()) {
-        piece.add_gyro(track, window, residuals, which, from_s);
-    }
-    piece
-}
-
 impl Piece {
-    fn add_poses(
-        &mut self,
-        track: &Track,
-        window: &Window,
-        residuals: &[f64],
-        which: usize,
-        from_s: f64,
-    ) {
-        let deviation = track.series[which].deviation;
-        for (t_s, pose, base) in window.measured(track, which) {
-            let error = [0, 1, 2].map(|i| residuals[base + i] * deviation[i]);
-            self.seen.push((pose[0], pose[1]));
-            let square_m2 = error[0] * error[0] + error[1] * error[1];
-            // what a late stamp puts before the window is not simulated
-            if square_m2.is_finite() {
-                let place = (pose[0] + error[0], pose[1] + error[1]);
-                self.predicted.push(place);
-            }
-            if t_s >= from_s && square_m2.is_finite() {
-                self.squares_m2.push(square_m2);
-            }
-            if t_s >= from_s && error[2].is_finite() {
-                self.heading.push((t_s, error[2]));
-                self.turned_rad.push(error[2]);
-            }
-        }
+    /// Errors of a channel behind the fitted part.
+    fn errors(&self, channel: usize) -> impl Iterator<Item = Point> {
+        let all = self.drawn.errors[channel].iter().copied();
+        all.filter(|(t_s, error)| *t_s >= self.from_s && error.is_finite())
     }
 
-    fn add_gyro(
-        &mut self,
-        track: &Track,
-        window: &Window,
-        residuals: &[f64],
-        which: usize,
-        from_s: f64,
-    ) {
-        let deviation = track.series[which].deviation[2];
-        let mut last: Option<(f64, f64)> = None;
-        let mut turned_rad = 0.0;
-        for (t_s, _, base) in window.measured(track, which) {
-            let rate = residuals[base + 2] * deviation;
-            if t_s < from_s || !rate.is_finite() {
-                continue;
-            }
-            if let Some((last_s, last_rate)) = last {
-                turned_rad += (t_s - last_s) * (rate + last_rate) / 2.0;
-                self.heading.push((t_s, turned_rad));
-                self.turned_rad.push(turned_rad);
-            }
-            last = Some((t_s, rate));
+    /// Square distances (m²).
+    fn squares_m2(&self) -> impl Iterator<Item = f64> {
+        let both = self.errors(POSE).zip(self.errors(POSE + 1));
+        both.map(|((_, along), (_, across))| along * along + across * across)
+    }
+
+    /// Errors of the heading (rad) over time (s): of the pose, or else of the gyro's integral.
+    fn heading(&self) -> Vec<Point> {
+        let seen: Vec<Point> = self.errors(POSE + 2).collect();
+        if !seen.is_empty() {
+            return seen;
         }
+        let rates: Vec<Point> = self.errors(GYRO).collect();
+        let mut turned_rad = 0.0;
+        let pairs = rates.windows(2).map(|pair| {
+            let [(last_s, last), (t_s, rate)] = [pair[0], pair[1]];
+            turned_rad += (t_s - last_s) * (rate + last) / 2.0;
+            (t_s, turned_rad)
+        });
+        pairs.collect()
     }
 }

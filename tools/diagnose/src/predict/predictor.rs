@@ -14,9 +14,9 @@ use crate::model::hypothesis::{
 };
 use crate::predict::facing::Facing;
 use crate::predict::misfit::Misfit;
-use crate::predict::simulation::{Simulated, hardened, is_exact_at_any_step};
+use crate::predict::simulation::{Simulated, hardened};
 use crate::predict::start::Start;
-use crate::predict::window::{Window, cut_some};
+use crate::predict::window::{Window, at_most, cut_some};
 use crate::request::{Request, model_of};
 
 /// Rows of a series above which it is thinned: more say no more.
@@ -87,8 +87,7 @@ impl Predictor {
 
     /// At most so many windows, at equal distances.
     pub(crate) fn some_windows(&self, most: usize) -> Vec<Window> {
-        let stride = self.windows.len().div_ceil(most).max(1);
-        self.windows.iter().step_by(stride).cloned().collect()
+        at_most(&self.windows, most)
     }
 
     /// The robot with these effects. `None` for one that cannot be.
@@ -99,7 +98,8 @@ impl Predictor {
         let has = |such: fn(&Info) -> bool| infos.iter().any(|info| such(info));
         let slips = has(|info| slides(info) || info.acts == When::Apart);
         let kind = self.tracks.first().map_or(CommandKind::Torque, Track::kind);
-        let step_s = if is_exact_at_any_step(kind, slips, has(changes_commands_over_time)) {
+        let as_told = kind == CommandKind::Speed && !has(changes_commands_over_time);
+        let step_s = if as_told && !slips {
             LONG_STEP_S
         } else if slips {
             SHORT_STEP_S
@@ -116,46 +116,53 @@ impl Predictor {
     /// Misfit of the predictions of `windows` by the model with `hypotheses`, without what their starts
     /// were fitted to.
     pub(crate) fn misfit(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Misfit {
-        let Some(simulated) = self.simulated(hypotheses) else {
-            return Misfit::default();
-        };
-        let parts: Vec<Misfit> = windows
-            .par_iter()
-            .filter_map(|window| self.one(&simulated, window))
-            .collect();
-        parts
-            .iter()
-            .fold(Misfit::default(), |sum, part| sum.and(part))
-    }
-
-    fn one(&self, simulated: &Simulated, window: &Window) -> Option<Misfit> {
-        Some(Misfit::new(
-            window,
-            &self.judged(simulated, window)?.residuals,
-        ))
+        let parts = self.each(windows, hypotheses, |simulated, window| {
+            let judged = self.judged(simulated, window)?;
+            Some(Misfit::new(window, &judged.residuals))
+        });
+        let parts = parts.iter().flatten();
+        parts.fold(Misfit::default(), |sum, part| sum.and(part))
     }
 
     /// What each of `windows` scores by the model with `hypotheses`.
     pub(crate) fn scores(&self, windows: &[Window], hypotheses: &[Hypothesis]) -> Vec<Score> {
-        let simulated = self.simulated(hypotheses);
-        let one = |window: &Window| {
-            let simulated = simulated.as_ref()?;
+        let all = self.each(windows, hypotheses, |simulated, window| {
             let judged = self.judged(simulated, window)?;
             Some(self.score(window, &judged))
-        };
-        let all = windows.par_iter().map(|own| one(own).unwrap_or_default());
-        all.collect()
+        });
+        all.into_iter().map(Option::unwrap_or_default).collect()
+    }
+
+    /// Residuals (deviations) of each of `windows` by the model with `hypotheses`.
+    pub(crate) fn residuals(
+        &self,
+        windows: &[Window],
+        hypotheses: &[Hypothesis],
+    ) -> Vec<Option<Vec<f64>>> {
+        self.each(windows, hypotheses, |simulated, window| {
+            Some(self.predicted(simulated, window)?.0)
+        })
+    }
+
+    /// What `of` says of each of `windows` by the model with `hypotheses`.
+    fn each<T: Send>(
+        &self,
+        windows: &[Window],
+        hypotheses: &[Hypothesis],
+        of: impl Fn(&Simulated, &Window) -> Option<T> + Sync,
+    ) -> Vec<Option<T>> {
+        let simulated = self.simulated(hypotheses);
+        let all = windows.par_iter();
+        all.map(|window| of(simulated.as_ref()?, window)).collect()
     }
 
     fn score(&self, window: &Window, judged: &Judged) -> Score {
-        let residuals = &judged.residuals;
         let mut score = Score::default();
         let mut start = judged.start;
         let track = &self.tracks[window.run];
         let has_pose = track.of(Sensor::Pose).is_some();
         for (which, series) in track.series.iter().enumerate() {
-            let first = series.sensor.channel();
-            let width = series.sensor.width();
+            let (first, width) = (series.sensor.channel(), series.sensor.width());
             let variance = series.deviation.map(|own| own * own);
             let facing = Facing::new(window, track, which, judged.fitted_s);
             if facing.is_unknown() {
@@ -163,42 +170,38 @@ impl Predictor {
             }
             let mut first_row = None;
             for (_, values, base) in window.measured(track, which) {
-                let square = |part: usize| residuals[base + part].powi(2) * variance[part];
+                let square = |part: usize| judged.residuals[base + part].powi(2) * variance[part];
                 let of_start = facing.spread(values);
+                let known = [0, 1, 2].map(|part| variance[part] + of_start[part]);
                 for part in 0..width {
-                    let expected = variance[part] + of_start[part];
-                    score.add(first + part, square(part), variance[part], expected);
+                    score.add(first + part, square(part), variance[part], known[part]);
                 }
-                if let (Sensor::WheelAngle | Sensor::WheelSpeed, false) = (series.sensor, has_pose)
-                {
-                    let zero = match series.sensor {
-                        Sensor::WheelAngle => *first_row.get_or_insert(values),
-                        _ => [0.0; 3],
-                    };
-                    for part in 0..width {
-                        let gone = (values[part] - zero[part]).powi(2);
-                        score.follow_wheel([gone, square(part), variance[part]]);
+                let zero = match series.sensor {
+                    Sensor::WheelSpeed => [0.0; 3],
+                    _ => *first_row.get_or_insert(values),
+                };
+                let gone = [0, 1, 2].map(|part| (values[part] - zero[part]).powi(2));
+                match series.sensor {
+                    Sensor::Pose => {
+                        let both = variance[0] + variance[1];
+                        let expected = both + of_start[0] + of_start[1];
+                        score.add(PLACE, square(0) + square(1), both, expected);
+                        score.add(HEADING, square(2), variance[2], variance[2]);
+                        let each = [gone, [0, 1, 2].map(square), known];
+                        let squares = each.map(|[x, y, yaw]| [x + y, yaw]);
+                        score.follow(self.model.robot.half_track_m, squares);
                     }
-                }
-                if series.sensor == Sensor::Pose {
-                    let both = variance[0] + variance[1];
-                    let expected = both + of_start[0] + of_start[1];
-                    score.add(PLACE, square(0) + square(1), both, expected);
-                    score.add(HEADING, square(2), variance[2], variance[2]);
-                    let first = *first_row.get_or_insert(values);
-                    let gone = [0, 1, 2].map(|part| (values[part] - first[part]).powi(2));
-                    let known = [0, 1, 2].map(|part| variance[part] + of_start[part]);
-                    let each = [gone, [0, 1, 2].map(square), known];
-                    let squares = each.map(|[x, y, yaw]| [x + y, yaw]);
-                    score.follow(self.model.robot.half_track_m, squares);
+                    Sensor::WheelAngle | Sensor::WheelSpeed if !has_pose => {
+                        for part in 0..width {
+                            score.follow_wheel([gone[part], square(part), variance[part]]);
+                        }
+                    }
+                    _ => {}
                 }
             }
         }
-        for rest in &window.rests {
-            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
-            let more = seen.count().saturating_sub(1);
-            let channel = usize::from(window.channels[rest[0]]);
-            score.repeat(channel, more as f64, self.deviation(channel).powi(2));
+        for (channel, more) in window.repeated(&judged.residuals) {
+            score.repeat(channel, more, self.deviation(channel).powi(2));
         }
         score.begin(start);
         score

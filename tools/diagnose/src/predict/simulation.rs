@@ -35,8 +35,7 @@ impl Simulated {
         Simulation {
             track,
             window,
-            robot: &self.robot,
-            step_s: self.step_s,
+            own: self,
         }
     }
 }
@@ -44,11 +43,9 @@ impl Simulated {
 /// One window, its track and the robot to simulate.
 #[derive(Clone, Copy)]
 pub(crate) struct Simulation<'a> {
-    pub(crate) track: &'a Track,
-    pub(crate) window: &'a Window,
-    pub(crate) robot: &'a Robot,
-    /// Longest step (s).
-    pub(crate) step_s: f64,
+    track: &'a Track,
+    window: &'a Window,
+    own: &'a Simulated,
 }
 
 /// An instant of a simulation, without derivatives.
@@ -94,9 +91,10 @@ impl Simulation<'_> {
         let mut seen = Seen::new(self, [start[5], start[6]]);
         let mut state = self.begin(start);
         let told = &self.track.commands;
-        let mut before = Knot::new(self.robot, &state);
+        let robot = &self.own.robot;
+        let mut before = Knot::new(robot, &state);
         let mut now_s = self.window.from_s;
-        let mut at = self.window.commands[0];
+        let mut at = self.window.command;
         let end_s = self.window.to_s + BEYOND_S;
         while now_s < end_s && !seen.is_done() {
             while told
@@ -107,13 +105,13 @@ impl Simulation<'_> {
             }
             let command = told[at].1;
             let until_s = told.get(at + 1).map_or(end_s, |(t_s, _)| t_s.min(end_s));
-            let steps = ((until_s - now_s) / self.step_s - 1e-6).ceil().max(1.0);
+            let steps = ((until_s - now_s) / self.own.step_s - 1e-6).ceil().max(1.0);
             let step_s = (until_s - now_s) / steps;
             let from_s = now_s;
             for k in 0..steps as u32 {
                 let t_s = from_s + f64::from(k) * step_s;
-                self.robot.step(&mut state, t_s, step_s, &command);
-                let after = Knot::new(self.robot, &state);
+                robot.step(&mut state, t_s, step_s, &command);
+                let after = Knot::new(robot, &state);
                 if seen.due_s <= t_s + step_s {
                     seen.between([t_s, step_s], &before, &after, &state);
                 }
@@ -127,20 +125,19 @@ impl Simulation<'_> {
     }
 
     fn begin(&self, start: &[f64; LOCALS]) -> State {
-        let mut state = self.robot.start([start[0], start[1], start[2]]);
-        let told = &self.track.commands;
-        let [first, _] = self.window.commands;
+        let robot = &self.own.robot;
+        let mut state = robot.start([start[0], start[1], start[2]]);
+        let first = self.window.command;
         let from_s = self.window.from_s;
         if self.window.free[3] {
-            self.robot.set_rolling(&mut state, start[3], start[4]);
+            robot.set_rolling(&mut state, start[3], start[4]);
         }
         if self.window.free[3] || first > 0 {
-            let memory = told[..=first].iter().rev();
-            let count = memory
-                .take_while(|(t_s, _)| *t_s > from_s - MEMORY_S)
-                .count();
-            let past = &told[(first + 1).saturating_sub(count + 1)..=first];
-            self.robot.replay_commands(&mut state, past, from_s);
+            let told = &self.track.commands[..=first];
+            let memory = told.iter().rev();
+            let felt = memory.take_while(|(t_s, _)| *t_s > from_s - MEMORY_S);
+            let past = &told[first.saturating_sub(felt.count())..];
+            robot.replay_commands(&mut state, past, from_s);
         }
         state
     }
@@ -186,16 +183,11 @@ impl<'a> Seen<'a> {
 
     /// When the next row of a series was taken.
     fn true_s(&self, series: usize) -> Option<f64> {
-        let Simulation {
-            track,
-            window,
-            robot,
-            ..
-        } = self.simulation;
+        let Simulation { track, window, own } = self.simulation;
         let row = self.next[series];
         (row < window.rows[series][1]).then(|| {
             let series = &track.series[series];
-            robot.true_s(series.sensor.clock(), series.rows[row].0)
+            own.robot.true_s(series.sensor.clock(), series.rows[row].0)
         })
     }
 
@@ -247,12 +239,7 @@ impl<'a> Seen<'a> {
         speed: [f64; 2],
         (state, turn): (&State, f64),
     ) {
-        let Simulation {
-            track,
-            window,
-            robot,
-            ..
-        } = self.simulation;
+        let Simulation { track, window, own } = self.simulation;
         let series = &track.series[which];
         let row = self.next[which];
         let values = series.rows[row].1;
@@ -260,13 +247,13 @@ impl<'a> Seen<'a> {
             Sensor::WheelAngle => [at[3] + self.offset[0], at[4] + self.offset[1], f64::NAN],
             Sensor::WheelSpeed => [speed[0], speed[1], f64::NAN],
             Sensor::Pose => {
-                let seen = tracked(track, robot, [at[0], at[1], at[2]]);
+                let seen = tracked(track, &own.robot, [at[0], at[1], at[2]]);
                 let turn = seen[2] - values[2];
                 let turns = (turn / std::f64::consts::TAU).round() * std::f64::consts::TAU;
                 [seen[0], seen[1], seen[2] - turns]
             }
             Sensor::Odometry => {
-                let [v, w] = robot.odometry(speed);
+                let [v, w] = own.robot.odometry(speed);
                 [v, w, f64::NAN]
             }
             Sensor::Imu if track.imu_without_weight => {
@@ -274,7 +261,7 @@ impl<'a> Seen<'a> {
                 [along, across, turn]
             }
             Sensor::Imu => {
-                let [along, across, _] = robot.measured_inertial(state);
+                let [along, across, _] = own.robot.measured_inertial(state);
                 [along, across, turn]
             }
         };
@@ -301,11 +288,6 @@ fn softened(residual: f64) -> f64 {
 /// What a softened residual was.
 pub(crate) fn hardened(residual: f64) -> f64 {
     SOFT * (residual / SOFT).sinh()
-}
-
-/// Whether steps may be as long as commands hold: wheels turn as told and do not slip.
-pub(crate) fn is_exact_at_any_step(kind: CommandKind, slips: bool, lags: bool) -> bool {
-    kind == CommandKind::Speed && !slips && !lags
 }
 
 /// Where the camera sees the tracked point of a robot at `pose`.

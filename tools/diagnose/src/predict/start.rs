@@ -75,15 +75,14 @@ impl<'a> Start<'a> {
         for _ in 0..ITERATIONS {
             let (normal, slope) = self.normal(&misfit.weights());
             let before = misfit.deviance();
-            let mut next = None;
-            for _ in 0..TRIES {
-                next = self.stepped(&normal, &slope, damping, before);
-                if next.is_some() {
-                    damping = (damping * 0.1).max(LEAST_DAMPING);
-                    break;
-                }
-                damping = (damping * 10.0).max(DAMPING);
-            }
+            let next = (0..TRIES).find_map(|_| {
+                let next = self.stepped(&normal, &slope, damping, before);
+                damping = match next {
+                    Some(_) => (damping * 0.1).max(LEAST_DAMPING),
+                    None => (damping * 10.0).max(DAMPING),
+                };
+                next
+            });
             let Some((at, residuals, better)) = next else {
                 break;
             };
@@ -172,7 +171,7 @@ fn turned(
     start: &[f64; LOCALS],
     residuals: &[f64],
 ) -> Option<[f64; LOCALS]> {
-    let at = track.series.iter().position(|s| s.sensor == Sensor::Pose)?;
+    let at = track.place(Sensor::Pose)?;
     let mut poses = window.measured(track, at);
     if poses.any(|(_, pose, _)| pose[2].is_finite()) {
         return None;
@@ -202,9 +201,7 @@ fn rigid(
 ) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![0.0; residuals.len()]; LOCALS];
     for (at, series) in track.series.iter().enumerate() {
-        let [first, end] = window.rows[at];
-        for (k, (_, values)) in series.rows[first..end].iter().enumerate() {
-            let base = window.base[at] + k * series.sensor.width();
+        for (_, values, base) in window.measured(track, at) {
             let deviation = series.deviation;
             match series.sensor {
                 Sensor::WheelAngle => {

@@ -29,8 +29,8 @@ pub(crate) struct Window {
     pub(crate) run: usize,
     pub(crate) from_s: f64,
     pub(crate) to_s: f64,
-    /// Of the track's commands, the one that holds at the start, and the end of the range.
-    pub(crate) commands: [usize; 2],
+    /// Which of the track's commands holds at the start.
+    pub(crate) command: usize,
     /// Of each series, the rows in the window.
     pub(crate) rows: Vec<[usize; 2]>,
     /// Where the residuals of each series begin.
@@ -71,6 +71,12 @@ pub(crate) fn cut_some(tracks: &[Track]) -> Vec<Window> {
     let runs = tracks.iter().enumerate();
     let all = runs.flat_map(|(run, track)| cut(track, run, WINDOW_S));
     spread(all.collect(), MOST)
+}
+
+/// At most so many of all, at equal distances.
+pub(crate) fn at_most<T: Clone>(all: &[T], most: usize) -> Vec<T> {
+    let stride = all.len().div_ceil(most.max(1)).max(1);
+    all.iter().step_by(stride).cloned().collect()
 }
 
 /// At most `most` of all windows, from begin to end.
@@ -150,7 +156,8 @@ fn at_rest(rows: &[(f64, [f64; 3])], base: usize) -> Vec<Vec<usize>> {
 
 impl Window {
     pub(crate) fn new(track: &Track, run: usize, from_s: f64, to_s: f64) -> Self {
-        let [first, end] = range(&track.commands, from_s + 1e-9, to_s - 1e-9);
+        let told = &track.commands;
+        let first = told.partition_point(|(t_s, _)| *t_s < from_s + 1e-9);
         let (mut rows, mut base) = (Vec::new(), Vec::new());
         let (mut channels, mut stamps_s) = (Vec::new(), Vec::new());
         let mut rests = Vec::new();
@@ -172,7 +179,7 @@ impl Window {
             run,
             from_s,
             to_s,
-            commands: [first.saturating_sub(1), end],
+            command: first.saturating_sub(1),
             rows,
             base,
             channels,
@@ -187,10 +194,7 @@ impl Window {
     /// What of the start is unknown: no pose without a camera, no angles without encoders, no speed
     /// where it is commanded or where the wheels stand.
     fn unknowns(&self, track: &Track) -> [bool; LOCALS] {
-        let has = |sensor: Sensor| {
-            let at = track.series.iter().position(|s| s.sensor == sensor);
-            at.is_some_and(|at| self.rows[at][1] > self.rows[at][0])
-        };
+        let has = |sensor: Sensor| self.rows_of(track, sensor).is_some();
         let pose = has(Sensor::Pose);
         let angle = has(Sensor::WheelAngle);
         let rolls = track.kind() != CommandKind::Speed && !self.stands(track);
@@ -199,21 +203,22 @@ impl Window {
 
     /// Whether the encoders show no motion as the window begins.
     fn stands(&self, track: &Track) -> bool {
-        let Some(at) = track
-            .series
-            .iter()
-            .position(|s| s.sensor == Sensor::WheelAngle)
-        else {
+        let Some(rows) = self.rows_of(track, Sensor::WheelAngle) else {
             return false;
         };
-        let [first, end] = self.rows[at];
-        let rows = &track.series[at].rows[first..end];
         let begin = rows
             .iter()
             .take_while(|(t_s, _)| *t_s <= self.from_s + 0.06);
         let same =
             |(_, angle): &(f64, [f64; 3])| angle[0] == rows[0].1[0] && angle[1] == rows[0].1[1];
         begin.clone().count() > 2 && begin.into_iter().all(same)
+    }
+
+    /// The rows of a sensor; `None` where there are none.
+    fn rows_of<'a>(&self, track: &'a Track, sensor: Sensor) -> Option<&'a [(f64, [f64; 3])]> {
+        let which = track.place(sensor)?;
+        let [first, end] = self.rows[which];
+        (end > first).then(|| &track.series[which].rows[first..end])
     }
 
     /// Time (s), values and place among the residuals of each row of a series.
@@ -241,6 +246,15 @@ impl Window {
         }
     }
 
+    /// The channel of readings that share one rounding, and how many were seen beside the first.
+    pub(crate) fn repeated(&self, residuals: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+        self.rests.iter().map(|rest| {
+            let seen = rest.iter().filter(|i| residuals[**i].is_finite());
+            let channel = usize::from(self.channels[rest[0]]);
+            (channel, seen.count().saturating_sub(1) as f64)
+        })
+    }
+
     /// The first `over_s` of this window.
     pub(crate) fn head(&self, track: &Track, over_s: f64) -> Self {
         let to_s = (self.from_s + over_s).min(self.to_s);
@@ -251,19 +265,15 @@ impl Window {
     /// Without a camera the robot is where wheels took it since the recording began.
     pub(crate) fn guess(&self, track: &Track, body: &Body) -> [f64; LOCALS] {
         let [radius_m, half_track_m, _] = geometry(body);
-        let rows = |sensor: Sensor| {
-            let at = track.series.iter().position(|s| s.sensor == sensor)?;
-            let [first, end] = self.rows[at];
-            (end > first).then(|| &track.series[at].rows[first..end])
-        };
-        let poses = rows(Sensor::Pose);
+        let poses = self.rows_of(track, Sensor::Pose);
         let reckoned = || track.reckoned(&[self.from_s], geometry(body))?.pop();
         let seen = poses.map(|rows| rows[0].1).or_else(reckoned);
         let pose = seen
             .unwrap_or([0.0; 3])
             .map(|own| if own.is_finite() { own } else { 0.0 });
+        let angles = self.rows_of(track, Sensor::WheelAngle);
+        let angle = angles.map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
         let yaw = pose[2];
-        let angle = rows(Sensor::WheelAngle).map_or([0.0; 2], |rows| [rows[0].1[0], rows[0].1[1]]);
         let [mut u, mut rate] = [0.0; 2];
         if let Some(wheels) = track.of(Sensor::WheelAngle).filter(|_| self.free[3]) {
             let [right, left] = speeds(wheels, self.from_s).map(|speed| speed * radius_m);

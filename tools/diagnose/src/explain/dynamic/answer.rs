@@ -3,14 +3,10 @@
 use slipstream_sim::effects::When;
 
 use super::condition::condition;
-use super::selection::Known;
-use super::selection::Selected;
+use super::selection::{Known, Selected};
 use super::unknown::Unknown;
-use crate::answer::in_digits;
-use crate::answer::statement::statement;
-use crate::answer::{
-    Evidence, Finding, ParameterEstimate, Place, ProcessNoise, Unexplained, Warning,
-};
+use crate::answer::{Evidence, Finding, ProcessNoise, Unexplained, Warning, in_digits};
+use crate::explain::finding::{self, Named, Number};
 use crate::model::hypothesis::{Hypothesis, STATIC};
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::machine::Machine;
@@ -25,22 +21,19 @@ const SLIDING_M_S: f64 = 3e-3;
 const GAP_S: f64 = 0.1;
 /// Duration of a push (s).
 const PUSH_S: f64 = 0.06;
+/// Multiple of the floor from which on a size of process noise is said.
+const ABOVE_FLOOR: f64 = 3.0;
 
 /// The findings of one machine.
 pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
-    let fit = &selected.fit;
-    let known = selected.known.as_ref();
     let mut first = 0;
     let mut out = Vec::new();
-    for (index, hypothesis) in fit.hypotheses.iter().enumerate() {
-        let intervals: Vec<[f64; 2]> = hypothesis
-            .values
-            .iter()
-            .enumerate()
-            .map(|(i, (name, value))| {
-                interval(machine, fit, known, (index, first + i), (name, *value))
-            })
-            .collect();
+    for (index, hypothesis) in selected.fit.hypotheses.iter().enumerate() {
+        let numbers = hypothesis.values.iter().enumerate();
+        let intervals = numbers.map(|(i, (name, value))| {
+            interval(machine, selected, [index, first + i], (name, *value))
+        });
+        let intervals: Vec<[f64; 2]> = intervals.collect();
         if !hypothesis.is_threshold() {
             first += hypothesis.values.len();
         }
@@ -54,42 +47,35 @@ pub(crate) fn findings(machine: &Machine, selected: &Selected) -> Vec<Finding> {
 /// 95 % interval of the parameter `name` of the effect `index`, the `place`th of all.
 fn interval(
     machine: &Machine,
-    fit: &Filtered,
-    known: Option<&Known>,
-    (index, place): (usize, usize),
+    selected: &Selected,
+    [index, place]: [usize; 2],
     (name, value): (&str, f64),
 ) -> [f64; 2] {
-    let hypothesis = &fit.hypotheses[index];
-    let profiled = || {
+    let hypothesis = &selected.fit.hypotheses[index];
+    let has_derivative = !hypothesis.is_threshold() && name != STATIC;
+    let known = selected.known.as_ref().filter(|_| has_derivative);
+    let deviation = known.and_then(|known| half_width(known, hypothesis.is_local(), place));
+    let Some([width, variance]) = deviation else {
         let wide = [value * 0.5, value * 1.5];
-        machine.profile(fit, index, name).unwrap_or(wide)
-    };
-    if hypothesis.is_threshold() || name == STATIC {
-        return profiled();
-    }
-    let Some(known) = known else {
-        return profiled();
-    };
-    let local = hypothesis.is_local();
-    let variance = if local {
-        known.model[(place, place)]
-    } else {
-        known.covariance[(place, place)]
-    };
-    if !variance.is_finite() {
-        return profiled();
-    }
-    let width = if local {
-        // its one block has no spread
-        NORMAL
-    } else {
-        let blocks = known.blocks;
-        Criterion { tried: 1, blocks }.half_width()
+        return machine.profile(&selected.fit, index, name).unwrap_or(wide);
     };
     let nothing = hypothesis.nothing(&machine.model, name);
     let grain = INTEGRATORS * (value - nothing).abs();
     let half = width * (variance + grain * grain).sqrt();
     [value - half, value + half]
+}
+
+/// Half width of a 95 % interval in deviations, and the variance of a number, where that is known. The one block of
+/// what is local has no spread.
+fn half_width(known: &Known, is_local: bool, place: usize) -> Option<[f64; 2]> {
+    let [width, variance] = if is_local {
+        [NORMAL, known.model[(place, place)]]
+    } else {
+        let blocks = known.blocks;
+        let width = Criterion { tried: 1, blocks }.half_width();
+        [width, known.covariance[(place, place)]]
+    };
+    variance.is_finite().then_some([width, variance])
 }
 
 fn finding(
@@ -99,51 +85,27 @@ fn finding(
     intervals: &[[f64; 2]],
 ) -> Finding {
     let fit = &selected.fit;
-    let hypothesis = &fit.hypotheses[index];
-    let info = hypothesis.info;
-    let unit = |name: &str| info.parameter(name).map_or("1", |p| p.unit).to_owned();
-    let mut parameters: Vec<ParameterEstimate> = hypothesis
-        .values
-        .iter()
-        .zip(intervals)
-        .map(|((name, value), ci95)| ParameterEstimate {
-            name: (*name).to_owned(),
-            unit: unit(name),
-            nominal: hypothesis.nominal(&machine.model, name),
-            nominal_ci95: None,
-            estimate: Some(*value),
-            ci95: Some(*ci95),
-            text: None,
-        })
-        .collect();
-    if let Some((name, word)) = hypothesis.text {
-        parameters.push(ParameterEstimate::word(name, word));
-    }
-
-    let mut finding = Finding {
-        statement: String::new(),
-        robot: machine.tracks[0].robot.clone(),
-        effect: info.id.to_owned(),
-        parameters,
-        place: Place {
-            channel: info.channels[0].name().to_owned(),
-            intervals_s: at_work(machine, fit, hypothesis),
-            condition: condition(&machine.model, hypothesis),
-        },
+    let own = &fit.hypotheses[index];
+    let numbers = own.values.iter().zip(intervals);
+    let numbers = numbers.map(|((name, value), ci95)| Number {
+        name,
+        nominal: own.nominal(&machine.model, name),
+        estimate: *value,
+        ci95: *ci95,
+    });
+    let named = Named {
+        robot: &machine.tracks[0].robot,
+        effect: own.info.id,
+        numbers: numbers.collect(),
+        word: own.text,
+        intervals_s: at_work(machine, fit, own),
+        condition: Some(condition(&machine.model, own)),
         runs: None,
-        confused_with: selected.alike[index]
-            .iter()
-            .map(|id| (*id).to_owned())
-            .collect(),
+        confused: &selected.alike[index],
         evidence: evidence(selected.gains[index], selected.tried),
-        shape: None,
-        driver: None,
-        actions: Vec::new(),
+        known: own.replaces.is_some(),
     };
-    let span_s = machine.tracks[0].span_s();
-    let known = hypothesis.replaces.is_some();
-    finding.statement = statement(&finding, info.summary, span_s, known);
-    finding
+    named.finding(machine.tracks[0].span_s())
 }
 
 /// When an effect is at work (s): while a wheel slides, during a push, always.
@@ -192,97 +154,76 @@ fn sliding(machine: &Machine, fit: &Filtered, patch: Option<&Hypothesis>) -> Vec
 
 /// What always pushes and follows nothing that was looked at.
 pub(crate) fn process_noise(machine: &Machine, fit: &Filtered) -> Vec<ProcessNoise> {
-    let floor = machine.floor(fit.noise.of_wheels);
-    let names = if fit.noise.of_wheels {
-        [
-            ("surge_force", "N"),
-            ("yaw_moment", "N m"),
-            ("wheel_torque", "N m"),
-            ("wheel_torque", "N m"),
-            ("lateral_speed", "m/s"),
-        ]
+    let noise = &fit.noise;
+    let floor = machine.floor(noise.of_wheels);
+    let [third, fourth] = if noise.of_wheels {
+        [("wheel_torque", "N m"); 2]
     } else {
-        [
-            ("surge_force", "N"),
-            ("yaw_moment", "N m"),
-            ("speed", "m/s"),
-            ("turn_rate", "rad/s"),
-            ("lateral_speed", "m/s"),
-        ]
+        [("speed", "m/s"), ("turn_rate", "rad/s")]
     };
+    let names = [
+        ("surge_force", "N"),
+        ("yaw_moment", "N m"),
+        third,
+        fourth,
+        ("lateral_speed", "m/s"),
+    ];
     let has_pose = machine.has_pose();
-    let each = (0..5).filter(|i| !(fit.noise.of_wheels && *i == 3));
-    let each = each.filter(|i| has_pose || *i < 2 || fit.noise.of_wheels && *i == 2);
-    let above = each.filter(|i| fit.noise.size[*i] > ABOVE_FLOOR * floor[*i]);
+    let each = (0..5).filter(|i| !(noise.of_wheels && *i == 3));
+    let each = each.filter(|i| has_pose || *i < 2 || noise.of_wheels && *i == 2);
+    let above = each.filter(|i| noise.size[*i] > ABOVE_FLOOR * floor[*i]);
     above
         .map(|i| ProcessNoise {
             robot: machine.tracks[0].robot.clone(),
             acts_on: names[i].0,
-            size: fit.noise.size[i],
+            size: noise.size[i],
             unit: names[i].1,
-            correlation_time_s: fit.noise.time_s[i.min(2)],
+            correlation_time_s: noise.time_s[i.min(2)],
         })
         .collect()
 }
 
-/// A warning where something pushed more than once.
-pub(crate) fn gusts(machine: &Machine) -> Option<Warning> {
-    let mut times: Vec<f64> = machine
-        .runs
-        .iter()
-        .flat_map(|run| {
-            run.gusts_s
-                .iter()
-                .map(|[from, to]| f64::midpoint(*from, *to))
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    if times.is_empty() {
-        return None;
-    }
-    let words: Vec<String> = times.iter().map(|t_s| format!("{t_s:.2}")).collect();
-    Some(Warning {
+fn warning(machine: &Machine, id: &str, statement: String, remedy: &str) -> Warning {
+    Warning {
         recording: machine.tracks[0].recording.clone(),
         robot: Some(machine.tracks[0].robot.clone()),
-        id: "gusts".to_owned(),
-        statement: format!(
-            "something pushes for a moment now and then, near {} s; these moments count for nothing",
-            words.join(", ")
-        ),
-        remedy: "record again where nobody and nothing pushes the robot".to_owned(),
-    })
+        id: id.to_owned(),
+        statement,
+        remedy: remedy.to_owned(),
+    }
+}
+
+/// A warning where something pushed more than once.
+pub(crate) fn gusts(machine: &Machine) -> Option<Warning> {
+    let gusts = machine.runs.iter().flat_map(|run| &run.gusts_s);
+    let mut times: Vec<f64> = gusts.map(|[from, to]| f64::midpoint(*from, *to)).collect();
+    times.sort_by(f64::total_cmp);
+    let words: Vec<String> = times.iter().map(|t_s| format!("{t_s:.2}")).collect();
+    let statement = format!(
+        "something pushes for a moment now and then, near {} s; these moments count for nothing",
+        words.join(", ")
+    );
+    let remedy = "record again where nobody and nothing pushes the robot";
+    (!times.is_empty()).then(|| warning(machine, "gusts", statement, remedy))
 }
 
 /// A warning where forces without pattern were found.
 pub(crate) fn wandering(machine: &Machine, noise: &[ProcessNoise]) -> Option<Warning> {
-    if noise.is_empty() {
-        return None;
-    }
-    let parts: Vec<String> = noise
-        .iter()
-        .map(|own| {
-            let name = own.acts_on.replace('_', " ");
-            let (size, unit, time_s) = (own.size, own.unit, own.correlation_time_s);
-            let [size, ..] = in_digits(size, [0.0, size]);
-            format!("{name} {size} {unit} for about {time_s:.2} s")
-        })
-        .collect();
-    Some(Warning {
-        recording: machine.tracks[0].recording.clone(),
-        robot: Some(machine.tracks[0].robot.clone()),
-        id: "wandering_forces".to_owned(),
-        statement: format!(
-            "something pushes that follows no variable looked at (standard deviations: {})",
-            parts.join(", ")
-        ),
-        remedy: "effects that do not stand out from it were not accepted; a smoother floor or a \
-                 longer recording would show more"
-            .to_owned(),
-    })
+    let parts = noise.iter().map(|own| {
+        let name = own.acts_on.replace('_', " ");
+        let [size, ..] = in_digits(own.size, [0.0, own.size]);
+        let (unit, time_s) = (own.unit, own.correlation_time_s);
+        format!("{name} {size} {unit} for about {time_s:.2} s")
+    });
+    let parts: Vec<String> = parts.collect();
+    let statement = format!(
+        "something pushes that follows no variable looked at (standard deviations: {})",
+        parts.join(", ")
+    );
+    let remedy = "effects that do not stand out from it were not accepted; a smoother floor or a \
+                  longer recording would show more";
+    (!noise.is_empty()).then(|| warning(machine, "wandering_forces", statement, remedy))
 }
-
-/// Multiple of the floor from which on a size is said.
-const ABOVE_FLOOR: f64 = 3.0;
 
 /// What the catalogue does not hold, as a finding and as unexplained.
 pub(crate) fn outside(
@@ -297,11 +238,8 @@ pub(crate) fn outside(
         intervals_s: unknown.intervals_s.clone(),
         shape: with_parts(selected, &unknown.shape),
     };
-    let condition = format!("follows {}", unknown.driver);
-    (
-        what.finding(condition, evidence(unknown.gain / 2.0, selected.tried)),
-        what,
-    )
+    let evidence = evidence(unknown.gain / 2.0, selected.tried);
+    (finding::outside(&what, evidence), what)
 }
 
 /// The shape of a force outside of the catalogue with the effects that are part of it.

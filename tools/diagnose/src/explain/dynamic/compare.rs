@@ -31,18 +31,9 @@ pub(super) fn judged(
     if let Some(unknown) = &then.unknown {
         model.effects.extend(unknown.spec.clone());
     }
-    let known: Vec<Hypothesis> = then
-        .fit
-        .hypotheses
-        .into_iter()
-        .filter(|own| !own.is_momentary())
-        .collect();
-    let excluded: Vec<String> = request
-        .excluded
-        .iter()
-        .cloned()
-        .chain(LOCAL.map(str::to_owned))
-        .collect();
+    let mut known = then.fit.hypotheses;
+    known.retain(|own| !own.is_momentary());
+    let excluded = [request.excluded, &LOCAL.map(str::to_owned)].concat();
     let tracks = [before.tracks.as_slice(), today.tracks.as_slice()].concat();
     let mut machine = machine_of(&tracks, &model, &excluded);
     machine.before = before.tracks.len();
@@ -83,8 +74,8 @@ fn alone_today(
     shared.retain(|own| !is_load(own));
     let model = with(&joint.model, &shared);
     let machine = machine_of(&today.tracks, &model, excluded);
-    let is_change = |at: &usize| fit.hypotheses[*at].since;
-    let changes: Vec<usize> = (0..fit.hypotheses.len()).filter(is_change).collect();
+    let mut changes: Vec<usize> = (0..fit.hypotheses.len()).collect();
+    changes.retain(|at| fit.hypotheses[*at].since);
     let listed = |own: &Hypothesis| Hypothesis {
         since: false,
         replaces: match own.counterpart(&fit.hypotheses) {
@@ -93,8 +84,8 @@ fn alone_today(
         },
         ..own.clone()
     };
-    let all = changes.iter().map(|at| listed(&fit.hypotheses[*at]));
-    let all: Vec<Hypothesis> = all.collect();
+    let own = changes.iter().map(|at| &fit.hypotheses[*at]);
+    let all: Vec<Hypothesis> = own.map(listed).collect();
     let places: Vec<usize> = changes.iter().flat_map(|at| numbers(fit, *at)).collect();
     let table = Table::new(&machine, &all, &[]);
     let plant = Plant::new(&machine, &table);
@@ -105,11 +96,12 @@ fn alone_today(
     let at = table.problem(&plant).fit(&at, &table.told, FULL).at;
     let pick = |at: &usize| (selected.gains[*at], selected.alike[*at].clone());
     let (gains, alike) = changes.iter().map(pick).unzip();
-    let nominal = selected.known.as_ref().map(|known| intervals(fit, known));
-    let own = Selected {
+    let known = selected.known.as_ref();
+    let nominal = known.map_or_else(Vec::new, |known| intervals(fit, known));
+    let selected = Selected {
         nominal: plant.filtered(&still)?.as_ref().clone(),
         fit: plant.filtered(&at)?.as_ref().clone(),
-        known: selected.known.map(|known| known.of(&places)),
+        known: known.map(|known| known.of(&places)),
         at,
         gains,
         alike,
@@ -119,8 +111,8 @@ fn alone_today(
     };
     Some(Judged {
         all: hypothesis::all(&model, &today.tracks, excluded),
-        nominal: nominal.unwrap_or_default(),
-        selected: own,
+        nominal,
+        selected,
         table,
         machine,
     })
@@ -144,12 +136,7 @@ fn place(
 fn numbers(fit: &Filtered, at: usize) -> std::ops::Range<usize> {
     let own = &fit.hypotheses[at];
     let first = values(&fit.hypotheses[..at]).len();
-    let count = if own.is_threshold() {
-        0
-    } else {
-        own.values.len()
-    };
-    first..first + count
+    first..first + values(std::slice::from_ref(own)).len()
 }
 
 /// 95 % intervals of what acted before.

@@ -1,16 +1,14 @@
 //! Diagnosis of one machine whose masses are known and that is told torques or voltages.
 
 use slipstream_bus::{InputError, RobotModel};
-use slipstream_recording::Recording;
 use slipstream_recording::recording::{Command, Robot as Recorded};
 
 use super::judged::{Judged, alone, whole};
-use super::selection::Selected;
 use super::{answer, compare, pictures, prediction};
-use crate::answer::statement::changed;
 use crate::answer::{Figures, Finding};
 use crate::data::track::Sensor;
 use crate::explain::collected::Collected;
+use crate::explain::finding::since;
 use crate::explain::links::Course;
 use crate::judge::{Culprit, Predictions, Score, passing};
 use crate::model::hypothesis::with;
@@ -41,7 +39,7 @@ pub(crate) fn applies(robots: &[&Recorded], model: &RobotModel) -> bool {
 pub(crate) fn examine(
     request: &Request<'_>,
     runs: &Runs<'_>,
-    before: Option<&Vec<(&Recording, &Recorded)>>,
+    before: Option<&Runs<'_>>,
     collected: &mut Collected,
     illustrate: bool,
 ) -> Result<Option<Figures>, InputError> {
@@ -114,7 +112,7 @@ fn unusable(robot: &str) -> InputError {
 fn looked_for(
     request: &Request<'_>,
     runs: &Runs<'_>,
-    before: Option<&Vec<(&Recording, &Recorded)>>,
+    before: Option<&Runs<'_>>,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Found, InputError> {
     let mut predictor = Predictor::new(request, runs)?;
@@ -148,18 +146,13 @@ fn looked_for(
 }
 
 /// Adds what was found to the answer.
-fn add(found: &Found, before: Option<&Vec<(&Recording, &Recorded)>>, collected: &mut Collected) {
+fn add(found: &Found, before: Option<&Runs<'_>>, collected: &mut Collected) {
     let Judged {
-        machine,
-        selected,
-        nominal,
-        ..
+        machine, selected, ..
     } = &found.judged;
     let fit = &selected.fit;
     let answer = &mut collected.answer;
-    answer
-        .findings
-        .extend(findings(machine, selected, before, nominal));
+    answer.findings.extend(findings(&found.judged, before));
     answer
         .held_out
         .merge(&prediction::held_out(machine, &found.predictions));
@@ -198,22 +191,16 @@ fn illustrated(found: &Found, collected: &Collected, progress: &(dyn Fn(&str) + 
 }
 
 /// What was found; of a comparison, as changes.
-fn findings(
-    machine: &Machine,
-    selected: &Selected,
-    before: Option<&Vec<(&Recording, &Recorded)>>,
-    nominal: &[(&'static str, &'static str, [f64; 2])],
-) -> Vec<Finding> {
-    let mut all = answer::findings(machine, selected);
+fn findings(judged: &Judged, before: Option<&Runs<'_>>) -> Vec<Finding> {
+    let mut all = answer::findings(&judged.machine, &judged.selected);
     let Some(before) = before else { return all };
     for finding in &mut all {
-        for parameter in &mut finding.parameters {
-            let own = nominal
-                .iter()
-                .find(|(effect, name, _)| finding.effect == *effect && parameter.name == *name);
-            parameter.nominal_ci95 = own.map(|(.., interval)| *interval);
-        }
-        finding.statement = changed(finding, &before[0].0.name);
+        let effect = finding.effect.clone();
+        since(finding, &before[0].0.name, |parameter| {
+            let mut known = judged.nominal.iter();
+            let own = known.find(|(own, name, _)| effect == *own && parameter.name == *name);
+            own.map(|(.., interval)| *interval)
+        });
     }
     all
 }

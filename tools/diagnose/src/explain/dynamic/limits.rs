@@ -4,13 +4,12 @@ use rayon::prelude::*;
 use slipstream_sim::effects::When;
 
 use crate::answer::{Limit, Seen};
-use crate::data::track::Sensor;
+use crate::explain::figures::root_means;
 use crate::model::hypothesis::{Hypothesis, is_limit, kinds, sizes_of};
 use crate::model::plant::channels::precisions;
 use crate::model::plant::filtered::{Filtered, least_change};
 use crate::model::plant::machine::Machine;
 use crate::predict::predictor::Predictor;
-use crate::predict::window::Window;
 
 /// Estimate over standard deviation from which on an effect would have been found.
 const SIGMAS: f64 = 4.5;
@@ -30,12 +29,27 @@ pub(crate) fn limits(
 ) -> Vec<Limit> {
     let kinds = kinds(all.iter().filter(|h| !fit.has(h)));
     let windows = predictor.some_windows(WINDOWS);
-    let base = predicted(predictor, &windows, &fit.hypotheses);
+    let base = predictor.residuals(&windows, &fit.hypotheses);
+    let caused = |one: &Hypothesis, limit: &Limit| {
+        let Some(moved) = at_limit(machine, one, limit) else {
+            return [None, None];
+        };
+        let with = predictor.residuals(&windows, &fit.beside(&moved));
+        let each = windows.iter().zip(base.iter().zip(&with));
+        let each = each.filter_map(|(window, (a, b))| Some((window, a.as_ref()?, b.as_ref()?)));
+        root_means(each.flat_map(|(window, before, after)| {
+            let rows = window.channels.iter().zip(before.iter().zip(after));
+            rows.map(|(channel, (before, after))| {
+                let channel = usize::from(*channel);
+                (channel, (after - before) * predictor.deviation(channel))
+            })
+        }))
+    };
     let each = kinds.par_iter().flat_map_iter(|kind| {
         let own = of_kind(machine, fit, kind).into_iter();
-        own.map(|mut limit| {
-            limit.error = caused(machine, predictor, &windows, fit, &base, kind[0], &limit);
-            limit
+        own.map(|limit| Limit {
+            error: caused(kind[0], &limit),
+            ..limit
         })
     });
     let mut limits: Vec<Limit> = each.collect();
@@ -48,66 +62,26 @@ pub(crate) fn limits(
     limits
 }
 
-/// Residuals (deviations) of each window.
-fn predicted(
-    predictor: &Predictor,
-    windows: &[Window],
-    hypotheses: &[Hypothesis],
-) -> Vec<Option<Vec<f64>>> {
-    let simulated = predictor.simulated(hypotheses);
-    let of = |window: &Window| Some(predictor.predicted(simulated.as_ref()?, window)?.0);
-    windows.iter().map(of).collect()
-}
-
-/// Root mean square by which predictions change with an effect at its limit: place (m), heading (rad).
-fn caused(
-    machine: &Machine,
-    predictor: &Predictor,
-    windows: &[Window],
-    fit: &Filtered,
-    base: &[Option<Vec<f64>>],
-    one: &Hypothesis,
-    limit: &Limit,
-) -> [Option<f64>; 2] {
-    let Some(size) = limit.size.filter(|size| size.is_finite()) else {
-        return [None, None];
-    };
-    let mut moved = one.clone();
-    if sizes_of(one.info) == one.values.len() {
-        for (own, value) in &mut moved.values {
-            *value = one.nothing(&machine.model, own);
-        }
-    }
-    let nothing = one.nothing(&machine.model, limit.parameter);
+/// An effect with the size of its limit; `None` without one.
+fn at_limit(machine: &Machine, one: &Hypothesis, limit: &Limit) -> Option<Hypothesis> {
+    let size = limit.size.filter(|size| size.is_finite())?;
     let value = match limit.seen {
         Seen::Below => size,
-        Seen::Above | Seen::Around(_) => nothing + size,
+        Seen::Above | Seen::Around(_) => one.nothing(&machine.model, limit.parameter) + size,
     };
-    moved.set(limit.parameter, value);
-    let with = predicted(predictor, windows, &fit.beside(&moved));
-    let [mut place, mut turn] = [[0.0_f64; 2]; 2];
-    let channels = [Sensor::Pose.channel(), Sensor::Pose.channel() + 2];
-    for ((window, before), after) in windows.iter().zip(base).zip(&with) {
-        let (Some(before), Some(after)) = (before, after) else {
-            continue;
-        };
-        let rows = window.channels.iter().zip(before.iter().zip(after));
-        for (channel, (before, after)) in rows {
-            let channel = usize::from(*channel);
-            let change = (after - before) * predictor.deviation(channel);
-            let square = change * change;
-            if !square.is_finite() {
-                continue;
-            }
-            if channel == channels[0] || channel == channels[0] + 1 {
-                // two rows are one place
-                place = [place[0] + square, place[1] + 0.5];
-            } else if channel == channels[1] {
-                turn = [turn[0] + square, turn[1] + 1.0];
-            }
+    Some(with_only(machine, one, limit.parameter, value))
+}
+
+/// An effect with one of its sizes; its others do nothing, while places and directions stay where they begin.
+fn with_only(machine: &Machine, one: &Hypothesis, name: &str, value: f64) -> Hypothesis {
+    let mut own = one.clone();
+    if sizes_of(one.info) == one.values.len() {
+        for (name, value) in &mut own.values {
+            *value = one.nothing(&machine.model, name);
         }
     }
-    [place, turn].map(|[squares, count]| (count > 0.0).then(|| (squares / count).sqrt()))
+    own.set(name, value);
+    own
 }
 
 fn of_kind(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis]) -> Vec<Limit> {
@@ -128,14 +102,7 @@ fn of_kind(machine: &Machine, fit: &Filtered, kind: &[&Hypothesis]) -> Vec<Limit
 fn by_deviation(machine: &Machine, fit: &Filtered, one: &Hypothesis, name: &'static str) -> Limit {
     let nothing = one.nothing(&machine.model, name);
     let step = STEP * least_change(one.info, name);
-    let mut moved = one.clone();
-    for (own, value) in &mut moved.values {
-        // places and directions stay where they begin
-        if sizes_of(one.info) == one.values.len() || own == &name {
-            *value = one.nothing(&machine.model, own);
-        }
-    }
-    moved.set(name, nothing + step);
+    let moved = with_only(machine, one, name, nothing + step);
     let size = machine.innovations(fit, &fit.beside(&moved)).and_then(|e| {
         let precisions = precisions(&fit.whitened, &machine.channels);
         let pairs = e.iter().zip(&fit.whitened).zip(&precisions);

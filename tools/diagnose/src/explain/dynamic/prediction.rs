@@ -67,16 +67,11 @@ pub(crate) fn worth(predictor: &Predictor, fit: &Filtered) -> Worth {
     names.sort_unstable();
     names.dedup();
     names.truncate(PLAYERS);
-    let subsets = (0..1_usize << names.len()).into_par_iter().map(|subset| {
-        let has = |h: &&Hypothesis| match names.iter().position(|n| *n == h.info.id) {
-            Some(place) => subset >> place & 1 == 1,
-            None => true,
-        };
-        let own: Vec<Hypothesis> = fit.hypotheses.iter().filter(has).cloned().collect();
-        predictor.scores(&windows, &own)
-    });
-    let scores: Vec<Vec<Score>> = subsets.collect();
-    Worth::new(names, &scores)
+    Worth::new(names, |left_out| {
+        let own = fit.hypotheses.iter();
+        let own = own.filter(|own| !left_out.contains(&own.info.id));
+        predictor.scores(&windows, &own.cloned().collect::<Vec<_>>())
+    })
 }
 
 /// What each window scores by effects that were fitted without it.
