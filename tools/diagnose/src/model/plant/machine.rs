@@ -4,6 +4,7 @@ use slipstream_bus::RobotModel;
 use slipstream_sim::CommandKind;
 
 use super::channels::{NO_CHANNEL, first};
+use super::noise::is_uneven;
 use crate::data::track::{self, Track};
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
@@ -40,6 +41,8 @@ pub(crate) struct Machine {
     pub(crate) channels: Vec<u8>,
     /// Stamp of each (s), and its run.
     pub(crate) stamps: Vec<(f64, usize)>,
+    /// Whether the stamps of the wheels' angles are uneven.
+    pub(super) is_uneven: bool,
     /// Of each run, a load outside of the catalogue: until when (s), along (N) and about (N m).
     pub(crate) loads: Vec<Vec<(f64, [f64; 2])>>,
 }
@@ -62,6 +65,7 @@ impl Machine {
             }
         }
         Self {
+            is_uneven: runs.iter().any(is_uneven),
             tracks,
             runs,
             model,
@@ -96,10 +100,11 @@ impl Machine {
         !self.has_pose() && tracks.all(|own| own.kind() == CommandKind::Voltage)
     }
 
-    /// Whether its runs tell an effect from what is fitted anyway: a length and a mass need places.
+    /// Whether its runs tell an effect from what is fitted anyway: a length needs places, and a mass or the grip that
+    /// it gives needs something that weighs.
     pub(crate) fn tells(&self, own: &Hypothesis) -> bool {
         let of_length = ["wheel_radius", "encoder_scale"].contains(&own.info.id);
-        let of_mass = own.info.id == "payload";
+        let of_mass = ["payload", "wheel_slip"].contains(&own.info.id);
         !is_load(own) && !(of_length && !self.has_pose() || of_mass && self.weighs_nothing())
     }
 

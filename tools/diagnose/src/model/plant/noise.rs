@@ -5,15 +5,20 @@
 
 use super::machine::Machine;
 use crate::estimate::Prior;
-use crate::filter::dynamic::{Noise, Sensor};
+use crate::filter::dynamic::{Noise, Run, Sensor};
 
 /// Where sizes are expected for a robot of 1.6 kg: surge force (N), yaw moment (N m), creep along (m/s), about
-/// (rad/s) and across (m/s), torque of a wheel (N m); and of any robot, how far a stamp is off (s), and shares by
+/// (rad/s) and across (m/s), torque of a wheel (N m); and of any robot, how far a stamp is off that was rounded to a
+/// millisecond (s), and shares by
 /// which readings of wheels, poses and inertial sensor err beyond what is known.
 const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3, 3e-4, 1.0, 1.0, 1.0];
 /// A stamp that is exact (s): a tenth of what most logs round to; and the share of an error that is none.
 const EXACT_S: f64 = 1e-5;
 const NOTHING: f64 = 0.03;
+/// A step between stamps that differs by this share of the median is uneven, and share of such steps in a log of uneven
+/// stamps.
+const UNEVEN: f64 = 0.01;
+const UNEVEN_SHARE: f64 = 0.05;
 const EXPECTED_TIME_S: f64 = 0.3;
 /// Standard deviations of the logs of sizes, about their floors, and of times: a size is known to a factor of 50, a time
 /// to lie between some hundredths of a second and some seconds.
@@ -33,16 +38,16 @@ const TIMES: usize = 3;
 pub(super) const COUNT: usize = SIZES + TIMES;
 
 impl Machine {
-    /// Those that the runs tell of: creep where a heading or a place is measured, stamps where angles are.
+    /// Those that the runs tell of: creep where a heading or a place is measured, errors of stamps where these are uneven,
+    /// and of readings where they are guessed.
     pub(super) fn told_noise(&self) -> impl Iterator<Item = usize> {
         let heading = self.measures(Sensor::Pose, 2);
         let place = self.has_pose();
-        let angles = self.measures(Sensor::WheelAngle, 0);
         let guessed = self.guessed();
         (0..COUNT).filter(move |index| match *index {
             2 | 4 => place,
             3 => heading,
-            JITTER => angles,
+            JITTER => self.is_uneven,
             BEYOND..SIZES => guessed[*index - BEYOND],
             _ => true,
         })
@@ -102,8 +107,31 @@ impl Machine {
             size: std::array::from_fn(size),
             time_s: std::array::from_fn(time_s),
             of_wheels,
-            jitter_s: EXPECTED[JITTER] * at[JITTER].clamp(-HELD, HELD).exp(),
+            jitter_s: if self.is_uneven {
+                EXPECTED[JITTER] * at[JITTER].clamp(-HELD, HELD).exp()
+            } else {
+                0.0
+            },
             beyond: std::array::from_fn(beyond),
         }
     }
+}
+
+/// Whether the stamps of the wheels' angles are uneven: a log that stamps its rows as they come. Those of a grid are exact,
+/// or say nothing of how exact they are.
+pub(super) fn is_uneven(run: &Run) -> bool {
+    let angles = run
+        .rows
+        .iter()
+        .filter(|row| row.sensor == Sensor::WheelAngle);
+    let stamps: Vec<f64> = angles.map(|row| row.stamp_s).collect();
+    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(median) = steps.get(steps.len() / 2) else {
+        return false;
+    };
+    let off = steps
+        .iter()
+        .filter(|step| (*step - median).abs() > UNEVEN * median);
+    off.count() as f64 > UNEVEN_SHARE * steps.len() as f64
 }

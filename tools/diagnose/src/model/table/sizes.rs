@@ -17,6 +17,9 @@ pub(super) const RATE: f64 = 1e-5;
 pub(super) const GYRO_ASYMMETRY: f64 = 0.004;
 /// A robot that turns or drives more slowly than this shows no law (rad/s, m/s).
 pub(super) const LEAST_DRIVER: [f64; 2] = [0.02, 5e-3];
+/// Speed of a wheel about the middle, as a share of the robot's, below which a robot drives straight: what it loses then is
+/// no loss in turns.
+pub(super) const LEAST_TURN: f64 = 0.1;
 
 /// Repeatability: standard deviation between recordings of one unchanged robot.
 pub(super) mod repeatability {
