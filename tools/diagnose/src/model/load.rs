@@ -57,3 +57,24 @@ pub(super) fn apply(own: &Hypothesis, model: &mut RobotModel) {
         *own = own.map(|whole| share * whole);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::hypothesis::with;
+
+    #[test]
+    fn a_share_of_the_body_is_that_of_its_mass_and_its_inertia() {
+        let model = RobotModel::default();
+        let mut half = whole();
+        half.set("share", 0.5);
+        let own = with(&model, &[half]);
+        assert!(own.effects.is_empty());
+        let of =
+            |model: &RobotModel| [model.robot.body_mass_kg, model.robot.body_yaw_inertia_kg_m2];
+        for (half, whole) in of(&own).into_iter().zip(of(&model)) {
+            assert_eq!(half, whole.map(|own| 0.5 * own));
+        }
+        assert_eq!(of(&with(&model, &[whole()])), of(&model));
+    }
+}

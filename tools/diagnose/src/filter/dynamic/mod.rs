@@ -131,7 +131,7 @@ pub(crate) struct Noise {
 
 impl Noise {
     /// Variance of a row that changes at `rates`, of which its sensor's own is known as `variance`.
-    pub(super) fn variance(
+    pub(crate) fn variance(
         &self,
         sensor: Sensor,
         variance: &[f64; 3],

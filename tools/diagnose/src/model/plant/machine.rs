@@ -105,7 +105,7 @@ impl Machine {
     pub(crate) fn tells(&self, own: &Hypothesis) -> bool {
         let of_length = ["wheel_radius", "encoder_scale"].contains(&own.info.id);
         let of_mass = ["payload", "wheel_slip"].contains(&own.info.id);
-        !is_load(own) && !(of_length && !self.has_pose() || of_mass && self.weighs_nothing())
+        !(is_load(own) || of_length && !self.has_pose() || of_mass && self.weighs_nothing())
     }
 
     /// Where the right and the left wheel of the nominal model touch the floor at a pose of c (m).
@@ -253,4 +253,58 @@ fn motion(rows: &[Row], model: &RobotModel) -> [[f64; 2]; 2] {
         [flag; 2],
         [(right + left) / 2.0, (right - left) / (2.0 * b)],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use slipstream_sim::Command;
+
+    use super::*;
+    use crate::model::hypothesis;
+    use crate::predict::fixture;
+
+    /// Names of the effects that are told of a robot under voltage, with and without its poses.
+    fn told(has_pose: bool) -> Vec<&'static str> {
+        let model = RobotModel::default();
+        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
+        for (_, command) in &mut track.commands {
+            *command = Command::Voltage {
+                right_v: 1.0,
+                left_v: 1.0,
+            };
+        }
+        if !has_pose {
+            track.series.truncate(1);
+        }
+        let tracks = [track.clone()];
+        let machine = Machine::new(vec![track], model, &[]);
+        assert_eq!(machine.weighs_nothing(), !has_pose);
+        let all = hypothesis::all(&machine.model, &tracks, &[]);
+        let all = all.iter().filter(|own| machine.tells(own));
+        all.map(|own| own.info.id).collect()
+    }
+
+    #[test]
+    fn wheels_under_voltage_tell_no_length_and_no_mass() {
+        let [with, without] = [true, false].map(told);
+        for id in ["wheel_radius", "encoder_scale", "payload", "wheel_slip"] {
+            assert!(with.contains(&id) && !without.contains(&id), "{id}");
+        }
+        for id in ["command_dead_zone", "motor_gain", "axle_friction"] {
+            assert!(with.contains(&id) && without.contains(&id), "{id}");
+        }
+    }
+
+    #[test]
+    fn a_heading_without_places_is_measured() {
+        let model = RobotModel::default();
+        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
+        for (_, pose) in &mut track.series[1].rows {
+            (pose[0], pose[1]) = (f64::NAN, f64::NAN);
+        }
+        let machine = Machine::new(vec![track], model, &[]);
+        assert!(!machine.has_pose() && machine.measures(Sensor::Pose, 2));
+        let pass = machine.pass(Vec::new(), machine.noise(&[0.0; 13], false));
+        assert!(pass.unwrap().whitened.iter().all(|own| own.is_finite()));
+    }
 }

@@ -135,3 +135,52 @@ pub(super) fn is_uneven(run: &Run) -> bool {
         .filter(|step| (*step - median).abs() > UNEVEN * median);
     off.count() as f64 > UNEVEN_SHARE * steps.len() as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use slipstream_bus::RobotModel;
+
+    use super::*;
+    use crate::predict::fixture;
+
+    /// A machine whose rows were stamped by `stamp`.
+    fn stamped(stamp: fn(f64) -> f64) -> Machine {
+        let model = RobotModel::default();
+        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
+        for series in &mut track.series {
+            series.rows.iter_mut().for_each(|row| row.0 = stamp(row.0));
+        }
+        Machine::new(vec![track], model, &[])
+    }
+
+    #[test]
+    fn stamps_err_where_they_are_uneven() {
+        let told = |own: &Machine| own.told_noise().any(|index| index == JITTER);
+        let grid = stamped(|t_s| t_s);
+        assert!(!told(&grid));
+        assert_eq!(grid.noise(&[0.0; COUNT], false).jitter_s, 0.0);
+        // 20 ms and a third, in whole milliseconds
+        let rounded = stamped(|t_s| (t_s / 0.02 * 20.333).floor() * 1e-3);
+        assert!(told(&rounded));
+        let jitter_s = rounded.noise(&[0.0; COUNT], false).jitter_s;
+        assert_eq!(jitter_s, EXPECTED[JITTER]);
+        // a wheel at 10 rad/s is read 3 mrad beside its angle
+        let noise = rounded.noise(&[0.0; COUNT], false);
+        let variance = noise.variance(Sensor::WheelAngle, &[1e-6; 3], &[10.0, 0.0, 0.0]);
+        assert!((variance[0] - (1e-6 + 9e-6)).abs() < 1e-12);
+        assert_eq!(variance[1], 1e-6);
+    }
+
+    #[test]
+    fn readings_err_beyond_what_is_known_where_that_is_guessed() {
+        let model = RobotModel::default();
+        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
+        track.series[0].is_guessed = true;
+        let machine = Machine::new(vec![track], model, &[]);
+        let told: Vec<usize> = machine.told_noise().filter(|own| *own >= BEYOND).collect();
+        assert_eq!(told[0], BEYOND);
+        assert!(!told.contains(&(BEYOND + 1)));
+        let noise = machine.noise(&[0.0; COUNT], false);
+        assert_eq!(noise.beyond, [EXPECTED[BEYOND], 0.0, 0.0]);
+    }
+}
