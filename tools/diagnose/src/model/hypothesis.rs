@@ -12,6 +12,9 @@ use crate::data::command::asked;
 use crate::data::track::{Sensor, Series, Track};
 use crate::filter::wrapped;
 
+/// The number of a load.
+const SHARE_OF_BODY: &str = "share";
+
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Hypothesis {
@@ -35,6 +38,16 @@ impl Hypothesis {
             replaces: None,
             since: false,
         }
+    }
+
+    /// The whole body as what the motors move: no effect, and fitted where nothing weighs a robot.
+    pub(crate) fn whole_load() -> Self {
+        Self::new(&load::SHARE, vec![(SHARE_OF_BODY, 1.0)])
+    }
+
+    /// Whether it is a share of the body and no effect.
+    pub(crate) fn is_load(&self) -> bool {
+        self.info.id == load::SHARE.id
     }
 
     /// As a model lists it.
@@ -150,8 +163,8 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
 pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel {
     let mut better = model.clone();
     for hypothesis in hypotheses {
-        if load::is_load(hypothesis) {
-            load::apply(hypothesis, &mut better);
+        if hypothesis.is_load() {
+            load::apply(hypothesis.value(SHARE_OF_BODY).unwrap_or(1.0), &mut better);
             continue;
         }
         match hypothesis.replaces {

@@ -9,10 +9,8 @@ use slipstream_sim::effects::{
     Channel, Domain, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When,
 };
 
-use super::hypothesis::Hypothesis;
-
 /// The share, as effects are described.
-static SHARE: Info = Info {
+pub(super) static SHARE: Info = Info {
     id: "load",
     summary: "the motors move a share of the body",
     equation: "m = s m_0, I = s I_0",
@@ -39,19 +37,8 @@ static SHARE: Info = Info {
     manoeuvre: Manoeuvre::AddedMass,
 };
 
-/// The whole body.
-pub(crate) fn whole() -> Hypothesis {
-    Hypothesis::new(&SHARE, vec![("share", 1.0)])
-}
-
-/// Whether `own` is a share of the body and no effect.
-pub(crate) fn is_load(own: &Hypothesis) -> bool {
-    own.info.id == SHARE.id
-}
-
-/// Gives `model` the share of its body that `own` says.
-pub(super) fn apply(own: &Hypothesis, model: &mut RobotModel) {
-    let share = own.value("share").unwrap_or(1.0);
+/// Gives `model` this share of its body.
+pub(super) fn apply(share: f64, model: &mut RobotModel) {
     let body = &mut model.robot;
     for own in [&mut body.body_mass_kg, &mut body.body_yaw_inertia_kg_m2] {
         *own = own.map(|whole| share * whole);
@@ -61,20 +48,16 @@ pub(super) fn apply(own: &Hypothesis, model: &mut RobotModel) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::hypothesis::with;
 
     #[test]
     fn a_share_of_the_body_is_that_of_its_mass_and_its_inertia() {
         let model = RobotModel::default();
-        let mut half = whole();
-        half.set("share", 0.5);
-        let own = with(&model, &[half]);
-        assert!(own.effects.is_empty());
+        let mut own = model.clone();
+        apply(0.5, &mut own);
         let of =
             |model: &RobotModel| [model.robot.body_mass_kg, model.robot.body_yaw_inertia_kg_m2];
         for (half, whole) in of(&own).into_iter().zip(of(&model)) {
             assert_eq!(half, whole.map(|own| 0.5 * own));
         }
-        assert_eq!(of(&with(&model, &[whole()])), of(&model));
     }
 }

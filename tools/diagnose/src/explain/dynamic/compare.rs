@@ -7,7 +7,6 @@ use super::judged::{Judged, alone, machine_of, whole};
 use super::selection::{Known, Selected, Selection, fitted_noise};
 use crate::estimate::scoring::FULL;
 use crate::model::hypothesis::{self, Hypothesis, in_force, with};
-use crate::model::load::is_load;
 use crate::model::plant::filtered::{Filtered, values};
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::machine::Machine;
@@ -71,7 +70,7 @@ fn alone_today(
     let fit = &selected.fit;
     let mut shared = in_force(&fit.hypotheses, false);
     // what loads the motors today is all of it, and no change
-    shared.retain(|own| !is_load(own));
+    shared.retain(|own| !own.is_load());
     let model = with(&joint.model, &shared);
     let machine = machine_of(&today.tracks, &model, excluded);
     let mut changes: Vec<usize> = (0..fit.hypotheses.len()).collect();

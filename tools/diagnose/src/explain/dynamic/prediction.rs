@@ -9,7 +9,6 @@ use crate::estimate::scoring::SearchLimits;
 use crate::filter::dynamic::open_loop::{Sums, add_variances};
 use crate::judge::{HEADING, PLACE, POSE, Predictions, Score, Worth};
 use crate::model::hypothesis::Hypothesis;
-use crate::model::load::is_load;
 use crate::model::plant::channels::NO_CHANNEL;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
@@ -61,7 +60,7 @@ pub(crate) fn worth(predictor: &Predictor, fit: &Filtered) -> Worth {
     let mut names: Vec<&'static str> = fit
         .hypotheses
         .iter()
-        .filter(|h| !is_load(h))
+        .filter(|h| !h.is_load())
         .map(|h| h.info.id)
         .collect();
     names.sort_unstable();

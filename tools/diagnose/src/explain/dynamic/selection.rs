@@ -9,7 +9,6 @@ use crate::estimate::Likelihood;
 use crate::estimate::scoring::{FULL, SearchLimits};
 use crate::estimate::term::Term;
 use crate::model::hypothesis::{Hypothesis, kinds};
-use crate::model::load::is_load;
 use crate::model::plant::filtered::Filtered;
 use crate::model::plant::likelihood::Plant;
 use crate::model::plant::located::pushes;
@@ -92,7 +91,7 @@ impl Selected {
             "w" => OF_TURN.contains(&own.info.id),
             _ => false,
         };
-        !is_load(own) && !self.unknown.as_ref().is_some_and(part)
+        !own.is_load() && !self.unknown.as_ref().is_some_and(part)
     }
 
     /// The fit of everything that was found.

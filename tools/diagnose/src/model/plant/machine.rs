@@ -4,12 +4,10 @@ use slipstream_bus::RobotModel;
 use slipstream_sim::CommandKind;
 
 use super::channels::{NO_CHANNEL, first};
-use super::noise::is_uneven;
 use crate::data::track::{self, Track};
 use crate::filter::dynamic::gains::NOT_MEASURED;
 use crate::filter::dynamic::{N, Row, Run, Sensor};
 use crate::model::hypothesis::Hypothesis;
-use crate::model::load::is_load;
 
 /// Standard deviation of the first pose (m, rad): nothing is known of where a robot begins.
 const START_POSE: [f64; 3] = [1.0, 1.0, 0.5];
@@ -26,6 +24,11 @@ const LATE_S: f64 = 0.5;
 const LOST_ANGLE_RAD: f64 = 30.0;
 /// Standard deviation of a slip at the start (m/s).
 const START_SLIP: f64 = 0.01;
+
+/// A step between stamps that differs by this share of the median is uneven, and share of such steps in a log of uneven
+/// stamps.
+const UNEVEN: f64 = 0.01;
+const UNEVEN_SHARE: f64 = 0.05;
 
 /// The runs of one machine, and its nominal model.
 #[derive(Clone)]
@@ -105,7 +108,7 @@ impl Machine {
     pub(crate) fn tells(&self, own: &Hypothesis) -> bool {
         let of_length = ["wheel_radius", "encoder_scale"].contains(&own.info.id);
         let of_mass = ["payload", "wheel_slip"].contains(&own.info.id);
-        !(is_load(own) || of_length && !self.has_pose() || of_mass && self.weighs_nothing())
+        !(own.is_load() || of_length && !self.has_pose() || of_mass && self.weighs_nothing())
     }
 
     /// Where the right and the left wheel of the nominal model touch the floor at a pose of c (m).
@@ -208,6 +211,25 @@ fn run(track: &Track, model: &RobotModel) -> Run {
         lost_deviation,
         gusts_s: Vec::new(),
     }
+}
+
+/// Whether the stamps of the wheels' angles are uneven: a log that stamps its rows as they come. Those of a grid are exact,
+/// or say nothing of how exact they are.
+fn is_uneven(run: &Run) -> bool {
+    let angles = run
+        .rows
+        .iter()
+        .filter(|row| row.sensor == Sensor::WheelAngle);
+    let stamps: Vec<f64> = angles.map(|row| row.stamp_s).collect();
+    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let Some(median) = steps.get(steps.len() / 2) else {
+        return false;
+    };
+    let off = steps
+        .iter()
+        .filter(|step| (*step - median).abs() > UNEVEN * median);
+    off.count() as f64 > UNEVEN_SHARE * steps.len() as f64
 }
 
 /// Readings of a wheel that repeat count as one: n equal readings get n times the variance each.

@@ -5,7 +5,7 @@
 
 use super::machine::Machine;
 use crate::estimate::Prior;
-use crate::filter::dynamic::{Noise, Run, Sensor};
+use crate::filter::dynamic::{Noise, Sensor};
 
 /// Where sizes are expected for a robot of 1.6 kg: surge force (N), yaw moment (N m), creep along (m/s), about
 /// (rad/s) and across (m/s), torque of a wheel (N m); and of any robot, how far a stamp is off that was rounded to a
@@ -15,10 +15,6 @@ const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3, 3e-4, 1.0, 
 /// A stamp that is exact (s): a tenth of what most logs round to; and the share of an error that is none.
 const EXACT_S: f64 = 1e-5;
 const NOTHING: f64 = 0.03;
-/// A step between stamps that differs by this share of the median is uneven, and share of such steps in a log of uneven
-/// stamps.
-const UNEVEN: f64 = 0.01;
-const UNEVEN_SHARE: f64 = 0.05;
 const EXPECTED_TIME_S: f64 = 0.3;
 /// Standard deviations of the logs of sizes, about their floors, and of times: a size is known to a factor of 50, a time
 /// to lie between some hundredths of a second and some seconds.
@@ -115,25 +111,6 @@ impl Machine {
             beyond: std::array::from_fn(beyond),
         }
     }
-}
-
-/// Whether the stamps of the wheels' angles are uneven: a log that stamps its rows as they come. Those of a grid are exact,
-/// or say nothing of how exact they are.
-pub(super) fn is_uneven(run: &Run) -> bool {
-    let angles = run
-        .rows
-        .iter()
-        .filter(|row| row.sensor == Sensor::WheelAngle);
-    let stamps: Vec<f64> = angles.map(|row| row.stamp_s).collect();
-    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let Some(median) = steps.get(steps.len() / 2) else {
-        return false;
-    };
-    let off = steps
-        .iter()
-        .filter(|step| (*step - median).abs() > UNEVEN * median);
-    off.count() as f64 > UNEVEN_SHARE * steps.len() as f64
 }
 
 #[cfg(test)]

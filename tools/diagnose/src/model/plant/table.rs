@@ -10,7 +10,6 @@ use crate::estimate::scoring::Problem;
 use crate::estimate::term::{Acts, Attribution, Search, Term};
 use crate::estimate::{Likelihood, Prior};
 use crate::model::hypothesis::{Hypothesis, all_sizes, kinds, momentary_and_placed, threshold};
-use crate::model::load::{is_load, whole};
 
 /// Standard deviation of the size of an effect, in the smallest sizes that the catalogue expects: next to
 /// nothing is known of it.
@@ -98,7 +97,7 @@ impl Table {
         if machine.weighs_nothing() {
             table.add_load(machine);
         }
-        for own in known.iter().filter(|own| !is_load(own)) {
+        for own in known.iter().filter(|own| !own.is_load()) {
             table.add_known(machine, own);
         }
         for starts in kinds(all) {
@@ -171,7 +170,7 @@ impl Table {
 
     /// The share of the body that loads the motors; of a comparison, also how it changed.
     fn add_load(&mut self, machine: &Machine) {
-        let known = whole();
+        let known = Hypothesis::whole_load();
         let since = Hypothesis {
             since: true,
             ..known.clone()
