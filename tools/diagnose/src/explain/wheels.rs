@@ -19,7 +19,7 @@ impl Piece<'_> {
         let p = gyro_parameters(self.local);
         let (machine, noise) = (self.own.machine, &self.noise.gyro);
         let bias = self.local[MACHINE + RUN_BIAS];
-        let over_s = 2.0 * (self.own.run.wheel_interval_s / 2.0);
+        let over_s = self.own.run.wheel_interval_s;
         let sensor = self.own.deviations[GYRO].powi(2);
         // the turn of the wheels between two of their rows, both of which are rounded
         let of_wheels = 2.0 * noise.angle / over_s.powi(2);

@@ -12,9 +12,6 @@ use crate::data::command::asked;
 use crate::data::track::{Sensor, Series, Track};
 use crate::filter::wrapped;
 
-/// The number of a load.
-const SHARE_OF_BODY: &str = "share";
-
 /// One effect at the values from which a fit begins, or at which it ended.
 #[derive(Debug, Clone)]
 pub(crate) struct Hypothesis {
@@ -42,7 +39,7 @@ impl Hypothesis {
 
     /// The whole body as what the motors move: no effect, and fitted where nothing weighs a robot.
     pub(crate) fn whole_load() -> Self {
-        Self::new(&load::SHARE, vec![(SHARE_OF_BODY, 1.0)])
+        Self::new(&load::SHARE, vec![(load::NUMBER, 1.0)])
     }
 
     /// Whether it is a share of the body and no effect.
@@ -164,7 +161,7 @@ pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel 
     let mut better = model.clone();
     for hypothesis in hypotheses {
         if hypothesis.is_load() {
-            load::apply(hypothesis.value(SHARE_OF_BODY).unwrap_or(1.0), &mut better);
+            load::apply(hypothesis.value(load::NUMBER).unwrap_or(1.0), &mut better);
             continue;
         }
         match hypothesis.replaces {

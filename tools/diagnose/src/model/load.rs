@@ -9,6 +9,9 @@ use slipstream_sim::effects::{
     Channel, Domain, Info, Manoeuvre, ModelSite, ParameterInfo, Role, When,
 };
 
+/// Its number.
+pub(super) const NUMBER: &str = "share";
+
 /// The share, as effects are described.
 pub(super) static SHARE: Info = Info {
     id: "load",
@@ -19,7 +22,7 @@ pub(super) static SHARE: Info = Info {
     channels: &[Channel::Longitudinal, Channel::Yaw],
     parameters: &[ParameterInfo {
         role: Role::Factor,
-        name: "share",
+        name: NUMBER,
         unit: "1",
         domain: Domain::Number {
             lower: 0.01,

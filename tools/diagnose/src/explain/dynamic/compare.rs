@@ -106,7 +106,7 @@ fn alone_today(
         alike,
         tried: selected.tried,
         unknown: None,
-        needed: selected.needed,
+        needed: None,
     };
     Some(Judged {
         all: hypothesis::all(&model, &today.tracks, excluded),

@@ -54,13 +54,11 @@ pub(crate) fn examine(
         if let Some(culprit) = found.culprit() {
             return Ok(Err(culprit));
         }
-        let at = found.judged.selected.at.clone();
         let found = match before {
             None => found.whole(&progress).ok_or_else(|| unusable(name))?,
             Some(_) => found,
         };
-        let changed = found.judged.selected.at != at;
-        Ok(match found.culprit().filter(|_| changed) {
+        Ok(match found.culprit() {
             Some(culprit) => Err(culprit),
             None => Ok(found),
         })

@@ -56,8 +56,8 @@ pub(crate) struct Selected {
     pub(crate) tried: usize,
     /// What the catalogue does not hold.
     pub(crate) unknown: Option<Unknown>,
-    /// The terms that are needed.
-    pub(super) needed: Needed,
+    /// The terms that are needed, from which more may be looked for; `None` of a comparison.
+    pub(super) needed: Option<Needed>,
 }
 
 /// Covariances of the numbers of effects, in their order.
@@ -182,8 +182,9 @@ impl Selection<'_> {
             twins: &table.twins,
             useful: &|_, _, _| true,
         };
+        let begun = begun.and_then(|own| Some((own.nominal, own.needed?)));
         let (nominal, mut needed) = match begun {
-            Some(own) => (own.nominal, own.needed),
+            Some(own) => own,
             None => self.first(&mut selection, table, &plant)?,
         };
         let mut unknown = None;
@@ -214,7 +215,7 @@ impl Selection<'_> {
             unknown,
             fit,
             at: needed.fit.at.clone(),
-            needed,
+            needed: Some(needed),
         })
     }
 

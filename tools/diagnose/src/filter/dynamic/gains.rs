@@ -3,7 +3,7 @@
 use super::derivatives::{Derivatives, Lately, differentiated};
 use super::flow::Flow;
 use super::update::{Covariance, Gain};
-use super::{DISTURBANCES, DISTURBED, N, Noise, SLIP, Sensor, in_order};
+use super::{DISTURBANCES, DISTURBED, N, Noise, Run, SLIP, Sensor, in_order};
 
 /// Factor of an encoder's variance beside an impact of its gear: half a count more.
 const IMPACT: f64 = 4.0;
@@ -29,6 +29,13 @@ pub(crate) struct Passed {
     pub(crate) lost: bool,
     /// Something pushes after it.
     pub(crate) gusty: bool,
+}
+
+impl Passed {
+    /// Variance of the sensor's error under `noise`.
+    pub(super) fn variance(&self, run: &Run, noise: &Noise) -> [f64; 3] {
+        noise.variance(run.rows[self.row].sensor, &self.variance, &self.rates)
+    }
 }
 
 /// A pass over one run, in the order in which its rows were measured.

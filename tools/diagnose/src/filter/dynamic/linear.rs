@@ -72,8 +72,7 @@ impl<'a, const M: usize> Filter<'a, M> {
             self.covariance.p = start_covariance(&run.lost_deviation, self.noise);
         }
         let moved = Covariance::<M>::moved(&row.step.flow, &self.off);
-        let sensor = run.rows[row.row].sensor;
-        let variance = self.noise.variance(sensor, &row.variance, &row.rates);
+        let variance = row.variance(run, self.noise);
         let gain = self.covariance.update(&row.step, &variance);
         let own = gain.correction(&innovation);
         for i in 0..M {

@@ -137,10 +137,10 @@ impl Noise {
         variance: &[f64; 3],
         rates: &[f64; 3],
     ) -> [f64; 3] {
-        let beyond = self.beyond[match sensor {
-            Sensor::WheelAngle | Sensor::WheelSpeed => 0,
-            Sensor::Pose => 1,
-            Sensor::Imu => 2,
+        let beyond = self.beyond[match sensor.stream() {
+            Stream::Wheels => 0,
+            Stream::Pose => 1,
+            Stream::Imu => 2,
         }];
         [0, 1, 2]
             .map(|i| variance[i] * (1.0 + beyond * beyond) + (self.jitter_s * rates[i]).powi(2))

@@ -43,9 +43,7 @@ fn add<const M: usize>(
             from_s = row.true_s;
         }
         if row.true_s < from_s + fitted_s {
-            let sensor = run.rows[row.row].sensor;
-            let variance = noise.variance(sensor, &row.variance, &row.rates);
-            covariance.update(&row.step, &variance);
+            covariance.update(&row.step, &row.variance(run, noise));
         } else {
             let variance = covariance.unheard(&row.step, &row.variance);
             let first = match run.rows[row.row].sensor {

@@ -316,17 +316,4 @@ mod tests {
             assert!(with.contains(&id) && without.contains(&id), "{id}");
         }
     }
-
-    #[test]
-    fn a_heading_without_places_is_measured() {
-        let model = RobotModel::default();
-        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
-        for (_, pose) in &mut track.series[1].rows {
-            (pose[0], pose[1]) = (f64::NAN, f64::NAN);
-        }
-        let machine = Machine::new(vec![track], model, &[]);
-        assert!(!machine.has_pose() && machine.measures(Sensor::Pose, 2));
-        let pass = machine.pass(Vec::new(), machine.noise(&[0.0; 13], false));
-        assert!(pass.unwrap().whitened.iter().all(|own| own.is_finite()));
-    }
 }

@@ -9,8 +9,7 @@ use crate::filter::dynamic::{Noise, Sensor};
 
 /// Where sizes are expected for a robot of 1.6 kg: surge force (N), yaw moment (N m), creep along (m/s), about
 /// (rad/s) and across (m/s), torque of a wheel (N m); and of any robot, how far a stamp is off that was rounded to a
-/// millisecond (s), and shares by
-/// which readings of wheels, poses and inertial sensor err beyond what is known.
+/// millisecond (s), and shares by which readings of wheels, poses and inertial sensor err beyond what is known.
 const EXPECTED: [f64; SIZES] = [0.05, 0.002, 1e-3, 3e-3, 1e-3, 3e-3, 3e-4, 1.0, 1.0, 1.0];
 /// A stamp that is exact (s): a tenth of what most logs round to; and the share of an error that is none.
 const EXACT_S: f64 = 1e-5;
@@ -26,6 +25,7 @@ const HELD: f64 = 9.0;
 const TIMES_S: [f64; 2] = [0.01, 10.0];
 /// Torque of a wheel, in the place of creep along and about where wheels can slide.
 const TORQUE: usize = 5;
+/// The error of a stamp, and the first of the shares beyond known errors.
 const JITTER: usize = 6;
 const BEYOND: usize = 7;
 /// Sizes and times.
@@ -85,30 +85,20 @@ impl Machine {
         } else {
             [0, 1, 2, 3, 4]
         };
-        let size = |k: usize| {
-            let place = places[k];
-            let own = self.expected(place) * at[place].clamp(-HELD, HELD).exp();
-            own.hypot(floor[k])
-        };
+        let own = |place: usize| self.expected(place) * at[place].clamp(-HELD, HELD).exp();
+        let size = |k: usize| own(places[k]).hypot(floor[k]);
         let time_s = |k: usize| {
             let own = EXPECTED_TIME_S * at[SIZES + k].clamp(-HELD, HELD).exp();
             own.clamp(TIMES_S[0], TIMES_S[1])
         };
         let guessed = self.guessed();
-        let beyond = |k: usize| {
-            let own = EXPECTED[BEYOND + k] * at[BEYOND + k].clamp(-HELD, HELD).exp();
-            if guessed[k] { own } else { 0.0 }
-        };
+        let where_told = |told: bool, place: usize| if told { own(place) } else { 0.0 };
         Noise {
             size: std::array::from_fn(size),
             time_s: std::array::from_fn(time_s),
             of_wheels,
-            jitter_s: if self.is_uneven {
-                EXPECTED[JITTER] * at[JITTER].clamp(-HELD, HELD).exp()
-            } else {
-                0.0
-            },
-            beyond: std::array::from_fn(beyond),
+            jitter_s: where_told(self.is_uneven, JITTER),
+            beyond: std::array::from_fn(|k| where_told(guessed[k], BEYOND + k)),
         }
     }
 }
@@ -159,5 +149,23 @@ mod tests {
         assert!(!told.contains(&(BEYOND + 1)));
         let noise = machine.noise(&[0.0; COUNT], false);
         assert_eq!(noise.beyond, [EXPECTED[BEYOND], 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_heading_without_places_is_measured() {
+        let model = RobotModel::default();
+        let mut track = fixture::driven(&model, 4.0, fixture::gentle);
+        for (_, pose) in &mut track.series[1].rows {
+            (pose[0], pose[1]) = (f64::NAN, f64::NAN);
+        }
+        let machine = Machine::new(vec![track], model, &[]);
+        assert!(!machine.has_pose() && machine.measures(Sensor::Pose, 2));
+        let told: Vec<usize> = machine
+            .told_noise()
+            .filter(|own| (2..TORQUE).contains(own))
+            .collect();
+        assert_eq!(told, [3]);
+        let pass = machine.pass(Vec::new(), machine.noise(&[0.0; COUNT], false));
+        assert!(pass.unwrap().whitened.iter().all(|own| own.is_finite()));
     }
 }
