@@ -80,6 +80,18 @@ pub struct Motor {
     pub stall_torque_nm: f64,
 }
 
+impl Motor {
+    /// Speed without a load per volt (rad/s/V): ω_0 / V_nominal.
+    pub fn speed_per_volt(&self) -> f64 {
+        self.no_load_speed_rad_s / self.nominal_voltage_v
+    }
+
+    /// Speed that a motor loses per torque (rad/s per N m): ω_0 / τ_stall.
+    pub fn speed_per_torque(&self) -> f64 {
+        self.no_load_speed_rad_s / self.stall_torque_nm
+    }
+}
+
 /// The incremental encoder on each wheel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -14,7 +14,7 @@ impl<S: Scalar> Robot<S> {
     /// for torque and voltage commands the torque less what is lost with speed (N m), for speed
     /// commands the commanded speed (rad/s), which has the sign of the effort if something resists.
     pub fn motor_efforts(&self, command: &Command<S>, wheel_speed: Pair<S>) -> Pair<S> {
-        let (kind, actuation) = command.at_wheels(self.nominal);
+        let (kind, actuation) = self.at_wheels(command);
         motor_effort(self, kind, actuation, wheel_speed)
     }
 }

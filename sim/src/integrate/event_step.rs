@@ -32,7 +32,7 @@ impl<S: Scalar> Robot<S> {
     /// located inside the step. Allocates nothing, unless a delay line holds more than 1024
     /// commands.
     pub fn step(&self, state: &mut State<S>, t_s: f64, dt_s: f64, command: &Command<S>) {
-        let (kind, command) = command.at_wheels(self.nominal);
+        let (kind, command) = self.at_wheels(command);
         if kind == CommandKind::Torque
             && let Some(fast_path) = &state.fast_path
             && fast_path.step(

@@ -42,7 +42,7 @@ impl<S: Scalar> Robot<S> {
 
     /// Sets delay and lag of `state` to their steady state under `command`.
     fn set_steady_command(&self, state: &mut State<S>, command: &Command<S>) {
-        let (kind, command) = command.at_wheels(self.nominal);
+        let (kind, command) = self.at_wheels(command);
         if self.actuator.delay_s.is_some() {
             state.history.reset(command);
         }
@@ -62,7 +62,7 @@ impl<S: Scalar> Robot<S> {
         let ends = past.iter().skip(1).map(|(t_s, _)| *t_s).chain([t_s]);
         let mut last = (CommandKind::Torque, [S::constant(0.0); 2]);
         for ((since_s, command), end_s) in past.iter().zip(ends) {
-            let (kind, command) = command.at_wheels(self.nominal);
+            let (kind, command) = self.at_wheels(command);
             self.actuator.store(&mut state.history, *since_s, command);
             let mut from = *since_s;
             while from < end_s {

@@ -27,6 +27,9 @@ pub struct Actuator<S> {
     pub sag_per_s: S,
     /// Stall torque per volt (N m/V); `None` where the model has no motor.
     pub torque_per_volt: Option<S>,
+    /// Speed per volt (rad/s/V) of a robot whose masses are unknown, whose wheels turn as fast as motors without
+    /// a load; `None` where masses are known, or no motor.
+    pub speed_per_volt: Option<S>,
     /// Torque lost per wheel speed under a voltage command (N m s/rad).
     pub back_emf: S,
     /// Torque lost per wheel speed under any command (N m s/rad).
@@ -43,7 +46,7 @@ pub struct CommandLimits<S> {
     /// Limit of a torque (N m).
     pub torque_nm: Option<S>,
     /// Limit of a voltage (V). Without it a torque limit bounds the voltage that gives this torque at
-    /// standstill.
+    /// standstill. Where masses are unknown it bounds the speed of a motor without a load.
     pub voltage_v: Option<S>,
     /// Limit of a wheel speed (rad/s).
     pub speed_rad_s: Option<S>,
@@ -95,6 +98,7 @@ impl<S: Scalar> Actuator<S> {
             gain: [S::constant(1.0); 2],
             sag_per_s: zero,
             torque_per_volt: model.motor.as_ref().map(per_volt).map(S::constant),
+            speed_per_volt: None,
             back_emf: S::constant(model.motor.as_ref().map_or(0.0, per_speed)),
             droop: zero,
             gap_rad: None,
@@ -188,7 +192,9 @@ impl<S: Scalar> Actuator<S> {
             CommandKind::Voltage => limits
                 .voltage_v
                 .or_else(|| Some(limits.torque_nm? / self.torque_per_volt?)),
-            CommandKind::Speed => limits.speed_rad_s,
+            CommandKind::Speed => limits
+                .speed_rad_s
+                .or_else(|| Some(limits.voltage_v? * self.speed_per_volt?)),
         }
     }
 }

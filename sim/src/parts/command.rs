@@ -13,7 +13,8 @@ pub enum Command<S = f64> {
         /// Left wheel (N m).
         left_nm: S,
     },
-    /// Voltage at the motors: τ = τ_stall V / V_nominal − (τ_stall / ω_0) ω.
+    /// Voltage at the motors: τ = τ_stall V / V_nominal − (τ_stall / ω_0) ω. Of a robot whose masses are unknown the
+    /// wheels turn as fast as motors without a load: ω = ω_0 V / V_nominal.
     Voltage {
         /// Right motor (V).
         right_v: S,

@@ -150,7 +150,14 @@ impl<S: Scalar> RobotParameters<S> {
             of_speeds: None,
             transfer_height: None,
             gradient: [zero; 2],
-            actuator: Actuator::ideal(model),
+            actuator: Actuator {
+                speed_per_volt: model
+                    .motor
+                    .as_ref()
+                    .filter(|_| missing.is_some())
+                    .map(|motor| S::constant(motor.speed_per_volt())),
+                ..Actuator::ideal(model)
+            },
             sensing: Sensing::exact(model),
         })
     }

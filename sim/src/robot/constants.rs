@@ -8,7 +8,7 @@ use super::normal_load::NormalLoad;
 use super::rolling_motion::{Body, RollingMotion};
 use crate::effects::Effects;
 use crate::parts::actuator::Actuator;
-use crate::parts::command::CommandKind;
+use crate::parts::command::{Command, CommandKind};
 use crate::parts::parameters::{Friction, RobotParameters, Sensing};
 use crate::parts::scalar::{Pair, Scalar, Vector};
 use crate::parts::tolerances::Tolerances;
@@ -183,12 +183,27 @@ impl<S: Scalar> Robot<S> {
         })
     }
 
+    /// The prescribed quantity and its value at the right and the left wheel. Voltage prescribes speeds where masses
+    /// are unknown.
+    pub(crate) fn at_wheels(&self, command: &Command<S>) -> (CommandKind, Pair<S>) {
+        let (kind, value) = command.at_wheels(self.nominal);
+        match self.actuator.speed_per_volt {
+            Some(per_volt) if kind == CommandKind::Voltage => {
+                (CommandKind::Speed, value.map(|volts| volts * per_volt))
+            }
+            _ => (kind, value),
+        }
+    }
+
     /// Checks that this robot can be driven by commands of `kind`.
     ///
     /// # Errors
     /// Names the key that such a command needs and the model does not give, or the effect that needs
     /// another command.
     pub fn accepts(&self, kind: CommandKind) -> Result<(), InputError> {
+        if kind == CommandKind::Voltage && self.actuator.speed_per_volt.is_some() {
+            return Ok(());
+        }
         if let (Some(key), true) = (self.of_speeds, kind != CommandKind::Speed) {
             return Err(InputError::new(
                 key,

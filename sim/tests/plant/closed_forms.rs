@@ -2,7 +2,7 @@
 
 use crate::support::{STEP_S, assert_near, drive, robot, torque, with_friction};
 use slipstream_bus::RobotModel;
-use slipstream_sim::{Command, GRAVITY_M_S2};
+use slipstream_sim::{Command, CommandKind, GRAVITY_M_S2, Robot};
 
 const R: f64 = 0.0365;
 const B: f64 = 0.105;
@@ -217,4 +217,35 @@ fn voltage_drives_to_the_no_load_speed() {
     assert_near("spinning up", state.wheel_speed()[0], speed, 3e-4);
     drive(&robot, &mut state, 0.1, 5.0, STEP_S, half);
     assert_near("no load", state.wheel_speed()[0], 36.65 / 2.0, 1e-9);
+}
+
+/// Of a robot without masses the wheels turn as fast as motors without a load do, behind dead zone, gain and lag:
+/// w = g (k V − k V_0 / g) (1 − exp(−t / T)).
+#[test]
+fn voltage_without_masses_prescribes_speeds() {
+    let mut model = RobotModel::default()
+        .with("command_dead_zone", &[("voltage_v", 0.5)])
+        .with("motor_gain", &[("right", 0.9), ("left", 1.0)])
+        .with("actuator_lag", &[("time_constant_s", 0.2)]);
+    model.robot.body_mass_kg = None;
+    let robot = robot(&model);
+    assert_eq!(robot.accepts(CommandKind::Voltage), Ok(()));
+    assert!(robot.accepts(CommandKind::Torque).is_err());
+    let mut state = robot.start([0.0; 3]);
+    drive(&robot, &mut state, 0.0, 0.3, STEP_S, |_| Command::Voltage {
+        right_v: 6.0,
+        left_v: -6.0,
+    });
+    let share = 1.0 - (-0.3_f64 / 0.2).exp();
+    let per_volt = 36.65 / 12.0;
+    let [right, left] = state.wheel_speed();
+    assert_near("right", right, per_volt * (0.9 * 6.0 - 0.5) * share, 1e-9);
+    assert_near("left", left, -per_volt * (6.0 - 0.5) * share, 1e-9);
+    model.motor = None;
+    let place = Robot::new(&model)
+        .unwrap()
+        .accepts(CommandKind::Voltage)
+        .unwrap_err()
+        .place;
+    assert_eq!(place, "motor");
 }

@@ -89,7 +89,7 @@ fn one(
     let robots: Vec<&Recorded> = machine.iter().map(|(_, robot)| *robot).collect();
     let model = model_of(request, machine[0])?;
     slipstream_sim::Robot::new(&model)?;
-    if kinematic::applies(&robots) {
+    if kinematic::applies(&robots, &model) {
         let learnt = other.map(|other| against::learn(request, other, &model));
         let learnt = learnt.transpose()?;
         let model = learnt.as_ref().map_or(&model, |learnt| &learnt.model);

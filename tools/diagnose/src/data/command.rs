@@ -1,4 +1,5 @@
-//! Wheel speeds that were commanded, whatever recorded them: a twist or the speeds themselves.
+//! Wheel speeds that were commanded, whatever recorded them: a twist, the speeds themselves, or voltages by the speed
+//! that they give a motor without a load.
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::recording::Robot;
@@ -13,18 +14,25 @@ pub(crate) struct CommandPath {
     pub(crate) speeds_rad_s: Vec<[f64; 2]>,
     /// The first command already held before the recording began.
     pub(crate) running: bool,
+    /// They are voltages.
+    pub(crate) by_volts: bool,
 }
 
 /// The commanded wheel speeds of a robot by its nominal radius and track; times count from `origin_s`.
-/// `None` without commands, or where they are no speeds.
+/// `None` without commands, or where they are torques, or voltages of a motor that is not known.
 pub(crate) fn commands(robot: &Robot, model: &RobotModel, origin_s: f64) -> Option<CommandPath> {
     let (r, b) = (model.robot.wheel_radius_m, model.robot.half_track_m);
     let mut path = CommandPath::default();
     for (stamp_s, command) in streams::commands(robot) {
-        if !matches!(command, Command::Twist { .. } | Command::Speed { .. }) {
-            return None;
-        }
-        let speed = asked(&command, r, b);
+        let per_unit = match command {
+            Command::Twist { .. } | Command::Speed { .. } => 1.0,
+            Command::Voltage { .. } => {
+                path.by_volts = true;
+                model.motor.as_ref()?.speed_per_volt()
+            }
+            Command::Torque { .. } => return None,
+        };
+        let speed = asked(&command, r, b).map(|own| own * per_unit);
         let t_s = stamp_s - origin_s;
         let later = path.times_s.last().is_none_or(|last| t_s > *last);
         // a command that repeats the last one changes nothing

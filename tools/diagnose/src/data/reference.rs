@@ -68,6 +68,14 @@ pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
     (all.len() >= LEAST_POSES).then_some(Thinned { all, series })
 }
 
+/// Whether any pose has a place.
+pub(crate) fn has_places(robot: &Robot) -> bool {
+    let poses = streams::poses(robot).unwrap_or_default();
+    poses
+        .iter()
+        .any(|(_, [x, y, _])| x.is_finite() && y.is_finite())
+}
+
 /// The gyro of a robot as rates (`all`) and integrated (`series`); `None` with too few rows.
 pub(crate) fn gyro(
     robot: &Robot,
@@ -75,7 +83,7 @@ pub(crate) fn gyro(
     wheel_interval_s: f64,
 ) -> Option<Thinned<(f64, f64)>> {
     let mut all: Vec<(f64, f64)> = Vec::new();
-    for (stamp_s, [.., rate]) in streams::inertial(robot)? {
+    for (stamp_s, rate) in streams::turn_rates(robot)? {
         let t_s = stamp_s - span.origin_s;
         let later = all.last().is_none_or(|(last, _)| t_s > *last);
         if rate.is_finite() && span.has(stamp_s, 0.0) && later {

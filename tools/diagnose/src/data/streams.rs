@@ -133,6 +133,28 @@ pub(super) fn inertial(robot: &Robot) -> Option<Rows<3>> {
     Some(rows.collect())
 }
 
+/// Turn rates (rad/s) of the gyro; or, without one, of poses that are headings alone, between each two.
+pub(super) fn turn_rates(robot: &Robot) -> Option<Vec<(f64, f64)>> {
+    if !has_headings_alone(robot) {
+        let rows = inertial(robot)?.into_iter();
+        return Some(rows.map(|(t_s, [.., rate])| (t_s, rate)).collect());
+    }
+    let headings = poses(robot)?;
+    let rates = headings.windows(2).map(|pair| {
+        let [(from_s, [.., from]), (to_s, [.., to])] = [pair[0], pair[1]];
+        let turned = to - from - TAU * ((to - from) / TAU).round();
+        (f64::midpoint(from_s, to_s), turned / (to_s - from_s))
+    });
+    Some(rates.collect())
+}
+
+/// Whether headings are all that is known of a robot beside its wheels.
+pub(crate) fn has_headings_alone(robot: &Robot) -> bool {
+    let poses = poses(robot).unwrap_or_default();
+    let placed = |(_, [x, y, _]): &(f64, [f64; 3])| x.is_finite() && y.is_finite();
+    robot.imu.is_none() && !poses.is_empty() && !poses.iter().any(placed)
+}
+
 /// The rows in which both are known.
 fn both(times_s: &[f64], a: &[f64], b: &[f64]) -> Rows<2> {
     let rows = times_s.iter().zip(a.iter().zip(b));

@@ -68,7 +68,11 @@ pub(crate) fn rows(
     } else {
         all.truncate(MOST_ROWS);
     }
-    let rows = kept(&all, kind, commands);
+    let mut rows = kept(&all, kind, commands);
+    if commands.by_volts {
+        // a motor that rests says what it bears
+        rows.iter_mut().for_each(|row| row.counts = true);
+    }
     (rows.len() >= LEAST_ROWS).then_some(WheelRows {
         kind,
         rounding_rad: rounding_rad.unwrap_or(0.0),

@@ -3,7 +3,7 @@
 
 use slipstream_bus::{InputError, RobotModel};
 use slipstream_recording::Recording;
-use slipstream_recording::recording::Robot;
+use slipstream_recording::recording::{Command, Robot};
 
 use super::bench::{Bench, Measured, ORDINARY};
 use super::claim::Claim;
@@ -16,6 +16,7 @@ use super::search::{Search, Searched};
 use super::sight;
 use super::today::of_today;
 use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
+use crate::data::reference::{POSE_STEP_S, has_places};
 use crate::judge::{Culprit, Predictions, QUANTITIES, Score, passing};
 use crate::model::command_to_wheels::{CommandToWheels, NOISE};
 use crate::model::comparison::Before;
@@ -23,6 +24,7 @@ use crate::model::drive::{DRIVE, SLOW_SHARE};
 use crate::model::from_wheels::{COMMON, FromWheels, LAW_FIRST, RUN_SCALE, RUN_TRACK, TRACK};
 use crate::model::streams::Streams;
 use crate::model::view::View;
+use crate::model::volts::{self, Load};
 
 /// Least deviation of scale or track among runs that differ.
 const LEAST_SPREAD: f64 = 0.006;
@@ -148,7 +150,7 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
         differs.then(|| deviation(&all.collect::<Vec<_>>()))
     });
     let spread: Vec<Option<f64>> = spread.collect();
-    let model = machine.improved(&claims);
+    let model = machine.improved(&claims, &fits);
     let errors = {
         let measured = machine.measured(&fits);
         let bench = Bench::new(&measured, &claims);
@@ -426,7 +428,7 @@ impl Machine<'_> {
             predictions,
             outliers: self.outliers(&bench.all),
             process_noise: self.process_noise(&bench.all),
-            improved: self.improved(&claims),
+            improved: self.improved(&claims, &fits),
             spans_s: self
                 .machine
                 .runs
@@ -553,14 +555,21 @@ impl Machine<'_> {
                 acts_on,
                 size,
                 unit,
-                correlation_time_s: crate::data::reference::POSE_STEP_S,
+                correlation_time_s: POSE_STEP_S,
             })
             .collect()
     }
 
     /// The model with what was found; what differs from run to run as on average.
-    fn improved(&self, claims: &[Claim]) -> RobotModel {
+    fn improved(&self, claims: &[Claim], fits: &Fits) -> RobotModel {
         let mut model = self.model.clone();
+        // the masses of the model are those by which a slope is told
+        let slopes = model.effects.iter().any(|own| own.effect == "floor_slope")
+            || claims.iter().any(|own| own.effect == "floor_slope");
+        let share = self.fitted(&fits.today).share();
+        if let Some(share) = share.filter(|_| !slopes) {
+            Load::apply(share, &mut model);
+        }
         let mut written: Vec<&str> = Vec::new();
         for claim in claims {
             if claim.runs.is_none() {
@@ -590,14 +599,18 @@ fn mean(claims: &[&Claim], runs: usize) -> Claim {
     mean
 }
 
-/// Whether this engine diagnoses a machine: what drives it are speeds, whatever its masses.
-pub(crate) fn applies(robots: &[&Robot]) -> bool {
-    use slipstream_recording::recording::Command;
+/// Whether this engine diagnoses a machine: what drives it are speeds, whatever its masses; or voltages of a robot whose
+/// masses are unknown, or of which no place is.
+pub(crate) fn applies(robots: &[&Robot], model: &RobotModel) -> bool {
     robots.iter().all(|robot| match &robot.command {
         None => true,
-        Some(stream) => matches!(
-            stream.values,
-            Command::Twist { .. } | Command::WheelSpeed { .. }
-        ),
+        Some(stream) => match stream.values {
+            Command::Twist { .. } | Command::WheelSpeed { .. } => true,
+            Command::Voltage { .. } => {
+                let by_masses = volts::of_model(model).is_some_and(|own| own.load.is_some());
+                volts::applies(model) && !(by_masses && has_places(robot))
+            }
+            Command::Torque { .. } => false,
+        },
     })
 }

@@ -2,7 +2,10 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
+use std::f64::consts::PI;
+
 use super::claim::{Claim, Law, Value};
+use super::fitted::Fitted;
 use super::search::{Searched, problem};
 use crate::estimate::term::{self, Attribution, Link, Search, Term};
 use crate::filter::motion_law::TABLES;
@@ -50,8 +53,33 @@ impl Naming<'_> {
         let mut claims: Vec<Claim> = kept.flat_map(|kept| self.of_term(kept)).collect();
         self.turning(&mut claims);
         self.late_runs(&mut claims);
+        self.downhill(&mut claims);
+        if self.streams.reference.by_heading {
+            claims.iter_mut().for_each(by_heading);
+        }
         claims.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         claims
+    }
+
+    /// A slope goes down to the front or to the back of a robot that is told voltages.
+    fn downhill(&self, claims: &mut [Claim]) {
+        let fitted = Fitted {
+            streams: self.streams,
+            found: self.found,
+        };
+        let Some([from, to]) = fitted.grades() else {
+            return;
+        };
+        let slopes = claims.iter_mut().filter(|own| own.effect == "floor_slope");
+        for claim in slopes {
+            let downhill = |grade: f64| if grade < 0.0 { PI } else { 0.0 };
+            let value = &mut claim.values[0];
+            value.halves = None;
+            value.change = to.abs() - from.abs();
+            let turned = downhill(to) - downhill(from);
+            let own = Value::new("downhill_rad", Link::Identity, turned, 0.0);
+            claim.values.push(own);
+        }
     }
 
     /// To a gyro alone a common factor of both wheels and the track are one: where the wheels differ, it is theirs.
@@ -488,5 +516,22 @@ impl Naming<'_> {
                 law: None,
             });
         }
+    }
+}
+
+/// A gyro that is the heading of poses.
+fn by_heading(claim: &mut Claim) {
+    let renamed = |effect: &'static str| match effect {
+        "imu_latency" => "pose_latency",
+        other => other,
+    };
+    claim.effect = renamed(claim.effect);
+    for own in &mut claim.confused {
+        *own = renamed(own);
+    }
+    if let Some((_, word)) = &mut claim.word
+        && *word == "imu"
+    {
+        *word = "pose";
     }
 }

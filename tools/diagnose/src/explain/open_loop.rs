@@ -3,7 +3,7 @@
 use crate::data::streams::WheelKind;
 use crate::filter::wheel_channel::Tails;
 use crate::model::command_to_wheels::{CommandToWheels, DriveRun};
-use crate::model::drive::{AVERAGED, DRIVE, Response};
+use crate::model::drive::{AVERAGED, Response};
 
 /// The horizon (s).
 pub(crate) const HORIZON_S: f64 = 5.0;
@@ -28,7 +28,7 @@ fn run_error(run: &DriveRun, at: &[f64]) -> ([f64; 2], f64) {
     let mut disturbance = [vec![0.0; 0], vec![0.0; 0]];
     let hear = &mut |channel: usize, _, d: f64| disturbance[channel].push(d);
     run.filter(at, Tails::Student, &mut |_| (), hear);
-    let times_s = [at[DRIVE + 1].exp(), at[DRIVE + 4].exp()];
+    let times_s = run.times_s(at);
     let response = Response::new(&run.commands, at);
     let mut hint = 0;
     let (mut squares, mut count) = ([0.0; 2], 0.0);

@@ -8,10 +8,11 @@ use slipstream_sim::Scalar;
 use super::comparison::{self, Before, SHARES};
 use super::crude;
 use super::drive::{
-    AVERAGED, CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, GAIN, GAIN_ASYMMETRY, LAG, Response, SAG,
-    SATURATION,
+    AVERAGED, CLOCK, DEAD_BAND, DEAD_ZONE, DELAY, DRIVE, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL,
+    Response, SAG, SATURATION,
 };
 use super::nominal::clock_rate;
+use super::volts::{self, Volts};
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::streams::WheelKind;
@@ -29,6 +30,10 @@ use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
 /// Logarithms of noise sizes: disturbance (rad/s), its time (s) and walk (rad/√s) of the sum and of
 /// the difference of both wheels, sensor noise (rad, or rad/s), stamp noise (s).
 pub(crate) const NOISE: usize = 8;
+/// Of these, the times of the disturbances.
+pub(crate) const TIMES: [usize; 2] = [1, 4];
+/// Least of them of a motor under voltage (s).
+const LEAST_TIME_S: f64 = 2e-3;
 /// Least walk of a wheel's angle (rad/√s): 5 µm at the rim of a wheel of 5 cm after a second, less than
 /// drives repeat and than integrators of simulators differ from the closed form by. Without a floor the
 /// likelihood of exact angles grows without end where some rows fit exactly. It is a walk, for errors of
@@ -55,6 +60,8 @@ pub(crate) struct CommandToWheels {
     pub(crate) largest_rad_s: f64,
     /// Crude logarithm of what wheels turn over what they are told, where it is beyond a factor of 2; else 0.
     pub(crate) crude_gain: f64,
+    /// The motors, where they are told voltages.
+    pub(crate) volts: Option<Volts>,
     /// What it is compared with.
     pub(crate) before: Before,
 }
@@ -87,6 +94,7 @@ impl CommandToWheels {
             crude_gain: crude::gain_ln(runs.iter().map(|run| (&run.commands, &run.wheels))),
             runs,
             largest_rad_s,
+            volts: volts::of(robots, model),
             before: Before::default(),
         })
     }
@@ -156,7 +164,7 @@ impl CommandToWheels {
 
     /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
     pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
-        let mut at = drive_of(model);
+        let mut at = drive_of(model, self.volts.is_some());
         let top = self.largest_rad_s;
         let sensor = match self.runs[0].wheels.kind {
             WheelKind::Angle => [3e-3, 3e-3],
@@ -175,12 +183,14 @@ impl CommandToWheels {
     /// Indices of the noise sizes.
     pub(crate) fn noise(&self) -> Vec<usize> {
         let share = self.before.is_paired().then_some(Self::SHARE);
-        (DRIVE..DRIVE + NOISE).chain(share).collect()
+        let by_volts = self.volts.is_some();
+        let own = (0..NOISE).filter(|own| !(by_volts && TIMES.contains(own)));
+        own.map(|own| DRIVE + own).chain(share).collect()
     }
 }
 
-/// Parameters of the drive as the model lists them.
-pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
+/// Parameters of the drive as the model lists them; `by_volts`: it is told voltages.
+pub(crate) fn drive_of(model: &RobotModel, by_volts: bool) -> Vec<f64> {
     let plain = |effect: &str, name: &str| model.number(effect, name).unwrap_or(0.0);
     let mut at = vec![0.0; DRIVE];
     at[DELAY] = plain("actuator_delay", "delay_s");
@@ -197,6 +207,19 @@ pub(crate) fn drive_of(model: &RobotModel) -> Vec<f64> {
     at[SAG] = plain("supply_sag", "rate_per_s");
     at[DELAY] += plain("wheels_latency", "latency_s");
     at[CLOCK] = clock_rate(model, "wheels").unwrap_or(0.0);
+    let Some(volts) = volts::of_model(model).filter(|_| by_volts) else {
+        return at;
+    };
+    at[DEAD_ZONE] += plain("command_dead_zone", "voltage_v") * volts.speed_per_volt;
+    if let Some(load) = volts.load {
+        let per_torque = load.speed_per_torque;
+        at[LAG] += load.lag_s();
+        at[DEAD_ZONE] += plain("command_dead_zone", "torque_nm") * per_torque;
+        at[SATURATION] += plain("command_saturation", "torque_nm") * per_torque;
+        at[FRICTION] = plain("axle_friction", "torque_nm") * per_torque;
+        let sine = plain("floor_slope", "grade").atan().sin();
+        at[PULL] = load.speed_per_sine * sine * plain("floor_slope", "downhill_rad").cos();
+    }
     at
 }
 
@@ -236,6 +259,19 @@ impl DriveRun {
         comparison::course(&response, [first.time_s, last.time_s])
     }
 
+    /// Times of the disturbances of sum and difference (s). Those of a motor under voltage are torques without a memory: its
+    /// speed forgets them by its time constant, and a lasting push is physics.
+    pub(crate) fn times_s<S: Scalar>(&self, at: &[S]) -> [S; 2] {
+        if !self.commands.by_volts {
+            return [at[DRIVE + TIMES[0]].exp(), at[DRIVE + TIMES[1]].exp()];
+        }
+        let lag_s = at[LAG].abs();
+        if lag_s.value() < LEAST_TIME_S {
+            return [S::constant(LEAST_TIME_S); 2];
+        }
+        [lag_s; 2]
+    }
+
     /// Filters both channels. `after` hears channel, time and disturbance behind every row.
     pub(crate) fn filter<S: Scalar>(
         &self,
@@ -262,12 +298,13 @@ impl DriveRun {
             WheelKind::Angle => self.wheels.rounding_rad,
             WheelKind::Speed => LEAST_SPEED_RAD_S,
         };
+        let times_s = self.times_s(at);
         let sensor = ((sizes[6] * sizes[6] + least * least) * 0.5).sqrt();
         for (channel, sign) in [1.0, -1.0].into_iter().enumerate() {
             let walk = sizes[3 * channel + 2];
             let noise = ChannelNoise {
                 disturbance_rad_s: sizes[3 * channel],
-                time_s: sizes[3 * channel + 1],
+                time_s: times_s[channel],
                 walk: (walk * walk + LEAST_WALK * LEAST_WALK).sqrt(),
                 sensor,
                 stamp_s: sizes[7],

@@ -1,7 +1,7 @@
-//! Response of a speed-controlled drive to its commands, in closed form.
+//! Response of a drive to its commands, in closed form.
 //!
 //! delay → dead band → dead zone → saturation → lag → gain and sag, in the order of the plant. The lag
-//! is first order: τ w' = u − w. Commands hold, so that speed and angle are exact sums of exponentials
+//! is first order: τ w' = u − w; of a motor under voltage, with a slope and Coulomb friction, τ w' = u + g − c sign(w) − w. Commands hold, so that speed and angle are exact sums of exponentials
 //! from command to command, and smooth in delay and lag. A slow share of the response stands for the
 //! integral part of a wheel's controller; it is a nuisance, no effect.
 
@@ -27,16 +27,30 @@ pub(crate) const SLOW_TIME: usize = 9;
 pub(crate) const CLOCK: usize = 10;
 /// Time before a row over which its speed is a mean (s), where wheels were recorded as speeds.
 pub(crate) const AVERAGED: usize = 11;
+/// Of motors under voltage: speeds that Coulomb friction and the pull of a slope take or give (rad/s).
+pub(crate) const FRICTION: usize = 12;
+pub(crate) const PULL: usize = 13;
 /// How many there are.
-pub(crate) const DRIVE: usize = 12;
+pub(crate) const DRIVE: usize = 14;
 
 /// A lag below this (s) is none.
 const INSTANT_S: f64 = 1e-6;
+/// A wheel slower than this (rad/s) stands.
+const STANDS_RAD_S: f64 = 1e-9;
+/// How often a wheel stops within one command: once, and once where it turns round.
+const STOPS: usize = 2;
 /// Time of the slow response at the least (s), and bounds of what its logarithm adds.
 const SLOW_S: f64 = 1.0;
 const SLOW_LOG: [f64; 2] = [-3.0, 3.5];
 /// Largest share of the slow response.
 const MOST_SHARE: f64 = 0.5;
+
+/// A lag (s), and the Coulomb friction of what follows it (rad/s).
+#[derive(Debug, Clone, Copy)]
+struct Lag<S> {
+    time_s: S,
+    friction: S,
+}
 
 /// Speed and angle of one wheel behind one lag.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +75,7 @@ pub(crate) struct Response<'a, S> {
     commands: &'a CommandPath,
     delay_s: S,
     clock: S,
-    lag_s: S,
+    lag: Lag<S>,
     slow: Option<(S, S)>,
     pieces: Vec<Pair<Piece<S>>>,
 }
@@ -112,11 +126,53 @@ impl<S: Scalar> Behind<S> {
     }
 }
 
+impl<S: Scalar> Lag<S> {
+    /// What follows `own`, after `h` seconds of a level that grows by a slope.
+    fn after(self, own: Behind<S>, level: S, slope: S, h: S) -> Behind<S> {
+        if self.friction.value() == 0.0 {
+            return own.after(level, slope, self.time_s, h);
+        }
+        let (mut now, mut rest) = (own, h);
+        for _ in 0..STOPS {
+            let Some(level) = self.rubbed(level, now.speed) else {
+                let speed = S::constant(0.0);
+                return Behind { speed, ..now };
+            };
+            let end = now.after(level, slope, self.time_s, rest);
+            if end.speed.value() * now.speed.value() >= 0.0 || self.time_s.value() < INSTANT_S {
+                return end;
+            }
+            // it stops: what is left of its speed and of the level is in proportion to exp(−t / T)
+            let stop_s = ((level - now.speed) / level).ln() * self.time_s;
+            let end = now.after(level, slope, self.time_s, stop_s);
+            now = Behind {
+                speed: S::constant(0.0),
+                ..end
+            };
+            rest -= stop_s;
+        }
+        now
+    }
+
+    /// The level less friction, against the speed; `None` of a wheel that stands and stays.
+    fn rubbed(&self, level: S, speed: S) -> Option<S> {
+        let size = speed.value();
+        if size.abs() > STANDS_RAD_S && self.time_s.value() >= INSTANT_S {
+            return Some(level - self.friction * size.signum());
+        }
+        let is_held = level.value().abs() <= self.friction.value();
+        (!is_held).then(|| level - self.friction * level.value().signum())
+    }
+}
+
 impl<'a, S: Scalar> Response<'a, S> {
     /// The response of a drive with parameters `p`. A saturation of 0 is none.
     pub(crate) fn new(commands: &'a CommandPath, p: &[S]) -> Self {
         let zero = S::constant(0.0);
-        let lag_s = p[LAG].abs();
+        let lag = Lag {
+            time_s: p[LAG].abs(),
+            friction: p[FRICTION],
+        };
         let half = p[GAIN_ASYMMETRY] * 0.5;
         let gains = [(p[GAIN] + half).exp(), (p[GAIN] - half).exp()];
         let limited = p[SATURATION].value() > 0.0;
@@ -143,23 +199,20 @@ impl<'a, S: Scalar> Response<'a, S> {
                         let h = S::constant(t_s - commands.times_s[last]);
                         let own: &Piece<S> = &pieces[last][wheel];
                         [
-                            own.fast.after(own.level, own.slope, lag_s, h),
+                            lag.after(own.fast, own.level, own.slope, h),
                             slow.map_or(own.slow, |(_, time_s)| {
                                 own.slow.after(own.level, own.slope, time_s, h)
                             }),
                         ]
                     }
                     None => {
-                        let speed = if commands.running {
-                            target(first[wheel])
-                        } else {
-                            zero
-                        };
+                        let steady = lag.rubbed(target(first[wheel]) + p[PULL], zero);
+                        let speed = steady.filter(|_| commands.running).unwrap_or(zero);
                         [Behind { speed, angle: zero }; 2]
                     }
                 };
                 Piece {
-                    level: level * strength,
+                    level: level * strength + p[PULL],
                     slope: level * p[SAG] * -1.0,
                     fast: before[0],
                     slow: before[1],
@@ -172,7 +225,7 @@ impl<'a, S: Scalar> Response<'a, S> {
             commands,
             delay_s: p[DELAY],
             clock: p[CLOCK],
-            lag_s,
+            lag,
             slow,
             pieces,
         }
@@ -217,7 +270,7 @@ impl<'a, S: Scalar> Response<'a, S> {
         *hint = row;
         let h = t - S::constant(times[row]);
         let both = self.pieces[row].map(|piece| {
-            let fast = piece.fast.after(piece.level, piece.slope, self.lag_s, h);
+            let fast = self.lag.after(piece.fast, piece.level, piece.slope, h);
             match self.slow {
                 None => fast,
                 Some((share, time_s)) => {
@@ -251,7 +304,7 @@ mod tests {
         CommandPath {
             times_s: vec![0.2, 1.0, 1.7, 3.0],
             speeds_rad_s: vec![[4.0, 3.0], [-2.0, 0.3], [6.0, 6.0], [0.0, 1.0]],
-            running: false,
+            ..CommandPath::default()
         }
     }
 
@@ -295,6 +348,46 @@ mod tests {
                 let speed = (1.0 - share) * speeds[0] + share * speeds[1];
                 assert!((now.angle_rad[0] - angle).abs() < 2e-3, "{t}");
                 assert!((now.speed_rad_s[0] - speed).abs() < 2e-3, "{t}");
+            }
+        }
+    }
+
+    /// A motor with friction on a slope, turned round by its command and stopped by the next, against the same steps.
+    #[test]
+    fn friction_stops_a_wheel_and_holds_it() {
+        let path = CommandPath {
+            times_s: vec![0.1, 0.9, 1.8],
+            speeds_rad_s: vec![[5.0, 0.5], [-4.0, 0.0], [0.4, -0.2]],
+            ..CommandPath::default()
+        };
+        let mut p = [0.0; DRIVE];
+        (p[DELAY], p[LAG], p[FRICTION], p[PULL]) = (0.01, 0.15, 0.7, 0.3);
+        let response = Response::new(&path, &p);
+        let dt = 1e-5;
+        let (mut speeds, mut angles, mut hint) = ([0.0; 2], [0.0; 2], 0);
+        for k in 0..280_000 {
+            let t = f64::from(k) * dt;
+            let told = path.at(t - p[DELAY]).unwrap_or([0.0; 2]);
+            for i in 0..2 {
+                let free = if t < path.times_s[0] + p[DELAY] {
+                    0.0
+                } else {
+                    told[i] + p[PULL]
+                };
+                let speed: f64 = speeds[i];
+                let held = speed == 0.0 && free.abs() <= p[FRICTION];
+                let against = if speed == 0.0 { free } else { speed };
+                let rate = (free - speed - p[FRICTION] * against.signum()) / p[LAG];
+                let next = if held { 0.0 } else { speed + rate * dt };
+                angles[i] += speed * dt;
+                speeds[i] = if next * speed < 0.0 { 0.0 } else { next };
+            }
+            if k % 4000 == 0 && k > 0 {
+                let now = response.at(t + dt, &mut hint);
+                for i in 0..2 {
+                    assert!((now.angle_rad[i] - angles[i]).abs() < 1e-3, "{t} {i}");
+                    assert!((now.speed_rad_s[i] - speeds[i]).abs() < 2e-3, "{t} {i}");
+                }
             }
         }
     }

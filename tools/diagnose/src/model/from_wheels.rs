@@ -13,8 +13,10 @@ use super::crude;
 use super::drive::DRIVE;
 use super::nominal::{self, clock_rate};
 use super::run::{RUN_NOISE, Run, Source};
+use super::volts::{self, Volts};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::reference::{POSE_STEP_S, PoseRow, match_poses, match_rates};
+use crate::data::streams::has_headings_alone;
 use crate::filter::gyro as gyro_filter;
 use crate::filter::motion_law::{Knots, LAW, OF_TURNS, TABLES};
 use crate::filter::wheels_to_pose::{self, WheelsToPose};
@@ -56,6 +58,10 @@ const RUN_SHARED: [usize; 4] = [RUN_SCALE, RUN_TRACK, RUN_LATE, RUN_RATE];
 /// Values of a law, as a share of the fastest speed of a rim, or of the largest turn rate.
 const LAW_SHARE: f64 = 0.3;
 
+/// Speed of a wheel about the middle, as a share of the robot's, below which a robot drives straight: what it loses then is
+/// no loss in turns, and turns do not tell whose clock is late.
+const LEAST_TURN: f64 = 0.1;
+
 /// The machine.
 #[derive(Debug, Clone)]
 pub(crate) struct FromWheels {
@@ -71,6 +77,10 @@ pub(crate) struct FromWheels {
     pub(crate) crude_scale: f64,
     /// Whether it steers by skidding: its effective track is then that of the floor.
     pub(crate) skids: bool,
+    /// Whether its gyro is the heading of its poses, which have no place.
+    pub(crate) by_heading: bool,
+    /// The motors, where they are told voltages.
+    pub(crate) volts: Option<Volts>,
     /// What it is compared with.
     pub(crate) before: Before,
     /// How far the logarithms of scale and track of each run were from the model's on its course before.
@@ -93,6 +103,8 @@ impl FromWheels {
             knots: [Knots::default(); 2],
             crude_scale: 0.0,
             skids: robots.iter().any(|robot| skids(robot)),
+            by_heading: robots.iter().any(|robot| has_headings_alone(robot)),
+            volts: volts::of(robots, model),
             before: Before::default(),
             offsets: Vec::new(),
         };
@@ -126,6 +138,12 @@ impl FromWheels {
     pub(crate) fn law_priors(&self) -> [f64; 2] {
         let [w, v] = self.knots.map(|knots| knots.reach());
         [v.max(w * self.half_track_m), w].map(|most| LAW_SHARE * most)
+    }
+
+    /// Whether it turns beside driving straight.
+    pub(crate) fn turns(&self) -> bool {
+        let [w, v] = self.knots.map(|knots| knots.reach());
+        w * self.half_track_m > LEAST_TURN * v
     }
 
     /// Number of parameters, noise sizes included.
@@ -237,7 +255,7 @@ impl FromWheels {
     /// Whether every run's gyro may have a clock of its own: several runs, and nothing else to tell.
     pub(crate) fn has_clocks_of_runs(&self) -> bool {
         let today = self.runs.len() - self.before.runs;
-        today.max(self.before.runs) > 1 && self.has_gyro() && !self.has_pose()
+        today.max(self.before.runs) > 1 && self.has_gyro() && !self.has_pose() && self.turns()
     }
 
     pub(crate) fn has_pose(&self) -> bool {
@@ -287,12 +305,13 @@ impl FromWheels {
         at[OFFSET_Y] = plain("pose_offset", "y_m");
         at[OFFSET_YAW] = plain("pose_offset", "yaw_rad");
         let wheels_s = plain("wheels_latency", "latency_s");
+        let gyro = if self.by_heading { "pose" } else { "imu" };
         at[POSE_LATENCY] = plain("pose_latency", "latency_s") - wheels_s;
-        at[GYRO_LATENCY] = plain("imu_latency", "latency_s") - wheels_s;
+        at[GYRO_LATENCY] = plain(&format!("{gyro}_latency"), "latency_s") - wheels_s;
         let rate = |stream: &str| clock_rate(model, stream).unwrap_or(0.0);
         at[POSE_RATE] = rate("pose") - rate("wheels");
-        at[GYRO_RATE] = rate("imu") - rate("wheels");
-        at[DRIVE_FIRST..LAW_FIRST].copy_from_slice(&drive_of(model));
+        at[GYRO_RATE] = rate(gyro) - rate("wheels");
+        at[DRIVE_FIRST..LAW_FIRST].copy_from_slice(&drive_of(model, self.volts.is_some()));
         at[LAW_FIRST..MACHINE].copy_from_slice(&law_of(model, &self.knots));
         let [ratio, difference] =
             ["ratio", "asymmetry"].map(|name| plain("slip_ratio", name).clamp(-0.9, 0.9));

@@ -13,3 +13,4 @@ pub(crate) mod run;
 pub(crate) mod streams;
 pub(crate) mod table;
 pub(crate) mod view;
+pub(crate) mod volts;

@@ -91,6 +91,20 @@ impl Source {
         }
     }
 
+    /// How much farther one wheel turned than the other at most (rad).
+    pub(super) fn most_turned_rad(&self) -> f64 {
+        match self {
+            Self::Measured(path) => {
+                let first = path.angles_rad[0];
+                let turned = path.angles_rad.iter().map(|own| own[0] - own[1]);
+                turned.fold(0.0, |most, own| {
+                    f64::max(most, (own - first[0] + first[1]).abs())
+                })
+            }
+            Self::Commanded(_) => f64::INFINITY,
+        }
+    }
+
     /// Ranges of half the difference and half the sum of the wheels' speeds, without what is rare
     /// (rad/s).
     pub(super) fn ranges_rad_s(&self) -> [[f64; 2]; 2] {

@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use slipstream_bus::RobotModel;
 
 use super::command_to_wheels::{CommandToWheels, DriveView};
-use super::from_wheels::FromWheels;
+use super::from_wheels::{DRIVE_FIRST, FromWheels};
 use super::view::View;
 use crate::data::command::CommandPath;
 use crate::estimate::information::empty;
@@ -20,6 +20,9 @@ use crate::estimate::{BlockScore, Likelihood};
 
 /// A command below this is none (rad/s).
 const NONE_RAD_S: f64 = 1e-9;
+/// A robot that never turns farther than this drives straight (rad): the pull of a slope is then within a tenth of what it
+/// was at first.
+const STRAIGHT_RAD: f64 = 0.45;
 
 /// The streams of one machine.
 #[derive(Clone, Copy)]
@@ -62,6 +65,14 @@ impl<'a> Streams<'a> {
         self.reference.parameters()
     }
 
+    /// Where a parameter of the drive stands among those that the filters read.
+    pub(crate) fn of_drive(&self, parameter: usize) -> usize {
+        match self.drive {
+            Some(_) => self.drive_first() + parameter,
+            None => DRIVE_FIRST + parameter,
+        }
+    }
+
     /// What the filters read under the nominal model.
     pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
         let mut all = self.reference.nominal(model);
@@ -95,6 +106,17 @@ impl<'a> Streams<'a> {
             parts.push(span(&ends, drive.before.runs, first));
         }
         parts
+    }
+
+    /// Whether no run turns.
+    pub(crate) fn drives_straight(&self) -> bool {
+        let reference = self.reference;
+        let turn = reference.wheel_radius_m / (2.0 * reference.half_track_m);
+        let turned = reference
+            .runs
+            .iter()
+            .map(|run| turn * run.wheels.most_turned_rad());
+        turned.fold(0.0, f64::max) < STRAIGHT_RAD
     }
 
     /// Distinct sizes of all commands but 0 (rad/s), rising.

@@ -53,7 +53,7 @@ impl Known<'_> {
             let row = late("late pose", vec![(Reference(POSE_LATENCY), 1.0)], pose_s);
             add_late(row, "pose_latency", wheels, stamped[0][0]);
         }
-        if self.has_gyro && (self.has_pose || !self.is_commanded) {
+        if self.tells_clock() && (self.has_pose || !self.is_commanded) {
             let row = late("late gyro", vec![(Reference(GYRO_LATENCY), 1.0)], gyro_s);
             let mirror = wheels.filter(|_| !self.is_commanded);
             add_late(row, "imu_latency", mirror, stamped[1][0]);
@@ -67,6 +67,11 @@ impl Known<'_> {
             self.late_poses(all, two);
         }
         self.rates(all, has_wheels && !two, [pose_s, gyro_s]);
+    }
+
+    /// Whether the gyro tells its clock: it hears turns alone.
+    fn tells_clock(&self) -> bool {
+        self.has_gyro && self.streams.reference.turns()
     }
 
     /// Whose clock runs fast; `tells`: what else there is tells the clock of the wheels. What stamps of poses and gyro mean
@@ -96,7 +101,7 @@ impl Known<'_> {
                 "pose",
             );
         }
-        if self.has_gyro && !self.streams.reference.has_clocks_of_runs() {
+        if self.tells_clock() && !self.streams.reference.has_clocks_of_runs() {
             add_fast(
                 fast("fast gyro", vec![(Reference(GYRO_RATE), 1.0)], gyro_s),
                 "imu",

@@ -96,6 +96,11 @@ impl Shown {
         Self::new(effect, vec![(name, Link::Identity, vec![(0, 1.0)])])
     }
 
+    /// The same, as a number in which a unit of the parameter is so much.
+    pub(super) fn scaled(effect: &'static str, name: &'static str, scale: f64) -> Self {
+        Self::new(effect, vec![(name, Link::Identity, vec![(0, scale)])])
+    }
+
     /// Factors of both wheels, from what they share and right over left.
     pub(super) fn wheels(effect: &'static str, names: [&'static str; 2]) -> Self {
         let [right, left] = names;
@@ -152,6 +157,8 @@ pub(super) struct Draft {
     pub(super) lasting: bool,
     /// Runs from before share it only where they needed it.
     pub(super) later: bool,
+    /// It is no effect, and differs between recordings.
+    pub(super) varies: bool,
 }
 
 impl Draft {
@@ -166,6 +173,7 @@ impl Draft {
             positive: false,
             lasting: false,
             later: false,
+            varies: false,
         }
     }
 

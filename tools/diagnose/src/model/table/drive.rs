@@ -4,15 +4,15 @@ use super::draft::Place::{Drive, Reference};
 use super::draft::{Draft, Row, Shown, about, mostly};
 use super::known::Known;
 use super::sizes::{
-    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, PAIR, SAG_PER_S,
-    SATURATION_COST, SATURATIONS, SIZE, SLOW, TIME_S, repeatability,
+    COMMAND_SHARE, COUNT_COST, DEAD_ZONES, GYRO_STEP_SHARE, LAGS_S, LATENCIES_S, LOADS, MOTOR,
+    PAIR, PULLS, SAG_PER_S, SATURATION_COST, SATURATIONS, SIZE, SLOW, TIME_S, repeatability,
 };
 use crate::data::streams::WheelKind;
 use crate::estimate::Prior;
 use crate::estimate::term::Search;
 use crate::model::drive::{
-    AVERAGED, DEAD_BAND, DEAD_ZONE, DELAY, GAIN, GAIN_ASYMMETRY, LAG, SAG, SATURATION, SLOW_SHARE,
-    SLOW_TIME,
+    AVERAGED, DEAD_BAND, DEAD_ZONE, DELAY, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL, SAG,
+    SATURATION, SLOW_SHARE, SLOW_TIME,
 };
 use crate::model::from_wheels::{ASYMMETRY, COMMON};
 use crate::model::run::Run;
@@ -61,9 +61,18 @@ impl Known<'_> {
             all.push(Draft::new("delay", vec![row], vec![delay]).from(starts));
         }
         let row = of("lag", LAG, about(0.3), step_s, repeatability::TIME_S);
-        let shown = vec![Shown::plain("actuator_lag", "time_constant_s")];
-        let mut lag = Draft::new("lag", vec![row], shown).from(LAGS_S.map(|own| vec![own]));
-        lag.later = is_commanded;
+        let load = self.load();
+        // what motors move, a data sheet says to some tens of per cent
+        let shown = match load {
+            Some(_) => Vec::new(),
+            None => vec![Shown::plain("actuator_lag", "time_constant_s")],
+        };
+        let starts = match load {
+            Some(load) => LOADS.map(|share| vec![share * load.lag_s()]).to_vec(),
+            None => LAGS_S.map(|own| vec![own]).to_vec(),
+        };
+        let mut lag = Draft::new("lag", vec![row], shown).from(starts);
+        (lag.later, lag.varies) = (is_commanded, load.is_some());
         all.push(lag);
         if let Some(drive) = self.streams.drive {
             self.gains(all, drive.crude_gain);
@@ -77,11 +86,12 @@ impl Known<'_> {
             number: 1,
             ..of("slow", SLOW_TIME, about(2.0), 1.0, 0.0)
         };
-        if !is_commanded {
+        if !is_commanded && self.volts.is_none() {
             let slow = Draft::new("slow response", vec![share, time], Vec::new());
             all.push(slow.from([SLOW.to_vec()]));
         }
         self.means(all, &of);
+        self.forces(all, &of);
         let row = of("sag", SAG, about(0.02), SAG_PER_S, repeatability::SAG_PER_S);
         let mut sag = Draft::new(
             "sag",
@@ -90,6 +100,35 @@ impl Known<'_> {
         );
         (sag.positive, sag.lasting, sag.later) = (true, true, true);
         all.push(sag);
+    }
+
+    /// What takes from the speed of a motor under voltage: friction of the axles, a slope along the robot.
+    fn forces(
+        &self,
+        all: &mut Vec<Draft>,
+        of: &dyn Fn(&'static str, usize, Prior, f64, f64) -> Row,
+    ) {
+        let Some(load) = self.load() else { return };
+        let top = self.top_rad_s;
+        let prior = about(0.3 * top);
+        let (resolution, unnoticed) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
+        let row = of("friction", FRICTION, prior, resolution, unnoticed);
+        let torque_nm = 1.0 / load.speed_per_torque;
+        let shown = vec![Shown::scaled("axle_friction", "torque_nm", torque_nm)];
+        let starts = DEAD_ZONES.map(|share| vec![share * top]);
+        let mut friction = Draft::new("friction", vec![row], shown).from(starts);
+        (friction.positive, friction.lasting) = (true, true);
+        all.push(friction);
+        if !self.streams.drives_straight() {
+            return;
+        }
+        let row = of("pull", PULL, prior, resolution, unnoticed);
+        let grade = 1.0 / load.speed_per_sine;
+        let shown = vec![Shown::scaled("floor_slope", "grade", grade)];
+        let starts = PULLS.map(|share| vec![share * top]);
+        let mut pull = Draft::new("pull", vec![row], shown).from(starts);
+        pull.lasting = true;
+        all.push(pull);
     }
 
     /// Speeds of wheels that are means over an interval.
@@ -120,7 +159,11 @@ impl Known<'_> {
         let rows = self.factors(
             "gain",
             [vec![(Drive(GAIN), 1.0)], vec![(Drive(GAIN_ASYMMETRY), 1.0)]],
-            [about(0.3_f64.max(crude.abs())), about(0.2)],
+            match self.volts {
+                // what a data sheet says of the speed without a load
+                Some(_) if crude == 0.0 => [mostly(MOTOR), mostly(MOTOR)],
+                _ => [about(0.3_f64.max(crude.abs())), about(0.2)],
+            },
         );
         let mut shown = Shown::wheels("motor_gain", ["right", "left"]);
         if !self.has_reference() {
@@ -162,7 +205,12 @@ impl Known<'_> {
         let top = self.top_rad_s;
         let (resolution, unnoticed) = (COMMAND_SHARE * top, repeatability::COMMAND * top);
         let row = of("zone", DEAD_ZONE, about(0.3 * top), resolution, unnoticed);
-        let shown = vec![Shown::plain("command_dead_zone", "speed_rad_s")];
+        let shown = vec![match self.volts {
+            Some(volts) => {
+                Shown::scaled("command_dead_zone", "voltage_v", 1.0 / volts.speed_per_volt)
+            }
+            None => Shown::plain("command_dead_zone", "speed_rad_s"),
+        }];
         let starts = DEAD_ZONES.map(|share| vec![share * top]);
         let mut zone = Draft::new("dead zone", vec![row], shown).from(starts);
         (zone.positive, zone.lasting, zone.later) = (true, true, self.is_commanded);
@@ -175,7 +223,14 @@ impl Known<'_> {
             has_tails: false,
         };
         let row = of("saturation", SATURATION, prior, resolution, unnoticed);
-        let shown = vec![Shown::plain("command_saturation", "speed_rad_s")];
+        let shown = vec![match self.load() {
+            Some(load) => Shown::scaled(
+                "command_saturation",
+                "torque_nm",
+                1.0 / load.speed_per_torque,
+            ),
+            None => Shown::plain("command_saturation", "speed_rad_s"),
+        }];
         let starts = SATURATIONS.map(|share| vec![share * top]).into_iter();
         let starts = starts.filter(|_| known == 0.0);
         let mut saturation = Draft::new("saturation", vec![row], shown).from(starts);
@@ -183,7 +238,8 @@ impl Known<'_> {
         saturation.cost = SATURATION_COST;
         all.push(saturation);
         let bands = self.bands();
-        if bands.is_empty() {
+        // voltages of a controller are all different
+        if bands.is_empty() || self.volts.is_some() {
             return;
         }
         let row = of("band", DEAD_BAND, about(top), resolution, unnoticed);

@@ -8,6 +8,7 @@ use crate::model::command_to_wheels::CommandToWheels;
 use crate::model::from_wheels::DRIVE_FIRST;
 use crate::model::run::Run;
 use crate::model::streams::Streams;
+use crate::model::volts::{Load, Volts};
 
 /// What is asked of a table.
 pub(crate) struct Asked<'a> {
@@ -56,6 +57,8 @@ pub(super) struct Known<'a> {
     /// Largest command (rad/s); 0 without commands.
     pub(super) top_rad_s: f64,
     pub(super) half_track_m: f64,
+    /// The motors, where they are told voltages.
+    pub(super) volts: Option<Volts>,
 }
 
 impl<'a> Known<'a> {
@@ -76,11 +79,17 @@ impl<'a> Known<'a> {
                 None => 0.0,
             },
             half_track_m: reference.half_track_m,
+            volts: reference.volts,
         }
     }
 
     pub(super) fn is_driven(&self) -> bool {
         self.streams.drive.is_some() || self.is_commanded
+    }
+
+    /// What the motors move, where they are told voltages and masses are known.
+    pub(super) fn load(&self) -> Option<Load> {
+        self.volts.and_then(|own| own.load)
     }
 
     pub(super) fn has_reference(&self) -> bool {

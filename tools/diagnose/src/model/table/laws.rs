@@ -4,7 +4,7 @@
 use super::draft::Place::Reference;
 use super::draft::{Draft, Row, Shown, about};
 use super::known::Known;
-use super::sizes::{LAW_COST, LEAST_DRIVER, LEAST_TURN, LENGTH_SHARE, TURN_COST};
+use super::sizes::{LAW_COST, LEAST_DRIVER, LENGTH_SHARE, TURN_COST};
 use crate::filter::motion_law::{OF_SIZE, TABLES, Table};
 use crate::model::from_wheels::LAW_FIRST;
 
@@ -43,7 +43,7 @@ impl Known<'_> {
         let [w, v] = self.streams.reference.knots.map(|knots| knots.reach());
         let reach = [w, v][table.over];
         let seen = self.has_pose || self.has_gyro && table.acts_on == "turn_rate";
-        let turns = table.over == 1 || w * self.half_track_m > LEAST_TURN * v;
+        let turns = table.over == 1 || self.streams.reference.turns();
         seen && turns && reach > LEAST_DRIVER[table.over]
     }
 

@@ -4,7 +4,7 @@ use super::draft::about;
 use super::known::Asked;
 use super::parameters::{Key, Table, robot};
 use crate::estimate::pairs;
-use crate::model::command_to_wheels::CommandToWheels;
+use crate::model::command_to_wheels::{CommandToWheels, TIMES};
 use crate::model::drive::DRIVE;
 use crate::model::from_wheels::RUN_NOISE_FIRST;
 use crate::model::run::is_process;
@@ -68,7 +68,7 @@ impl Table {
                 is_shared: false,
             };
             // the time of a disturbance is known to lie between some tenths of a second and some seconds
-            let deviation = if [1, 4].contains(&number) { 1.0 } else { 2.0 };
+            let deviation = if TIMES.contains(&number) { 1.0 } else { 2.0 };
             self.noise_of(key, vec![(first + index, 1.0)], is_share, deviation);
         }
     }

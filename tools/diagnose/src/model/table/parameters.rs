@@ -187,7 +187,7 @@ impl Table {
             }
         }
         // what a machine is compared with has its nuisances already
-        if nuisance && !compares || !term.shown.is_empty() {
+        if nuisance && (!compares || draft.varies) || !term.shown.is_empty() {
             self.terms.push(term);
         }
     }

@@ -17,9 +17,6 @@ pub(super) const RATE: f64 = 1e-5;
 pub(super) const GYRO_ASYMMETRY: f64 = 0.004;
 /// A robot that turns or drives more slowly than this shows no law (rad/s, m/s).
 pub(super) const LEAST_DRIVER: [f64; 2] = [0.02, 5e-3];
-/// Speed of a wheel about the middle, as a share of the robot's, below which a robot drives straight: what it loses then is
-/// no loss in turns.
-pub(super) const LEAST_TURN: f64 = 0.1;
 
 /// Repeatability: standard deviation between recordings of one unchanged robot.
 pub(super) mod repeatability {
@@ -59,12 +56,16 @@ pub(super) const LAW_COST: f64 = 10.0;
 pub(super) const SIZE: f64 = 0.03;
 pub(super) const PAIR: f64 = 0.01;
 
+/// The same of motors' speeds without a load, which are sold to a tenth.
+pub(super) const MOTOR: f64 = 0.05;
+
 /// What most robots have somewhat of.
-pub(super) const USUAL: [&str; 6] = [
+pub(super) const USUAL: [&str; 7] = [
     "geometry",
     "track",
     "gain",
     "delay",
+    "friction",
     "late pose",
     "late gyro",
 ];
@@ -74,6 +75,10 @@ pub(super) const LATENCIES_S: [f64; 14] = [
     -0.5, -0.3, -0.2, -0.15, -0.1, -0.05, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.6,
 ];
 pub(super) const LAGS_S: [f64; 4] = [0.02, 0.06, 0.15, 0.4];
+/// Changes of what motors move, as shares of the time constant by the masses, and pulls of slopes, as shares of the
+/// largest command, from which it begins.
+pub(super) const LOADS: [f64; 3] = [-0.9, -0.4, 1.0];
+pub(super) const PULLS: [f64; 4] = [-0.25, -0.08, 0.08, 0.25];
 /// Saturations and dead zones from which it begins, as shares of the largest command.
 pub(super) const SATURATIONS: [f64; 7] = [0.98, 0.93, 0.87, 0.8, 0.72, 0.63, 0.53];
 pub(super) const DEAD_ZONES: [f64; 3] = [0.02, 0.08, 0.2];
