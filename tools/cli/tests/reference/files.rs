@@ -107,7 +107,8 @@ This is the robot of the paper, on the floor of the paper:
     text += &keys("The file", &robot::FILE);
     text += &keys("[robot]", &robot::BODY);
     text += &keys("[motor]", &robot::MOTOR);
-    text += "\nWith a voltage V, the torque at the wheel is τ_stall V / V_nominal − (τ_stall / ω_0) ω.\n";
+    text += "\nWith a voltage V, the torque at the wheel is τ_stall V / V_nominal − (τ_stall / ω_0) ω. \
+             Where masses are not given, wheels turn as fast as motors without a load: ω = ω_0 V / V_nominal.\n";
     text += &keys("[encoder]", &robot::ENCODER);
     text += "\n## [effects]\n\nOne key for each effect, with its parameters: `id = { … }`, or `id = [{ … }, { … }]` where it occurs more than once. \
              The [catalogue of effects](effects.md) lists ids and parameters.\n";

@@ -150,7 +150,7 @@ pub(crate) fn learn(task: &Task<'_>) -> Result<Learnt, InputError> {
         differs.then(|| deviation(&all.collect::<Vec<_>>()))
     });
     let spread: Vec<Option<f64>> = spread.collect();
-    let model = machine.improved(&claims, &fits);
+    let model = machine.improved(&claims);
     let errors = {
         let measured = machine.measured(&fits);
         let bench = Bench::new(&measured, &claims);
@@ -428,7 +428,16 @@ impl Machine<'_> {
             predictions,
             outliers: self.outliers(&bench.all),
             process_noise: self.process_noise(&bench.all),
-            improved: self.improved(&claims, &fits),
+            improved: {
+                let mut model = self.improved(&claims);
+                // the masses of the model are those by which a slope is told
+                let is_level = model.number("floor_slope", "grade").is_none();
+                let share = self.fitted(&fits.today).share();
+                if let Some(share) = share.filter(|_| is_level) {
+                    Load::apply(share, &mut model);
+                }
+                model
+            },
             spans_s: self
                 .machine
                 .runs
@@ -561,15 +570,8 @@ impl Machine<'_> {
     }
 
     /// The model with what was found; what differs from run to run as on average.
-    fn improved(&self, claims: &[Claim], fits: &Fits) -> RobotModel {
+    fn improved(&self, claims: &[Claim]) -> RobotModel {
         let mut model = self.model.clone();
-        // the masses of the model are those by which a slope is told
-        let slopes = model.effects.iter().any(|own| own.effect == "floor_slope")
-            || claims.iter().any(|own| own.effect == "floor_slope");
-        let share = self.fitted(&fits.today).share();
-        if let Some(share) = share.filter(|_| !slopes) {
-            Load::apply(share, &mut model);
-        }
         let mut written: Vec<&str> = Vec::new();
         for claim in claims {
             if claim.runs.is_none() {

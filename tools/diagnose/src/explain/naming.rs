@@ -54,6 +54,7 @@ impl Naming<'_> {
         self.turning(&mut claims);
         self.late_runs(&mut claims);
         self.downhill(&mut claims);
+        one_gain(&mut claims);
         if self.streams.reference.by_heading {
             claims.iter_mut().for_each(by_heading);
         }
@@ -517,6 +518,24 @@ impl Naming<'_> {
             });
         }
     }
+}
+
+/// What both motors share and what they differ by are one gain.
+fn one_gain(claims: &mut Vec<Claim>) {
+    let mut places = (0..claims.len()).filter(|i| claims[*i].effect == "motor_gain");
+    let (Some(first), Some(second)) = (places.next(), places.next()) else {
+        return;
+    };
+    let other = claims.remove(second);
+    let own = &mut claims[first];
+    for (value, other) in own.values.iter_mut().zip(&other.values) {
+        value.change += other.change;
+        value.half = [0, 1].map(|i| value.half[i].hypot(other.half[i]));
+        value.halves = None;
+    }
+    own.toggles.extend(&other.toggles);
+    own.gain += other.gain;
+    own.p_value = own.p_value.min(other.p_value);
 }
 
 /// A gyro that is the heading of poses.

@@ -32,8 +32,8 @@ use crate::filter::wheel_channel::{self, ChannelNoise, ChannelRow, Tails};
 pub(crate) const NOISE: usize = 8;
 /// Of these, the times of the disturbances.
 pub(crate) const TIMES: [usize; 2] = [1, 4];
-/// Least of them of a motor under voltage (s).
-const LEAST_TIME_S: f64 = 2e-3;
+/// Longest of them of a motor under voltage (s).
+const MOST_TIME_S: f64 = 0.2;
 /// Least walk of a wheel's angle (rad/√s): 5 µm at the rim of a wheel of 5 cm after a second, less than
 /// drives repeat and than integrators of simulators differ from the closed form by. Without a floor the
 /// likelihood of exact angles grows without end where some rows fit exactly. It is a walk, for errors of
@@ -183,9 +183,7 @@ impl CommandToWheels {
     /// Indices of the noise sizes.
     pub(crate) fn noise(&self) -> Vec<usize> {
         let share = self.before.is_paired().then_some(Self::SHARE);
-        let by_volts = self.volts.is_some();
-        let own = (0..NOISE).filter(|own| !(by_volts && TIMES.contains(own)));
-        own.map(|own| DRIVE + own).chain(share).collect()
+        (DRIVE..DRIVE + NOISE).chain(share).collect()
     }
 }
 
@@ -259,17 +257,17 @@ impl DriveRun {
         comparison::course(&response, [first.time_s, last.time_s])
     }
 
-    /// Times of the disturbances of sum and difference (s). Those of a motor under voltage are torques without a memory: its
-    /// speed forgets them by its time constant, and a lasting push is physics.
+    /// Times of the disturbances of sum and difference (s). Torques that disturb a motor under voltage have hardly a memory,
+    /// and its speed forgets them as fast as it follows its command: a lasting push is physics.
     pub(crate) fn times_s<S: Scalar>(&self, at: &[S]) -> [S; 2] {
-        if !self.commands.by_volts {
-            return [at[DRIVE + TIMES[0]].exp(), at[DRIVE + TIMES[1]].exp()];
-        }
-        let lag_s = at[LAG].abs();
-        if lag_s.value() < LEAST_TIME_S {
-            return [S::constant(LEAST_TIME_S); 2];
-        }
-        [lag_s; 2]
+        TIMES.map(|own| {
+            let time_s = at[DRIVE + own].exp();
+            if self.commands.by_volts {
+                time_s * MOST_TIME_S / (time_s + MOST_TIME_S)
+            } else {
+                time_s
+            }
+        })
     }
 
     /// Filters both channels. `after` hears channel, time and disturbance behind every row.

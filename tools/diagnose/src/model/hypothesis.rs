@@ -7,7 +7,6 @@ use slipstream_sim::effects::{
 };
 use slipstream_sim::{CommandKind, Stream};
 
-use super::load;
 use crate::data::command::asked;
 use crate::data::track::{Sensor, Series, Track};
 use crate::filter::wrapped;
@@ -35,16 +34,6 @@ impl Hypothesis {
             replaces: None,
             since: false,
         }
-    }
-
-    /// The whole body as what the motors move: no effect, and fitted where nothing weighs a robot.
-    pub(crate) fn whole_load() -> Self {
-        Self::new(&load::SHARE, vec![(load::NUMBER, 1.0)])
-    }
-
-    /// Whether it is a share of the body and no effect.
-    pub(crate) fn is_load(&self) -> bool {
-        self.info.id == load::SHARE.id
     }
 
     /// As a model lists it.
@@ -160,10 +149,6 @@ pub(crate) fn come_round(info: &Info, name: &str, value: f64) -> f64 {
 pub(crate) fn with(model: &RobotModel, hypotheses: &[Hypothesis]) -> RobotModel {
     let mut better = model.clone();
     for hypothesis in hypotheses {
-        if hypothesis.is_load() {
-            load::apply(hypothesis.value(load::NUMBER).unwrap_or(1.0), &mut better);
-            continue;
-        }
         match hypothesis.replaces {
             Some(at) => better.effects[at] = hypothesis.spec(),
             None => better.effects.push(hypothesis.spec()),

@@ -6,7 +6,6 @@ mod crude;
 pub(crate) mod drive;
 pub(crate) mod from_wheels;
 pub(crate) mod hypothesis;
-pub(crate) mod load;
 pub(crate) mod nominal;
 pub(crate) mod plant;
 pub(crate) mod run;

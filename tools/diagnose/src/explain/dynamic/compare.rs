@@ -68,9 +68,7 @@ fn alone_today(
     excluded: &[String],
 ) -> Option<Judged> {
     let fit = &selected.fit;
-    let mut shared = in_force(&fit.hypotheses, false);
-    // what loads the motors today is all of it, and no change
-    shared.retain(|own| !own.is_load());
+    let shared = in_force(&fit.hypotheses, false);
     let model = with(&joint.model, &shared);
     let machine = machine_of(&today.tracks, &model, excluded);
     let mut changes: Vec<usize> = (0..fit.hypotheses.len()).collect();

@@ -57,12 +57,7 @@ pub(crate) fn held_out(machine: &Machine, predictions: &Predictions) -> HeldOut 
 /// What every subset of the effects that were found is worth.
 pub(crate) fn worth(predictor: &Predictor, fit: &Filtered) -> Worth {
     let windows = predictor.some_windows(BUDGET_WINDOWS);
-    let mut names: Vec<&'static str> = fit
-        .hypotheses
-        .iter()
-        .filter(|h| !h.is_load())
-        .map(|h| h.info.id)
-        .collect();
+    let mut names: Vec<&'static str> = fit.hypotheses.iter().map(|h| h.info.id).collect();
     names.sort_unstable();
     names.dedup();
     names.truncate(PLAYERS);

@@ -91,7 +91,7 @@ impl Selected {
             "w" => OF_TURN.contains(&own.info.id),
             _ => false,
         };
-        !own.is_load() && !self.unknown.as_ref().is_some_and(part)
+        !self.unknown.as_ref().is_some_and(part)
     }
 
     /// The fit of everything that was found.

@@ -1,7 +1,6 @@
 //! The runs of one machine as the filter reads them.
 
 use slipstream_bus::RobotModel;
-use slipstream_sim::CommandKind;
 
 use super::channels::{NO_CHANNEL, first};
 use crate::data::track::{self, Track};
@@ -97,18 +96,10 @@ impl Machine {
         ]
     }
 
-    /// Whether wheels under voltage are all that moves: nothing weighs the robot, and nothing measures a length.
-    pub(crate) fn weighs_nothing(&self) -> bool {
-        let mut tracks = self.tracks.iter();
-        !self.has_pose() && tracks.all(|own| own.kind() == CommandKind::Voltage)
-    }
-
-    /// Whether its runs tell an effect from what is fitted anyway: a length needs places, and a mass or the grip that
-    /// it gives needs something that weighs.
+    /// Whether its runs tell an effect from what is fitted anyway: a length needs places.
     pub(crate) fn tells(&self, own: &Hypothesis) -> bool {
         let of_length = ["wheel_radius", "encoder_scale"].contains(&own.info.id);
-        let of_mass = ["payload", "wheel_slip"].contains(&own.info.id);
-        !(own.is_load() || of_length && !self.has_pose() || of_mass && self.weighs_nothing())
+        !of_length || self.has_pose()
     }
 
     /// Where the right and the left wheel of the nominal model touch the floor at a pose of c (m).
@@ -300,16 +291,15 @@ mod tests {
         }
         let tracks = [track.clone()];
         let machine = Machine::new(vec![track], model, &[]);
-        assert_eq!(machine.weighs_nothing(), !has_pose);
         let all = hypothesis::all(&machine.model, &tracks, &[]);
         let all = all.iter().filter(|own| machine.tells(own));
         all.map(|own| own.info.id).collect()
     }
 
     #[test]
-    fn wheels_under_voltage_tell_no_length_and_no_mass() {
+    fn wheels_without_a_place_tell_no_length() {
         let [with, without] = [true, false].map(told);
-        for id in ["wheel_radius", "encoder_scale", "payload", "wheel_slip"] {
+        for id in ["wheel_radius", "encoder_scale"] {
             assert!(with.contains(&id) && !without.contains(&id), "{id}");
         }
         for id in ["command_dead_zone", "motor_gain", "axle_friction"] {

@@ -22,8 +22,6 @@ const LONGEST_NOISE: f64 = 2.0;
 const TINY: f64 = 0.005;
 /// Small noise, over what integrators differ by.
 const SMALL: f64 = 5.0;
-/// Standard deviation of the share of the body that loads the motors.
-const SHARE: f64 = 0.5;
 /// Prior log-odds (nats) against encoders that count wrong: wheels of another radius are the first suspect. Against a
 /// patch: where it covers all of a way, the whole floor is.
 const COUNTS_WRONG: f64 = 6.0;
@@ -94,10 +92,7 @@ impl Table {
             twins: Vec::new(),
             nominal: Vec::new(),
         };
-        if machine.weighs_nothing() {
-            table.add_load(machine);
-        }
-        for own in known.iter().filter(|own| !own.is_load()) {
+        for own in known {
             table.add_known(machine, own);
         }
         for starts in kinds(all) {
@@ -165,23 +160,6 @@ impl Table {
         let kind = self.push(machine, own, None, true);
         if !own.is_threshold() {
             self.always.extend(self.kinds[kind].places());
-        }
-    }
-
-    /// The share of the body that loads the motors; of a comparison, also how it changed.
-    fn add_load(&mut self, machine: &Machine) {
-        let known = Hypothesis::whole_load();
-        let since = Hypothesis {
-            since: true,
-            ..known.clone()
-        };
-        let first = self.push(machine, &known, None, true);
-        let change = (machine.before > 0).then(|| self.push(machine, &since, Some(first), true));
-        for kind in std::iter::once(first).chain(change) {
-            for index in self.kinds[kind].places() {
-                self.priors[index].deviation = SHARE / self.kinds[kind].numbers[0].unit;
-                self.always.push(index);
-            }
         }
     }
 

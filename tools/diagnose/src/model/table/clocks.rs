@@ -4,8 +4,8 @@ use super::draft::Place::{Drive, Reference};
 use super::draft::{Draft, Drafted, Place, Row, Shown, about};
 use super::known::Known;
 use super::sizes::{
-    LATENCIES_S, LATENCY_INFLATION, RATE, RATE_COST, RATE_INFLATION, STAMP_SHARE, TIME_S,
-    WHEELS_COST, repeatability,
+    LATENCIES_S, LATENCY_INFLATION, LEAST_DRIFT_S, RATE, RATE_COST, RATE_INFLATION, STAMP_SHARE,
+    TIME_S, WHEELS_COST, repeatability,
 };
 use crate::estimate::term::Link;
 use crate::model::drive::{CLOCK, DELAY};
@@ -107,7 +107,9 @@ impl Known<'_> {
                 "imu",
             );
         }
-        if tells || self.streams.drive.is_some() {
+        // by its commands alone, a drive that speeds up otherwise than it slows down looks like a drift while that is short
+        let alone = self.streams.drive.is_some() && self.duration_s() > LEAST_DRIFT_S;
+        if tells || alone || self.has_reference() && self.streams.drive.is_some() {
             let moves = self.of_wheels([POSE_RATE, GYRO_RATE], CLOCK);
             add_fast(fast("fast wheels", moves, 0.0), "wheels");
         }

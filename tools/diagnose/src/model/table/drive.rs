@@ -9,7 +9,7 @@ use super::sizes::{
 };
 use crate::data::streams::WheelKind;
 use crate::estimate::Prior;
-use crate::estimate::term::Search;
+use crate::estimate::term::{Link, Search};
 use crate::model::drive::{
     AVERAGED, DEAD_BAND, DEAD_ZONE, DELAY, FRICTION, GAIN, GAIN_ASYMMETRY, LAG, PULL, SAG,
     SATURATION, SLOW_SHARE, SLOW_TIME,
@@ -170,9 +170,13 @@ impl Known<'_> {
             shown.confused = vec!["encoder_scale"];
         }
         let starts = || (crude != 0.0).then(|| vec![crude, 0.0]);
-        let mut gain = Draft::new("gain", rows, vec![shown]).from(starts());
-        gain.lasting = true;
-        all.push(gain);
+        if self.volts.is_some() {
+            self.motors(all, rows, &shown.confused, crude);
+        } else {
+            let mut gain = Draft::new("gain", rows, vec![shown]).from(starts());
+            gain.lasting = true;
+            all.push(gain);
+        }
         if !self.has_pose {
             return;
         }
@@ -194,6 +198,20 @@ impl Known<'_> {
         count.cost = COUNT_COST;
         count.later = true;
         all.push(count);
+    }
+
+    /// Motors under voltage: what both share looks like friction, what they differ by does not.
+    fn motors(&self, all: &mut Vec<Draft>, rows: Vec<Row>, confused: &[&'static str], crude: f64) {
+        let sides = [("gain", 1.0, 1.0), ("gain of sides", 0.5, -0.5)];
+        for ((name, right, left), row) in sides.into_iter().zip(rows) {
+            let of = |name, weight| (name, Link::Log, vec![(0, weight)]);
+            let mut shown = Shown::new("motor_gain", vec![of("right", right), of("left", left)]);
+            shown.confused = confused.to_vec();
+            let begun = (crude != 0.0 && name == "gain").then(|| vec![crude]);
+            let mut gain = Draft::new(name, vec![row], vec![shown]).from(begun);
+            gain.lasting = true;
+            all.push(gain);
+        }
     }
 
     /// Dead zone, saturation, dead band.

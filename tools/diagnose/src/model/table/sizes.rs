@@ -37,6 +37,8 @@ pub(super) mod repeatability {
 /// standard errors are inflated by this.
 pub(super) const LATENCY_INFLATION: f64 = 1.3;
 pub(super) const RATE_INFLATION: f64 = 1.75;
+/// A recording from which on a clock that drifts by 1e-3 is off by more than drives respond otherwise up than down (s).
+pub(super) const LEAST_DRIFT_S: f64 = 60.0;
 /// Prior log-odds (nats) against encoders that count wrong, beside a motor or a wheel that is off; against a
 /// stream that is stamped before it was measured; against a clock that runs fast, which crystals do by less
 /// than 1e-4.
