@@ -12,7 +12,7 @@ use crate::explain::collected::Collected;
 use crate::explain::dynamic::examine as dynamic;
 use crate::explain::finding::finding;
 use crate::explain::kinematic::{self, Earlier, Learnt, Task};
-use crate::explain::links::{self, Course};
+use crate::explain::links;
 use crate::judge::conclude;
 use crate::request::{Request, Runs, model_of};
 
@@ -165,9 +165,7 @@ fn by_filter(
     }
     collected.improved.push((name.clone(), found.improved));
     collected.predictions.push(found.predictions);
-    let courses = found.courses.into_iter();
-    let courses = courses.map(|own| Course::of(name.clone(), own.points, own.deviation));
-    collected.courses.extend(courses);
+    collected.courses.extend(found.courses);
     Ok(found.figures.map(|figures| Figures { runs, ..figures }))
 }
 

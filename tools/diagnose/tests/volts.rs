@@ -66,8 +66,7 @@ fn recorded(truth: &RobotModel, volts: fn(f64) -> [f64; 2]) -> Recording {
 /// Estimate of a parameter of a finding.
 fn estimate(answer: &Answer, effect: &str, parameter: &str) -> f64 {
     let own = answer.findings.iter().find(|own| own.effect == effect);
-    let own = own.unwrap_or_else(|| panic!("no {effect}: {}", answer.statement));
-    let mut parameters = own.parameters.iter();
+    let mut parameters = own.unwrap().parameters.iter();
     let value = parameters.find(|own| own.name == parameter).unwrap();
     value.estimate.unwrap()
 }

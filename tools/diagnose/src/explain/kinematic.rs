@@ -8,6 +8,7 @@ use slipstream_recording::recording::{Command, Robot};
 use super::bench::{Bench, Measured, ORDINARY};
 use super::claim::Claim;
 use super::fitted::Fitted;
+use super::links::Course;
 use super::naming::Naming;
 use super::open_loop::HORIZON_S;
 use super::pictures;
@@ -49,16 +50,9 @@ pub(crate) struct Found {
     /// What a report shows, where it is asked for.
     pub(crate) figures: Option<Figures>,
     /// Where each run went, as the filter has it.
-    pub(crate) courses: Vec<Path>,
+    pub(crate) courses: Vec<Course>,
     /// Number of each run's robot among those given.
     pub(crate) robots: Vec<usize>,
-}
-
-/// Where a run went: time (s), x, y (m) and heading (rad) of the centre of mass, and deviations of the
-/// reference.
-pub(crate) struct Path {
-    pub(crate) points: Vec<(f64, [f64; 3])>,
-    pub(crate) deviation: [f64; 3],
 }
 
 /// One machine, and what was fitted to it.
@@ -521,13 +515,14 @@ impl Machine<'_> {
         }
     }
 
-    fn courses(&self, fitted: &[f64], deviations: &[[f64; QUANTITIES]]) -> Vec<Path> {
+    fn courses(&self, fitted: &[f64], deviations: &[[f64; QUANTITIES]]) -> Vec<Course> {
         let runs = self.machine.runs.iter().enumerate();
         let with_pose = runs.filter(|(_, run)| run.pose.is_some());
         with_pose
-            .map(|(i, _)| Path {
-                points: self.machine.course(i, fitted),
-                deviation: [deviations[i][2], deviations[i][3], deviations[i][4]],
+            .map(|(i, _)| {
+                let deviation = [deviations[i][2], deviations[i][3], deviations[i][4]];
+                let points = self.machine.course(i, fitted);
+                Course::of(self.name.to_owned(), points, deviation)
             })
             .collect()
     }

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::claim::{Claim, Law, Value};
 use super::fitted::Fitted;
@@ -78,7 +78,8 @@ impl Naming<'_> {
             value.halves = None;
             value.change = to.abs() - from.abs();
             let turned = downhill(to) - downhill(from);
-            let own = Value::new("downhill_rad", Link::Identity, turned, 0.0);
+            // wheels do not see what of a slope lies across the robot
+            let own = Value::new("downhill_rad", Link::Identity, turned, FRAC_PI_2);
             claim.values.push(own);
         }
     }
