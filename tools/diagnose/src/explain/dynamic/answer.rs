@@ -168,9 +168,7 @@ pub(crate) fn process_noise(machine: &Machine, fit: &Filtered) -> Vec<ProcessNoi
         fourth,
         ("lateral_speed", "m/s"),
     ];
-    let has_pose = machine.has_pose();
-    let each = (0..5).filter(|i| !(noise.of_wheels && *i == 3));
-    let each = each.filter(|i| has_pose || *i < 2 || noise.of_wheels && *i == 2);
+    let each = machine.disturbances(noise.of_wheels);
     let above = each.filter(|i| noise.size[*i] > ABOVE_FLOOR * floor[*i]);
     above
         .map(|i| ProcessNoise {

@@ -137,10 +137,18 @@ impl Machine {
     /// noise.
     pub(crate) fn is_silent(&self, fit: &Filtered) -> bool {
         let floor = self.floor(fit.noise.of_wheels);
-        let used = if self.has_pose() { 5 } else { 2 };
-        let quiet = (0..used).all(|i| fit.noise.size[i] < QUIET * floor[i]);
+        let mut told = self.disturbances(fit.noise.of_wheels);
+        let quiet = told.all(|i| fit.noise.size[i] < QUIET * floor[i]);
         let levels = levels(&fit.whitened, &self.channels);
         quiet && levels.iter().all(|[mean, _]| *mean < QUIET_LEVEL)
+    }
+
+    /// Numbers of the disturbances that its runs tell: without a place, none across and no creep. Where wheels may slide both
+    /// have one torque.
+    pub(crate) fn disturbances(&self, of_wheels: bool) -> impl Iterator<Item = usize> {
+        let has_pose = self.has_pose();
+        let told = move |i: &usize| has_pose || *i < 2 || of_wheels && *i == 2;
+        (0..5).filter(move |i| told(i) && !(of_wheels && *i == 3))
     }
 
     /// −2 ln L of whitened innovations, but for what does not depend on them.

@@ -291,6 +291,14 @@ mod tests {
         }
         let tracks = [track.clone()];
         let machine = Machine::new(vec![track], model, &[]);
+        let disturbed = |slides| machine.disturbances(slides).collect::<Vec<_>>();
+        let [rolls, slides]: [&[usize]; 2] = if has_pose {
+            [&[0, 1, 2, 3, 4], &[0, 1, 2, 4]]
+        } else {
+            // a torque on wheels that may slide shows in their angles
+            [&[0, 1], &[0, 1, 2]]
+        };
+        assert_eq!([disturbed(false), disturbed(true)], [rolls, slides]);
         let all = hypothesis::all(&machine.model, &tracks, &[]);
         let all = all.iter().filter(|own| machine.tells(own));
         all.map(|own| own.info.id).collect()
