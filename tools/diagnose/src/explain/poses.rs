@@ -6,10 +6,10 @@ use super::errors::Errors;
 use super::prediction::{FITTED_S, Piece, rows_of};
 use super::spread::{Spread, from_start};
 use crate::data::wheel_path::Turned;
-use crate::filter::motion_law::{LAW, added};
+use crate::filter::arc::Carried;
 use crate::filter::wrapped;
 use crate::judge::{HEADING, PLACE, POSE};
-use crate::model::from_wheels::{FromWheels, pose_parameters};
+use crate::model::from_wheels::pose_parameters;
 use crate::predict::drawn::{Place, from_robot};
 
 /// How often the time over which a start is fitted may be extended, how many poses it wants, and how many it needs with
@@ -35,13 +35,9 @@ struct Relative {
 
 /// The axle on its way from the start of a window.
 struct Walk<'a> {
-    machine: &'a FromWheels,
     wheels: &'a dyn Turned<f64>,
     hint: usize,
-    /// Way of each wheel for each radian (m), the track (m), and what laws add.
-    metres: [f64; 2],
-    track_m: f64,
-    law: [f64; LAW],
+    carried: Carried<'a, f64>,
     now_s: f64,
     angles: [f64; 2],
     /// Place (m), heading (rad), and what noise makes of both.
@@ -69,26 +65,16 @@ impl Walk<'_> {
 
     /// One arc, on which the wheels turn so far (rad) in `dt` (s).
     fn arc(&mut self, turned: [f64; 2], dt: f64) {
-        let [right, left] = [0, 1].map(|i| self.metres[i] * turned[i]);
-        let r = self.machine.wheel_radius_m / 2.0;
-        let nominal_way = r * (turned[0] + turned[1]);
-        let nominal_turn = r * (turned[0] - turned[1]) / self.machine.half_track_m;
-        let [v, w] = if dt > 1e-9 {
-            let drivers = [nominal_turn / dt, nominal_way / dt];
-            added(&self.law, drivers, &self.machine.knots)
-        } else {
-            [0.0; 2]
-        };
-        let way = f64::midpoint(right, left) + v * dt;
-        let turn = (right - left) / self.track_m + w * dt;
-        self.spread.advance(way, turn, self.heading, dt);
-        if dt > 1e-9 {
-            self.rates = [way / dt, turn / dt];
+        let arc = self.carried.arc(turned, dt);
+        self.spread.advance(arc.way, arc.turn, self.heading, dt);
+        if dt > 0.0 {
+            let [w, v] = arc.rates(dt);
+            self.rates = [v, w];
         }
-        let chord = way * (1.0 - turn * turn / 24.0);
-        let (sin, cos) = (self.heading + turn / 2.0).sin_cos();
-        self.place = [self.place[0] + chord * cos, self.place[1] + chord * sin];
-        self.heading += turn;
+        let (sin, cos) = (self.heading + arc.turn / 2.0).sin_cos();
+        self.place[0] += arc.chord_m() * cos;
+        self.place[1] += arc.chord_m() * sin;
+        self.heading += arc.turn;
     }
 }
 
@@ -99,13 +85,17 @@ impl Piece<'_> {
         let [radius_m, half_track_m] = [machine.wheel_radius_m, machine.half_track_m];
         let mut hint = 0;
         Walk {
-            machine,
             wheels: self.wheels,
             angles: self.wheels.angles_at(now_s, &mut hint),
             hint,
-            metres: [0, 1].map(|i| p[i].exp() * radius_m),
-            track_m: p[2].exp() * 2.0 * half_track_m,
-            law: std::array::from_fn(|i| p[8 + i]),
+            carried: Carried {
+                metres_per_rad: [0, 1].map(|i| p[i].exp() * radius_m),
+                track_m: p[2].exp() * 2.0 * half_track_m,
+                law: Some(std::array::from_fn(|i| p[8 + i])),
+                wheel_radius_m: radius_m,
+                half_track_m,
+                knots: &machine.knots,
+            },
             now_s,
             place: [0.0; 2],
             heading: 0.0,

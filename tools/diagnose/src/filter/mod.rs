@@ -4,6 +4,7 @@
 //! [`Innovation`]; sums, derivatives and searches are made in `estimate`. Filters are generic over
 //! the scalar: with dual numbers an innovation carries its derivatives.
 
+pub(crate) mod arc;
 pub(crate) mod cholesky;
 pub(crate) mod dynamic;
 pub(crate) mod gyro;

@@ -8,7 +8,8 @@
 
 use slipstream_sim::Scalar;
 
-use super::motion_law::{self, Knots, LAW};
+use super::arc::{Arc, Carried};
+use super::motion_law::{Knots, LAW};
 use super::row_update::{Lever, Row, State};
 use super::{Innovation, wrapped};
 use crate::data::reference::PoseRow;
@@ -179,40 +180,35 @@ impl WheelsToPose<'_> {
         let span_s = to_s - from_s;
         let longest_s = PIECE_S.max(self.wheel_interval_s);
         let pieces = (span_s.value() / longest_s).ceil().clamp(1.0, 1e5);
+        let carried = Carried {
+            metres_per_rad: physics.metres_per_rad,
+            track_m: physics.track_m,
+            law: physics.law,
+            wheel_radius_m: self.wheel_radius_m,
+            half_track_m: self.half_track_m,
+            knots: &self.knots,
+        };
         let mut rates = [S::constant(0.0); 2];
         for piece in 1..=(pieces as usize) {
             let t = from_s + span_s * (piece as f64 / pieces);
             let next = wheels.angles_at(t, hint);
             let turned = [next[0] - angles[0], next[1] - angles[1]];
             *angles = next;
-            let [right, left] = [0, 1].map(|i| physics.metres_per_rad[i] * turned[i]);
-            let (way, turn) = ((right + left) * 0.5, (right - left) / physics.track_m);
-            let r = self.wheel_radius_m;
-            let nominal_way = (turned[0] + turned[1]) * (r / 2.0);
-            let nominal_turn = (turned[0] - turned[1]) * (r / (2.0 * self.half_track_m));
             let dt = span_s / pieces;
-            let (way, turn) = match physics.law {
-                Some(law) if dt.value() > 1e-9 => {
-                    let drivers = [nominal_turn / dt, nominal_way / dt];
-                    let [v, w] = motion_law::added(&law, drivers, &self.knots);
-                    (way + v * dt, turn + w * dt)
-                }
-                _ => (way, turn),
-            };
+            let (nominal, arc) = (carried.nominal(turned), carried.arc(turned, dt));
             let mut q = [
-                noise.along_per_m * nominal_way.abs(),
-                noise.across_per_m * nominal_way.abs(),
-                noise.yaw_per_m * nominal_way.abs() + noise.yaw_per_rad * nominal_turn.abs(),
+                noise.along_per_m * nominal.way.abs(),
+                noise.across_per_m * nominal.way.abs(),
+                noise.yaw_per_m * nominal.way.abs() + noise.yaw_per_rad * nominal.turn.abs(),
             ];
             if piece == pieces as usize {
                 q[0] += noise.place_per_row;
                 q[1] += noise.place_per_row;
                 q[2] += noise.yaw_per_row;
-                if dt.value() > 1e-9 {
-                    rates = [nominal_way / dt, nominal_turn / dt];
-                }
+                let [w, v] = nominal.rates(dt);
+                rates = [v, w];
             }
-            state.advance(way, turn, q);
+            state.advance(arc, q);
         }
         rates
     }
@@ -301,13 +297,13 @@ fn noise<S: Scalar>(logs: &[S]) -> Noise<S> {
 
 impl<S: Scalar> State<S> {
     /// One arc of length `way` and angle `turn`, with variances along, across and of the heading.
-    fn advance(&mut self, way: S, turn: S, [along, across, heading]: [S; 3]) {
-        let middle = self.mean[2] + turn * 0.5;
-        let chord = way * (S::constant(1.0) - turn * turn * (1.0 / 24.0));
+    fn advance(&mut self, arc: Arc<S>, [along, across, heading]: [S; 3]) {
+        let middle = self.mean[2] + arc.turn * 0.5;
         let (sin, cos) = (middle.sin(), middle.cos());
+        let chord = arc.chord_m();
         self.mean[0] += chord * cos;
         self.mean[1] += chord * sin;
-        self.mean[2] += turn;
+        self.mean[2] += arc.turn;
         let [fx, fy] = [-(chord * sin), chord * cos];
         let [xx, xy, yy] = [
             along * cos * cos + across * sin * sin,
@@ -379,7 +375,13 @@ mod tests {
         let at = [0.4, -0.7, 1.1];
         let arc = |mean: [f64; 3]| {
             let mut own = state(mean, P);
-            own.advance(0.3, -0.6, [0.0; 3]);
+            own.advance(
+                Arc {
+                    way: 0.3,
+                    turn: -0.6,
+                },
+                [0.0; 3],
+            );
             own
         };
         let f = numeric(at, |mean| arc(mean).mean);
@@ -390,7 +392,13 @@ mod tests {
     fn the_noise_of_an_arc_lies_along_and_across_its_chord() {
         let noise = [0.04, 0.01, 0.09];
         let mut own = state([0.0, 0.0, 0.2], [[0.0; 3]; 3]);
-        own.advance(0.3, 0.6, noise);
+        own.advance(
+            Arc {
+                way: 0.3,
+                turn: 0.6,
+            },
+            noise,
+        );
         let (sin, cos) = 0.5_f64.sin_cos();
         let turned = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
         let diagonal: Matrix3<f64> =
