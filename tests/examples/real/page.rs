@@ -96,7 +96,10 @@ fn overview(studies: &[Study<'_>]) -> String {
     );
     for study in studies {
         for robot in &study.recording.robots {
-            if let Some([before, after]) = study.ends(&robot.name) {
+            // wheels alone show neither a place nor a heading
+            let ends = study.ends(&robot.name);
+            let seen = ends.filter(|[own, _]| own.position_m.or(own.heading_rad).is_some());
+            if let Some([before, after]) = seen {
                 let name = &study.recording.name;
                 let _ = writeln!(
                     text,
