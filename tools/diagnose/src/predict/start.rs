@@ -41,7 +41,11 @@ impl<'a> Start<'a> {
         body: &Body,
     ) -> Self {
         let simulation = simulated.over(track, window);
-        let near = window.guess(track, body);
+        let mut near = window.guess(track, body);
+        let poses = track.place(Sensor::Pose);
+        if poses.is_some_and(|at| window.measured(track, at).next().is_some()) {
+            near = unmounted(&near, simulated, track.tracked_ahead_m);
+        }
         let seen = simulation.residuals(&near);
         let (at, residuals) = match turned(track, window, &near, &seen) {
             Some(at) => (at, simulation.residuals(&at)),
@@ -191,6 +195,25 @@ fn turned(
     Some(turned)
 }
 
+/// A start by poses that were taken for those of the declared point: by a model that lists where they are mounted, a point
+/// elsewhere and another heading.
+fn unmounted(near: &[f64; LOCALS], simulated: &Simulated, tracked_ahead_m: f64) -> [f64; LOCALS] {
+    let [forward, left, yaw] = simulated.robot.measured_pose([0.0; 3]);
+    let (sin, cos) = near[2].sin_cos();
+    let seen = [
+        near[0] + tracked_ahead_m * cos,
+        near[1] + tracked_ahead_m * sin,
+    ];
+    let heading = near[2] - yaw;
+    let (sin, cos) = heading.sin_cos();
+    let ahead = tracked_ahead_m + forward;
+    let mut start = *near;
+    start[0] = seen[0] - ahead * cos + left * sin;
+    start[1] = seen[1] - ahead * sin - left * cos;
+    start[2] = heading;
+    start
+}
+
 /// How residuals move with the pose and the angles at the start, as of a rigid body: exact where
 /// nothing depends on the place.
 fn rigid(
@@ -227,9 +250,9 @@ fn rigid(
 #[cfg(test)]
 mod tests {
     use slipstream_bus::RobotModel;
-    use slipstream_sim::Command;
+    use slipstream_sim::{Command, Robot};
 
-    use super::Start;
+    use super::{Simulated, Start, unmounted};
     use crate::data::track::Sensor;
     use crate::predict::fixture;
 
@@ -249,6 +272,23 @@ mod tests {
             -0.2 - radius_m * (now.cos() - yaw.cos()) + ahead_m * (now.sin() - yaw.sin()),
             now,
         ]
+    }
+
+    #[test]
+    fn a_start_is_that_of_the_robot_wherever_its_camera_is() {
+        let offset = [("x_m", -0.03), ("y_m", 0.05), ("yaw_rad", -1.55)];
+        let model = RobotModel::default().with("pose_offset", &offset);
+        let simulated = Simulated {
+            robot: Robot::new(&model).unwrap(),
+            step_s: 1e-3,
+            bound_to_place: false,
+        };
+        let place = [0.4, -0.7, 2.1];
+        let [x, y, yaw] = simulated.robot.measured_pose(place);
+        let start = unmounted(&[x, y, yaw, 0.1, 0.2, 3.0, 4.0], &simulated, 0.0);
+        for (own, truth) in start.into_iter().zip([0.4, -0.7, 2.1, 0.1, 0.2, 3.0, 4.0]) {
+            assert!((own - truth).abs() < 1e-12, "{start:?}");
+        }
     }
 
     fn guess(yaw: f64, sees_yaw: bool) -> [f64; 3] {
