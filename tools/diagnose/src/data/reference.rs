@@ -68,14 +68,6 @@ pub(crate) fn poses(robot: &Robot, span: Span<'_>) -> Option<Thinned<PoseRow>> {
     (all.len() >= LEAST_POSES).then_some(Thinned { all, series })
 }
 
-/// Whether any pose has a place.
-pub(crate) fn has_places(robot: &Robot) -> bool {
-    let poses = streams::poses(robot).unwrap_or_default();
-    poses
-        .iter()
-        .any(|(_, [x, y, _])| x.is_finite() && y.is_finite())
-}
-
 /// The gyro of a robot as rates (`all`) and integrated (`series`); `None` with too few rows.
 pub(crate) fn gyro(
     robot: &Robot,

@@ -150,9 +150,16 @@ pub(super) fn turn_rates(robot: &Robot) -> Option<Vec<(f64, f64)>> {
 
 /// Whether headings are all that is known of a robot beside its wheels.
 pub(crate) fn has_headings_alone(robot: &Robot) -> bool {
+    let has_headings = poses(robot).is_some_and(|rows| !rows.is_empty());
+    robot.imu.is_none() && has_headings && !has_places(robot)
+}
+
+/// Whether any pose has a place.
+pub(crate) fn has_places(robot: &Robot) -> bool {
     let poses = poses(robot).unwrap_or_default();
-    let placed = |(_, [x, y, _]): &(f64, [f64; 3])| x.is_finite() && y.is_finite();
-    robot.imu.is_none() && !poses.is_empty() && !poses.iter().any(placed)
+    poses
+        .iter()
+        .any(|(_, [x, y, _])| x.is_finite() && y.is_finite())
 }
 
 /// The rows in which both are known.

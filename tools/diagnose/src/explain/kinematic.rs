@@ -17,7 +17,8 @@ use super::search::{Search, Searched};
 use super::sight;
 use super::today::of_today;
 use crate::answer::{Budget, Detectable, Figures, HeldOut, Outliers, ProcessNoise, Warning};
-use crate::data::reference::{POSE_STEP_S, has_places};
+use crate::data::reference::POSE_STEP_S;
+use crate::data::streams::has_places;
 use crate::judge::{Culprit, Predictions, QUANTITIES, Score, passing};
 use crate::model::command_to_wheels::{CommandToWheels, NOISE};
 use crate::model::comparison::Before;
@@ -422,16 +423,7 @@ impl Machine<'_> {
             predictions,
             outliers: self.outliers(&bench.all),
             process_noise: self.process_noise(&bench.all),
-            improved: {
-                let mut model = self.improved(&claims);
-                // the masses of the model are those by which a slope is told
-                let is_level = model.number("floor_slope", "grade").is_none();
-                let share = self.fitted(&fits.today).share();
-                if let Some(share) = share.filter(|_| is_level) {
-                    Load::apply(share, &mut model);
-                }
-                model
-            },
+            improved: self.loaded(self.improved(&claims), &fits),
             spans_s: self
                 .machine
                 .runs
@@ -564,6 +556,16 @@ impl Machine<'_> {
             .collect()
     }
 
+    /// `model` with the masses that the motors move; those of the model stay where a slope is told by them.
+    fn loaded(&self, mut model: RobotModel, fits: &Fits) -> RobotModel {
+        let is_level = model.number("floor_slope", "grade").is_none();
+        let share = self.fitted(&fits.today).share();
+        if let Some(share) = share.filter(|_| is_level) {
+            Load::apply(share, &mut model);
+        }
+        model
+    }
+
     /// The model with what was found; what differs from run to run as on average.
     fn improved(&self, claims: &[Claim]) -> RobotModel {
         let mut model = self.model.clone();
@@ -603,10 +605,7 @@ pub(crate) fn applies(robots: &[&Robot], model: &RobotModel) -> bool {
         None => true,
         Some(stream) => match stream.values {
             Command::Twist { .. } | Command::WheelSpeed { .. } => true,
-            Command::Voltage { .. } => {
-                let by_masses = volts::of_model(model).is_some_and(|own| own.load.is_some());
-                volts::applies(model) && !(by_masses && has_places(robot))
-            }
+            Command::Voltage { .. } => volts::applies(model, has_places(robot)),
             Command::Torque { .. } => false,
         },
     })

@@ -1,8 +1,8 @@
 //! From the terms that are needed to effects of the catalogue.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
 use std::f64::consts::{FRAC_PI_2, PI};
+
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::claim::{Claim, Law, Value};
 use super::fitted::Fitted;

@@ -12,7 +12,7 @@ use super::drive::{
     Response, SAG, SATURATION,
 };
 use super::nominal::clock_rate;
-use super::volts::{self, Volts};
+use super::volts;
 use crate::data::command::{CommandPath, commands};
 use crate::data::matched::{Stamps, shift_against};
 use crate::data::streams::WheelKind;
@@ -60,8 +60,6 @@ pub(crate) struct CommandToWheels {
     pub(crate) largest_rad_s: f64,
     /// Crude logarithm of what wheels turn over what they are told, where it is beyond a factor of 2; else 0.
     pub(crate) crude_gain: f64,
-    /// The motors, where they are told voltages.
-    pub(crate) volts: Option<Volts>,
     /// What it is compared with.
     pub(crate) before: Before,
 }
@@ -94,7 +92,6 @@ impl CommandToWheels {
             crude_gain: crude::gain_ln(runs.iter().map(|run| (&run.commands, &run.wheels))),
             runs,
             largest_rad_s,
-            volts: volts::of(robots, model),
             before: Before::default(),
         })
     }
@@ -164,7 +161,8 @@ impl CommandToWheels {
 
     /// Values of all parameters in the nominal model, with first guesses of the noise sizes.
     pub(crate) fn nominal(&self, model: &RobotModel) -> Vec<f64> {
-        let mut at = drive_of(model, self.volts.is_some());
+        let by_volts = self.runs.iter().any(|run| run.commands.by_volts);
+        let mut at = drive_of(model, by_volts);
         let top = self.largest_rad_s;
         let sensor = match self.runs[0].wheels.kind {
             WheelKind::Angle => [3e-3, 3e-3],

@@ -1,7 +1,8 @@
 //! Response of a drive to its commands, in closed form.
 //!
 //! delay → dead band → dead zone → saturation → lag → gain and sag, in the order of the plant. The lag
-//! is first order: τ w' = u − w; of a motor under voltage, with a slope and Coulomb friction, τ w' = u + g − c sign(w) − w. Commands hold, so that speed and angle are exact sums of exponentials
+//! is first order: τ w' = u − w; of a motor under voltage, with a slope and Coulomb friction,
+//! τ w' = u + g − c sign(w) − w. Commands hold, so that speed and angle are exact sums of exponentials
 //! from command to command, and smooth in delay and lag. A slow share of the response stands for the
 //! integral part of a wheel's controller; it is a nuisance, no effect.
 

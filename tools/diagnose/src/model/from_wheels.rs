@@ -62,6 +62,10 @@ const LAW_SHARE: f64 = 0.3;
 /// no loss in turns, and turns do not tell whose clock is late.
 const LEAST_TURN: f64 = 0.1;
 
+/// A robot that never turns farther than this drives straight (rad): the pull of a slope is then within a tenth of what it
+/// was at first.
+const STRAIGHT_RAD: f64 = 0.45;
+
 /// The machine.
 #[derive(Debug, Clone)]
 pub(crate) struct FromWheels {
@@ -144,6 +148,13 @@ impl FromWheels {
     pub(crate) fn turns(&self) -> bool {
         let [w, v] = self.knots.map(|knots| knots.reach());
         w * self.half_track_m > LEAST_TURN * v
+    }
+
+    /// Whether it faces one way all the time.
+    pub(crate) fn keeps_heading(&self) -> bool {
+        let turn = self.wheel_radius_m / (2.0 * self.half_track_m);
+        let mut runs = self.runs.iter();
+        runs.all(|run| turn * run.wheels.most_turned_rad() < STRAIGHT_RAD)
     }
 
     /// Number of parameters, noise sizes included.

@@ -20,9 +20,6 @@ use crate::estimate::{BlockScore, Likelihood};
 
 /// A command below this is none (rad/s).
 const NONE_RAD_S: f64 = 1e-9;
-/// A robot that never turns farther than this drives straight (rad): the pull of a slope is then within a tenth of what it
-/// was at first.
-const STRAIGHT_RAD: f64 = 0.45;
 
 /// The streams of one machine.
 #[derive(Clone, Copy)]
@@ -106,17 +103,6 @@ impl<'a> Streams<'a> {
             parts.push(span(&ends, drive.before.runs, first));
         }
         parts
-    }
-
-    /// Whether no run turns.
-    pub(crate) fn drives_straight(&self) -> bool {
-        let reference = self.reference;
-        let turn = reference.wheel_radius_m / (2.0 * reference.half_track_m);
-        let turned = reference
-            .runs
-            .iter()
-            .map(|run| turn * run.wheels.most_turned_rad());
-        turned.fold(0.0, f64::max) < STRAIGHT_RAD
     }
 
     /// Distinct sizes of all commands but 0 (rad/s), rising.

@@ -54,19 +54,18 @@ const READ: [&str; 15] = [
     "wheels_latency",
 ];
 
-/// Whether a robot of such masses and effects, of which no place is known, follows voltages in closed form.
-pub(crate) fn applies(model: &RobotModel) -> bool {
-    let read = |effect: &str| READ.contains(&effect);
+/// Whether a robot follows voltages in closed form: one without masses, or of which no place is known and which has nothing
+/// that the plant alone has.
+pub(crate) fn applies(model: &RobotModel, has_places: bool) -> bool {
     let Some(volts) = of_model(model) else {
         return false;
     };
-    // a slope across the robot does nothing to its wheels while they roll
-    let across = model
-        .number("floor_slope", "downhill_rad")
-        .unwrap_or(0.0)
-        .sin();
+    let read = |effect: &str| READ.contains(&effect);
     let known = model.effects.iter().all(|own| read(&own.effect));
-    volts.load.is_none() || known && across.abs() < ALONG
+    // a slope across the robot does nothing to its wheels while they roll
+    let downhill = model.number("floor_slope", "downhill_rad");
+    let across = downhill.unwrap_or(0.0).sin();
+    volts.load.is_none() || !has_places && known && across.abs() < ALONG
 }
 
 /// Whether a robot is told voltages.
@@ -159,11 +158,14 @@ mod tests {
     #[test]
     fn what_the_closed_form_does_not_have_is_left_to_the_plant() {
         let plain = RobotModel::default();
-        assert!(applies(&plain));
+        assert!(applies(&plain, false) && !applies(&plain, true));
         let drag = plain.clone().with("viscous_drag", &[("coefficient", 1.0)]);
-        assert!(!applies(&drag));
+        assert!(!applies(&drag, false));
+        let mut kinematic = plain.clone();
+        kinematic.robot.body_mass_kg = None;
+        assert!(applies(&kinematic, true));
         let mut unpowered = plain;
         unpowered.motor = None;
-        assert!(!applies(&unpowered));
+        assert!(!applies(&unpowered, false));
     }
 }

@@ -108,8 +108,8 @@ impl Known<'_> {
             );
         }
         // by its commands alone, a drive that speeds up otherwise than it slows down looks like a drift while that is short
-        let alone = self.streams.drive.is_some() && self.duration_s() > LEAST_DRIFT_S;
-        if tells || alone || self.has_reference() && self.streams.drive.is_some() {
+        let is_told = self.has_reference() || self.duration_s() > LEAST_DRIFT_S;
+        if tells || self.streams.drive.is_some() && is_told {
             let moves = self.of_wheels([POSE_RATE, GYRO_RATE], CLOCK);
             add_fast(fast("fast wheels", moves, 0.0), "wheels");
         }

@@ -93,7 +93,7 @@ impl Shown {
 
     /// A single number, the first parameter of its term.
     pub(super) fn plain(effect: &'static str, name: &'static str) -> Self {
-        Self::new(effect, vec![(name, Link::Identity, vec![(0, 1.0)])])
+        Self::scaled(effect, name, 1.0)
     }
 
     /// The same, as a number in which a unit of the parameter is so much.

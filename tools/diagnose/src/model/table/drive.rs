@@ -119,7 +119,7 @@ impl Known<'_> {
         let mut friction = Draft::new("friction", vec![row], shown).from(starts);
         (friction.positive, friction.lasting) = (true, true);
         all.push(friction);
-        if !self.streams.drives_straight() {
+        if !self.streams.reference.keeps_heading() {
             return;
         }
         let row = of("pull", PULL, prior, resolution, unnoticed);
