@@ -2,41 +2,34 @@
 
 use slipstream_bus::experiment::Control;
 
+use crate::controller::DesiredTwist;
 use crate::pose::{Pose, wrapped};
-
-/// Desired velocities, and the tracking errors behind them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DesiredTwist {
-    /// v_d: forward velocity (m/s).
-    pub v: f64,
-    /// w_d: yaw rate (rad/s).
-    pub w: f64,
-    /// e_x (m), e_y (m), e_θ (rad) in the robot's frame, e_θ in (−π, π].
-    pub error: [f64; 3],
-}
 
 /// Eq. 12: v_d = v_r cos e_θ + k_x e_x, w_d = w_r + v_r (k_y e_y + k_θ sin e_θ).
 ///
-/// `pose` and `reference` are poses of the midpoint of the axle, the point of a differential drive
-/// that cannot move sideways; on a straight line the errors of c are the same. `reference_velocity`
-/// is v_r (m/s) and w_r (rad/s).
+/// `error` is e_x (m), e_y (m), e_θ (rad) by [`tracking_error`]; `reference_velocity` is v_r (m/s) and w_r (rad/s).
 pub fn desired_twist(
-    pose: Pose,
-    reference: Pose,
-    reference_velocity: [f64; 2],
+    [e_x, e_y, e_theta]: [f64; 3],
+    [v_r, w_r]: [f64; 2],
     gains: &Control,
 ) -> DesiredTwist {
-    let [v_r, w_r] = reference_velocity;
+    DesiredTwist {
+        v: v_r * e_theta.cos() + gains.k_x * e_x,
+        w: w_r + v_r * (gains.k_y * e_y + gains.k_theta * e_theta.sin()),
+    }
+}
+
+/// e_x (m), e_y (m), e_θ (rad): reference less pose, in the robot's frame, e_θ in (−π, π].
+///
+/// Both are poses of the midpoint of the axle, the point of a differential drive that cannot move sideways; on a straight
+/// line the errors of c are the same.
+pub fn tracking_error(pose: Pose, reference: Pose) -> [f64; 3] {
     let (sin, cos) = pose.yaw_rad.sin_cos();
     let (dx, dy) = (reference.x_m - pose.x_m, reference.y_m - pose.y_m);
     let e_x = cos * dx + sin * dy;
     let e_y = cos * dy - sin * dx;
     let e_theta = wrapped(reference.yaw_rad - pose.yaw_rad);
-    DesiredTwist {
-        v: v_r * e_theta.cos() + gains.k_x * e_x,
-        w: w_r + v_r * (gains.k_y * e_y + gains.k_theta * e_theta.sin()),
-        error: [e_x, e_y, e_theta],
-    }
+    [e_x, e_y, e_theta]
 }
 
 #[cfg(test)]
@@ -49,8 +42,9 @@ mod tests {
         // The robot points along y; the reference is 1 m ahead of it and 2 m to its left.
         let pose = Pose::new([0.0, 0.0, std::f64::consts::FRAC_PI_2]);
         let reference = Pose::new([-2.0, 1.0, std::f64::consts::FRAC_PI_2 + 0.1]);
-        let desired = desired_twist(pose, reference, [0.5, 0.2], &gains);
-        let [e_x, e_y, e_theta] = desired.error;
+        let error = tracking_error(pose, reference);
+        let desired = desired_twist(error, [0.5, 0.2], &gains);
+        let [e_x, e_y, e_theta] = error;
         assert!((e_x - 1.0).abs() < 1e-12 && (e_y - 2.0).abs() < 1e-12);
         assert!((e_theta - 0.1).abs() < 1e-12);
         assert!((desired.v - (0.5 * 0.1f64.cos() + gains.k_x)).abs() < 1e-12);

@@ -1,9 +1,10 @@
-//! Controller of one robot (Konduri, Torres, Pagilla): odometry, outer loop, inner loop, torque
-//! limits, watchdog, and the node that adds the robot's links.
+//! Agent of one robot (Konduri, Torres, Pagilla): odometry, outer loop, inner loop, torque limits, watchdog, and the
+//! node that adds the robot's links.
 //!
-//! [`Agent`] is the controller, [`Node`] the controller with its two links. Both are pure: they
-//! have no I/O, clock or threads, and the same inputs give the same outputs, bit for bit. The
-//! feature `process` adds the process that runs a node over shared memory.
+//! [`Controller`] is a control law, the paper's ([`Paper`]) or your own; [`Agent`] is what surrounds it, [`Node`] the agent
+//! with its links. All are pure: they have no I/O, clock or threads, and the same inputs give the same outputs, bit for bit.
+//! The feature `process` adds the process that runs a node over shared memory; `process::run_agent` is the whole `main` of
+//! a program with a controller of its own.
 //!
 //! | module | method |
 //! | --- | --- |
@@ -78,9 +79,11 @@
 
 pub mod agent;
 mod computed_torque;
+mod controller;
 mod friction_estimator;
 mod geometry;
 mod kanayama;
+mod laws;
 pub mod node;
 mod odometry;
 mod pose;
@@ -93,9 +96,13 @@ mod wheel_torques;
 
 pub use agent::Agent;
 pub use computed_torque::{AccelerationCommand, computed_torque};
+pub use controller::{
+    AgentContext, Controller, ControllerError, DesiredTwist, Heard, InnerInput, OuterInput,
+};
 pub use friction_estimator::FrictionEstimator;
 pub use geometry::{Dynamics, Geometry};
-pub use kanayama::{DesiredTwist, desired_twist};
+pub use kanayama::{desired_twist, tracking_error};
+pub use laws::{BuiltIn, ComputedTorque, Paper};
 pub use node::{Node, NodeReport};
 pub use odometry::Odometry;
 pub use pose::Pose;

@@ -5,7 +5,7 @@ use slipstream_bus::experiment::Control;
 use crate::wheel_torques::WheelTorques;
 
 /// The speed loops of both wheels.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct SpeedLoops {
     /// Integral terms (N m).
     integral_nm: [f64; 2],

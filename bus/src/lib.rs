@@ -25,7 +25,6 @@ pub mod robot;
 pub mod sensors;
 pub mod shard;
 pub mod time;
-pub mod topology;
 pub mod trace;
 pub mod transport;
 

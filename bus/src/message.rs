@@ -2,7 +2,7 @@
 //!
 //! Pairs are always [right, left]. The memory layout is up to the transport.
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Index of a robot in a run; 0 is the front robot, `r1`.
 pub type RobotIndex = u32;
@@ -34,7 +34,59 @@ pub struct TorqueCommand {
     pub torque_nm: [f64; 2],
 }
 
-/// Estimated position and reference velocity of a robot, robot → its successor.
+/// Largest number of numbers that a controller adds to its messages.
+pub const MAX_EXTRA: usize = 8;
+
+/// Numbers of the controller's own in a message, at most [`MAX_EXTRA`].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Extra {
+    /// How many there are.
+    len: u32,
+    /// The numbers; 0 where there is none.
+    values: [f64; MAX_EXTRA],
+}
+
+impl Extra {
+    /// These numbers; `None` if there are more than [`MAX_EXTRA`].
+    pub fn new(numbers: &[f64]) -> Option<Self> {
+        let mut values = [0.0; MAX_EXTRA];
+        values.get_mut(..numbers.len())?.copy_from_slice(numbers);
+        let len = u32::try_from(numbers.len()).ok()?;
+        Some(Self { len, values })
+    }
+
+    /// From the memory of another process: a length beyond [`MAX_EXTRA`] counts as [`MAX_EXTRA`].
+    pub fn from_parts(len: u32, values: [f64; MAX_EXTRA]) -> Self {
+        let len = len.min(MAX_EXTRA as u32);
+        Self { len, values }
+    }
+
+    /// The numbers.
+    pub fn numbers(&self) -> &[f64] {
+        self.values.get(..self.len as usize).unwrap_or(&self.values)
+    }
+
+    /// All places, 0 where there is no number.
+    pub fn places(&self) -> [f64; MAX_EXTRA] {
+        self.values
+    }
+}
+
+impl Serialize for Extra {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.numbers())
+    }
+}
+
+impl<'de> Deserialize<'de> for Extra {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let numbers = Vec::<f64>::deserialize(deserializer)?;
+        let too_many = || serde::de::Error::invalid_length(numbers.len(), &"at most 8 numbers");
+        Self::new(&numbers).ok_or_else(too_many)
+    }
+}
+
+/// Estimated position and reference velocity of a robot, robot → those that hear it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Position {
     /// The sender.
@@ -59,4 +111,6 @@ pub struct Position {
     pub v_m_s: f64,
     /// w_r: the sender's reference yaw rate (rad/s).
     pub w_rad_s: f64,
+    /// What the sender's controller adds.
+    pub extra: Extra,
 }

@@ -5,20 +5,20 @@
 
 use crate::message::{Encoders, Position, TorqueCommand};
 
-/// A robot's side of its two links: from its predecessor and to its successor.
+/// A robot's side of its links: from the robots that it hears and to those that hear it.
 pub trait PositionLink {
-    /// Returns the next position from the predecessor, in the order of sending, or `None` if none
-    /// is waiting. Never blocks.
+    /// Returns the next position from a robot that this one hears, those of one sender in the order of
+    /// sending, or `None` if none is waiting. Never blocks.
     ///
     /// # Errors
     /// The transport failed.
     fn poll(&mut self) -> Result<Option<Position>, BusError>;
 
-    /// Sends a position to the successor and sets its `sent_ns`. Returns when the transport had it
-    /// ready for the receiver (ns).
+    /// Sends a position to all robots that hear this one and sets its `sent_ns`. Returns when the transport had it
+    /// ready for the receivers (ns).
     ///
     /// # Errors
-    /// The transport failed, or the receiver's queue is full.
+    /// The transport failed, or a receiver's queue is full.
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError>;
 
     /// The time of the run that [`Self::send`] would stamp now (ns).
@@ -48,7 +48,7 @@ pub trait LockstepLink {
 }
 
 /// Why an operation of the transport failed.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BusError {
     /// The run was asked to stop.
     #[error("the run was stopped")]
@@ -59,6 +59,19 @@ pub enum BusError {
         /// The robot.
         robot: String,
     },
+    /// The controller of a robot cannot go on.
+    #[error("its {at} failed at {time_s:.3} s: {reason}")]
+    Controller {
+        /// What it did, such as "outer loop".
+        at: &'static str,
+        /// The time of the run (s).
+        time_s: f64,
+        /// Why.
+        reason: String,
+    },
+    /// The controller of a robot panicked; the text says where.
+    #[error("{0}")]
+    Panicked(String),
     /// A receiver's queue is full, which cannot happen while all processes keep to the lockstep.
     #[error("{what}: the receiver's queue is full")]
     QueueFull {

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+use slipstream_bus::experiment::Topology;
 use slipstream_bus::experiment::{Law, Protocol, TorqueLimit};
-use slipstream_bus::topology::Topology;
 use slipstream_bus::{Experiment, RobotModel, Settings};
 
 fn built_in() -> [Settings; 5] {
@@ -63,13 +63,10 @@ fn the_protocol_decides_whether_the_last_robot_sends_to_the_first() {
     let mut settings = Settings::default();
     let last_to = |settings: &Settings| {
         let experiment = Experiment::new(settings.clone(), &RobotModel::default());
-        Topology::new(&experiment).successor(2)
+        Topology::new(&experiment).heard_by(2).first().copied()
     };
     assert_eq!(last_to(&settings), Some(0));
     settings.links.protocol = Protocol::Periodic;
     assert_eq!(last_to(&settings), None);
-    assert_eq!(
-        Topology::new(&Experiment::new(Settings::single(), &RobotModel::default())).successor(0),
-        None
-    );
+    assert_eq!(Topology::of(&Settings::single()).heard_by(0), []);
 }

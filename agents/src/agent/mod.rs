@@ -1,5 +1,5 @@
-//! Controller of one robot: cascade of outer loop (Kanayama) and inner loop (PI or computed
-//! torque).
+//! Agent: the controller of one robot with what surrounds it, in two loops: odometry, reference, watchdog,
+//! torque limits.
 //!
 //! It has no I/O, clock or threads: the same inputs give the same outputs, bit for bit.
 
@@ -7,43 +7,52 @@ mod reference;
 mod slip_limit;
 mod watchdog;
 
-use slipstream_bus::experiment::{Clock, Experiment, Law, Settings, TorqueLimit};
-use slipstream_bus::message::{Encoders, Position, RobotIndex};
+use std::cell::Cell;
+
+use slipstream_bus::experiment::{Clock, Experiment, Settings, Topology, TorqueLimit};
+use slipstream_bus::message::{Encoders, Extra, Position, RobotIndex};
 use slipstream_bus::record::{InnerTick, OuterTick};
 use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_bus::{InputError, RobotSetup};
 
-use self::reference::ReferenceGenerator;
+use self::reference::{ReferenceGenerator, References};
 use self::slip_limit::{SlipLimit, eq11_nm};
 use self::watchdog::Watchdog;
-use crate::computed_torque::{AccelerationCommand, computed_torque, limit_turn};
+use crate::controller::{Controller, ControllerError, DesiredTwist, Heard, InnerInput, OuterInput};
 use crate::geometry::Geometry;
-use crate::kanayama::{DesiredTwist, desired_twist};
+use crate::kanayama::tracking_error;
 use crate::odometry::{Odometry, wheel_rotation};
 use crate::pose::Pose;
 use crate::speed_loop::SpeedLoops;
 use crate::traction::rolling_acceleration;
 use crate::wheel_torques::WheelTorques;
 
-/// The controller of one robot.
+/// The agent of one robot.
 ///
 /// [`Self::outer`] and [`Self::inner`] run one tick of a loop. The caller decides when they are due
-/// ([`Settings::schedule`]) and delivers the predecessor's positions ([`Self::receive`]).
+/// ([`Settings::schedule`]) and delivers the positions of the robots that are heard ([`Self::receive`]).
 #[derive(Debug, Clone)]
-pub struct Agent {
+pub struct Agent<C> {
     robot: RobotIndex,
     settings: Settings,
+    controller: C,
     geometry: Geometry,
     odometry: Odometry,
+    /// The robot whose path this one follows.
+    predecessor: Option<RobotIndex>,
+    /// Whether somebody leads it, so that a watchdog watches.
+    follows: bool,
     reference: ReferenceGenerator,
+    /// The newest message of every robot that was heard, in their order.
+    heard: Vec<Heard>,
     watchdog: Watchdog,
     loops: SpeedLoops,
     slip_limit: SlipLimit,
     plant_lost: bool,
     /// The last outer tick.
     outer: OuterTick,
-    /// Change of v_r and w_r between the last two outer ticks (m/s², rad/s²).
-    reference_rate: [f64; 2],
+    /// What the controller adds to the robot's messages.
+    extra: Extra,
     /// Encoders at the last inner tick.
     inner_encoders: Option<Encoders>,
     wheel_speed: [f64; 2],
@@ -52,31 +61,47 @@ pub struct Agent {
     max_desired_m_s: f64,
 }
 
-impl Agent {
-    /// The controller of robot `index` of an experiment.
+impl<C: Controller> Agent<C> {
+    /// The agent of robot `index` of an experiment.
     ///
     /// # Errors
-    /// The experiment has no such robot, or its model lacks what the control law needs.
-    pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, InputError> {
+    /// The experiment has no such robot, or its model lacks what the torque limit needs.
+    pub fn new(
+        experiment: &Experiment,
+        index: RobotIndex,
+        controller: C,
+    ) -> Result<Self, InputError> {
         let settings = experiment.settings.clone();
         let setup = find(experiment, index)?;
         let geometry = Geometry::new(&setup.model)?;
         check_dynamics(setup, &settings, &geometry)?;
         let start = Pose::new(setup.pose);
-        let predecessor = match index.checked_sub(1) {
+        let topology = Topology::new(experiment);
+        let ahead = index.checked_sub(1);
+        // In open loop nobody sends, but every robot keeps its place in the platoon.
+        let predecessor = match settings.open_loop.enabled {
+            true => ahead,
+            false => topology.predecessor(index),
+        };
+        let path_start = match predecessor {
             Some(predecessor) => Some(Pose::new(find(experiment, predecessor)?.pose)),
             None => None,
         };
+        let hears = topology.hears(index);
         Ok(Self {
             robot: index,
+            controller,
             odometry: Odometry::new(start, &geometry),
-            reference: ReferenceGenerator::new(start, predecessor, geometry.d),
+            predecessor,
+            follows: predecessor.is_some() || (index > 0 && !hears.is_empty()),
+            reference: ReferenceGenerator::new(start, path_start, geometry.d),
+            heard: Vec::with_capacity(hears.len()),
             watchdog: Watchdog::new(experiment),
             loops: SpeedLoops::default(),
             slip_limit: SlipLimit::new(&settings.control, &geometry),
             plant_lost: false,
             outer: OuterTick::default(),
-            reference_rate: [0.0; 2],
+            extra: Extra::default(),
             inner_encoders: None,
             wheel_speed: [0.0; 2],
             torques_nm: [[0.0; 2]; 2],
@@ -86,27 +111,49 @@ impl Agent {
         })
     }
 
-    /// Receives a position of the predecessor, newer than all before, at the outer tick `now_ns`.
+    /// Receives a position of a robot that is heard, newer than all of this robot before, at the outer tick
+    /// `now_ns`.
     pub fn receive(&mut self, position: &Position, now_ns: i64) {
-        self.reference.receive(position);
-        self.watchdog.reset(now_ns);
+        let heard = Heard {
+            position: *position,
+            taken_s: s_from_ns(now_ns),
+            fresh: true,
+        };
+        let place = self
+            .heard
+            .binary_search_by_key(&position.from, |own| own.position.from);
+        match place {
+            Ok(place) => self.heard[place] = heard,
+            Err(place) => self.heard.insert(place, heard),
+        }
+        if self.predecessor == Some(position.from) {
+            self.reference.receive(position);
+        }
+        if self.predecessor.is_none_or(|own| own == position.from) {
+            self.watchdog.reset(now_ns);
+        }
     }
 
-    /// One tick of the outer loop: odometry, reference, Eq. 12, set-points of the wheel speeds.
-    pub fn outer(&mut self, now_ns: i64, encoders: &Encoders) -> OuterTick {
+    /// One tick of the outer loop: odometry, reference, the controller's desired velocities, set-points of the
+    /// wheel speeds.
+    ///
+    /// # Errors
+    /// The controller cannot go on, or gives what is no number.
+    pub fn outer(
+        &mut self,
+        now_ns: i64,
+        encoders: &Encoders,
+    ) -> Result<OuterTick, ControllerError> {
         self.odometry.update(encoders.counts, &self.geometry);
-        let axle = self.odometry.axle();
-        let reference = self.reference.at(now_ns, &self.settings);
-        let control = &self.settings.control;
+        let references = self.reference.at(now_ns, &self.settings);
+        let reference = references.reference;
         let reference_axle = reference.pose.ahead(-self.geometry.d);
-        let mut desired = desired_twist(axle, reference_axle, reference.velocity, control);
-        let (follows, last_v) = (self.reference.follows(), self.outer.desired[0]);
+        let error = tracking_error(self.odometry.axle(), reference_axle);
+        let mut desired = self.desired(now_ns, &references, error)?;
+        let (control, last_v) = (&self.settings.control, self.outer.desired[0]);
         self.watchdog
-            .check(now_ns, follows, last_v, control, &mut desired);
+            .check(now_ns, self.follows, last_v, control, &mut desired);
         self.max_desired_m_s = self.max_desired_m_s.max(desired.v.abs());
-        let before = self.outer.reference_velocity;
-        let period_s = control.outer_period_s;
-        self.reference_rate = [0, 1].map(|i| (reference.velocity[i] - before[i]) / period_s);
         self.outer = OuterTick {
             t_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
@@ -115,16 +162,58 @@ impl Agent {
             velocity: self.geometry.twist(self.wheel_speed),
             reference: reference.pose.to_array(),
             reference_velocity: reference.velocity,
-            error: desired.error,
+            error,
             desired: [desired.v, desired.w],
             set_point_rad_s: self.set_points(&desired),
             message: reference.message,
         };
-        self.outer
+        Ok(self.outer)
     }
 
-    /// One tick of the inner loop: wheel speeds, torque limits, torques.
-    pub fn inner(&mut self, now_ns: i64, encoders: &Encoders) -> InnerTick {
+    /// What the controller desires.
+    fn desired(
+        &mut self,
+        now_ns: i64,
+        References { reference, profile }: &References,
+        error: [f64; 3],
+    ) -> Result<DesiredTwist, ControllerError> {
+        let input = OuterInput {
+            t_s: s_from_ns(now_ns),
+            period_s: self.settings.control.outer_period_s,
+            pose: self.odometry.centre_of_mass(&self.geometry).to_array(),
+            velocity: self.geometry.twist(self.wheel_speed),
+            reference: reference.pose.to_array(),
+            reference_velocity: reference.velocity,
+            error,
+            profile: profile.pose.to_array(),
+            profile_velocity: profile.velocity,
+            coordinates: now_ns >= ns_from_s(self.settings.formation.start_s),
+            heard: &self.heard,
+        };
+        let desired = self.controller.outer(&input)?;
+        let DesiredTwist { v, w } = desired;
+        if !(v.is_finite() && w.is_finite()) {
+            return Err(format!("it gave v = {v} m/s, w = {w} rad/s").into());
+        }
+        self.extra = self.controller.message();
+        if let Some(number) = self.extra.numbers().iter().find(|own| !own.is_finite()) {
+            return Err(format!("its message has the number {number}").into());
+        }
+        for own in &mut self.heard {
+            own.fresh = false;
+        }
+        Ok(desired)
+    }
+
+    /// One tick of the inner loop: wheel speeds, torque limits, the controller's torques.
+    ///
+    /// # Errors
+    /// The controller cannot go on, or gives what is no number.
+    pub fn inner(
+        &mut self,
+        now_ns: i64,
+        encoders: &Encoders,
+    ) -> Result<InnerTick, ControllerError> {
         self.odometry.update(encoders.counts, &self.geometry);
         self.measure_speed(encoders);
         let control = &self.settings.control;
@@ -133,10 +222,10 @@ impl Agent {
             .inner_nm(self.wheel_speed, control, &self.geometry);
         self.plant_lost = self.settings.clock == Clock::Wall
             && now_ns - encoders.sampled_ns > ns_from_s(control.plant_timeout_s);
-        let torques = self.torques(now_ns, limit_nm);
+        let torques = self.torques(now_ns, limit_nm)?;
         self.slip_limit.store_torques(&torques);
         self.torques_nm = [torques.torque_nm, self.torques_nm[0]];
-        InnerTick {
+        Ok(InnerTick {
             t_ns: now_ns,
             sampled_ns: encoders.sampled_ns,
             robot: self.robot,
@@ -146,7 +235,7 @@ impl Agent {
             limit_nm,
             torque_nm: torques.torque_nm,
             friction: self.slip_limit.friction(&self.settings.control),
-        }
+        })
     }
 
     /// Updates the odometry without a tick of a loop.
@@ -154,7 +243,7 @@ impl Agent {
         self.odometry.update(encoders.counts, &self.geometry);
     }
 
-    /// The position message for the successor, as of the last outer tick. The sender adds `seq`,
+    /// The position message for those that hear the robot, as of the last outer tick. The sender adds `seq`,
     /// `token_round` and `sent_ns`.
     pub fn position(&self) -> Position {
         let [x_m, y_m, yaw_rad] = self.outer.pose;
@@ -168,6 +257,7 @@ impl Agent {
             yaw_rad,
             v_m_s,
             w_rad_s,
+            extra: self.extra,
             ..Position::default()
         }
     }
@@ -242,22 +332,55 @@ impl Agent {
             .map(|alpha| alpha * self.settings.control.inner_period_s)
     }
 
-    /// The torques of the control law, or of the open loop; none if the plant is lost.
-    fn torques(&mut self, now_ns: i64, limit_nm: [f64; 2]) -> WheelTorques {
-        let control = &self.settings.control;
+    /// The torques of the controller, or of the open loop; none if the plant is lost.
+    fn torques(
+        &mut self,
+        now_ns: i64,
+        limit_nm: [f64; 2],
+    ) -> Result<WheelTorques, ControllerError> {
         if self.plant_lost {
             self.loops.reset();
-            return WheelTorques::ZERO;
+            return Ok(WheelTorques::ZERO);
         }
         if self.settings.open_loop.enabled {
-            return self.open_loop(now_ns, limit_nm);
+            return Ok(self.open_loop(now_ns, limit_nm));
         }
-        if let (Law::ComputedTorque, Some(dynamics)) = (control.law, &self.geometry.dynamics) {
-            return computed_torque(&self.acceleration_command(), dynamics, &self.geometry);
+        let control = &self.settings.control;
+        let friction = self.slip_limit.friction(control)[0];
+        let input = InnerInput {
+            t_s: s_from_ns(now_ns),
+            period_s: control.inner_period_s,
+            wheel_speed_rad_s: self.wheel_speed,
+            velocity: self.geometry.twist(self.wheel_speed),
+            desired: self.outer.desired,
+            set_point_rad_s: self.outer.set_point_rad_s,
+            limit_nm,
+            friction: (control.torque_limit != TorqueLimit::None).then_some(friction),
+            brakes: self.watchdog.fired(),
+            control,
+            loops: &self.loops,
+            stepped: Cell::new(None),
+        };
+        let WheelTorques {
+            wanted_nm,
+            torque_nm,
+        } = self.controller.inner(&input)?;
+        if let Some(stepped) = input.stepped.take() {
+            self.loops = stepped;
         }
-        let set_point = self.outer.set_point_rad_s;
-        self.loops
-            .step(self.wheel_speed, set_point, limit_nm, control)
+        if !wanted_nm
+            .iter()
+            .chain(&torque_nm)
+            .all(|own| own.is_finite())
+        {
+            let [right, left] = torque_nm;
+            return Err(format!("it gave torques of {right} and {left} N m").into());
+        }
+        let max_nm = control.torque_max_nm;
+        Ok(WheelTorques {
+            wanted_nm,
+            torque_nm: torque_nm.map(|torque| torque.clamp(-max_nm, max_nm)),
+        })
     }
 
     fn open_loop(&self, now_ns: i64, limit_nm: [f64; 2]) -> WheelTorques {
@@ -269,30 +392,6 @@ impl Agent {
             torque_nm: limit_nm.map(|limit| wanted_nm.clamp(-limit, limit)),
         }
     }
-
-    /// The input of the computed-torque law: acceleration of the reference (feed-forward) and k_v
-    /// times the velocity error (feedback).
-    fn acceleration_command(&self) -> AccelerationCommand {
-        let control = &self.settings.control;
-        let twist = self.geometry.twist(self.wheel_speed);
-        let friction = Some(self.slip_limit.friction(control)[0])
-            .filter(|_| control.torque_limit != TorqueLimit::None);
-        let mut desired = self.outer.desired;
-        if let (Some(friction), Some(dynamics)) = (friction, &self.geometry.dynamics) {
-            desired = limit_turn(desired, friction, dynamics, &self.geometry);
-        }
-        let rate = if self.watchdog.fired() {
-            [0.0; 2]
-        } else {
-            self.reference_rate
-        };
-        AccelerationCommand {
-            acceleration: [0, 1].map(|i| rate[i] + control.k_v * (desired[i] - twist[i])),
-            twist,
-            friction,
-            torque_max_nm: control.torque_max_nm,
-        }
-    }
 }
 
 fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, InputError> {
@@ -302,25 +401,18 @@ fn find(experiment: &Experiment, index: RobotIndex) -> Result<&RobotSetup, Input
     })
 }
 
-/// Torque limits and the computed-torque law need masses and inertias.
+/// Torque limits need masses and inertias.
 fn check_dynamics(
     setup: &RobotSetup,
     settings: &Settings,
     geometry: &Geometry,
 ) -> Result<(), InputError> {
-    let lacks = |key: &str, alternative: &str| {
-        let name = &setup.name;
-        let problem = format!("needs masses and lengths that the model of {name} lacks");
-        let remedy = format!("give them in its robot.toml, or set {alternative}");
-        Err(InputError::new(key, problem, remedy))
-    };
-    if geometry.dynamics.is_some() {
-        Ok(())
-    } else if settings.control.torque_limit != TorqueLimit::None {
-        lacks("control.torque_limit", "control.torque_limit = \"none\"")
-    } else if settings.control.law == Law::ComputedTorque {
-        lacks("control.law", "control.law = \"paper\"")
-    } else {
-        Ok(())
+    let limit = settings.control.torque_limit;
+    if geometry.dynamics.is_some() || limit == TorqueLimit::None {
+        return Ok(());
     }
+    let name = &setup.name;
+    let problem = format!("needs masses and lengths that the model of {name} lacks");
+    let remedy = "give them in its robot.toml, or set control.torque_limit = \"none\"";
+    Err(InputError::new("control.torque_limit", problem, remedy))
 }

@@ -11,7 +11,14 @@ use crate::predecessor_path::PredecessorPath;
 /// Largest step of the integration of the profile (ns).
 const PROFILE_STEP_NS: i64 = 5_000_000;
 
-/// The reference at an outer tick.
+/// The reference at an outer tick, and what it would be by the profile alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct References {
+    pub(super) reference: Reference,
+    pub(super) profile: Reference,
+}
+
+/// A reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reference {
     /// Pose of c.
@@ -25,7 +32,7 @@ pub(super) struct Reference {
 /// Generates the references of one robot.
 #[derive(Debug, Clone)]
 pub(super) struct ReferenceGenerator {
-    /// The path of the predecessor; none for the front robot.
+    /// The path of the predecessor, if the robot follows one.
     path: Option<PredecessorPath>,
     newest: Option<Position>,
     /// Pose of the midpoint of the axle if the robot had followed the profile exactly.
@@ -36,7 +43,7 @@ pub(super) struct ReferenceGenerator {
 }
 
 impl ReferenceGenerator {
-    /// The generator of a robot with c at `start`, whose predecessor, if any, starts at
+    /// The generator of a robot with c at `start`, whose predecessor, if it follows one, starts at
     /// `predecessor`.
     pub(super) fn new(start: Pose, predecessor: Option<Pose>, d: f64) -> Self {
         Self {
@@ -46,11 +53,6 @@ impl ReferenceGenerator {
             profile_ns: 0,
             d,
         }
-    }
-
-    /// Whether the robot has a predecessor.
-    pub(super) fn follows(&self) -> bool {
-        self.path.is_some()
     }
 
     /// Appends a position of the predecessor, newer than all before.
@@ -63,31 +65,31 @@ impl ReferenceGenerator {
     }
 
     /// The reference at `now_ns`, not before the last call.
-    pub(super) fn at(&mut self, now_ns: i64, settings: &Settings) -> Reference {
+    pub(super) fn at(&mut self, now_ns: i64, settings: &Settings) -> References {
         self.integrate_profile(now_ns, settings);
         let (v_profile, w_profile) = settings.profile.at(s_from_ns(now_ns));
-        let alone = Reference {
+        let profile = Reference {
             pose: self.profile_axle.ahead(self.d),
             velocity: [v_profile, w_profile],
             message: None,
         };
         let formation = &settings.formation;
-        let Some(path) = &mut self.path else {
-            return alone;
+        let coordinates = now_ns >= ns_from_s(formation.start_s);
+        let Some(path) = self.path.as_mut().filter(|_| coordinates) else {
+            let reference = profile;
+            return References { reference, profile };
         };
-        if now_ns < ns_from_s(formation.start_s) {
-            return alone;
-        }
         let point = path.behind(formation.spacing_m);
         let v_r = match formation.feedforward {
             Feedforward::Profile => v_profile,
             Feedforward::Message => self.newest.map_or(0.0, |position| position.v_m_s),
         };
-        Reference {
+        let reference = Reference {
             pose: point.pose,
             velocity: [v_r, v_r * point.curvature],
             message: self.newest.map(|position| position.seq),
-        }
+        };
+        References { reference, profile }
     }
 
     fn integrate_profile(&mut self, now_ns: i64, settings: &Settings) {

@@ -3,7 +3,7 @@
 use slipstream_bus::experiment::{Control, Experiment};
 use slipstream_bus::time::ns_from_s;
 
-use crate::kanayama::DesiredTwist;
+use crate::controller::DesiredTwist;
 
 /// The watchdog of one robot.
 #[derive(Debug, Clone)]

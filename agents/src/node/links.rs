@@ -1,16 +1,14 @@
-//! The two links of a node: delay line of the incoming one, token ring protocol of the outgoing
-//! one.
+//! The links of a node: delay line of each incoming one, token ring protocol of the outgoing ones.
 
 use slipstream_bus::experiment::{Experiment, Protocol};
 use slipstream_bus::link::{DelayLine, LinkCounts, LinkImpairment};
 use slipstream_bus::message::{Position, RobotIndex};
 use slipstream_bus::record::{Fate, Recorder};
 use slipstream_bus::time::ns_from_s;
-use slipstream_bus::transport::{BusError, PositionLink};
 
 use super::log;
 
-/// The link from the predecessor; in a ring the predecessor of the front robot is the last one.
+/// The link from a robot that is heard.
 #[derive(Debug)]
 pub(super) struct Incoming {
     from: RobotIndex,
@@ -38,17 +36,15 @@ impl Incoming {
         }
     }
 
-    /// Moves all waiting positions from the transport to the delay line.
-    pub(super) fn drain_link(
-        &mut self,
-        link: &mut impl PositionLink,
-        recorder: &mut impl Recorder,
-    ) -> Result<(), BusError> {
-        while let Some(position) = link.poll()? {
-            let available_ns = self.line.push(position);
-            log::arrived([self.from, self.to], &position, available_ns, recorder);
-        }
-        Ok(())
+    /// Puts a position that has come from the transport into the delay line.
+    pub(super) fn push(&mut self, position: Position, recorder: &mut impl Recorder) {
+        let available_ns = self.line.push(position);
+        log::arrived([self.from, self.to], &position, available_ns, recorder);
+    }
+
+    /// The sender.
+    pub(super) fn from(&self) -> RobotIndex {
+        self.from
     }
 
     /// Removes all available positions from the delay line and returns the one that was sampled
@@ -89,10 +85,11 @@ impl Incoming {
     }
 }
 
-/// The link to the successor.
+/// The links to those that hear the robot. One message goes to all of them.
 #[derive(Debug, Clone)]
 pub(super) struct Outgoing {
-    pub(super) to: RobotIndex,
+    /// The receivers.
+    pub(super) to: Vec<RobotIndex>,
     protocol: Protocol,
     /// Time without a return after which the front robot starts a new token round (ns).
     timeout_ns: i64,
@@ -105,13 +102,13 @@ pub(super) struct Outgoing {
 }
 
 impl Outgoing {
-    /// The link to the robot `to` of an experiment.
-    pub(super) fn new(experiment: &Experiment, to: RobotIndex) -> Self {
+    /// The links to the robots `to` of an experiment.
+    pub(super) fn new(experiment: &Experiment, to: &[RobotIndex]) -> Self {
         let settings = &experiment.settings;
         let links = &settings.links;
         let expected_ns = settings.expected_token_round_ns(experiment.longest_trace_ns());
         Self {
-            to,
+            to: to.to_vec(),
             protocol: links.protocol,
             timeout_ns: expected_ns + ns_from_s(links.ring_timeout_s),
             seq: 0,
@@ -120,7 +117,8 @@ impl Outgoing {
         }
     }
 
-    /// The token round for which `robot` sends at an outer tick; `None` if it does not send.
+    /// The token round for which `robot` sends at an outer tick; `None` if it does not send. `incoming` is the link on which the
+    /// token comes.
     ///
     /// `periodic`: every robot sends at every tick. `ring`: the front robot sends when its last
     /// token round has returned or is overdue, every other robot when a fresh position has arrived.
@@ -176,7 +174,7 @@ mod tests {
     fn the_front_robot_sends_again_when_its_token_round_returns_or_is_overdue() {
         let experiment = experiment(Protocol::Ring);
         let mut incoming = Incoming::new(&experiment, 2, 0);
-        let mut outgoing = Outgoing::new(&experiment, 1);
+        let mut outgoing = Outgoing::new(&experiment, &[1]);
         assert_eq!(outgoing.round_to_send(0, Some(&incoming), 0), Some(0));
         outgoing.count_sent(0, 0);
         assert_eq!(outgoing.round_to_send(0, Some(&incoming), 50_000_000), None);
@@ -195,7 +193,7 @@ mod tests {
     fn a_follower_passes_the_token_on_once() {
         let experiment = experiment(Protocol::Ring);
         let mut incoming = Incoming::new(&experiment, 0, 1);
-        let outgoing = Outgoing::new(&experiment, 2);
+        let outgoing = Outgoing::new(&experiment, &[2]);
         assert_eq!(outgoing.round_to_send(1, Some(&incoming), 0), None);
         (incoming.fresh, incoming.token_round) = (true, 4);
         assert_eq!(outgoing.round_to_send(1, Some(&incoming), 0), Some(4));
@@ -204,7 +202,7 @@ mod tests {
     #[test]
     fn the_periodic_protocol_sends_at_every_tick() {
         let experiment = experiment(Protocol::Periodic);
-        let mut outgoing = Outgoing::new(&experiment, 1);
+        let mut outgoing = Outgoing::new(&experiment, &[1]);
         assert_eq!(outgoing.round_to_send(0, None, 0), Some(0));
         outgoing.count_sent(0, 0);
         assert_eq!(outgoing.round_to_send(0, None, 50_000_000), Some(0));

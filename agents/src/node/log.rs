@@ -39,7 +39,7 @@ pub(super) fn taken(
     });
 }
 
-/// Logs that a position was sent and ready for the receiver at `queued_ns`.
+/// Logs that a position was sent and ready for a receiver at `queued_ns`.
 pub(super) fn sent(
     to: RobotIndex,
     position: Position,

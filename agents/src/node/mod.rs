@@ -1,4 +1,4 @@
-//! Node: controller of one robot with its two links, its schedule and its log.
+//! Node: agent of one robot with its links, its schedule and its log.
 //!
 //! Polls positions from the delay line, runs the loops that are due, and sends its own position as
 //! the protocol says. Still without I/O, clock or threads: time, transport and recorder are
@@ -9,25 +9,31 @@ mod log;
 mod report;
 
 use slipstream_bus::InputError;
-use slipstream_bus::experiment::Experiment;
-use slipstream_bus::message::{Encoders, RobotIndex, TorqueCommand};
+use slipstream_bus::experiment::{Experiment, Topology};
+use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Record, Recorder};
-use slipstream_bus::time::Due;
-use slipstream_bus::topology::Topology;
+use slipstream_bus::time::{Due, s_from_ns};
 use slipstream_bus::transport::{BusError, PositionLink};
 use tracing::field::Empty;
 
 use self::links::{Incoming, Outgoing};
 pub use self::report::NodeReport;
 use crate::agent::Agent;
+use crate::controller::{AgentContext, Controller, ControllerError};
+use crate::laws::BuiltIn;
 
-/// One robot's controller and its two links.
+/// One robot's agent and its links.
 #[derive(Debug)]
-pub struct Node {
+pub struct Node<C = BuiltIn> {
     robot: RobotIndex,
-    agent: Agent,
-    incoming: Option<Incoming>,
+    agent: Agent<C>,
+    /// In the order of the senders.
+    incoming: Vec<Incoming>,
+    /// The place of the link on which the token comes.
+    token: Option<usize>,
     outgoing: Option<Outgoing>,
+    /// Positions that have come since the last outer tick, until they are sorted.
+    arrived: Vec<Position>,
     /// Whether the watchdog had fired at the last outer tick.
     watchdog: bool,
     /// Whether the plant was lost at the last inner tick.
@@ -37,18 +43,39 @@ pub struct Node {
 }
 
 impl Node {
-    /// The node of robot `index` of an experiment.
+    /// The node of robot `index` of an experiment, with the built-in controller.
     ///
     /// # Errors
     /// The experiment has no such robot, or its model lacks what the control law needs.
     pub fn new(experiment: &Experiment, index: RobotIndex) -> Result<Self, InputError> {
+        let context = AgentContext::new(experiment, index)?;
+        Self::with(experiment, index, BuiltIn::new(&context)?)
+    }
+}
+
+impl<C: Controller> Node<C> {
+    /// The node of robot `index` of an experiment, with a controller.
+    ///
+    /// # Errors
+    /// The experiment has no such robot, or its model lacks what the torque limit needs.
+    pub fn with(
+        experiment: &Experiment,
+        index: RobotIndex,
+        controller: C,
+    ) -> Result<Self, InputError> {
         let topology = Topology::new(experiment);
-        let (from, to) = (topology.predecessor(index), topology.successor(index));
+        let (hears, heard_by) = (topology.hears(index), topology.heard_by(index));
+        let token = topology.token_from(index);
         Ok(Self {
             robot: index,
-            agent: Agent::new(experiment, index)?,
-            incoming: from.map(|from| Incoming::new(experiment, from, index)),
-            outgoing: to.map(|to| Outgoing::new(experiment, to)),
+            agent: Agent::new(experiment, index, controller)?,
+            incoming: hears
+                .iter()
+                .map(|&from| Incoming::new(experiment, from, index))
+                .collect(),
+            token: token.and_then(|from| hears.iter().position(|&own| own == from)),
+            outgoing: (!heard_by.is_empty()).then(|| Outgoing::new(experiment, heard_by)),
+            arrived: Vec::with_capacity(4 * hears.len()),
             watchdog: false,
             plant_lost: false,
             torque: TorqueCommand {
@@ -79,9 +106,31 @@ impl Node {
             self.outer(now_ns, encoders, link, recorder)?;
         }
         if due.inner {
-            self.inner(now_ns, encoders, recorder);
+            self.inner(now_ns, encoders, recorder)?;
         }
         Ok(self.torque)
+    }
+
+    /// Moves all waiting positions from the transport to the delay lines, in the order of senders and messages.
+    fn drain_link(
+        &mut self,
+        link: &mut impl PositionLink,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), BusError> {
+        while let Some(position) = link.poll()? {
+            self.arrived.push(position);
+        }
+        self.arrived
+            .sort_unstable_by_key(|position| (position.from, position.seq));
+        for position in self.arrived.drain(..) {
+            let place = self
+                .incoming
+                .binary_search_by_key(&position.from, Incoming::from);
+            if let Some(incoming) = place.ok().and_then(|place| self.incoming.get_mut(place)) {
+                incoming.push(position, recorder);
+            }
+        }
+        Ok(())
     }
 
     fn outer(
@@ -92,18 +141,15 @@ impl Node {
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
         let robot = self.robot;
-        if let Some(incoming) = &mut self.incoming {
-            incoming.drain_link(link, recorder)?;
-        }
+        self.drain_link(link, recorder)?;
         let span = tracing::debug_span!("outer", robot, due_ns = now_ns, message = Empty).entered();
-        let newest = self
-            .incoming
-            .as_mut()
-            .and_then(|incoming| incoming.poll_newest(now_ns, recorder));
-        if let Some(position) = newest {
-            self.agent.receive(&position, now_ns);
+        for incoming in &mut self.incoming {
+            if let Some(position) = incoming.poll_newest(now_ns, recorder) {
+                self.agent.receive(&position, now_ns);
+            }
         }
         let tick = self.agent.outer(now_ns, encoders);
+        let tick = tick.map_err(|error| failed("outer loop", now_ns, &error))?;
         span.record("message", tick.message);
         log::outer(&tick, recorder);
         let kinds = [EventKind::WatchdogFired, EventKind::WatchdogCleared];
@@ -112,11 +158,17 @@ impl Node {
         self.send(now_ns, link, recorder)
     }
 
-    fn inner(&mut self, now_ns: i64, encoders: &Encoders, recorder: &mut impl Recorder) {
+    fn inner(
+        &mut self,
+        now_ns: i64,
+        encoders: &Encoders,
+        recorder: &mut impl Recorder,
+    ) -> Result<(), BusError> {
         let robot = self.robot;
         let span =
             tracing::debug_span!("inner", robot, due_ns = now_ns, outer_ns = Empty).entered();
         let tick = self.agent.inner(now_ns, encoders);
+        let tick = tick.map_err(|error| failed("inner loop", now_ns, &error))?;
         span.record("outer_ns", tick.outer_ns);
         log::inner(&tick, recorder);
         let kinds = [EventKind::PlantLost, EventKind::PlantBack];
@@ -124,9 +176,10 @@ impl Node {
         log::change(&mut self.plant_lost, lost, kinds, robot, now_ns, recorder);
         self.torque.tick_ns = now_ns;
         self.torque.torque_nm = tick.torque_nm;
+        Ok(())
     }
 
-    /// Sends the position to the successor if the protocol says so.
+    /// Sends the position to all who hear the robot if the protocol says so.
     fn send(
         &mut self,
         now_ns: i64,
@@ -136,11 +189,12 @@ impl Node {
         let Some(outgoing) = &mut self.outgoing else {
             return Ok(());
         };
-        let Some(token_round) = outgoing.round_to_send(self.robot, self.incoming.as_ref(), now_ns)
-        else {
+        let mut incoming = self.token.and_then(|place| self.incoming.get_mut(place));
+        let token_round = outgoing.round_to_send(self.robot, incoming.as_deref(), now_ns);
+        let Some(token_round) = token_round else {
             return Ok(());
         };
-        if let Some(incoming) = &mut self.incoming {
+        if let Some(incoming) = &mut incoming {
             if outgoing.restarts_ring(self.robot, incoming) {
                 log::ring_restarted(now_ns, recorder);
             }
@@ -151,12 +205,14 @@ impl Node {
         position.token_round = token_round;
         let queued_ns = link.send(&mut position)?;
         outgoing.count_sent(token_round, now_ns);
-        log::sent(outgoing.to, position, queued_ns, recorder);
+        for &to in &outgoing.to {
+            log::sent(to, position, queued_ns, recorder);
+        }
         Ok(())
     }
 
     /// What a restarted agent needs to continue: pose of c, encoder counts, and sequence number and
-    /// token round of the outgoing link, packed into words.
+    /// token round of the last message, packed into words.
     pub fn checkpoint(&self) -> [u64; 6] {
         let [x, y, yaw] = self.agent.pose().map(f64::to_bits);
         let [right, left] = self.agent.counts().map(i64::cast_unsigned);
@@ -190,21 +246,31 @@ impl Node {
         link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<NodeReport, BusError> {
-        if let Some(incoming) = &mut self.incoming {
-            incoming.drain_link(link, recorder)?;
-        }
+        self.drain_link(link, recorder)?;
         if let Some(encoders) = last {
             self.agent.update_odometry(encoders);
-            if let Some(incoming) = &mut self.incoming {
+            for incoming in &mut self.incoming {
                 incoming.drain_delay_line(encoders.sampled_ns, recorder);
             }
         }
-        let outgoing = self.outgoing.as_ref();
+        let sent = self.outgoing.iter().flat_map(|outgoing| {
+            let seq = u64::from(outgoing.seq);
+            outgoing.to.iter().map(move |&to| (to, seq))
+        });
         Ok(NodeReport {
             final_odometry: self.agent.pose(),
             max_desired_speed_m_s: self.agent.max_desired_speed_m_s(),
-            sent: outgoing.map(|link| (link.to, u64::from(link.seq))),
-            received: self.incoming.as_ref().map(Incoming::counts),
+            sent: sent.collect(),
+            received: self.incoming.iter().map(Incoming::counts).collect(),
         })
+    }
+}
+
+/// The failure of a controller at a tick.
+fn failed(at: &'static str, now_ns: i64, error: &ControllerError) -> BusError {
+    BusError::Controller {
+        at,
+        time_s: s_from_ns(now_ns),
+        reason: error.to_string(),
     }
 }

@@ -8,8 +8,10 @@
 pub mod clock;
 pub mod endpoints;
 pub mod join;
+pub mod part;
 pub mod presence;
 pub mod record_pipe;
+pub mod report;
 pub mod run_directory;
 pub mod services;
 pub mod trace;

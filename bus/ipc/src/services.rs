@@ -11,9 +11,9 @@ use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
+use slipstream_bus::experiment::Topology;
 use slipstream_bus::experiment::{Clock, Experiment};
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
 
 use crate::run_directory::RunDirectory;
@@ -117,8 +117,8 @@ impl Services {
     }
 
     /// The communication topology.
-    pub(crate) fn topology(&self) -> Topology {
-        self.topology
+    pub(crate) fn topology(&self) -> &Topology {
+        &self.topology
     }
 
     /// Whether the run is in lockstep.
@@ -136,17 +136,42 @@ impl Services {
         0..u32::try_from(self.robots).unwrap_or(u32::MAX)
     }
 
-    /// Number of ports on this host that receive a position of `robot`: one for every link from a robot of the same
-    /// group that ends or begins on this host.
+    /// Whether a robot of this host is heard by one of another host.
+    pub(crate) fn is_leaving(&self, robot: RobotIndex) -> bool {
+        let mut receivers = self.topology.heard_by(robot).iter();
+        self.is_local(robot) && receivers.any(|&to| !self.is_local(to))
+    }
+
+    /// The first robots of the groups of which `robot` hears somebody, in order.
+    pub(crate) fn groups_heard(&self, robot: RobotIndex) -> Vec<RobotIndex> {
+        let heard = self.topology.hears(robot).iter();
+        let mut groups: Vec<RobotIndex> = heard.map(|&from| group_of(from)).collect();
+        groups.dedup();
+        groups
+    }
+
+    /// Number of ports on this host that receive a position of `robot`: one of every robot of this host that hears somebody of the same
+    /// group, and one for every robot of the group whose positions leave the host.
     pub(crate) fn position_receivers(&self, robot: RobotIndex) -> usize {
-        let robots = u32::try_from(self.robots).unwrap_or(u32::MAX);
-        let first = robot / GROUP_SIZE * GROUP_SIZE;
-        let group = first..(first + GROUP_SIZE).min(robots);
-        let ends_here = |member: RobotIndex| {
-            let successor = self.topology.successor(member);
-            successor.is_some_and(|next| self.is_local(next) || self.is_local(member))
-        };
-        group.filter(|&member| ends_here(member)).count()
+        let group = self.group(group_of(robot));
+        let leaving = group.clone().filter(|&member| self.is_leaving(member));
+        let hear = self.hear_group(group.clone());
+        hear.filter(|&to| self.is_local(to)).count() + leaving.count()
+    }
+
+    /// The robots of the group that begins with `first`.
+    fn group(&self, first: RobotIndex) -> std::ops::Range<RobotIndex> {
+        first..(first + GROUP_SIZE).min(self.robots().end)
+    }
+
+    /// The robots that hear somebody of a group.
+    fn hear_group(&self, group: std::ops::Range<RobotIndex>) -> impl Iterator<Item = RobotIndex> {
+        let mut hear: Vec<RobotIndex> = group
+            .flat_map(|member| self.topology.heard_by(member).iter().copied())
+            .collect();
+        hear.sort_unstable();
+        hear.dedup();
+        hear.into_iter()
     }
 
     fn world(&self) -> Result<PortFactory<Ipc, [WireEncoders], WorldHeader>, BusError> {
@@ -190,12 +215,15 @@ impl Services {
     }
 
     fn positions(&self, robot: RobotIndex) -> Result<PortFactory<Ipc, WirePosition, ()>, BusError> {
+        let group = self.group(group_of(robot));
+        let publishers = group.len() + 2;
+        let subscribers = self.hear_group(group.clone()).count() + group.len() + 2;
         self.node
             .service_builder(&service_name(&format!("position/{}", robot / GROUP_SIZE))?)
             .publish_subscribe::<WirePosition>()
-            .max_publishers(GROUP_SIZE as usize + 2)
-            .max_subscribers(GROUP_SIZE as usize + 2)
-            .max_nodes(2 * GROUP_SIZE as usize + 8)
+            .max_publishers(publishers)
+            .max_subscribers(subscribers)
+            .max_nodes(publishers + subscribers + 8)
             .subscriber_max_buffer_size(if self.lockstep { 4 } else { 64 })
             .enable_safe_overflow(!self.lockstep)
             .open_or_create()
@@ -302,6 +330,11 @@ fn config(directory: &RunDirectory, robots: usize) -> Result<Config, BusError> {
         .publish_subscribe
         .subscriber_expired_connection_buffer = robots.max(128) + 8;
     Ok(config)
+}
+
+/// The first robot of the group of a robot.
+pub(crate) fn group_of(robot: RobotIndex) -> RobotIndex {
+    robot / GROUP_SIZE * GROUP_SIZE
 }
 
 fn service_name(name: &str) -> Result<ServiceName, BusError> {

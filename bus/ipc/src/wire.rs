@@ -3,7 +3,7 @@
 //! The type name contains the version of the layout: builds with different layouts do not connect.
 
 use iceoryx2::prelude::ZeroCopySend;
-use slipstream_bus::message::{Encoders, Position, TorqueCommand};
+use slipstream_bus::message::{Encoders, Extra, MAX_EXTRA, Position, TorqueCommand};
 
 /// [`Encoders`] of one robot, plant to agent.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ZeroCopySend)]
@@ -38,16 +38,17 @@ pub(crate) struct WireTorque {
     torque_nm: [f64; 2],
 }
 
-/// [`Position`], robot to its successor.
+/// [`Position`], robot to those that hear it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, ZeroCopySend)]
-#[type_name("slipstream.Position.1")]
+#[type_name("slipstream.Position.2")]
 #[repr(C)]
 pub struct WirePosition {
     /// The sender.
     pub(crate) from: u32,
     seq: u32,
     token_round: u32,
-    reserved: u32,
+    /// How many of `extra` there are.
+    extra_len: u32,
     sampled_ns: i64,
     tick_ns: i64,
     sent_ns: i64,
@@ -56,14 +57,15 @@ pub struct WirePosition {
     yaw_rad: f64,
     v_m_s: f64,
     w_rad_s: f64,
+    extra: [f64; MAX_EXTRA],
 }
 
 /// Implements the conversions in both directions from one list of the fields.
 macro_rules! same_fields {
-    ($message:ident, $wire:ident { $($field:ident),* } $(, $padding:ident)?) => {
+    ($message:ident, $wire:ident { $($field:ident),* }) => {
         impl From<$message> for $wire {
             fn from(message: $message) -> Self {
-                Self { $($field: message.$field,)* $($padding: 0)? }
+                Self { $($field: message.$field),* }
             }
         }
 
@@ -85,23 +87,45 @@ same_fields!(
         torque_nm
     }
 );
-same_fields!(
-    Position,
-    WirePosition {
-        from,
-        seq,
-        token_round,
-        sampled_ns,
-        tick_ns,
-        sent_ns,
-        x_m,
-        y_m,
-        yaw_rad,
-        v_m_s,
-        w_rad_s
-    },
-    reserved
-);
+impl From<Position> for WirePosition {
+    fn from(position: Position) -> Self {
+        let extra_len = position.extra.numbers().len();
+        Self {
+            from: position.from,
+            seq: position.seq,
+            token_round: position.token_round,
+            extra_len: u32::try_from(extra_len).unwrap_or_default(),
+            sampled_ns: position.sampled_ns,
+            tick_ns: position.tick_ns,
+            sent_ns: position.sent_ns,
+            x_m: position.x_m,
+            y_m: position.y_m,
+            yaw_rad: position.yaw_rad,
+            v_m_s: position.v_m_s,
+            w_rad_s: position.w_rad_s,
+            extra: position.extra.places(),
+        }
+    }
+}
+
+impl From<WirePosition> for Position {
+    fn from(wire: WirePosition) -> Self {
+        Self {
+            from: wire.from,
+            seq: wire.seq,
+            token_round: wire.token_round,
+            sampled_ns: wire.sampled_ns,
+            tick_ns: wire.tick_ns,
+            sent_ns: wire.sent_ns,
+            x_m: wire.x_m,
+            y_m: wire.y_m,
+            yaw_rad: wire.yaw_rad,
+            v_m_s: wire.v_m_s,
+            w_rad_s: wire.w_rad_s,
+            extra: Extra::from_parts(wire.extra_len, wire.extra),
+        }
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -121,6 +145,7 @@ mod tests {
             yaw_rad: 9.0,
             v_m_s: 10.0,
             w_rad_s: 11.0,
+            extra: Extra::new(&[12.0, 13.0]).unwrap(),
         };
         assert_eq!(Position::from(WirePosition::from(position)), position);
     }

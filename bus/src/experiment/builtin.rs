@@ -1,6 +1,9 @@
 //! Built-in experiments: the paper's platoon (the default) and single robot, and three platoons on
 //! curved paths.
 
+use std::collections::BTreeMap;
+
+use super::hears::Hears;
 use super::profile::Profile;
 use super::settings::{
     Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
@@ -61,6 +64,7 @@ impl Default for Settings {
                 burst: 0.0,
                 reorder: true,
                 trace: String::new(),
+                topology: Hears::Predecessor,
                 protocol: Protocol::Ring,
                 ring_timeout_s: 0.5,
             },
@@ -73,6 +77,8 @@ impl Default for Settings {
                 state_period_s: 0.02,
                 trace: true,
             },
+            agents: BTreeMap::new(),
+            controller: BTreeMap::new(),
         }
     }
 }

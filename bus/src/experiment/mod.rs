@@ -1,14 +1,20 @@
 //! Experiments as plain data: settings, built-in experiments, validation.
 
 mod builtin;
+mod hears;
+mod parameters;
 mod profile;
 mod settings;
 mod setup;
+mod topology;
 mod validate;
 
+pub use hears::Hears;
+pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters};
 pub use profile::Profile;
 pub use settings::{
     Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,
     Plant, Protocol, RecordingRates, Robots, SensorSettings, Settings, TorqueLimit,
 };
 pub use setup::{Experiment, RobotSetup};
+pub use topology::Topology;

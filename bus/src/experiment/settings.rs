@@ -4,8 +4,12 @@
 //! [`LinkSettings::delay_s`]. The defaults are in `builtin.rs`. Only the launcher reads files; it
 //! hands the settings to all processes.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use super::hears::Hears;
+use super::parameters::Parameters;
 use super::profile::Profile;
 use crate::sensors::{Camera, Imu, Sensors};
 use crate::time::{Schedule, ns_from_s};
@@ -47,6 +51,11 @@ pub struct Settings {
     pub sensors: SensorSettings,
     /// Content of the recording.
     pub recording: RecordingRates,
+    /// Programs that control robots in place of the built-in controller, by the robot's name; `*` for all robots without an entry of
+    /// their own. Empty: the built-in controller.
+    pub agents: BTreeMap<String, String>,
+    /// Parameters of these programs, by the robot's name and the parameter's; `*` for all robots.
+    pub controller: BTreeMap<String, Parameters>,
 }
 
 /// The clock of a run.
@@ -196,6 +205,9 @@ pub struct LinkSettings {
     /// A file of round-trip times: message k is delayed by half of row k mod n, in addition to the
     /// delay above; empty: none.
     pub trace: String,
+    /// Who hears whom: `predecessor`, `leader_predecessor`, `two_predecessors`, `ring`, `all`, or links such as
+    /// `r1>r2 r1>r3`. The ring protocol adds the link from the last robot to the front one.
+    pub topology: Hears,
     /// When each robot sends.
     pub protocol: Protocol,
     /// The front robot starts a new token round when the last one is overdue by this time (s).

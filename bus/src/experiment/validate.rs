@@ -1,7 +1,10 @@
 //! Validation of settings: the first value that no run can have, with a remedy.
 
+use super::parameters::EVERY_ROBOT;
 use super::settings::{Clock, Control, Distribution, Law, OnDeath, Settings, TorqueLimit};
+use super::topology;
 use crate::error::InputError;
+use crate::message::robot_name;
 use crate::range::{self, invalid, within};
 
 /// Largest number of robots of a run.
@@ -24,7 +27,42 @@ impl Settings {
             return invalid("control.torque_limit", problem, remedy);
         }
         self.sensors.present().validate()?;
-        self.validate_links()
+        self.validate_links()?;
+        topology::validate(self)?;
+        self.validate_agents()
+    }
+
+    /// Names of robots in `[agents]` and `[controller]`.
+    fn validate_agents(&self) -> Result<(), InputError> {
+        let robots = self.robots.count;
+        let is_robot = |name: &str| (0..robots).any(|robot| robot_name(robot) == name);
+        let named = |table: &str, name: &str| match name == EVERY_ROBOT || is_robot(name) {
+            true => Ok(()),
+            false => {
+                let remedy = format!("give r1 to {}, or * for all", robot_name(robots - 1));
+                invalid(
+                    &format!("{table}.{name}"),
+                    "names no robot of the run",
+                    remedy,
+                )
+            }
+        };
+        for name in self.agents.keys() {
+            named("agents", name)?;
+        }
+        for name in self.controller.keys() {
+            named("controller", name)?;
+            let has_program = |robot| {
+                let own = name == EVERY_ROBOT || robot_name(robot) == *name;
+                own && self.program(robot).is_some()
+            };
+            if !(0..robots).any(has_program) {
+                let problem = "is for a program, and no such robot has one";
+                let remedy = "give it one (--agent NAME=PROGRAM); keys of the built-in controller are control.*";
+                return invalid(&format!("controller.{name}"), problem, remedy);
+            }
+        }
+        Ok(())
     }
 
     /// Duration, number of robots, clock.

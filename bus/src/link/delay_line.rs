@@ -5,8 +5,9 @@ use serde::{Deserialize, Serialize};
 use super::impairment::LinkImpairment;
 use crate::message::Position;
 
-/// Number of messages for which memory is reserved. The queue grows beyond it if necessary.
-const INITIAL_CAPACITY: usize = 1024;
+/// Number of messages for which memory is reserved. The queue grows beyond it if necessary: where the delay is longer than
+/// this many periods of the sender.
+const INITIAL_CAPACITY: usize = 64;
 
 /// Message counts of a link.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -11,6 +11,7 @@ use slipstream_launch::RunStatus;
 use slipstream_launch::processes::{self, Joining};
 
 use crate::across::{Protection, require_network};
+use crate::agents;
 use crate::exit::{Error, Exit};
 use crate::print::{eprint_line, print_line};
 
@@ -28,6 +29,9 @@ pub(crate) struct Arguments {
     /// Name of this host, as the run gives it with --host
     #[arg(long)]
     name: String,
+    /// Program on this host that controls the robot NAME, or all robots of this host, where the run has one for them
+    #[arg(long = "agent", value_name = "[NAME=]PROGRAM")]
+    agents: Vec<String>,
     #[command(flatten)]
     protection: Protection,
 }
@@ -50,6 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         address,
         security,
         name: arguments.name.clone(),
+        agents: agents::named(&arguments.agents),
         live: std::io::stderr().is_terminal(),
         notice: |text| eprint_line!("slipstream: {text}"),
     })?;

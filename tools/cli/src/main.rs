@@ -1,6 +1,7 @@
 //! The command line `slipstream`: parses arguments, calls the packages, prints results, sets the exit code.
 
 mod across;
+mod agents;
 mod check;
 mod clean;
 mod command_line;

@@ -6,10 +6,12 @@ use std::path::{Path, PathBuf};
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::Clock;
 use slipstream_launch::{
-    Options, Request, Resolved, RunStatus, RunSummary, Serve, in_process, processes, resolve,
+    Options, Request, Resolved, RunStatus, RunSummary, Serve, describe, in_process, processes,
+    resolve,
 };
 
 use crate::across::Listening;
+use crate::agents;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;
@@ -34,6 +36,9 @@ pub(crate) struct Arguments {
     /// experiment's]
     #[arg(long = "robot", value_name = "[NAME=]FILE")]
     models: Vec<String>,
+    /// Program that controls the robot NAME, or all robots, in place of the built-in controller
+    #[arg(long = "agent", value_name = "[NAME=]PROGRAM")]
+    agents: Vec<String>,
     /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -81,7 +86,13 @@ enum ClockName {
 ///
 /// `is_alone`: slipstream was called without any command, by someone who may not know what to do next.
 pub(crate) fn run(arguments: &Arguments, is_alone: bool) -> Result<Exit, Error> {
-    let resolved = resolve(&arguments.request()?)?;
+    let mut resolved = resolve(&arguments.request()?)?;
+    if arguments.in_process && !resolved.programs.is_empty() {
+        let problem = "has no processes, and so no programs of agents";
+        let remedy = "drop --in-process, or --agent and [agents]";
+        return Err(InputError::new("--in-process", problem, remedy).into());
+    }
+    describe(&mut resolved, &|said| eprint_line!("{said}"))?;
     if arguments.dry_run {
         print::out(format_args!("{}", resolved.to_toml()));
         return Ok(Exit::Done);
@@ -125,6 +136,7 @@ impl Arguments {
         Ok(Request {
             experiment: self.experiment.clone(),
             robots: self.robots,
+            agents: agents::named(&self.agents),
             models: self.models.iter().map(|own| named_file(own)).collect(),
             set: self.set.iter().map(pair).collect::<Result<_, _>>()?,
             clock: self.clock.map(|clock| match clock {

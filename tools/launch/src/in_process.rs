@@ -6,8 +6,9 @@ use std::path::Path;
 use std::rc::Rc;
 use std::time::Instant;
 
-use slipstream_agents::{Node, NodeReport};
-use slipstream_bus::message::{Encoders, Position, TorqueCommand};
+use slipstream_agents::{AgentContext, BuiltIn, Controller, ControllerError, Node, NodeReport};
+use slipstream_bus::experiment::Topology;
+use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand, robot_name};
 use slipstream_bus::record::{NoRecorder, Record, Recorder};
 use slipstream_bus::time::Schedule;
 use slipstream_bus::transport::{BusError, LockstepLink, PositionLink};
@@ -40,6 +41,9 @@ pub enum RunError {
     /// A robot model, a setting or an environment variable cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
+    /// A controller cannot be made.
+    #[error(transparent)]
+    Controller(#[from] ControllerError),
     /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] slipstream_recording::Error),
@@ -53,7 +57,7 @@ pub fn run(experiment: &Experiment, hashing: bool) -> Result<Reports, RunError> 
     run_recorded(experiment, hashing, NoRecorder).map(|(reports, _)| reports)
 }
 
-/// Runs an experiment and returns the recorder that received all records.
+/// Runs an experiment with the built-in controller and returns the recorder that received all records.
 ///
 /// # Errors
 /// A robot that cannot be simulated or controlled.
@@ -62,11 +66,26 @@ pub fn run_recorded<R: Recorder>(
     hashing: bool,
     recorder: R,
 ) -> Result<(Reports, R), RunError> {
+    run_controlled(experiment, hashing, recorder, |context| {
+        Ok(BuiltIn::new(context)?)
+    })
+}
+
+/// Runs an experiment with the controllers that `make` makes, and returns the recorder that received all records.
+///
+/// # Errors
+/// A robot that cannot be simulated or controlled, or a controller that cannot go on.
+pub fn run_controlled<R: Recorder, C: Controller>(
+    experiment: &Experiment,
+    hashing: bool,
+    recorder: R,
+    make: impl FnMut(&AgentContext<'_>) -> Result<C, ControllerError>,
+) -> Result<(Reports, R), RunError> {
     let begin = Instant::now();
     let recorder = Shared(Rc::new(RefCell::new(recorder)));
     let mut world = world(experiment)?;
     let mut observer = Observer::new(experiment, hashing);
-    let mut agents = Agents::new(experiment, recorder.clone())?;
+    let mut agents = Agents::new(experiment, recorder.clone(), make)?;
     let mut plant_recorder = recorder.clone();
     lockstep(
         experiment,
@@ -90,9 +109,10 @@ pub fn run_recorded<R: Recorder>(
 }
 
 /// All agents of a run and the messages between them.
-struct Agents<R> {
+struct Agents<R, C> {
     schedule: Schedule,
-    nodes: Vec<Node>,
+    topology: Topology,
+    nodes: Vec<Node<C>>,
     /// Messages on their way to each robot.
     queues: Vec<VecDeque<Position>>,
     /// Encoders at the end of the run.
@@ -103,19 +123,28 @@ struct Agents<R> {
 /// The links of one robot, in memory.
 struct LocalLink<'a> {
     queues: &'a mut [VecDeque<Position>],
+    topology: &'a Topology,
     robot: usize,
     now_ns: i64,
 }
 
-impl<R: Recorder> Agents<R> {
-    fn new(experiment: &Experiment, recorder: Shared<R>) -> Result<Self, InputError> {
+impl<R: Recorder, C: Controller> Agents<R, C> {
+    fn new(
+        experiment: &Experiment,
+        recorder: Shared<R>,
+        mut make: impl FnMut(&AgentContext<'_>) -> Result<C, ControllerError>,
+    ) -> Result<Self, RunError> {
         let count = experiment.settings.robots.count;
-        let nodes: Result<Vec<Node>, InputError> = (0..count)
-            .map(|index| Node::new(experiment, index))
-            .collect();
+        let node = |index| {
+            let context = AgentContext::new(experiment, index)?;
+            let controller = make(&context)?;
+            context.declared()?;
+            Ok(Node::with(experiment, index, controller)?)
+        };
         Ok(Self {
             schedule: experiment.settings.schedule(),
-            nodes: nodes?,
+            topology: Topology::new(experiment),
+            nodes: (0..count).map(node).collect::<Result<_, RunError>>()?,
             queues: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
             last: Vec::new(),
             recorder,
@@ -127,6 +156,7 @@ impl<R: Recorder> Agents<R> {
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
                 queues: &mut self.queues,
+                topology: &self.topology,
                 robot,
                 now_ns: 0,
             };
@@ -137,7 +167,7 @@ impl<R: Recorder> Agents<R> {
     }
 }
 
-impl<R: Recorder> LockstepLink for Agents<R> {
+impl<R: Recorder, C: Controller> LockstepLink for Agents<R, C> {
     fn round(
         &mut self,
         now_ns: i64,
@@ -149,11 +179,13 @@ impl<R: Recorder> LockstepLink for Agents<R> {
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
                 queues: &mut self.queues,
+                topology: &self.topology,
                 robot,
                 now_ns,
             };
-            commands[robot] =
-                node.step(now_ns, due, &encoders[robot], &mut link, &mut self.recorder)?;
+            let recorder = &mut self.recorder;
+            let command = node.step(now_ns, due, &encoders[robot], &mut link, recorder);
+            commands[robot] = command.map_err(|error| of_robot(robot, error))?;
         }
         Ok(())
     }
@@ -171,13 +203,26 @@ impl PositionLink for LocalLink<'_> {
 
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
         position.sent_ns = self.now_ns;
-        let to = (self.robot + 1) % self.queues.len();
-        self.queues[to].push_back(*position);
+        let robot = RobotIndex::try_from(self.robot).unwrap_or(RobotIndex::MAX);
+        for &to in self.topology.heard_by(robot) {
+            self.queues[to as usize].push_back(*position);
+        }
         Ok(self.now_ns)
     }
 
     fn now_ns(&self) -> i64 {
         self.now_ns
+    }
+}
+
+/// The failure of a controller with the name of its robot, which as a process would have it already.
+fn of_robot(robot: usize, error: BusError) -> BusError {
+    match error {
+        BusError::Controller { .. } => BusError::Failed {
+            what: robot_name(RobotIndex::try_from(robot).unwrap_or(RobotIndex::MAX)),
+            reason: error.to_string(),
+        },
+        other => other,
     }
 }
 
@@ -196,21 +241,34 @@ impl<R: Recorder> Recorder for Shared<R> {
     }
 }
 
-/// Runs an experiment and returns the same summary as a run as processes; records it to `out`, if given.
+/// Runs an experiment with the built-in controller and returns the same summary as a run as processes; records it to
+/// `out`, if given.
 ///
 /// # Errors
 /// As [`run`], and when the recording cannot be written.
 pub fn summary(resolved: &Resolved, out: Option<&Path>) -> Result<RunSummary, RunError> {
+    summary_controlled(resolved, out, |context| Ok(BuiltIn::new(context)?))
+}
+
+/// As [`summary`], with the controllers that `make` makes.
+///
+/// # Errors
+/// As [`run_controlled`], and when the recording cannot be written.
+pub fn summary_controlled<C: Controller>(
+    resolved: &Resolved,
+    out: Option<&Path>,
+    make: impl FnMut(&AgentContext<'_>) -> Result<C, ControllerError>,
+) -> Result<RunSummary, RunError> {
     let experiment = &resolved.experiment;
     let begin = Instant::now();
     let reports = match out {
-        None => run(experiment, true)?,
+        None => run_controlled(experiment, true, NoRecorder, make)?.0,
         Some(out) => {
             let keys = resolved.to_toml();
             let file = lock_recording(out, &recorder::begin(experiment, &keys, out)?)?;
             let sink = McapSink::new(file, out, experiment, &keys)?;
             let _tracing = trace_files::begin(experiment, "run")?;
-            let (reports, mut sink) = run_recorded(experiment, true, sink)?;
+            let (reports, mut sink) = run_controlled(experiment, true, sink, make)?;
             trace::drain(|t_ns, bytes| sink.trace(t_ns, bytes));
             sink.finish(BTreeMap::new())?;
             reports

@@ -1,5 +1,6 @@
 //! Summary of a run, and its JSON (schema: `tools/cli/schemas/run.schema.json`).
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -7,6 +8,7 @@ use slipstream_agents::NodeReport;
 use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::Clock;
+use slipstream_bus::link::LinkCounts;
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_ipc::clock::{Deadlines, RealTime};
 use slipstream_sim::run::PlantReport;
@@ -223,7 +225,7 @@ fn robots(
 ) -> Vec<RobotSummary> {
     let robot = |(i, setup): (usize, &slipstream_bus::RobotSetup)| {
         let truth = plant.robots.get(i);
-        let agent = agents.get(i).copied().flatten();
+        let agent = agents.get(i).and_then(Option::as_ref);
         RobotSummary {
             robot: setup.name.clone(),
             final_true: truth.map(|truth| truth.final_true),
@@ -239,30 +241,35 @@ fn robots(
 
 /// Both ends of a link count its messages; if one end died, the other's counts are used.
 fn links(agents: &[Option<NodeReport>]) -> Vec<LinkSummary> {
-    let mut links = Vec::new();
-    for from in 0..agents.len() {
-        let sent = agents[from].and_then(|agent| agent.sent);
-        let receiver = (from + 1) % agents.len();
-        let received = agents[receiver]
-            .and_then(|agent| agent.received)
-            .filter(|&(ahead, _)| ahead as usize == from);
-        if sent.is_none() && received.is_none() {
+    let mut links: BTreeMap<[RobotIndex; 2], Option<u64>> = BTreeMap::new();
+    let mut received: BTreeMap<[RobotIndex; 2], LinkCounts> = BTreeMap::new();
+    for (robot, agent) in (0..).zip(agents) {
+        let Some(agent) = agent else {
             continue;
+        };
+        for &(to, sent) in &agent.sent {
+            links.insert([robot, to], Some(sent));
         }
-        let counts = received.map(|(_, counts)| counts).unwrap_or_default();
-        let sent = sent.map_or(counts.received, |(_, sent)| sent);
-        let name = |index: usize| robot_name(u32::try_from(index).unwrap_or(u32::MAX));
-        links.push(LinkSummary {
-            from: name(from),
-            to: name(receiver),
+        for &(from, counts) in &agent.received {
+            links.entry([from, robot]).or_default();
+            received.insert([from, robot], counts);
+        }
+    }
+    let link = |([from, to], sent): ([RobotIndex; 2], Option<u64>)| {
+        let counts = received.get(&[from, to]).copied().unwrap_or_default();
+        let sent = sent.unwrap_or(counts.received);
+        let gone = counts.delivered + counts.lost + counts.missing;
+        LinkSummary {
+            from: robot_name(from),
+            to: robot_name(to),
             sent,
             delivered: counts.delivered,
             lost: counts.lost + counts.missing,
-            in_flight: sent.saturating_sub(counts.delivered + counts.lost + counts.missing),
+            in_flight: sent.saturating_sub(gone),
             stale: counts.stale,
-        });
-    }
-    links
+        }
+    };
+    links.into_iter().map(link).collect()
 }
 
 #[cfg(test)]

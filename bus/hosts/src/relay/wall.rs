@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use slipstream_bus::experiment::Topology;
 use slipstream_bus::message::RobotIndex;
-use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Monotonic, RealTime};
 use slipstream_ipc::record_pipe::RecordSender;
@@ -119,7 +119,8 @@ impl Wall<'_, '_> {
         }
         for position in &news.positions {
             self.play.crossing.deliver(position)?;
-            if let Some(to) = self.topology.successor(position.from) {
+            let receivers = self.topology.heard_by(position.from).iter();
+            for &to in receivers.filter(|to| self.play.robots.contains(to)) {
                 log::crossed(position, to);
             }
         }

@@ -154,10 +154,20 @@ impl Robots {
         }
     }
 
+    /// The positions that robots of other hosts have sent to these, each once: their host hands one to all of them.
     fn positions_for(&self, own: &[RobotIndex]) -> Vec<Position> {
-        let positions = self.positions.iter();
-        let own = positions.filter(|(to, _)| own.contains(to));
-        own.map(|&(_, position)| position).collect()
+        let from_elsewhere = |(to, position): &&(RobotIndex, Position)| {
+            own.contains(to) && !own.contains(&position.from)
+        };
+        let mut positions: Vec<Position> = Vec::new();
+        for (_, position) in self.positions.iter().filter(from_elsewhere) {
+            let is_same =
+                |other: &Position| (other.from, other.seq) == (position.from, position.seq);
+            if !positions.iter().any(is_same) {
+                positions.push(*position);
+            }
+        }
+        positions
     }
 
     /// The encoders of these robots.

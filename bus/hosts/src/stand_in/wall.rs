@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use slipstream_bus::experiment::OnDeath;
+use slipstream_bus::experiment::Topology;
 use slipstream_bus::message::{RobotIndex, robot_name};
-use slipstream_bus::topology::Topology;
 use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::RealTime;
 use slipstream_ipc::record_pipe::RecordSender;
@@ -131,9 +131,8 @@ impl Wall<'_> {
     /// Traces the positions that have come for robots of this host.
     fn trace_arrivals(&self, sent: &Sent) {
         for position in &sent.positions {
-            if let Some(to) = self.topology.successor(position.from)
-                && !self.elsewhere.contains(&to)
-            {
+            let receivers = self.topology.heard_by(position.from).iter();
+            for &to in receivers.filter(|to| !self.elsewhere.contains(to)) {
                 log::crossed(position, to);
             }
         }

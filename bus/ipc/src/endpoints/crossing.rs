@@ -8,10 +8,10 @@ use crate::services::{PositionPublisher, PositionSubscriber, Services};
 /// Ports for the positions that cross between hosts, on a host that has only some of the agents.
 #[derive(Debug)]
 pub struct CrossingLinks {
-    /// Of each robot of this host whose successor is on another: its positions.
+    /// Of each robot of this host that is heard on another: its positions.
     leaving: Vec<(RobotIndex, PositionSubscriber)>,
-    /// Of each robot of another host whose successor is on this one: where its positions are sent, and how many
-    /// ports must receive one.
+    /// Of each robot of another host that is heard on this one: where its positions are sent, and how many ports must
+    /// receive one.
     entering: Vec<(RobotIndex, PositionPublisher, usize)>,
 }
 
@@ -26,24 +26,19 @@ impl CrossingLinks {
             entering: Vec::new(),
         };
         for robot in services.robots() {
-            let Some(successor) = services.topology().successor(robot) else {
-                continue;
-            };
-            match (services.is_local(robot), services.is_local(successor)) {
-                (true, false) => {
-                    let subscriber = services.position_subscriber(robot)?;
-                    links.leaving.push((robot, subscriber));
-                }
-                (false, true) => {
-                    let publisher = services.position_publisher(robot)?;
-                    // On the wall clock a full queue drops its oldest position.
-                    let required = match services.lockstep() {
-                        true => services.position_receivers(robot),
-                        false => 0,
-                    };
-                    links.entering.push((robot, publisher, required));
-                }
-                _ => {}
+            let mut receivers = services.topology().heard_by(robot).iter();
+            if services.is_leaving(robot) {
+                let subscriber = services.position_subscriber(robot)?;
+                links.leaving.push((robot, subscriber));
+            }
+            if !services.is_local(robot) && receivers.any(|&to| services.is_local(to)) {
+                let publisher = services.position_publisher(robot)?;
+                // On the wall clock a full queue drops its oldest position.
+                let required = match services.lockstep() {
+                    true => services.position_receivers(robot),
+                    false => 0,
+                };
+                links.entering.push((robot, publisher, required));
             }
         }
         Ok(links)

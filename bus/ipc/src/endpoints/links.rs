@@ -1,4 +1,4 @@
-//! Link endpoints of an agent: receives positions from its predecessor, sends to its successor.
+//! Link endpoints of an agent: receives positions from the robots that it hears, sends to those that hear it.
 
 use slipstream_bus::message::{Position, RobotIndex};
 use slipstream_bus::transport::{BusError, PositionLink};
@@ -9,8 +9,13 @@ use crate::services::{PositionPublisher, PositionSubscriber, Services};
 /// An agent's ports for positions.
 #[derive(Debug)]
 pub struct LinkEndpoints {
-    predecessor: Option<(RobotIndex, PositionSubscriber)>,
-    successor: Option<PositionPublisher>,
+    /// The robots that are heard, in order.
+    hears: Vec<RobotIndex>,
+    /// A port for each of their groups, and which one is asked next.
+    subscribers: Vec<PositionSubscriber>,
+    next: usize,
+    /// None if nobody hears the robot.
+    publisher: Option<PositionPublisher>,
     /// Number of processes that must receive what is sent: in lockstep all, on the wall clock none.
     required_receivers: usize,
     time: SendTime,
@@ -29,14 +34,16 @@ impl LinkEndpoints {
     /// Opens the ports of `robot`.
     pub(super) fn new(services: &Services, robot: RobotIndex) -> Result<Self, BusError> {
         let topology = services.topology();
-        let predecessor = topology.predecessor(robot);
-        let successor = topology.successor(robot);
+        let is_heard = !topology.heard_by(robot).is_empty();
+        let groups = services.groups_heard(robot).into_iter();
         Ok(Self {
-            predecessor: predecessor
-                .map(|from| Ok((from, services.position_subscriber(from)?)))
-                .transpose()?,
-            successor: successor
-                .map(|_| services.position_publisher(robot))
+            hears: topology.hears(robot).to_vec(),
+            subscribers: groups
+                .map(|group| services.position_subscriber(group))
+                .collect::<Result<_, _>>()?,
+            next: 0,
+            publisher: is_heard
+                .then(|| services.position_publisher(robot))
                 .transpose()?,
             required_receivers: if services.lockstep() {
                 services.position_receivers(robot)
@@ -47,12 +54,12 @@ impl LinkEndpoints {
         })
     }
 
-    /// Sends a position to the successor with the time stamps that it has.
+    /// Sends a position to those that hear the robot, with the time stamps that it has.
     ///
     /// # Errors
-    /// The transport failed, or the receiver's queue is full.
+    /// The transport failed, or a receiver's queue is full.
     pub fn forward(&self, position: &Position) -> Result<(), BusError> {
-        let Some(publisher) = &self.successor else {
+        let Some(publisher) = &self.publisher else {
             return Ok(());
         };
         let received = publisher
@@ -79,26 +86,25 @@ impl LinkEndpoints {
 
 impl PositionLink for LinkEndpoints {
     fn poll(&mut self) -> Result<Option<Position>, BusError> {
-        let Some((from, subscriber)) = &self.predecessor else {
-            return Ok(None);
-        };
-        loop {
+        while let Some(subscriber) = self.subscribers.get(self.next) {
             match subscriber
                 .receive()
                 .map_err(|e| BusError::failed("position", e))?
             {
-                Some(sample) if sample.from == *from => {
+                Some(sample) if self.hears.binary_search(&sample.from).is_ok() => {
                     return Ok(Some((*sample.payload()).into()));
                 }
                 // Neighbours share a service: this position is for another robot.
                 Some(_) => {}
-                None => return Ok(None),
+                None => self.next += 1,
             }
         }
+        self.next = 0;
+        Ok(None)
     }
 
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
-        if self.successor.is_none() {
+        if self.publisher.is_none() {
             return Ok(position.tick_ns);
         }
         position.sent_ns = self.time.now_ns();

@@ -8,6 +8,7 @@
 
 mod buffer;
 mod fields;
+mod saved;
 mod subscriber;
 mod varint;
 
@@ -18,6 +19,7 @@ use tracing_subscriber::layer::SubscriberExt;
 
 use self::buffer::MAX_CHUNK;
 pub use self::buffer::chunks;
+pub use self::saved::{read_saved, save};
 use self::subscriber::{ThreadTrace, TraceSubscriber, with_thread_trace};
 use crate::clock::WallClock;
 

@@ -6,6 +6,8 @@ use std::path::PathBuf;
 use slipstream_bus::message::RobotIndex;
 use slipstream_hosts::address::{Address, Security};
 
+use crate::program::Programs;
+
 /// The name under which the launcher of such a host leaves why it stopped its agents.
 pub(super) const HOST: &str = "host";
 
@@ -22,6 +24,8 @@ pub(super) struct Away {
     pub(super) run: u64,
     /// The robots of this host.
     pub(super) robots: Vec<RobotIndex>,
+    /// Programs of their agents in place of the built-in controller.
+    pub(super) programs: Programs,
     pub(super) recording: bool,
     pub(super) live: bool,
     pub(super) notice: fn(&str),

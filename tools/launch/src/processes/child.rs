@@ -9,16 +9,17 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
-use slipstream_agents::process::AgentOutcome;
+use rustix::process::{Pid, PidfdFlags, Signal, kill_process_group, pidfd_open};
+use slipstream_agents::process::{AgentOutcome, Arguments};
 use slipstream_hosts::relay::RelayOutcome;
 use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::join::ProcessStatus;
+use slipstream_ipc::report;
 use slipstream_ipc::run_directory::RunDirectory;
 use slipstream_sim::run::process::PlantOutcome;
 
-use super::report;
 use super::silence::Silence;
+use crate::program::Program;
 use crate::recorder::RecorderOutcome;
 use crate::role::Role;
 use crate::summary::Process;
@@ -36,6 +37,8 @@ pub(super) struct ChildProcess {
     pub(super) restarts: u32,
     /// How long it has shown no sign of life.
     pub(super) silence: Silence,
+    /// The command of an agent's own program.
+    program: Option<String>,
     /// When and why the launcher killed it: a verb, and what follows the time.
     killed: Option<(Instant, &'static str, String)>,
 }
@@ -48,6 +51,8 @@ const KILL_TIMEOUT: Duration = Duration::from_secs(2);
 pub(super) struct Start<'a> {
     /// The program that plays the roles.
     pub(super) program: &'a Path,
+    /// The agent's own program, if it has one.
+    pub(super) agent: Option<&'a Program>,
     pub(super) directory: &'a RunDirectory,
     /// The run is recorded.
     pub(super) recording: bool,
@@ -62,15 +67,19 @@ pub(super) struct Start<'a> {
 impl ChildProcess {
     /// Starts a process in the given role. `restarts`: how often it was restarted, 0 at first.
     pub(super) fn spawn(start: Start<'_>, role: Role, restarts: u32) -> std::io::Result<Self> {
-        let mut command = Command::new(start.program);
-        command
-            .arg(role.argument())
-            .arg("--run")
-            .arg(start.directory.folder())
-            .arg("--launcher")
-            .arg(std::process::id().to_string());
+        let folder = start.directory.folder();
+        let mut command = match start.agent {
+            Some(program) => program.command(),
+            None => Command::new(start.program),
+        };
         if let Role::Agent(robot) = role {
-            command.arg("--robot").arg(robot.to_string());
+            let launcher = Some(std::process::id());
+            command.args(Arguments::to_start(folder, robot, launcher));
+        } else {
+            command.arg(role.argument()).arg("--run").arg(folder);
+            command
+                .arg("--launcher")
+                .arg(std::process::id().to_string());
         }
         if restarts > 0 {
             command.arg("--rejoins");
@@ -83,7 +92,12 @@ impl ChildProcess {
             None => Stdio::null(),
         };
         // A process group of its own: Ctrl-C reaches the launcher alone.
-        command.process_group(0).stdin(stdin).stdout(Stdio::null());
+        command.process_group(0).stdin(stdin);
+        // What a program of the user's prints is for the user, beside the messages of the run.
+        command.stdout(match start.agent {
+            Some(_) => std::io::stderr().as_fd().try_clone_to_owned()?.into(),
+            None => Stdio::null(),
+        });
         let mut child = command.spawn()?;
         let pidfd = match pidfd_open(Pid::from_child(&child), PidfdFlags::empty()) {
             Ok(pidfd) => pidfd,
@@ -101,6 +115,7 @@ impl ChildProcess {
             status: None,
             restarts,
             silence: Silence::new(Instant::now()),
+            program: start.agent.map(|program| program.command.clone()),
             killed: None,
         })
     }
@@ -136,9 +151,21 @@ impl ChildProcess {
     pub(super) fn kill(&mut self, verb: &'static str, details: impl Into<String>) {
         if self.is_running() && self.killed.is_none() {
             self.killed = Some((Instant::now(), verb, details.into()));
-            // It may have ended just now.
-            let _ = kill_process(Pid::from_child(&self.child), Signal::KILL);
+            self.kill_group();
         }
+    }
+
+    /// Kills what an agent's own program has started and left.
+    pub(super) fn kill_started(&self) {
+        if self.program.is_some() {
+            self.kill_group();
+        }
+    }
+
+    /// Kills it with all that it has started.
+    fn kill_group(&self) {
+        // It may have ended just now.
+        let _ = kill_process_group(Pid::from_child(&self.child), Signal::KILL);
     }
 
     /// Whether the launcher killed it.
@@ -171,7 +198,11 @@ impl ChildProcess {
     /// Why its end counts as a failure; `None` if it ended as planned. `time_s` is the time of the run.
     pub(super) fn failure(&self, folder: &Path, time_s: f64) -> Option<String> {
         let status = self.status?;
-        let (name, pid) = (self.role.name(), self.child.id());
+        let name = self.role.name();
+        let pid = match &self.program {
+            Some(program) => format!("{}, {program}", self.child.id()),
+            None => self.child.id().to_string(),
+        };
         if let Some((_, verb, details)) = &self.killed {
             return Some(format!(
                 "{name} (pid {pid}) {verb} at {time_s:.3} s{details}"
@@ -186,7 +217,10 @@ impl ChildProcess {
         if !status.success() {
             return Some(match report::read_failure(folder, &name) {
                 Some(reason) => format!("{name} (pid {pid}): {reason}"),
-                None => format!("{name} (pid {pid}) failed at {time_s:.3} s"),
+                None => {
+                    let code = status.code().unwrap_or(1);
+                    format!("{name} (pid {pid}) ended with exit code {code} at {time_s:.3} s")
+                }
             });
         }
         let ended = match self.role {
@@ -201,6 +235,9 @@ impl ChildProcess {
             }),
         };
         match ended {
+            None if self.program.is_some() => Some(format!(
+                "{name} (pid {pid}) ended by itself at {time_s:.3} s: is it the program of an agent?"
+            )),
             Some(ProcessStatus::Failed(reason)) => Some(format!("{name} (pid {pid}): {reason}")),
             _ => None,
         }

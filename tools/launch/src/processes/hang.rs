@@ -3,6 +3,7 @@
 
 use std::time::{Duration, Instant};
 
+use slipstream_bus::message::RobotIndex;
 use slipstream_ipc::wake_page::Stage;
 
 use super::launcher::Run;
@@ -16,6 +17,8 @@ const END_TIMEOUT: Duration = Duration::from_secs(30);
 /// What one more robot adds to these times on a machine with few cores: to start its process, to give it
 /// its turn, and to end it.
 const START_TIME: Duration = Duration::from_millis(50);
+/// What an agent's own program adds to the time to start: an interpreter with its libraries.
+const PROGRAM_START_TIME: Duration = Duration::from_secs(5);
 const TURN_TIME: Duration = Duration::from_millis(20);
 const STOP_TIME: Duration = Duration::from_millis(5);
 
@@ -69,7 +72,13 @@ impl Run<'_> {
         let settings = &self.experiment.settings;
         let watchdog = Duration::from_secs_f64(settings.watchdog_s);
         match (self.wake_page.stage(), role) {
-            (Stage::Starting | Stage::Services, _) => watchdog + START_TIME * settings.robots.count,
+            (Stage::Starting | Stage::Services, _) => {
+                let has_program = |&robot: &RobotIndex| settings.program(robot).is_some();
+                let programs = (0..settings.robots.count).filter(has_program).count();
+                let programs = u32::try_from(programs).unwrap_or(u32::MAX);
+                let libraries = PROGRAM_START_TIME.saturating_mul(programs);
+                watchdog + START_TIME * settings.robots.count + libraries
+            }
             // It writes what is left, without an end in between.
             (Stage::Drained, role) if role.ends_last() => watchdog.max(END_TIMEOUT),
             _ => watchdog + TURN_TIME * settings.robots.count,

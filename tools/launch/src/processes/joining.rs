@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
-use slipstream_bus::message::RobotIndex;
-use slipstream_bus::{Experiment, InputError};
+use slipstream_bus::experiment::EVERY_ROBOT;
+use slipstream_bus::message::{RobotIndex, robot_name};
+use slipstream_bus::{Experiment, InputError, Settings};
 use slipstream_hosts::address::{Address, Security};
 use slipstream_hosts::hello::Hello;
 use slipstream_hosts::network;
@@ -11,6 +12,7 @@ use slipstream_hosts::network;
 use super::away::Away;
 use super::launcher;
 use super::options::LaunchError;
+use crate::program::{Program, Programs};
 use crate::summary::RunStatus;
 
 /// How a host joins the run of another.
@@ -26,6 +28,9 @@ pub struct Joining {
     pub security: Security,
     /// The name of this host.
     pub name: String,
+    /// Programs of agents on this host: the name of a robot, or `*` for all, and a command. What the other host runs is never
+    /// started here.
+    pub agents: Vec<(String, String)>,
     /// Draw a progress line on standard error.
     pub live: bool,
     /// Says what went wrong, as soon as it has.
@@ -64,7 +69,9 @@ pub fn join(joining: &Joining) -> Result<Joined, LaunchError> {
     if welcome.robots.is_empty() || welcome.robots.iter().any(|&robot| robot >= robots) {
         return Err(unusable("names robots that its experiment does not have").into());
     }
+    let programs = programs(&experiment.settings, &welcome.robots, &joining.agents)?;
     let away = Away {
+        programs,
         program: joining.program.clone(),
         address: joining.address.clone(),
         security: joining.security.clone(),
@@ -81,4 +88,31 @@ pub fn join(joining: &Joining) -> Result<Joined, LaunchError> {
         robots: away.robots,
         status,
     })
+}
+
+/// The programs of the agents of this host. A robot that has one in the experiment needs one here.
+fn programs(
+    settings: &Settings,
+    robots: &[RobotIndex],
+    agents: &[(String, String)],
+) -> Result<Programs, InputError> {
+    let mut programs = Programs::new();
+    for &robot in robots {
+        let name = robot_name(robot);
+        let given = agents.iter().rev().find(|(own, _)| *own == name);
+        let given = given.or_else(|| agents.iter().rev().find(|(own, _)| own == EVERY_ROBOT));
+        match (given, settings.program(robot)) {
+            (Some((_, command)), Some(_)) => {
+                let (command, folder) = (command.clone(), PathBuf::new());
+                programs.insert(robot, Program { command, folder });
+            }
+            (None, Some(command)) => {
+                let problem = format!("is missing: the run has {command} for {name}");
+                let remedy = format!("give the program on this host: --agent {name}=PROGRAM");
+                return Err(InputError::new("--agent", problem, remedy));
+            }
+            (_, None) => {}
+        }
+    }
+    Ok(programs)
 }

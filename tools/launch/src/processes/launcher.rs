@@ -12,8 +12,8 @@ use slipstream_bus::experiment::{Clock, OnDeath};
 use slipstream_bus::time::s_from_ns;
 use slipstream_bus::{Experiment, InputError};
 use slipstream_ipc::run_directory::{RunDirectory, RunLock, SHARED_MEMORY, leftovers};
-use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Member, Stage, WakePage};
+use slipstream_ipc::{report, trace};
 use slipstream_recording::output::lock_recording;
 
 use super::away::{Away, HOST};
@@ -22,9 +22,9 @@ use super::guests::Guests;
 use super::options::{LaunchError, Options};
 use super::part::Part;
 use super::progress_line::ProgressLine;
-use super::{belongings, preflight, report, signals};
+use super::{belongings, preflight, signals};
 use crate::recorder;
-use crate::recorder::trace_files::{self, save_trace};
+use crate::recorder::trace_files;
 use crate::resolve::Resolved;
 use crate::role::Role;
 use crate::run_files;
@@ -91,7 +91,12 @@ pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchE
     };
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let begin = Instant::now();
-    let mut run = Run::prepare(experiment, &keys, Part::Home(options), recording)?;
+    let mut run = Run::prepare(
+        experiment,
+        &keys,
+        Part::Home(options, &resolved.programs),
+        recording,
+    )?;
     run.watch(options.live, &mut signals)?;
     let mut summary = run.summarise(options);
     summary.wall_s = begin.elapsed().as_secs_f64();
@@ -196,6 +201,7 @@ impl<'a> Run<'a> {
     fn spawn(&mut self, role: Role, restarts: u32) -> std::io::Result<()> {
         let start = Start {
             program: self.part.program(),
+            agent: self.part.agent(role),
             directory: &self.directory,
             recording: self.part.is_recorded(),
             trace: self.experiment.settings.recording.trace,
@@ -234,7 +240,7 @@ impl<'a> Run<'a> {
         let working = |child: &ChildProcess| !child.role.ends_last() && is_awaited(child);
         if self.drained.is_none() && !self.children.iter().any(working) {
             self.drained = Some(Instant::now());
-            save_trace(self.directory.folder(), "launcher");
+            trace::save(self.directory.folder(), "launcher");
             self.wake_page.advance(Stage::Drained);
         }
         if self.over.is_none() && self.wake_page.stage() >= Stage::Over {
@@ -367,6 +373,8 @@ impl Drop for Run<'_> {
     fn drop(&mut self) {
         self.kill_all("");
         for child in &mut self.children {
+            // What a program has started may outlive it.
+            child.kill_started();
             if child.is_running() && !child.wait_killed() {
                 let name = child.role.name();
                 let state = child.state();

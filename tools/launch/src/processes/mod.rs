@@ -12,7 +12,6 @@ mod outcome;
 mod part;
 mod preflight;
 mod progress_line;
-mod report;
 pub mod roles;
 mod signals;
 mod silence;

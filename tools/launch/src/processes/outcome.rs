@@ -7,11 +7,12 @@ use slipstream_bus::time::{ns_from_s, s_from_ns};
 use slipstream_hosts::hello::RemoteHost;
 use slipstream_hosts::stand_in::StandInOutcome;
 use slipstream_ipc::clock::Deadlines;
+use slipstream_ipc::report;
 use slipstream_sim::run::process::PlantOutcome;
 
+use super::belongings;
 use super::launcher::Run;
 use super::options::Options;
-use super::{belongings, report};
 use crate::role::Role;
 use crate::summary::{DeadlineSummary, Process, ProcessReports, RunStatus, RunSummary};
 
@@ -29,7 +30,7 @@ impl Run<'_> {
             plant: plant.as_ref().map(|plant| plant.report.clone()),
             agents: agents
                 .iter()
-                .map(|agent| agent.as_ref().map(|a| a.report))
+                .map(|agent| agent.as_ref().map(|a| a.report.clone()))
                 .collect(),
         };
         let mut summary = RunSummary::new(self.experiment, &reports);

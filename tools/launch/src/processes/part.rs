@@ -8,13 +8,14 @@ use slipstream_bus::message::RobotIndex;
 
 use super::away::Away;
 use super::options::{Across, Options};
+use crate::program::{Program, Programs};
 use crate::role::Role;
 
 /// The part of a run on this host.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Part<'a> {
     /// Plant and recorder, and the agents that no other host has.
-    Home(&'a Options),
+    Home(&'a Options, &'a Programs),
     /// Agents alone.
     Away(&'a Away),
 }
@@ -24,7 +25,7 @@ impl Part<'_> {
     pub(super) fn roles(self, experiment: &Experiment) -> Vec<Role> {
         let mut roles = Vec::new();
         match self {
-            Self::Home(options) => {
+            Self::Home(options, _) => {
                 let elsewhere = options.robots_elsewhere();
                 roles.push(Role::Plant);
                 roles.extend(options.out.as_ref().map(|_| Role::Recorder));
@@ -44,15 +45,24 @@ impl Part<'_> {
     /// The program that plays the roles.
     pub(super) fn program(&self) -> &Path {
         match self {
-            Self::Home(options) => &options.program,
+            Self::Home(options, _) => &options.program,
             Self::Away(away) => &away.program,
         }
+    }
+
+    /// The own program of a robot's agent, if it has one.
+    pub(super) fn agent(&self, role: Role) -> Option<&Program> {
+        let programs = match self {
+            Self::Home(_, programs) => programs,
+            Self::Away(away) => &away.programs,
+        };
+        programs.get(&role.robot()?)
     }
 
     /// The other hosts of the run, if this is the plant's.
     pub(super) fn across(&self) -> Option<&Across> {
         match self {
-            Self::Home(options) => options.across.as_ref(),
+            Self::Home(options, _) => options.across.as_ref(),
             Self::Away(_) => None,
         }
     }
@@ -60,7 +70,7 @@ impl Part<'_> {
     /// Whether the run is recorded.
     pub(super) fn is_recorded(self) -> bool {
         match self {
-            Self::Home(options) => options.out.is_some(),
+            Self::Home(options, _) => options.out.is_some(),
             Self::Away(away) => away.recording,
         }
     }
@@ -68,8 +78,8 @@ impl Part<'_> {
     /// Arguments of one role alone.
     pub(super) fn arguments(self, role: Role) -> Vec<OsString> {
         match (self, role) {
-            (Self::Home(options), Role::Recorder) => options.recorder_arguments(),
-            (Self::Home(options), Role::StandIn(_)) => options.stand_in_arguments(),
+            (Self::Home(options, _), Role::Recorder) => options.recorder_arguments(),
+            (Self::Home(options, _), Role::StandIn(_)) => options.stand_in_arguments(),
             (Self::Away(away), Role::Relay) => away.relay_arguments(),
             _ => Vec::new(),
         }
@@ -78,7 +88,7 @@ impl Part<'_> {
     /// Says something to the user.
     pub(super) fn say(self, text: &str) {
         match self {
-            Self::Home(options) => (options.notice)(text),
+            Self::Home(options, _) => (options.notice)(text),
             Self::Away(away) => (away.notice)(text),
         }
     }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 use serde::Serialize;
-use slipstream_agents::process as agent;
+use slipstream_agents::{BuiltIn, process as agent};
 use slipstream_bus::transport::BusError;
 use slipstream_hosts::address::{Address, Security};
 use slipstream_hosts::hello::RemoteHost;
@@ -15,13 +15,12 @@ use slipstream_hosts::relay::Relay;
 use slipstream_hosts::stand_in::StandIn;
 use slipstream_ipc::join::ProcessStatus;
 use slipstream_ipc::presence::Parent;
-use slipstream_ipc::trace;
+use slipstream_ipc::{part, report};
 use slipstream_sim::run::process as plant;
 
 use super::away::HOST;
-use super::{belongings, report};
+use super::belongings;
 use crate::recorder;
-use crate::recorder::trace_files::save_trace;
 use crate::role::Role;
 use crate::run_files::read_keys;
 
@@ -34,17 +33,6 @@ use crate::run_files::read_keys;
 enum RoleArguments {
     /// The physics of all robots.
     Plant(Membership),
-    /// The controller of one robot.
-    Agent {
-        #[command(flatten)]
-        membership: Membership,
-        /// The robot, counted from 0.
-        #[arg(long)]
-        robot: u32,
-        /// It replaces an agent that died.
-        #[arg(long)]
-        rejoins: bool,
-    },
     /// The writer of the recording.
     Recorder {
         #[command(flatten)]
@@ -120,8 +108,13 @@ struct Membership {
 }
 
 impl Membership {
-    fn launcher(&self) -> Parent {
-        Parent::of_id(self.launcher)
+    fn as_part(&self) -> part::Membership {
+        part::Membership {
+            run: self.run.clone(),
+            launcher: Parent::of_id(self.launcher),
+            recording: self.recording,
+            trace: self.trace,
+        }
     }
 }
 
@@ -143,43 +136,18 @@ pub fn is_role(arguments: &[OsString]) -> bool {
 /// Runs the process that the arguments describe to its end. Returns whether it wrote a report. `version`: version and
 /// commit of this program, which is the same on all hosts of a run.
 pub fn play(arguments: &[OsString], version: &str) -> bool {
+    if arguments.get(1).is_some_and(|own| own == agent::ROLE) {
+        return agent::run_agent_with(arguments, |context| Ok(BuiltIn::new(context)?)) == 0;
+    }
     let role = match RoleArguments::try_parse_from(arguments) {
         Ok(role) => role,
         // Prints the problem and exits with code 2.
         Err(error) => error.exit(),
     };
-    let membership = role.membership();
-    if let Err(error) = membership.launcher().watch() {
-        leave_problem(&role, &format!("failed to watch the launcher: {error}"));
-        return false;
-    }
-    let filter = match membership.trace.then(trace::filter).transpose() {
-        Ok(filter) => filter,
-        Err(problem) => {
-            leave_problem(&role, &format!("{}: {problem}", trace::VARIABLE));
-            return false;
-        }
-    };
-    let _tracing = filter.map(|filter| trace::begin(&role.name(), filter));
-    let process = tracing::info_span!("process").entered();
-    let played = role.play(version);
-    drop(process);
-    save_trace(&membership.run, &role.name());
-    match played {
-        Ok(()) | Err(BusError::Stopped) => true,
-        Err(error) => {
-            leave_problem(&role, &error.to_string());
-            false
-        }
-    }
-}
-
-/// Leaves a problem for the launcher, which prints it.
-fn leave_problem(role: &RoleArguments, problem: &str) {
-    let folder = &role.membership().run;
-    if report::write_failure(folder, &role.name(), problem).is_err() {
-        print_problem(role, problem);
-    }
+    let membership = role.membership().as_part();
+    part::play(&membership, &role.name(), || {
+        role.play(&membership, version)
+    })
 }
 
 /// Prints a problem. Standard error may be closed.
@@ -188,15 +156,11 @@ fn print_problem(role: &RoleArguments, problem: &str) {
 }
 
 impl RoleArguments {
-    fn play(&self, version: &str) -> Result<(), BusError> {
-        let membership = self.membership();
+    fn play(&self, membership: &part::Membership, version: &str) -> Result<(), BusError> {
         let (run, recording) = (&membership.run, membership.recording);
-        let launcher = membership.launcher();
+        let launcher = membership.launcher;
         match self {
             Self::Plant(_) => self.report(&plant::run(run, launcher, recording)?),
-            Self::Agent { robot, rejoins, .. } => {
-                self.report(&agent::run(run, launcher, *robot, *rejoins, recording)?)
-            }
             Self::Recorder {
                 out, serve, waits, ..
             } => {
@@ -254,7 +218,6 @@ impl RoleArguments {
     fn membership(&self) -> &Membership {
         match self {
             Self::Plant(membership)
-            | Self::Agent { membership, .. }
             | Self::Recorder { membership, .. }
             | Self::Hosts { membership, .. }
             | Self::Relay { membership, .. } => membership,
@@ -265,7 +228,6 @@ impl RoleArguments {
     fn name(&self) -> String {
         match self {
             Self::Plant(_) => Role::Plant.name(),
-            Self::Agent { robot, .. } => Role::Agent(*robot).name(),
             Self::Recorder { .. } => Role::Recorder.name(),
             Self::Hosts { .. } => Role::StandIn(0).name(),
             Self::Relay { .. } => Role::Relay.name(),

@@ -22,16 +22,19 @@ pub struct McapSink {
     failure: Option<slipstream_recording::Error>,
     names: Vec<String>,
     poses: Vec<[f64; 3]>,
-    in_flight: BTreeMap<(RobotIndex, u32), MessageInFlight>,
+    in_flight: BTreeMap<MessageKey, MessageInFlight>,
     records: u64,
     /// Buffer for a trace chunk with its format byte.
     trace: Vec<u8>,
 }
 
+/// A message on a link: sender, receiver, sequence number.
+type MessageKey = (RobotIndex, RobotIndex, u32);
+
 /// A message whose fate is not yet known. Records of sender and receiver arrive in any order.
 #[derive(Debug, Default)]
 struct MessageInFlight {
-    sent: Option<(RobotIndex, Position)>,
+    sent: Option<Position>,
     arrived: Option<Option<i64>>,
     taken: bool,
 }
@@ -88,8 +91,8 @@ impl McapSink {
     /// The first failure of the whole recording.
     pub fn finish(mut self, about: BTreeMap<String, String>) -> slipstream_recording::Result<u64> {
         let rest = std::mem::take(&mut self.in_flight);
-        for ((_, seq), message) in rest {
-            self.write_position(seq, &message);
+        for (key, message) in rest {
+            self.write_position(key, &message);
         }
         if let Some(failure) = self.failure {
             return Err(failure);
@@ -149,22 +152,23 @@ impl McapSink {
             }
             Record::Inner(_) => {}
             Record::Sent { to, position, .. } => {
-                let message = self.message(position.from, position.seq);
-                message.sent = Some((to, position));
-                self.write_if_known(position.from, position.seq);
+                let key = (position.from, to, position.seq);
+                self.message(key).sent = Some(position);
+                self.write_if_known(key);
             }
             Record::Arrived {
                 from,
+                to,
                 seq,
                 available_ns,
                 ..
             } => {
-                self.message(from, seq).arrived = Some(available_ns);
-                self.write_if_known(from, seq);
+                self.message((from, to, seq)).arrived = Some(available_ns);
+                self.write_if_known((from, to, seq));
             }
-            Record::Taken { from, seq, .. } => {
-                self.message(from, seq).taken = true;
-                self.write_if_known(from, seq);
+            Record::Taken { from, to, seq, .. } => {
+                self.message((from, to, seq)).taken = true;
+                self.write_if_known((from, to, seq));
             }
         }
         Ok(())
@@ -193,22 +197,22 @@ impl McapSink {
         Ok(())
     }
 
-    fn message(&mut self, from: RobotIndex, seq: u32) -> &mut MessageInFlight {
-        self.in_flight.entry((from, seq)).or_default()
+    fn message(&mut self, key: MessageKey) -> &mut MessageInFlight {
+        self.in_flight.entry(key).or_default()
     }
 
     /// Writes the message if its fate is known.
-    fn write_if_known(&mut self, from: RobotIndex, seq: u32) {
-        let known = self.in_flight.get(&(from, seq)).is_some_and(|message| {
+    fn write_if_known(&mut self, key: MessageKey) {
+        let known = self.in_flight.get(&key).is_some_and(|message| {
             message.sent.is_some() && (message.taken || message.arrived == Some(None))
         });
-        if known && let Some(message) = self.in_flight.remove(&(from, seq)) {
-            self.write_position(seq, &message);
+        if known && let Some(message) = self.in_flight.remove(&key) {
+            self.write_position(key, &message);
         }
     }
 
-    fn write_position(&mut self, seq: u32, message: &MessageInFlight) {
-        let Some((to, position)) = message.sent else {
+    fn write_position(&mut self, (_, to, seq): MessageKey, message: &MessageInFlight) {
+        let Some(position) = message.sent else {
             return;
         };
         let name = |robot: RobotIndex| self.names.get(robot as usize).map_or("?", String::as_str);

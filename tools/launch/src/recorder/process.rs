@@ -18,7 +18,6 @@ use slipstream_ipc::wake_page::{Member, Stage, WakePage};
 use super::mcap_sink::McapSink;
 use super::merge::{Merge, SILENCE};
 use super::served::Served;
-use super::trace_files::read_traces;
 use crate::run_files::read_keys;
 
 /// Sleep when no record arrives.
@@ -71,7 +70,7 @@ pub(crate) fn run(
     let failure = receive_all(&joined, &receiver, &mut merge)
         .err()
         .map(|error| error.to_string());
-    for trace in read_traces(&joined.directory) {
+    for trace in trace::read_saved(&joined.directory) {
         joined.presence.show();
         trace::chunks(&trace, |t_ns, bytes| merge.sink.trace(t_ns, bytes));
     }

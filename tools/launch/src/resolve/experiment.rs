@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use slipstream_bus::experiment::Clock;
-use slipstream_bus::{Experiment, InputError};
+use slipstream_bus::experiment::{Clock, EVERY_ROBOT};
+use slipstream_bus::message::robot_name;
+use slipstream_bus::{Experiment, InputError, Settings};
 use toml::Value;
 
 use super::key_tree::{BUILT_IN, KeyTree};
 use super::request::{Origin, Request, Resolved};
 use super::robots::{check, robots};
 use super::{keys, round_trips};
+use crate::program::{Program, Programs};
 
 /// Resolves a request: a built-in experiment, a file over it, arguments over both.
 ///
@@ -20,6 +22,11 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     for (key, value) in &request.set {
         let argument = Origin::Argument(format!("--set {key}={value}"));
         tree.set(key, keys::parse_value(value), &argument)?;
+    }
+    for (name, program) in &request.agents {
+        let argument = Origin::Argument(format!("--agent {name}={program}"));
+        let key = format!("agents.{name}");
+        tree.set(&key, Value::String(program.clone()), &argument)?;
     }
     if let Some(robots) = request.robots {
         let argument = Origin::Argument(format!("--robots {robots}"));
@@ -68,10 +75,24 @@ pub fn resolve(request: &Request) -> Result<Resolved, InputError> {
     };
     check(&experiment, &request.models)?;
     Ok(Resolved {
+        programs: programs(&experiment.settings, &tree),
         experiment,
         keys: tree.listing(),
         assumptions: tree.assumptions(),
     })
+}
+
+/// The programs of agents, each started in the folder of the file that names it.
+fn programs(settings: &Settings, tree: &KeyTree) -> Programs {
+    let program = |robot| {
+        let command = settings.program(robot)?.to_owned();
+        let own = robot_name(robot);
+        let named = settings.agents.contains_key(&own);
+        let key = format!("agents.{}", if named { &own } else { EVERY_ROBOT });
+        let folder = tree.path(&key, "");
+        Some((robot, Program { command, folder }))
+    };
+    (0..settings.robots.count).filter_map(program).collect()
 }
 
 /// A built-in experiment, or a file applied to the built-in experiment that it names as its base.

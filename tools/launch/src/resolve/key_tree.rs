@@ -103,19 +103,25 @@ impl KeyTree {
         origin: &Origin,
     ) -> Result<(), InputError> {
         let place = || origin.to_string();
-        let before = keys::find(&self.table, key).ok_or_else(|| {
-            let remedy = self.suggest(key);
-            InputError::new(place(), format!("{key} is not a key"), remedy)
-        })?;
-        let value = keys::fit(before, value).map_err(|expected| {
-            InputError::new(
-                place(),
-                format!("{key} is not a {expected}"),
-                format!("give a {expected}"),
-            )
-        })?;
+        let value = match keys::find(&self.table, key) {
+            // Its type knows more forms than one.
+            Some(_) if key == "links.topology" => value,
+            Some(before) => keys::fit(before, value).map_err(|expected| {
+                InputError::new(
+                    place(),
+                    format!("{key} is not a {expected}"),
+                    format!("give a {expected}"),
+                )
+            })?,
+            None if keys::is_open(key) => value,
+            None => {
+                let remedy = self.suggest(key);
+                let problem = format!("{key} is not a key");
+                return Err(InputError::new(place(), problem, remedy));
+            }
+        };
         let mut table = self.table.clone();
-        keys::replace(&mut table, key, value);
+        keys::put(&mut table, key, value);
         Settings::deserialize(table.clone()).map_err(|error| {
             let reason = error
                 .message()

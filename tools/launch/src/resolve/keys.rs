@@ -145,15 +145,23 @@ pub(crate) fn find<'a>(table: &'a Table, key: &str) -> Option<&'a Value> {
     }
 }
 
-/// Replaces the value of an existing dotted key.
-pub(crate) fn replace(table: &mut Table, key: &str, value: Value) {
+/// Whether a key is one of those whose names the user chooses: `agents.NAME`, `controller.NAME.PARAMETER`.
+pub(crate) fn is_open(key: &str) -> bool {
+    let parts: Vec<&str> = key.split('.').collect();
+    let named = !parts.iter().any(|part| part.is_empty());
+    named && matches!(parts.as_slice(), ["agents", _] | ["controller", _, _])
+}
+
+/// Sets the value of a dotted key.
+pub(crate) fn put(table: &mut Table, key: &str, value: Value) {
     match key.split_once('.') {
         None => {
             table.insert(key.to_owned(), value);
         }
         Some((first, rest)) => {
-            if let Some(Value::Table(inner)) = table.get_mut(first) {
-                replace(inner, rest, value);
+            let inner = table.entry(first).or_insert(Value::Table(Table::new()));
+            if let Value::Table(inner) = inner {
+                put(inner, rest, value);
             }
         }
     }

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use slipstream_bus::Experiment;
 use slipstream_bus::experiment::Clock;
 
+use crate::program::Programs;
+
 /// Request for an experiment, as the command line gives it.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
@@ -16,6 +18,8 @@ pub struct Request {
     pub robots: Option<u32>,
     /// Robot models: for all robots (`None`), or for the named one.
     pub models: Vec<(Option<String>, PathBuf)>,
+    /// Programs of agents: the name of a robot, or `*` for all, and a command (`--agent NAME=PROGRAM`).
+    pub agents: Vec<(String, String)>,
     /// Keys and values (`--set KEY=VALUE`).
     pub set: Vec<(String, String)>,
     /// The clock.
@@ -31,6 +35,8 @@ pub struct Resolved {
     pub experiment: Experiment,
     /// Every key with its value as TOML and its origin, in order.
     pub keys: Vec<(String, String, Origin)>,
+    /// Programs of agents in place of the built-in controller.
+    pub programs: Programs,
     /// Assumptions of the experiment, by name.
     pub assumptions: Vec<Assumption>,
 }
@@ -55,6 +61,8 @@ pub enum Origin {
     File(PathBuf, usize),
     /// A command-line argument, as it was given.
     Argument(String),
+    /// The program of an agent, by its command: a default of its controller.
+    Program(String),
 }
 
 impl std::fmt::Display for Origin {
@@ -63,6 +71,7 @@ impl std::fmt::Display for Origin {
             Self::BuiltIn(name) => write!(f, "built in ({name})"),
             Self::File(path, line) => write!(f, "{}:{line}", path.display()),
             Self::Argument(argument) => write!(f, "{argument}"),
+            Self::Program(command) => write!(f, "default of {command}"),
         }
     }
 }
@@ -70,7 +79,8 @@ impl std::fmt::Display for Origin {
 impl Resolved {
     /// Every key with its value and, as a comment, its origin; as TOML.
     pub fn to_toml(&self) -> String {
-        let width = |(key, value, _): &(String, String, Origin)| key.len() + value.len() + 3;
+        let width =
+            |(key, value, _): &(String, String, Origin)| quoted(key).len() + value.len() + 3;
         let column = self
             .keys
             .iter()
@@ -81,9 +91,10 @@ impl Resolved {
         let mut text = String::new();
         for entry in &self.keys {
             let (key, value, origin) = entry;
+            let key_text = quoted(key);
             let gap = " ".repeat(column.saturating_sub(width(entry)));
             // Writing to a string cannot fail.
-            let _ = write!(text, "{key} = {value}{gap}  # {}", comment(origin));
+            let _ = write!(text, "{key_text} = {value}{gap}  # {}", comment(origin));
             // A value given on the command line is no assumption.
             let given = matches!(origin, Origin::Argument(_));
             let own = |assumption: &&Assumption| !given && assumption.keys.contains_key(key);
@@ -98,6 +109,16 @@ impl Resolved {
         }
         text
     }
+}
+
+/// A dotted key as TOML has it: a part with other characters than letters, digits, - and _ needs quotes.
+fn quoted(key: &str) -> String {
+    let is_bare = |own: char| own.is_ascii_alphanumeric() || own == '-' || own == '_';
+    let part = |part: &str| match !part.is_empty() && part.chars().all(is_bare) {
+        true => part.to_owned(),
+        false => toml::Value::from(part).to_string(),
+    };
+    key.split('.').map(part).collect::<Vec<_>>().join(".")
 }
 
 /// The text as a part of a TOML comment, which is one line without control characters.

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use slipstream_agents::Node;
+use slipstream_agents::{AgentContext, Node, Paper};
 use slipstream_bus::experiment::Settings;
-use slipstream_bus::message::robot_name;
+use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::{Experiment, InputError, RobotModel, RobotSetup};
 use slipstream_recording::robot_file;
 
@@ -68,9 +68,18 @@ pub(super) fn check(
     };
     slipstream_sim::run::world(experiment).map_err(|error| located(None, error))?;
     for (index, robot) in (0..).zip(&experiment.robots) {
-        Node::new(experiment, index).map_err(|error| located(Some(&robot.name), error))?;
+        node(experiment, index).map_err(|error| located(Some(&robot.name), error))?;
     }
     Ok(())
+}
+
+/// Builds the agent of a robot. The controller of one with a program is built by that program.
+fn node(experiment: &Experiment, index: RobotIndex) -> Result<(), InputError> {
+    if experiment.settings.program(index).is_none() {
+        return Node::new(experiment, index).map(|_| ());
+    }
+    let context = AgentContext::new(experiment, index)?;
+    Node::with(experiment, index, Paper::new(&context)).map(|_| ())
 }
 
 fn read_model(path: &Path) -> Result<RobotModel, InputError> {

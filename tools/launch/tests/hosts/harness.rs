@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread::{self, Scope, ScopedJoinHandle};
 use std::time::Duration;
 
-use slipstream_agents::NodeReport;
 use slipstream_agents::process as agent;
+use slipstream_agents::{AgentContext, BuiltIn, NodeReport};
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::{Experiment, RobotModel, Settings};
 use slipstream_hosts::carrier::{HostCarrier, PlantCarrier};
@@ -15,6 +15,7 @@ use slipstream_hosts::hello::RemoteHost;
 use slipstream_hosts::relay::Relay;
 use slipstream_hosts::stand_in::{StandIn, StandInOutcome};
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
+use slipstream_ipc::part::Membership;
 use slipstream_ipc::presence::Parent;
 use slipstream_ipc::record_pipe::RecordReceiver;
 use slipstream_ipc::run_directory::{RunDirectory, RunLock};
@@ -64,10 +65,16 @@ impl Host {
         recording: bool,
     ) -> Vec<(RobotIndex, ScopedJoinHandle<'scope, NodeReport>)> {
         let start = |&robot: &RobotIndex| {
-            let folder = self.folder();
+            let membership = Membership {
+                run: self.folder().to_owned(),
+                launcher: Parent::now(),
+                recording,
+                trace: recording,
+            };
             let run = move || {
                 let _trace = recording.then(|| traced(&robot_name(robot)));
-                agent::run(folder, Parent::now(), robot, false, recording).unwrap()
+                let made = |context: &AgentContext<'_>| Ok(BuiltIn::new(context)?);
+                agent::run(&membership, robot, false, made).unwrap()
             };
             (robot, scope.spawn(move || run().report))
         };

@@ -387,8 +387,8 @@ fn on_the_wall_clock_encoders_torques_and_positions_cross() {
             assert!(distance_m(robot, start_m) > 0.1, "{:?}", outcome.report);
         }
         for link in 0..2 {
-            let (_, sent) = reports[link].sent.unwrap();
-            let received = reports[link + 1].received.unwrap().1.received;
+            let (_, sent) = reports[link].sent[0];
+            let received = reports[link + 1].received[0].1.received;
             // The last ones may be under way at the end.
             let least = if weather.loses == 0 {
                 sent - 2
@@ -443,7 +443,7 @@ fn on_the_wall_clock_the_trace_has_clocks_and_crossings_of_all_hosts() {
     let names: Vec<&str> = clocks.keys().map(String::as_str).collect();
     assert_eq!(names, ["b", "c"]);
     for (robot, report) in reports.iter().enumerate() {
-        let counts = report.received.unwrap().1;
+        let counts = report.received[0].1;
         assert_eq!(received[robot], counts.received, "no record is lost");
         // A position that comes after the last tick crosses, but no agent takes it.
         assert!(

@@ -89,7 +89,7 @@ impl RunResult {
             .clone()
             .filter_map(|robot| robot.max_spacing_error_m)
             .collect();
-        let received = reports.agents.iter().filter_map(|agent| agent.received);
+        let received = reports.agents.iter().flat_map(|agent| &agent.received);
         let mut run = Self {
             max_desired_m_s: recorder.max_desired_m_s(),
             bound_m_s: 0.0,
@@ -104,8 +104,8 @@ impl RunResult {
             sent: reports
                 .agents
                 .iter()
-                .filter_map(|agent| agent.sent)
-                .map(|(_, sent)| sent)
+                .flat_map(|agent| &agent.sent)
+                .map(|&(_, sent)| sent)
                 .sum(),
             lost: received.map(|(_, counts)| counts.lost).sum(),
         };

@@ -1,6 +1,4 @@
-//! Process of one agent: runs its node over shared memory, in lockstep or on the wall clock.
-
-use std::path::Path;
+//! Work of the process of an agent: runs its node over shared memory, in lockstep or on the wall clock.
 
 use slipstream_bus::message::{Encoders, RobotIndex, robot_name};
 use slipstream_bus::record::{EventKind, Record, Recorder};
@@ -9,12 +7,14 @@ use slipstream_bus::transport::BusError;
 use slipstream_ipc::clock::{Deadlines, RealTime, WallClock};
 use slipstream_ipc::endpoints::AgentEndpoint;
 use slipstream_ipc::join::{JoinedRun, ProcessStatus};
-use slipstream_ipc::presence::Parent;
+use slipstream_ipc::part::Membership;
 use slipstream_ipc::record_pipe::RecordSender;
 use slipstream_ipc::services::AGENT_CHUNK;
 use slipstream_ipc::trace;
 use slipstream_ipc::wake_page::{Member, Stage};
 
+use super::panics;
+use crate::controller::{AgentContext, Controller, ControllerError};
 use crate::node::{Node, NodeReport};
 
 /// Real-time priority of an agent. That of the plant is higher.
@@ -38,29 +38,29 @@ pub struct AgentOutcome {
 }
 
 /// The process of an agent that has joined its run.
-struct Process {
+struct Process<C> {
     joined: JoinedRun,
-    node: Node,
+    node: Node<C>,
     endpoint: AgentEndpoint,
     records: RecordSender,
     robot: RobotIndex,
 }
 
-/// Runs the agent of `robot` in the run in `folder` to the end. With `rejoins` it continues from
-/// the checkpoint of an agent that died.
+/// Runs the agent of `robot` with the controller that `make` makes to the end. With `rejoins` it continues from the checkpoint of
+/// an agent that died.
 ///
 /// # Errors
-/// The process cannot join the run.
-pub fn run(
-    folder: &Path,
-    launcher: Parent,
+/// The process cannot join the run, or the controller cannot be made.
+pub fn run<C: Controller>(
+    membership: &Membership,
     robot: RobotIndex,
     rejoins: bool,
-    recording: bool,
+    make: impl FnOnce(&AgentContext<'_>) -> Result<C, ControllerError>,
 ) -> Result<AgentOutcome, BusError> {
-    let joined = JoinedRun::new(folder, Member::Agent(robot as usize), launcher)?;
-    let mut node = Node::new(&joined.experiment, robot).map_err(|error| BusError::Failed {
-        what: robot_name(robot),
+    let member = Member::Agent(robot as usize);
+    let joined = JoinedRun::new(&membership.run, member, membership.launcher)?;
+    let mut node = node(&joined, robot, make).map_err(|error| BusError::Failed {
+        what: "its controller cannot be made".to_owned(),
         reason: error.to_string(),
     })?;
     let services = joined.services(&robot_name(robot))?;
@@ -72,7 +72,14 @@ pub fn run(
     }
     let presence = joined.presence.clone();
     let endpoint = AgentEndpoint::new(&services, presence.clone(), robot)?;
-    let records = RecordSender::new(&services, presence, robot + 1, AGENT_CHUNK, recording)?;
+    let source = robot + 1;
+    let records = RecordSender::new(
+        &services,
+        presence,
+        source,
+        AGENT_CHUNK,
+        membership.recording,
+    )?;
     joined.wake_page().signal_ready();
     let lockstep = services.lockstep();
     let mut process = Process {
@@ -89,7 +96,19 @@ pub fn run(
     }
 }
 
-impl Process {
+/// The node of a robot with the controller that `make` makes.
+fn node<C: Controller>(
+    joined: &JoinedRun,
+    robot: RobotIndex,
+    make: impl FnOnce(&AgentContext<'_>) -> Result<C, ControllerError>,
+) -> Result<Node<C>, ControllerError> {
+    let context = AgentContext::new(&joined.experiment, robot)?;
+    let controller = make(&context)?;
+    context.declared()?;
+    Ok(Node::with(&joined.experiment, robot, controller)?)
+}
+
+impl<C: Controller> Process<C> {
     /// Runs in virtual time.
     fn run_lockstep(&mut self) -> Result<AgentOutcome, BusError> {
         let schedule = self.joined.experiment.settings.schedule();
@@ -101,6 +120,7 @@ impl Process {
     fn answer_rounds(&mut self, schedule: Schedule) -> Result<(), BusError> {
         while let Some(round) = self.endpoint.next_round()? {
             trace::set_virtual_time(round.now_ns);
+            panics::note_time(round.now_ns);
             let due = schedule.due(round.now_ns);
             let (links, records) = (self.endpoint.links(), &mut self.records);
             let command = self
@@ -176,6 +196,7 @@ impl Process {
             if let Some(newest) = self.endpoint.newest_encoders()? {
                 encoders = newest;
             }
+            panics::note_time(tick_ns);
             let due = schedule.due(tick_ns);
             let links = self.endpoint.links();
             let command = self

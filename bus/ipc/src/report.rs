@@ -11,7 +11,7 @@ use slipstream_bus::transport::BusError;
 ///
 /// # Errors
 /// When it cannot be written, unless the launcher has already removed the directory.
-pub(super) fn write(folder: &Path, name: &str, report: &impl Serialize) -> Result<(), BusError> {
+pub fn write(folder: &Path, name: &str, report: &impl Serialize) -> Result<(), BusError> {
     let bytes = postcard::to_allocvec(report).map_err(|e| BusError::failed("report", e))?;
     let partial = folder.join(format!("report-{name}.partial"));
     match std::fs::write(&partial, bytes)
@@ -26,12 +26,12 @@ pub(super) fn write(folder: &Path, name: &str, report: &impl Serialize) -> Resul
 ///
 /// # Errors
 /// As [`write`].
-pub(super) fn write_failure(folder: &Path, name: &str, reason: &str) -> Result<(), BusError> {
+pub fn write_failure(folder: &Path, name: &str, reason: &str) -> Result<(), BusError> {
     write(folder, &failure_of(name), &reason)
 }
 
 /// Why the process `name` could not do its work, if it said so.
-pub(super) fn read_failure(folder: &Path, name: &str) -> Option<String> {
+pub fn read_failure(folder: &Path, name: &str) -> Option<String> {
     read(folder, &failure_of(name))
 }
 
@@ -40,7 +40,7 @@ fn failure_of(name: &str) -> String {
 }
 
 /// Reads the report of the process `name`; `None` if it ended without one.
-pub(super) fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
+pub fn read<T: DeserializeOwned>(folder: &Path, name: &str) -> Option<T> {
     let bytes = std::fs::read(folder.join(format!("report-{name}"))).ok()?;
     postcard::from_bytes(&bytes).ok()
 }

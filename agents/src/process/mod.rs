@@ -1,0 +1,12 @@
+//! Process of one agent: [`run_agent`] is the whole `main` of a program with a controller of its own.
+
+mod agent_process;
+mod arguments;
+mod describe;
+mod panics;
+mod program;
+
+pub use self::agent_process::{AgentOutcome, run};
+pub use self::arguments::{Arguments, Task};
+pub use self::describe::{Description, Problem};
+pub use self::program::{ROLE, run_agent, run_agent_with};

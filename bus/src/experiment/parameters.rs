@@ -1,0 +1,177 @@
+//! Tables `[agents]` and `[controller]`: programs in place of the built-in controller, and their parameters.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::settings::Settings;
+use crate::message::{RobotIndex, robot_name};
+
+/// The name that stands for all robots.
+pub const EVERY_ROBOT: &str = "*";
+
+/// Parameters of a controller, by name.
+pub type Parameters = BTreeMap<String, ParameterValue>;
+
+/// The value of a parameter of a controller.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ParameterValue {
+    /// A truth value.
+    Bool(bool),
+    /// A whole number.
+    Integer(i64),
+    /// A number.
+    Number(f64),
+    /// A text.
+    Text(String),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+}
+
+impl Settings {
+    /// The program that controls a robot; `None`: the built-in controller.
+    pub fn program(&self, robot: RobotIndex) -> Option<&str> {
+        let own = self.agents.get(&robot_name(robot));
+        let program = own.or_else(|| self.agents.get(EVERY_ROBOT))?.trim();
+        Some(program).filter(|program| !program.is_empty())
+    }
+
+    /// The parameters that the experiment gives to the controller of a robot.
+    pub fn parameters(&self, robot: RobotIndex) -> Parameters {
+        let tables = [EVERY_ROBOT.to_owned(), robot_name(robot)];
+        let given = tables.iter().filter_map(|name| self.controller.get(name));
+        let mut parameters = Parameters::new();
+        for table in given {
+            parameters.extend(table.clone());
+        }
+        parameters
+    }
+}
+
+/// In postcard every value carries its kind; TOML and JSON show it by the value itself.
+#[derive(Serialize, Deserialize)]
+enum Tagged {
+    Bool(bool),
+    Integer(i64),
+    Number(f64),
+    Text(String),
+    Numbers(Vec<f64>),
+}
+
+impl Serialize for ParameterValue {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if !serializer.is_human_readable() {
+            let tagged = match self.clone() {
+                Self::Bool(value) => Tagged::Bool(value),
+                Self::Integer(value) => Tagged::Integer(value),
+                Self::Number(value) => Tagged::Number(value),
+                Self::Text(value) => Tagged::Text(value),
+                Self::Numbers(values) => Tagged::Numbers(values),
+            };
+            return tagged.serialize(serializer);
+        }
+        match self {
+            Self::Bool(value) => serializer.serialize_bool(*value),
+            Self::Integer(value) => serializer.serialize_i64(*value),
+            Self::Number(value) => serializer.serialize_f64(*value),
+            Self::Text(value) => serializer.serialize_str(value),
+            Self::Numbers(values) => serializer.collect_seq(values),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ParameterValue {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            return deserializer.deserialize_any(AnyValue);
+        }
+        Ok(match Tagged::deserialize(deserializer)? {
+            Tagged::Bool(value) => Self::Bool(value),
+            Tagged::Integer(value) => Self::Integer(value),
+            Tagged::Number(value) => Self::Number(value),
+            Tagged::Text(value) => Self::Text(value),
+            Tagged::Numbers(values) => Self::Numbers(values),
+        })
+    }
+}
+
+struct AnyValue;
+
+impl<'de> Visitor<'de> for AnyValue {
+    type Value = ParameterValue;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number, true or false, a text, or a list of numbers")
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<ParameterValue, E> {
+        Ok(ParameterValue::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<ParameterValue, E> {
+        Ok(ParameterValue::Integer(value))
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, value: u64) -> Result<ParameterValue, E> {
+        let whole = i64::try_from(value).map_err(|_| E::custom("is too large"))?;
+        Ok(ParameterValue::Integer(whole))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<ParameterValue, E> {
+        Ok(ParameterValue::Number(value))
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<ParameterValue, E> {
+        Ok(ParameterValue::Text(value.to_owned()))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<ParameterValue, A::Error> {
+        let mut numbers = Vec::new();
+        while let Some(number) = items.next_element()? {
+            numbers.push(number);
+        }
+        Ok(ParameterValue::Numbers(numbers))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robots_own_entries_come_before_those_for_all() {
+        let mut settings = Settings::default();
+        let program = |text: &str| text.to_owned();
+        settings.agents.insert(program("*"), program("./a"));
+        settings.agents.insert(program("r1"), String::new());
+        assert_eq!(settings.program(0), None);
+        assert_eq!(settings.program(1), Some("./a"));
+        let table = |gain: f64, name: &str| {
+            Parameters::from([(name.to_owned(), ParameterValue::Number(gain))])
+        };
+        settings.controller.insert(program("*"), table(1.0, "gain"));
+        settings
+            .controller
+            .insert(program("r2"), table(2.0, "gain"));
+        assert_eq!(settings.parameters(1), table(2.0, "gain"));
+        assert_eq!(settings.parameters(2), table(1.0, "gain"));
+    }
+
+    #[test]
+    fn a_value_keeps_its_kind_in_bytes() {
+        let values = vec![
+            ParameterValue::Bool(true),
+            ParameterValue::Integer(-3),
+            ParameterValue::Number(3.0),
+            ParameterValue::Text("x".to_owned()),
+            ParameterValue::Numbers(vec![1.0, 2.5]),
+        ];
+        let bytes = postcard::to_allocvec(&values).unwrap();
+        assert_eq!(
+            postcard::from_bytes::<Vec<ParameterValue>>(&bytes).unwrap(),
+            values
+        );
+    }
+}
