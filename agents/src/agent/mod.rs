@@ -145,43 +145,15 @@ impl<C: Controller> Agent<C> {
         encoders: &Encoders,
     ) -> Result<OuterTick, ControllerError> {
         self.odometry.update(encoders.counts, &self.geometry);
-        let references = self.reference.at(now_ns, &self.settings);
-        let reference = references.reference;
+        let References { reference, profile } = self.reference.at(now_ns, &self.settings);
         let reference_axle = reference.pose.ahead(-self.geometry.d);
         let error = tracking_error(self.odometry.axle(), reference_axle);
-        let mut desired = self.desired(now_ns, &references, error)?;
-        let (control, last_v) = (&self.settings.control, self.outer.desired[0]);
-        self.watchdog
-            .check(now_ns, self.follows, last_v, control, &mut desired);
-        self.max_desired_m_s = self.max_desired_m_s.max(desired.v.abs());
-        self.outer = OuterTick {
-            t_ns: now_ns,
-            sampled_ns: encoders.sampled_ns,
-            robot: self.robot,
-            pose: self.pose(),
-            velocity: self.geometry.twist(self.wheel_speed),
-            reference: reference.pose.to_array(),
-            reference_velocity: reference.velocity,
-            error,
-            desired: [desired.v, desired.w],
-            set_point_rad_s: self.set_points(&desired),
-            message: reference.message,
-        };
-        Ok(self.outer)
-    }
-
-    /// What the controller desires.
-    fn desired(
-        &mut self,
-        now_ns: i64,
-        References { reference, profile }: &References,
-        error: [f64; 3],
-    ) -> Result<DesiredTwist, ControllerError> {
+        let (pose, velocity) = (self.pose(), self.geometry.twist(self.wheel_speed));
         let input = OuterInput {
             t_s: s_from_ns(now_ns),
             period_s: self.settings.control.outer_period_s,
-            pose: self.odometry.centre_of_mass(&self.geometry).to_array(),
-            velocity: self.geometry.twist(self.wheel_speed),
+            pose,
+            velocity,
             reference: reference.pose.to_array(),
             reference_velocity: reference.velocity,
             error,
@@ -190,19 +162,29 @@ impl<C: Controller> Agent<C> {
             coordinates: now_ns >= ns_from_s(self.settings.formation.start_s),
             heard: &self.heard,
         };
-        let desired = self.controller.outer(&input)?;
-        let DesiredTwist { v, w } = desired;
-        if !(v.is_finite() && w.is_finite()) {
-            return Err(format!("it gave v = {v} m/s, w = {w} rad/s").into());
-        }
-        self.extra = self.controller.message();
-        if let Some(number) = self.extra.numbers().iter().find(|own| !own.is_finite()) {
-            return Err(format!("its message has the number {number}").into());
-        }
+        let mut desired = desired(&mut self.controller, &input)?;
+        self.extra = extra(&self.controller)?;
         for own in &mut self.heard {
             own.fresh = false;
         }
-        Ok(desired)
+        let (control, last_v) = (&self.settings.control, self.outer.desired[0]);
+        self.watchdog
+            .check(now_ns, self.follows, last_v, control, &mut desired);
+        self.max_desired_m_s = self.max_desired_m_s.max(desired.v.abs());
+        self.outer = OuterTick {
+            t_ns: now_ns,
+            sampled_ns: encoders.sampled_ns,
+            robot: self.robot,
+            pose,
+            velocity,
+            reference: reference.pose.to_array(),
+            reference_velocity: reference.velocity,
+            error,
+            desired: [desired.v, desired.w],
+            set_point_rad_s: self.set_points(&desired),
+            message: reference.message,
+        };
+        Ok(self.outer)
     }
 
     /// One tick of the inner loop: wheel speeds, torque limits, the controller's torques.
@@ -391,6 +373,28 @@ impl<C: Controller> Agent<C> {
             wanted_nm: [wanted_nm; 2],
             torque_nm: limit_nm.map(|limit| wanted_nm.clamp(-limit, limit)),
         }
+    }
+}
+
+/// What the controller desires.
+fn desired(
+    controller: &mut impl Controller,
+    input: &OuterInput<'_>,
+) -> Result<DesiredTwist, ControllerError> {
+    let desired = controller.outer(input)?;
+    let DesiredTwist { v, w } = desired;
+    match v.is_finite() && w.is_finite() {
+        true => Ok(desired),
+        false => Err(format!("it gave v = {v} m/s, w = {w} rad/s").into()),
+    }
+}
+
+/// What the controller adds to the robot's messages.
+fn extra(controller: &impl Controller) -> Result<Extra, ControllerError> {
+    let extra = controller.message();
+    match extra.numbers().iter().find(|own| !own.is_finite()) {
+        None => Ok(extra),
+        Some(number) => Err(format!("its message has the number {number}").into()),
     }
 }
 

@@ -92,6 +92,11 @@ impl InnerInput<'_> {
         torques
     }
 
+    /// Takes back the step of the speed loops in this tick, as if [`Self::paper`] had not been called.
+    pub fn discard(&self) {
+        self.stepped.set(None);
+    }
+
     /// Torques of the controller's own (N m) within the limits.
     pub fn limited(&self, wanted_nm: [f64; 2]) -> WheelTorques {
         let limited = |i: usize| wanted_nm[i].max(-self.limit_nm[i]).min(self.limit_nm[i]);

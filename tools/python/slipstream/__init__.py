@@ -9,7 +9,7 @@
 Names, units and meanings are those of the JSON that the command `slipstream` writes.
 """
 
-from ._slipstream import Failed, InputError, __version__
+from ._slipstream import Context, Failed, Heard, InnerInput, InputError, OuterInput, __version__
 from .answers import (
     Budget,
     Channel,
@@ -30,18 +30,24 @@ from .answers import (
     Where,
 )
 from .commands import diagnose, effects, run, study, trace
+from .controller import Controller, run_agent
 from .recording import Recording
 
 __all__ = [
     "Budget",
     "Channel",
+    "Context",
+    "Controller",
     "Detectable",
     "Diagnosis",
     "Evidence",
     "Failed",
     "Finding",
+    "Heard",
     "HeldOut",
+    "InnerInput",
     "InputError",
+    "OuterInput",
     "Outliers",
     "Parameter",
     "Part",
@@ -57,6 +63,7 @@ __all__ = [
     "diagnose",
     "effects",
     "run",
+    "run_agent",
     "study",
     "trace",
 ]

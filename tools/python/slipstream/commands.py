@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 
 from . import _slipstream
 from .answers import Diagnosis, Run, Study, Trace
+from .controller import Made
 from .recording import Recording, Robot, model_text
 
 if TYPE_CHECKING:
@@ -89,11 +90,15 @@ def run(
     set: Optional[Mapping[str, Any]] = None,
     seed: Optional[int] = None,
     out: Optional[Union[str, "PathLike[str]"]] = None,
+    controllers: Optional[Mapping[str, Made]] = None,
 ) -> Run:
     """Runs an experiment on the virtual clock, in this process: a built-in one ("platoon" without a name) or a TOML file.
 
     `set` gives keys of the experiment, such as `{"links.delay_s": 0.1}`. `robot` is the path of a robot.toml, a URDF or
     the YAML of a diff_drive_controller, or such paths by the names of the robots. The recording is written to `out`; without it, it is only in memory, as `data`.
+
+    `controllers` has controllers of your own by the names of the robots, and under "*" a class or function that makes one for every
+    other robot. An exception in one of them ends the run: `Failed` tells the robot and the time of the run, and has the exception as its cause.
     """
     models: List[Tuple[Optional[str], str]] = []
     if isinstance(robot, Mapping):
@@ -103,7 +108,7 @@ def run(
     keys = [(key, _key(value)) for key, value in (set or {}).items()]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "run.mcap" if out is None else Path(fspath(out))
-        summary = json.loads(_slipstream.run(experiment, robots, models, keys, seed, str(file)))
+        summary = json.loads(_slipstream.run(experiment, robots, models, keys, seed, str(file), list((controllers or {}).items())))
         data = Recording.read(file)
     if out is None:
         summary["recording"] = None

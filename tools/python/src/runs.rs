@@ -1,19 +1,29 @@
 //! Runs, traces, studies, and the catalogue of effects.
 
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
 
 use pyo3::prelude::*;
+use slipstream_agents::{AgentContext, BuiltIn, Controller, ControllerError};
+use slipstream_bus::experiment::EVERY_ROBOT;
+use slipstream_bus::message::robot_name;
 use slipstream_bus::{InputError, Shard};
-use slipstream_launch::{Request, in_process, resolve};
+use slipstream_launch::{Request, RunError, in_process, resolve};
 use slipstream_sim::effects::CATALOGUE;
 use slipstream_study::StudyError;
 use slipstream_study::delay::{Grid, study as delay_study};
 
+use crate::controllers::{PythonController, Watch};
 use crate::errors::{failed, input, of_recording};
 use crate::interruptible::interruptible;
 
-/// Runs an experiment on the virtual clock in this process; returns its summary as JSON.
+/// Runs an experiment on the virtual clock in this process; returns its summary as JSON. `controllers` are controllers or what makes
+/// them, by the names of robots or `*`.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "called from Python alone, by one function with named arguments"
+)]
 pub(crate) fn run(
     py: Python<'_>,
     experiment: Option<String>,
@@ -22,21 +32,74 @@ pub(crate) fn run(
     set: Vec<(String, String)>,
     seed: Option<u64>,
     out: Option<PathBuf>,
+    controllers: Vec<(String, Py<PyAny>)>,
 ) -> PyResult<String> {
+    let agent = |(name, made): &(String, Py<PyAny>)| (name.clone(), described(py, made));
     let request = Request {
         experiment,
         robots,
+        agents: controllers.iter().map(agent).collect(),
         models,
         set,
         clock: Some(slipstream_bus::experiment::Clock::Virtual),
         seed,
     };
     let resolved = resolve(&request).map_err(|error| input(py, &error))?;
-    let done = interruptible(py, move |_| {
-        in_process::summary(&resolved, out.as_deref()).map_err(|error| error.to_string())
+    let own = |name: &str| controllers.iter().any(|(given, _)| given == name);
+    let lacking = resolved
+        .programs
+        .iter()
+        .find(|(robot, _)| !own(&robot_name(**robot)) && !own(EVERY_ROBOT));
+    if let Some((robot, program)) = lacking {
+        let name = robot_name(*robot);
+        let problem = format!("names {}, and this run has no processes", program.command);
+        let remedy =
+            format!("give controllers={{\"{name}\": …}}, or use the command slipstream run");
+        return Err(input(
+            py,
+            &InputError::new(format!("agents.{name}"), problem, remedy),
+        ));
+    }
+    let raised: Arc<Mutex<Option<PyErr>>> = Arc::default();
+    let slot = Arc::clone(&raised);
+    let done = interruptible(py, move |stop| {
+        let make = |context: &AgentContext<'_>| -> Result<Box<dyn Controller>, ControllerError> {
+            let given = |name: &str| controllers.iter().find(|(own, _)| own == name);
+            Ok(
+                match given(&context.name()).or_else(|| given(EVERY_ROBOT)) {
+                    Some((_, made)) => {
+                        let controller =
+                            PythonController::new(made, context, Some(Arc::clone(&slot)))?;
+                        Box::new(controller)
+                    }
+                    None => Box::new(BuiltIn::new(context)?),
+                },
+            )
+        };
+        in_process::summary_controlled(&resolved, out.as_deref(), make)
     })?;
-    let summary = done.map_err(|problem| failed(&problem))?;
+    let summary = done.map_err(|error| {
+        let raised = raised.lock().ok().and_then(|mut slot| slot.take());
+        match (error, raised) {
+            (RunError::Controller(ControllerError::Input(error)), None) => input(py, &error),
+            (error, raised) => {
+                let failed = failed(&error);
+                failed.set_cause(py, raised);
+                failed
+            }
+        }
+    })?;
     serde_json::to_string(&summary).map_err(|error| failed(&error))
+}
+
+/// What stands for a controller of this process among the keys of the experiment.
+fn described(py: Python<'_>, made: &Py<PyAny>) -> String {
+    let made = made.bind(py);
+    let class = made.get_type();
+    let named = made
+        .getattr("__name__")
+        .or_else(|_| class.getattr("__name__"));
+    named.map_or_else(|_| "Python".to_owned(), |name| format!("{name} (Python)"))
 }
 
 /// Latency of the positions of a recording, stage by stage, as JSON.
