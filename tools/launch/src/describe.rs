@@ -115,10 +115,20 @@ fn ask(
     let said = std::fs::read(&said).unwrap_or_default();
     let tail = said.get(said.len().saturating_sub(MAX_SAID)..);
     let text = String::from_utf8_lossy(tail.unwrap_or_default());
-    if !text.trim().is_empty() {
-        say(text.trim_end());
+    // What follows the first line, such as a traceback, is no part of the sentence.
+    let (first, more) = problem
+        .problem
+        .split_once('\n')
+        .unwrap_or((&problem.problem, ""));
+    for own in [text.trim_end(), more.trim_end()] {
+        if !own.is_empty() {
+            say(own);
+        }
     }
-    Err(problem)
+    Err(Problem {
+        problem: first.to_owned(),
+        ..problem
+    })
 }
 
 /// What is wrong with a program that has described no controller.
@@ -132,6 +142,7 @@ fn no_agent(status: Option<ExitStatus>) -> Problem {
     };
     Problem {
         problem,
+        remedy: "give --agent the command of a program that calls run_agent".to_owned(),
         ..Problem::default()
     }
 }
@@ -150,7 +161,7 @@ fn refusal(
     }
     let name = robot_name(robot);
     let remedy = match problem.remedy.as_str() {
-        "" => "give --agent the command of a program that calls run_agent".to_owned(),
+        "" => "correct the program".to_owned(),
         remedy => remedy.to_owned(),
     };
     let place = format!("the program of {name} ({})", program.command);

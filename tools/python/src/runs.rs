@@ -68,9 +68,11 @@ pub(crate) fn run(
             Ok(
                 match given(&context.name()).or_else(|| given(EVERY_ROBOT)) {
                     Some((_, made)) => {
-                        let controller =
-                            PythonController::new(made, context, Some(Arc::clone(&slot)))?;
-                        Box::new(controller)
+                        let watch = Watch {
+                            raised: Arc::clone(&slot),
+                            stop: stop.clone(),
+                        };
+                        Box::new(PythonController::new(made, context, Some(watch))?)
                     }
                     None => Box::new(BuiltIn::new(context)?),
                 },

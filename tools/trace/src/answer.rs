@@ -252,7 +252,7 @@ fn ages(pairs: &UncertainGroups<Link>, names: &Names<'_>) -> Vec<Age> {
 
 /// Follows each used message back along the platoon: to the message that its sender used, and so on.
 fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
-    let ahead = log.sender_to();
+    let ahead = log.ahead();
     let mut pairs = UncertainGroups::new(log.disk());
     for message in messages(log) {
         // The front robot follows nobody: in a ring, the returning message only triggers its next one.
@@ -263,7 +263,7 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             continue;
         }
         let applied_ns = chain.instants_ns[7];
-        let mut key = (message.from, message.seq);
+        let mut key = (message.from, message.to, message.seq);
         for _ in 0..=ahead.len() {
             let Some(sent) = log.sent(key) else {
                 break;
@@ -274,7 +274,7 @@ fn platoon(log: &Log, names: &Names<'_>) -> Vec<Age> {
             let tick = log.outer((key.0, sent.tick_ns));
             let before = tick.and_then(|tick| tick.message).zip(ahead.get(&key.0));
             match before {
-                Some((seq, &from)) if key.0 != 0 => key = (from, seq),
+                Some((seq, &from)) if key.0 != 0 => key = (from, key.0, seq),
                 _ => break,
             }
         }
@@ -292,10 +292,10 @@ fn at_outer_ticks(log: &Log, names: &Names<'_>) -> Vec<Age> {
 
 /// Each outer tick that uses a position: the link, when it began (ns), and how old the position is (ns).
 fn used_at_outer_ticks(log: &Log) -> impl Iterator<Item = (Link, i64, i64)> {
-    let ahead = log.sender_to();
+    let ahead = log.ahead();
     log.outer_ticks().filter_map(move |((robot, _), tick)| {
         let (from, seq) = ahead.get(&robot).copied().zip(tick.message)?;
-        let sent = log.sent((from, seq))?;
+        let sent = log.sent((from, robot, seq))?;
         let age_ns = tick.began_ns.saturating_sub(sent.sampled_ns);
         Some(((from, robot), tick.began_ns, age_ns))
     })

@@ -104,7 +104,7 @@ pub(crate) fn by_link<T>(items: impl IntoIterator<Item = (Link, T)>) -> BTreeMap
     links
 }
 
-/// Every message of a run, ordered by sender and sequence number, with what became of it.
+/// Every message of a run, ordered by link and sequence number, with what became of it.
 pub fn follow(log: &Log) -> Vec<Message> {
     messages(log).collect()
 }
@@ -115,12 +115,10 @@ pub(crate) fn messages(log: &Log) -> impl Iterator<Item = Message> {
 }
 
 fn message(log: &Log, key: Key) -> Message {
-    let (from, seq) = key;
-    let (sent, arrived) = (log.sent(key), log.arrived(key));
-    let receiver = arrived.map(|(to, _)| to);
-    let to = sent.map(|sent| sent.to).or(receiver).unwrap_or(from);
+    let (from, to, seq) = key;
+    let sent = log.sent(key);
     let fate = sent.map_or(Fate::Untold, |sent| fate(log, key, &sent));
-    let available_ns = arrived.and_then(|(_, available_ns)| available_ns);
+    let available_ns = log.arrived(key).flatten();
     let sent_and_available = sent.zip(available_ns);
     Message {
         from,
@@ -136,8 +134,8 @@ fn message(log: &Log, key: Key) -> Message {
 fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
     let available_ns = match log.arrived(key) {
         None => return unarrived(log, key, sent),
-        Some((_, None)) => return Fate::Lost,
-        Some((_, Some(available_ns))) => available_ns,
+        Some(None) => return Fate::Lost,
+        Some(Some(available_ns)) => available_ns,
     };
     match log.taken(key) {
         None => unfinished(log, sent),
@@ -151,7 +149,7 @@ fn fate(log: &Log, key: Key, sent: &Sent) -> Fate {
 /// Follows a message that an outer tick used on to the torque. `available_ns`: when the delay line
 /// released it; `tick_ns`: when the outer tick was due.
 fn chain(log: &Log, key: Key, sent: &Sent, available_ns: i64, tick_ns: i64) -> Fate {
-    let (from, _) = key;
+    let (from, ..) = key;
     let outer = (sent.to, tick_ns);
     let ticks = (log.outer((from, sent.tick_ns)), log.outer(outer));
     let (Some(sender_tick), Some(receiver_tick)) = ticks else {

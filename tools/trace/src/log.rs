@@ -1,6 +1,6 @@
 //! The trace of a run, indexed so that a message can be followed through it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use slipstream_bus::message::RobotIndex;
 use slipstream_bus::record::Fate;
@@ -13,8 +13,8 @@ use crate::step::{Loop, Step};
 /// What can become of a message at its receiver, by its number in a record.
 const FATES: [Fate; 4] = [Fate::Unused, Fate::Stale, Fate::Superseded, Fate::Used];
 
-/// A message: its sender and its sequence number.
-pub(crate) type Key = (RobotIndex, u32);
+/// A message on a link: its sender, its receiver and its sequence number.
+pub(crate) type Key = (RobotIndex, RobotIndex, u32);
 /// A tick: the robot and when it was due (ns).
 pub(crate) type Tick = (RobotIndex, i64);
 /// A loop: its robot (`None`: the plant) and which.
@@ -27,14 +27,14 @@ pub(crate) type LoopKey = (Option<RobotIndex>, Loop);
 #[derive(Debug, Clone)]
 pub struct Log {
     disk: Disk,
-    /// Sender, sequence number; receiver, sampled, tick due, sent, queued (ns).
-    sent: Pile<7>,
-    /// Sender, sequence number; receiver, 1 and when the delay line releases the message (ns), or 0
+    /// Link, sequence number; sampled, tick due, sent, queued (ns).
+    sent: Pile<6>,
+    /// Link, sequence number; 1 and when the delay line releases the message (ns), or 0
     /// and 0 if it was lost.
-    arrived: Pile<5>,
-    /// Sender, sequence number; when the message from another host came out of the network (ns).
+    arrived: Pile<4>,
+    /// Link, sequence number; when the message from another host came out of the network (ns).
     crossed: Pile<3>,
-    /// Sender, sequence number; when the receiver's outer tick was due (ns), and what became of the
+    /// Link, sequence number; when the receiver's outer tick was due (ns), and what became of the
     /// message there.
     taken: Pile<4>,
     /// Robot, due; began, done (ns), message or -1.
@@ -164,9 +164,9 @@ impl Log {
                 sent_ns,
                 queued_ns,
             } => {
-                let [from, seq, to] = [from, seq, to].map(i64::from);
+                let [link, seq] = pile_key((from, to, seq));
                 self.sent
-                    .push([from, seq, to, sampled_ns, tick_ns, sent_ns, queued_ns]);
+                    .push([link, seq, sampled_ns, tick_ns, sent_ns, queued_ns]);
             }
             Step::Arrived {
                 from,
@@ -174,22 +174,30 @@ impl Log {
                 seq,
                 available_ns,
             } => {
-                let [from, seq, to] = [from, seq, to].map(i64::from);
+                let [link, seq] = pile_key((from, to, seq));
                 let [is_released, t_ns] = available_ns.map_or([0, 0], |t_ns| [1, t_ns]);
-                self.arrived.push([from, seq, to, is_released, t_ns]);
+                self.arrived.push([link, seq, is_released, t_ns]);
             }
-            Step::Crossed { from, seq, t_ns } => {
-                self.crossed.push([from.into(), seq.into(), t_ns]);
+            Step::Crossed {
+                from,
+                to,
+                seq,
+                t_ns,
+            } => {
+                let [link, seq] = pile_key((from, to, seq));
+                self.crossed.push([link, seq, t_ns]);
             }
             Step::Taken {
                 from,
+                to,
                 seq,
                 tick_ns,
                 fate,
             } => {
                 let fate = FATES.iter().position(|known| *known == fate);
                 let fate = fate.unwrap_or_default() as i64;
-                self.taken.push([from.into(), seq.into(), tick_ns, fate]);
+                let [link, seq] = pile_key((from, to, seq));
+                self.taken.push([link, seq, tick_ns, fate]);
             }
             Step::Outer {
                 robot,
@@ -247,33 +255,39 @@ impl Log {
     }
 
     /// The message with this key, as it was sent.
-    pub(crate) fn sent(&self, (from, seq): Key) -> Option<Sent> {
-        self.sent
-            .get([from.into(), seq.into()])
-            .map(|record| sent_of(record).1)
+    pub(crate) fn sent(&self, key: Key) -> Option<Sent> {
+        let [_, _, sampled_ns, tick_ns, sent_ns, queued_ns] = self.sent.get(pile_key(key))?;
+        Some(Sent {
+            to: key.1,
+            sampled_ns,
+            tick_ns,
+            sent_ns,
+            queued_ns,
+        })
     }
 
-    /// Receiver of a message, and when the delay line releases it (ns); `None`: lost.
-    pub(crate) fn arrived(&self, (from, seq): Key) -> Option<(RobotIndex, Option<i64>)> {
-        let [.., to, is_released, t_ns] = self.arrived.get([from.into(), seq.into()])?;
-        Some((index(to), (is_released == 1).then_some(t_ns)))
+    /// Of a message that arrived: when the delay line releases it (ns); `None`: lost.
+    pub(crate) fn arrived(&self, key: Key) -> Option<Option<i64>> {
+        let [.., is_released, t_ns] = self.arrived.get(pile_key(key))?;
+        Some((is_released == 1).then_some(t_ns))
     }
 
     /// When a message from another host came out of the network on the receiver's host (ns).
-    pub(crate) fn crossed(&self, (from, seq): Key) -> Option<i64> {
-        let [.., t_ns] = self.crossed.get([from.into(), seq.into()])?;
+    pub(crate) fn crossed(&self, key: Key) -> Option<i64> {
+        let [.., t_ns] = self.crossed.get(pile_key(key))?;
         Some(t_ns)
     }
 
-    /// Whether a later message of the sender arrived.
-    pub(crate) fn arrived_after(&self, (from, seq): Key) -> bool {
-        let later = self.arrived.after([from.into(), seq.into()]);
-        later.is_some_and(|[of, ..]| of == i64::from(from))
+    /// Whether a later message of the link arrived.
+    pub(crate) fn arrived_after(&self, key: Key) -> bool {
+        let key = pile_key(key);
+        let later = self.arrived.after(key);
+        later.is_some_and(|[of, ..]| of == key[0])
     }
 
     /// When the receiver's outer tick was due (ns), and what became of the message there.
-    pub(crate) fn taken(&self, (from, seq): Key) -> Option<(i64, Fate)> {
-        let [.., tick_ns, fate] = self.taken.get([from.into(), seq.into()])?;
+    pub(crate) fn taken(&self, key: Key) -> Option<(i64, Fate)> {
+        let [.., tick_ns, fate] = self.taken.get(pile_key(key))?;
         Some((tick_ns, *FATES.get(fate as usize)?))
     }
 
@@ -305,14 +319,8 @@ impl Log {
 
     /// The messages that were sent or arrived, in the order of their keys.
     pub(crate) fn messages(&self) -> impl Iterator<Item = Key> {
-        let sent = self
-            .sent
-            .iter()
-            .map(|[from, seq, ..]| (index(from), index(seq)));
-        let arrived = self
-            .arrived
-            .iter()
-            .map(|[from, seq, ..]| (index(from), index(seq)));
+        let sent = self.sent.iter().map(|[link, seq, ..]| [link, seq]);
+        let arrived = self.arrived.iter().map(|[link, seq, ..]| [link, seq]);
         let (mut sent, mut arrived) = (sent.peekable(), arrived.peekable());
         std::iter::from_fn(move || {
             let next = match (sent.peek(), arrived.peek()) {
@@ -322,7 +330,7 @@ impl Log {
             };
             sent.next_if_eq(&next);
             arrived.next_if_eq(&next);
-            Some(next)
+            Some(key_of(next))
         })
     }
 
@@ -349,17 +357,20 @@ impl Log {
             .map(|[.., due_ns, began_ns, done_ns]| [due_ns, began_ns, done_ns])
     }
 
-    /// The robot that each robot receives messages from.
-    pub(crate) fn sender_to(&self) -> BTreeMap<RobotIndex, RobotIndex> {
-        let heard = self
-            .arrived
-            .iter()
-            .map(|[from, _, to, ..]| (index(to), index(from)));
-        let sent = self
-            .sent
-            .iter()
-            .map(|[from, _, to, ..]| (index(to), index(from)));
-        heard.chain(sent).collect()
+    /// Of each robot the one that it follows: the one ahead if it hears that one, or else the only one that it hears.
+    pub(crate) fn ahead(&self) -> BTreeMap<RobotIndex, RobotIndex> {
+        let mut heard: BTreeMap<RobotIndex, BTreeSet<RobotIndex>> = BTreeMap::new();
+        let arrived = self.arrived.iter().map(|[link, seq, ..]| [link, seq]);
+        let sent = self.sent.iter().map(|[link, seq, ..]| [link, seq]);
+        for (from, to, _) in arrived.chain(sent).map(key_of) {
+            heard.entry(to).or_default().insert(from);
+        }
+        let followed = |(to, from): (RobotIndex, BTreeSet<RobotIndex>)| {
+            let ahead = to.checked_sub(1).filter(|ahead| from.contains(ahead));
+            let only = from.first().copied().filter(|_| from.len() == 1);
+            Some((to, ahead.or(only)?))
+        };
+        heard.into_iter().filter_map(followed).collect()
     }
 }
 
@@ -383,15 +394,17 @@ fn index(number: i64) -> u32 {
     u32::try_from(number).unwrap_or_default()
 }
 
-fn sent_of([from, seq, to, sampled_ns, tick_ns, sent_ns, queued_ns]: [i64; 7]) -> (Key, Sent) {
-    let sent = Sent {
-        to: index(to),
-        sampled_ns,
-        tick_ns,
-        sent_ns,
-        queued_ns,
-    };
-    ((index(from), index(seq)), sent)
+/// The first two numbers of a record of a message: its link as one number, and its sequence number.
+fn pile_key((from, to, seq): Key) -> [i64; 2] {
+    let link = u64::from(from) << 32 | u64::from(to);
+    [link.cast_signed(), seq.into()]
+}
+
+/// The message with these numbers.
+fn key_of([link, seq]: [i64; 2]) -> Key {
+    let link = link.cast_unsigned();
+    let robot = |bits: u64| u32::try_from(bits & u64::from(u32::MAX)).unwrap_or_default();
+    (robot(link >> 32), robot(link), index(seq))
 }
 
 fn outer_of([robot, due_ns, began_ns, done_ns, message]: [i64; 5]) -> (Tick, Outer) {

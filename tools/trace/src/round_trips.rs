@@ -23,7 +23,10 @@ pub struct RoundTrips {
 /// `links.delay_s=0`.
 pub fn round_trips(log: &Log) -> Vec<RoundTrips> {
     // A message that never reached the link has no delay to replay.
-    let arrived = |message: &Message| log.arrived((message.from, message.seq)).is_some();
+    let arrived = |message: &Message| {
+        log.arrived((message.from, message.to, message.seq))
+            .is_some()
+    };
     let messages = messages(log).filter(arrived);
     by_link(messages.map(|message| (message.link(), message)))
         .into_iter()

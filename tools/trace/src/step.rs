@@ -66,6 +66,8 @@ pub enum Step {
     Crossed {
         /// The sender.
         from: RobotIndex,
+        /// The receiver.
+        to: RobotIndex,
         /// Sequence number of the message.
         seq: u32,
         /// When it came out, on the clock of the receiver's host.
@@ -75,6 +77,8 @@ pub enum Step {
     Taken {
         /// The sender.
         from: RobotIndex,
+        /// The receiver.
+        to: RobotIndex,
         /// Sequence number of the message.
         seq: u32,
         /// When the receiver's outer tick was due.
@@ -230,11 +234,13 @@ impl Step {
             },
             "crossed" => Self::Crossed {
                 from: number(record, "from")?,
+                to: number(record, "to")?,
                 seq: number(record, "seq")?,
                 t_ns: record.begin_ns,
             },
             "taken" => Self::Taken {
                 from: number(record, "from")?,
+                to: number(record, "to")?,
                 seq: number(record, "seq")?,
                 tick_ns: int("tick_ns")?,
                 fate: Fate::from_name(record.text("fate")?)?,

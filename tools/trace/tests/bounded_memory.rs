@@ -63,6 +63,7 @@ fn one_tick(log: &mut Log, seq: u32, inner: u32) {
     });
     log.take(Step::Taken {
         from,
+        to,
         seq,
         tick_ns: due_ns + 50_000_000,
         fate: Fate::Used,

@@ -95,6 +95,7 @@ fn steps(seq: u32, instants_ns: [i64; 8], errors_ns: [i64; 3], is_apart: bool) -
     };
     let crossed = Step::Crossed {
         from,
+        to,
         seq,
         t_ns: queued_ns + receiver_ns,
     };
@@ -119,6 +120,7 @@ fn steps(seq: u32, instants_ns: [i64; 8], errors_ns: [i64; 3], is_apart: bool) -
         },
         Step::Taken {
             from,
+            to,
             seq,
             tick_ns: due_ns,
             fate: LinkFate::Used,
@@ -425,6 +427,7 @@ fn a_message_crossed_before_the_tick_that_used_it() {
     let late = |log: &mut Log| {
         log.take(Step::Crossed {
             from: 0,
+            to: 1,
             seq: 0,
             t_ns: 40_000_000,
         });
@@ -442,6 +445,7 @@ fn a_message_crossed_before_the_tick_that_used_it() {
     // It may be recorded twice: it was there the first time.
     log.take(Step::Crossed {
         from: 0,
+        to: 1,
         seq: 0,
         t_ns: 4_000_000,
     });

@@ -54,6 +54,7 @@ fn one_message(log: &mut Log, seq: u32, chance: &mut Chance) {
     }
     log.take(Step::Taken {
         from,
+        to,
         seq,
         tick_ns: due_ns,
         fate,
@@ -186,6 +187,7 @@ fn any_step(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Step
         },
         2 => Step::Taken {
             from,
+            to,
             seq: 0,
             tick_ns: a,
             fate: Fate::Used,
@@ -204,6 +206,7 @@ fn any_step(from: u32, to: u32, [a, b, c, d, e, f]: [i64; 6], kind: i64) -> Step
         },
         7 => Step::Crossed {
             from,
+            to,
             seq: 0,
             t_ns: a,
         },
