@@ -99,6 +99,7 @@ fn write_run(file: &Path) {
         },
         pose: [1.0, 2.0, 0.3],
         velocity: Some([0.4, 0.5]),
+        extra: &[0.5],
     })
     .unwrap();
     run.write_trace(t_ns, &[1, 2, 255]).unwrap();

@@ -34,6 +34,7 @@ fn the_streams_of_a_run_are_read_unchanged() {
         fate,
         pose: [1.0, 2.0, 7.5],
         velocity: Some([0.25, 0.5]),
+        extra: &[0.5],
     };
     for i in 0..10_i64 {
         let t_ns = i * 20_000_001;

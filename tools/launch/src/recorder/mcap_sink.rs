@@ -230,6 +230,7 @@ impl McapSink {
             fate,
             pose: [position.x_m, position.y_m, position.yaw_rad],
             velocity: Some([position.v_m_s, position.w_rad_s]),
+            extra: position.extra.numbers(),
         };
         let result = self.writer.write_position(&record);
         self.keep_failure(result);

@@ -231,6 +231,7 @@ fn position_record(table: &Table, t_ns: i64, row: usize, index: usize) -> Positi
         },
         pose: ["x_m", "y_m", "yaw_rad"].map(number),
         velocity: Some(["v_m_s", "w_rad_s"].map(number)),
+        extra: &[],
     }
 }
 

@@ -139,7 +139,8 @@ fn slipstream_definition(name: &str) -> &'static str {
              int64 t_sampled_ns # of the encoders behind the position\nint64 t_sent_ns\n\
              int64 t_received_ns # 0 unless it arrived\nuint8 fate\nfloat64 x_m\nfloat64 y_m\n\
              float64 yaw_rad\nfloat64 v_m_s # NaN where not sent\n\
-             float64 w_rad_s # NaN where not sent\n"
+             float64 w_rad_s # NaN where not sent\n\
+             float64[] extra # of the sender's controller\n"
         }
         "slipstream_msgs/WheelContact" => {
             "# What one driven wheel does on the floor.\nuint8 STICKS=0\nuint8 SLIPS=1\n\

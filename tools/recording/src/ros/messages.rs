@@ -154,6 +154,13 @@ pub(crate) struct PositionMessage<S> {
     pub(crate) w_rad_s: f64,
 }
 
+/// A position message as it is written. Recordings of before have no extra numbers, so it is read without.
+#[derive(Debug, Serialize)]
+pub(crate) struct WrittenPosition<'a> {
+    pub(crate) position: PositionMessage<&'a str>,
+    pub(crate) extra: &'a [f64],
+}
+
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub(crate) struct WheelContact {
     pub(crate) state: u8,

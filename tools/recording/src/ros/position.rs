@@ -36,11 +36,13 @@ pub struct PositionRecord<'a> {
     pub pose: [f64; 3],
     /// Sent forward speed (m/s) and yaw rate (rad/s); `None` if not sent.
     pub velocity: Option<[f64; 2]>,
+    /// Numbers that the sender's controller adds.
+    pub extra: &'a [f64],
 }
 
 impl<'a> PositionRecord<'a> {
     /// The ROS 2 message of this record.
-    pub(crate) fn message(&self) -> ros::PositionMessage<&'a str> {
+    pub(crate) fn message(&self) -> ros::WrittenPosition<'a> {
         let (fate, t_received_ns) = match self.fate {
             Fate::Arrived { t_received_ns } => (0, t_received_ns),
             Fate::Lost => (1, 0),
@@ -48,7 +50,7 @@ impl<'a> PositionRecord<'a> {
         };
         let [x_m, y_m, yaw_rad] = self.pose;
         let [v_m_s, w_rad_s] = self.velocity.unwrap_or([f64::NAN; 2]);
-        ros::PositionMessage {
+        let position = ros::PositionMessage {
             header: header(self.t_sent_ns, WORLD),
             sender: self.sender,
             receiver: self.receiver,
@@ -62,6 +64,8 @@ impl<'a> PositionRecord<'a> {
             yaw_rad,
             v_m_s,
             w_rad_s,
-        }
+        };
+        let extra = self.extra;
+        ros::WrittenPosition { position, extra }
     }
 }
