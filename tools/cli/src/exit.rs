@@ -87,7 +87,7 @@ impl From<StudyError> for Error {
         match error {
             StudyError::Input(error) => Self::Input(error),
             StudyError::Run(run) => run.into(),
-            StudyError::Threads(_) => Self::Failed(error.to_string()),
+            StudyError::Threads(_) | StudyError::Failed(_) => Self::Failed(error.to_string()),
         }
     }
 }

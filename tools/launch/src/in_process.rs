@@ -41,12 +41,21 @@ pub enum RunError {
     /// A robot model, a setting or an environment variable cannot be used.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// A controller cannot be made.
-    #[error(transparent)]
-    Controller(#[from] ControllerError),
+    /// A controller cannot be made, for this reason.
+    #[error("{0}")]
+    Controller(String),
     /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] slipstream_recording::Error),
+}
+
+impl From<ControllerError> for RunError {
+    fn from(error: ControllerError) -> Self {
+        match error {
+            ControllerError::Input(error) => Self::Input(error),
+            ControllerError::Failed(reason) => Self::Controller(reason),
+        }
+    }
 }
 
 /// Runs an experiment. `hashing`: compute the state hash.

@@ -83,7 +83,7 @@ pub(crate) fn run(
     let summary = done.map_err(|error| {
         let raised = raised.lock().ok().and_then(|mut slot| slot.take());
         match (error, raised) {
-            (RunError::Controller(ControllerError::Input(error)), None) => input(py, &error),
+            (RunError::Input(error), None) => input(py, &error),
             (error, raised) => {
                 let failed = failed(&error);
                 failed.set_cause(py, raised);

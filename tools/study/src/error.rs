@@ -12,6 +12,9 @@ pub enum StudyError {
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// A run with programs failed, for this reason.
+    #[error("{0}")]
+    Failed(String),
     /// The threads could not be started.
     #[error("the threads of the study could not be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

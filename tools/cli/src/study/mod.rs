@@ -1,5 +1,7 @@
 //! `slipstream study`: parameter studies, many runs on all cores.
 
+mod sweep;
+
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -35,6 +37,12 @@ enum Question {
     ///
     /// Example: slipstream study delay --delay 0,0.1,0.3 --protocol ring,periodic --report delay.html
     Delay(Box<Delay>),
+    /// Run an experiment at every combination of values of some of its keys, with your own controllers if you like
+    ///
+    /// --set takes lists, separated by commas; --agent and agents.NAME as in slipstream run. Runs without programs use all cores.
+    ///
+    /// Example: slipstream study sweep --agent './cacc' --set controller.*.headway_s=0.3,0.6 --set links.delay_s=0,0.1
+    Sweep(Box<sweep::Sweep>),
     /// Merge the shards of one study
     ///
     /// Example: slipstream study merge shard-*.json --report delay.html
@@ -121,6 +129,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             };
             delay.output.write(&study)
         }
+        Question::Sweep(sweep) => sweep.run(),
         Question::Merge(merge) => {
             let command = "slipstream study delay --json";
             let shards = shard_files::read(&merge.files, "a study", command)?;
