@@ -116,23 +116,33 @@ impl<'a> AgentContext<'a> {
     /// As [`Self::parameters`].
     pub fn merge(&self, defaults: Parameters) -> Result<Parameters, InputError> {
         let mut merged = defaults;
-        let known: Vec<&str> = merged.keys().map(String::as_str).collect();
-        let known = match known.is_empty() {
-            true => "it has none".to_owned(),
-            false => format!("it has {}", known.join(", ")),
-        };
-        for (name, given) in self.settings().parameters(self.robot) {
-            let Some(value) = merged.get_mut(&name) else {
-                let problem = format!("is no parameter of the controller of {}", self.name());
-                return Err(InputError::new(self.place(&name), problem, known));
-            };
-            *value = fit(value, given).map_err(|kind| {
-                let problem = format!("is not {kind}");
-                InputError::new(self.place(&name), problem, format!("give {kind}"))
-            })?;
+        self.check_given(&merged)?;
+        for (name, value) in &mut merged {
+            *value = self.parameter(name, value.clone())?;
         }
-        self.declared.borrow_mut().extend(merged.clone());
         Ok(merged)
+    }
+
+    /// One parameter of the controller: what the experiment gives, or else the default.
+    ///
+    /// # Errors
+    /// A value of another type than the default.
+    pub fn parameter(
+        &self,
+        name: &str,
+        default: ParameterValue,
+    ) -> Result<ParameterValue, InputError> {
+        let given = self.settings().parameters(self.robot).remove(name);
+        let value = match given {
+            None => default,
+            Some(given) => fit(&default, given).map_err(|kind| {
+                let problem = format!("is not {kind}");
+                InputError::new(self.place(name), problem, format!("give {kind}"))
+            })?,
+        };
+        let mut declared = self.declared.borrow_mut();
+        declared.insert(name.to_owned(), value.clone());
+        Ok(value)
     }
 
     /// The parameters that the controller has asked for so far, with their values.
@@ -141,14 +151,23 @@ impl<'a> AgentContext<'a> {
     /// The experiment gives one that it has not asked for.
     pub fn declared(&self) -> Result<Parameters, InputError> {
         let declared = self.declared.borrow().clone();
+        self.check_given(&declared)?;
+        Ok(declared)
+    }
+
+    /// Checks that the experiment gives only parameters that the controller has.
+    fn check_given(&self, known: &Parameters) -> Result<(), InputError> {
         let given = self.settings().parameters(self.robot);
-        match given.keys().find(|name| !declared.contains_key(*name)) {
-            None => Ok(declared),
-            Some(name) => {
-                let problem = format!("is no parameter of the controller of {}", self.name());
-                Err(InputError::new(self.place(name), problem, "leave it out"))
-            }
-        }
+        let Some(name) = given.keys().find(|name| !known.contains_key(*name)) else {
+            return Ok(());
+        };
+        let names: Vec<&str> = known.keys().map(String::as_str).collect();
+        let remedy = match names.is_empty() {
+            true => "leave it out: it has none".to_owned(),
+            false => format!("give one of {}", names.join(", ")),
+        };
+        let problem = format!("is no parameter of the controller of {}", self.name());
+        Err(InputError::new(self.place(name), problem, remedy))
     }
 
     /// The key that gives a parameter.
