@@ -13,6 +13,7 @@ use common::faults::{
     LONG_RUN, assert_no_dead_runs, assert_recording, count, process, processes_in, random_time,
     signal, start,
 };
+use common::programs::example;
 use common::{Role, command, is_alive, roles, shared_memory, slipstream, wait_for};
 use rustix::process::Signal;
 
@@ -30,9 +31,9 @@ fn assert_nothing_left(processes: &[Role]) {
 }
 
 /// Kills one process of a run that goes on, and checks what is left.
-fn kill_running(victim: &str) {
+fn kill_running(victim: &str, more: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
-    let (launcher, processes) = start(folder.path(), &LONG_RUN);
+    let (launcher, processes) = start(folder.path(), &[&LONG_RUN[..], more].concat());
     std::thread::sleep(random_time(Duration::from_millis(500)));
     if victim == "launcher" {
         kill_launcher(folder.path(), launcher);
@@ -46,9 +47,10 @@ fn kill_running(victim: &str) {
 }
 
 /// Kills one process while its run starts, at most 20 ms after it began, and checks what is left.
-fn kill_starting(victim: &str) {
+fn kill_starting(victim: &str, more: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
-    let launcher = command(folder.path(), &LONG_RUN).spawn().unwrap();
+    let arguments = [&LONG_RUN[..], more].concat();
+    let launcher = command(folder.path(), &arguments).spawn().unwrap();
     let (id, after) = (launcher.id(), random_time(Duration::from_millis(20)));
     if victim == "launcher" {
         std::thread::sleep(after);
@@ -58,7 +60,8 @@ fn kill_starting(victim: &str) {
     wait_for("start", Duration::from_secs(20), || {
         pid = roles(id)
             .iter()
-            .find(|role| role.is(victim))
+            // A program is asked for its parameters before the run.
+            .find(|role| role.is(victim) && !role.describes())
             .map(|role| role.pid);
         pid.is_some()
     });
@@ -76,8 +79,10 @@ fn assert_death_is_said(launcher: std::process::Child, victim: &str, pid: u32) {
     let taken = begin.elapsed();
     assert!(taken < LIMIT, "{victim}: {taken:?}: {stderr}");
     assert_eq!(output.status.code(), Some(1), "{victim}: {stderr}");
-    let said = format!("{victim} (pid {pid}) was killed by signal 9");
-    assert!(stderr.contains(&said), "{said}: {stderr}");
+    let said = format!("{victim} (pid {pid}");
+    let line = stderr.lines().find(|line| line.contains(&said));
+    let is_told = line.is_some_and(|line| line.contains(") was killed by signal 9"));
+    assert!(is_told, "{said}: {stderr}");
 }
 
 /// Kills the launcher. Its processes end, and the next run removes its files.
@@ -95,12 +100,18 @@ fn kill_launcher(folder: &Path, mut launcher: std::process::Child) {
 
 #[test]
 fn a_killed_process_ends_the_run_and_leaves_nothing_behind() {
+    let program = example("paper_law");
     for k in 0..count("SLIPSTREAM_KILLS", 16) {
         let victim = VICTIMS[k % VICTIMS.len()];
+        // Every other round with programs of one's own.
+        let more: &[&str] = match (k / VICTIMS.len() / 2).is_multiple_of(2) {
+            true => &[],
+            false => &["--agent", &program],
+        };
         if (k / VICTIMS.len()).is_multiple_of(2) {
-            kill_running(victim);
+            kill_running(victim, more);
         } else {
-            kill_starting(victim);
+            kill_starting(victim, more);
         }
         if (k + 1).is_multiple_of(100) {
             eprintln!("{} processes killed", k + 1);

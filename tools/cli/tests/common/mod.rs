@@ -4,6 +4,7 @@
 
 pub(crate) mod browser;
 pub(crate) mod faults;
+pub(crate) mod programs;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -90,6 +91,11 @@ impl Role {
             Some(pair) => format!("r{}", pair[1].parse::<u32>().unwrap() + 1) == name,
             None => self.name() == name,
         }
+    }
+
+    /// Whether it is a program that is asked for its parameters.
+    pub(crate) fn describes(&self) -> bool {
+        self.arguments.iter().any(|word| word == "--describe")
     }
 
     /// The run directory.

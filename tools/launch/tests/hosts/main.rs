@@ -202,6 +202,21 @@ fn two_other_hosts_change_nothing() {
 }
 
 #[test]
+fn other_topologies_are_the_same_across_hosts() {
+    for topology in ["all", "leader_predecessor", "two_predecessors"] {
+        let all = experiment(10, |s| {
+            s.links.topology = topology.parse().unwrap();
+            s.links.protocol = Protocol::Periodic;
+            s.links.delay_s = 0.03;
+            s.links.loss = 0.1;
+        });
+        assert_same(&all, &[("b", &[1, 2, 6, 9]), ("c", &[3, 5, 7])], FINE);
+    }
+    let ring = experiment(4, |s| s.links.topology = "all".parse().unwrap());
+    assert_same(&ring, &[("b", &[1, 2])], FINE);
+}
+
+#[test]
 fn lost_frames_and_a_cut_change_nothing() {
     let experiment = experiment(3, |s| s.links.jitter_s = 0.02);
     let hosts: &[(&str, &[RobotIndex])] = &[("b", &[0]), ("c", &[2])];
