@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use slipstream_bus::experiment::Topology;
 use slipstream_bus::message::{Encoders, Position, RobotIndex};
 use slipstream_bus::transport::{BusError, PositionLink};
 use slipstream_ipc::endpoints::{AgentEndpoint, Awaited};
@@ -20,6 +21,7 @@ const RECORDER_GRACE: Duration = Duration::from_secs(1);
 /// The agents on other hosts.
 pub(super) struct Robots {
     endpoints: Vec<AgentEndpoint>,
+    topology: Topology,
     recorder: Option<ChunkSender>,
     /// Chunks of records that the recorder has had no room for yet.
     chunks: VecDeque<Vec<u8>>,
@@ -51,6 +53,7 @@ impl Robots {
         }
         Ok(Self {
             endpoints,
+            topology: Topology::new(&joined.experiment),
             recorder,
             chunks: VecDeque::new(),
             now_ns: 0,
@@ -154,20 +157,16 @@ impl Robots {
         }
     }
 
-    /// The positions that robots of other hosts have sent to these, each once: their host hands one to all of them.
+    /// The positions that robots of other hosts have sent to these. Their host hands one to all of them, so that it goes there once:
+    /// as it came to the first of them that hears the sender.
     fn positions_for(&self, own: &[RobotIndex]) -> Vec<Position> {
-        let from_elsewhere = |(to, position): &&(RobotIndex, Position)| {
-            own.contains(to) && !own.contains(&position.from)
+        let goes = |&&(to, position): &&(RobotIndex, Position)| {
+            let mut receivers = self.topology.heard_by(position.from).iter();
+            let first = receivers.find(|receiver| own.contains(receiver));
+            first == Some(&to) && !own.contains(&position.from)
         };
-        let mut positions: Vec<Position> = Vec::new();
-        for (_, position) in self.positions.iter().filter(from_elsewhere) {
-            let is_same =
-                |other: &Position| (other.from, other.seq) == (position.from, position.seq);
-            if !positions.iter().any(is_same) {
-                positions.push(*position);
-            }
-        }
-        positions
+        let positions = self.positions.iter().filter(goes);
+        positions.map(|&(_, position)| position).collect()
     }
 
     /// The encoders of these robots.
