@@ -5,38 +5,19 @@
 //! position, by h u̇ = −u + k_p e + k_d ė + u of the robot ahead.
 //!
 //!     cargo build --release -p slipstream-agents --features process --example cacc
-//!     slipstream run platoon --agent target/release/examples/cacc --set links.protocol=periodic --set links.delay_s=0.1
+//!     slipstream study sweep --robots 6 --set agents.*=,target/release/examples/cacc --set links.delay_s=0,0.1
 
 use std::process::ExitCode;
 
-use serde::{Deserialize, Serialize};
 use slipstream_agents::process::run_agent;
 use slipstream_agents::{AgentContext, Controller, ControllerError, DesiredTwist, OuterInput};
 use slipstream_bus::message::Extra;
 
-/// Keys `controller.NAME.…` of the experiment.
-#[derive(Serialize, Deserialize)]
-struct Gains {
-    /// h: time headway (s).
-    headway_s: f64,
-    /// k_p (1/s²).
-    k_p: f64,
-    /// k_d (1/s).
-    k_d: f64,
-}
-
-impl Default for Gains {
-    fn default() -> Self {
-        Self {
-            headway_s: 0.5,
-            k_p: 0.7,
-            k_d: 1.5,
-        }
-    }
-}
-
 struct Cacc {
-    gains: Gains,
+    /// Time headway (s).
+    h: f64,
+    /// Gains (1/s², 1/s).
+    k: [f64; 2],
     ahead: Option<u32>,
     /// Commanded acceleration (m/s²) and speed (m/s).
     u: f64,
@@ -45,10 +26,10 @@ struct Cacc {
 
 impl Cacc {
     fn new(context: &AgentContext<'_>) -> Result<Self, ControllerError> {
-        let ahead = context.robot().checked_sub(1);
         Ok(Self {
-            gains: context.parameters()?,
-            ahead,
+            h: context.number("headway_s", 0.5)?,
+            k: [context.number("k_p", 0.7)?, context.number("k_d", 1.5)?],
+            ahead: context.robot().checked_sub(1),
             u: 0.0,
             v: 0.0,
         })
@@ -57,33 +38,21 @@ impl Cacc {
 
 impl Controller for Cacc {
     fn outer(&mut self, now: &OuterInput<'_>) -> Result<DesiredTwist, ControllerError> {
-        let Gains {
-            headway_s: h,
-            k_p,
-            k_d,
-        } = self.gains;
         let [v_r, w_r] = now.reference_velocity;
         let [e_x, e_y, e_theta] = now.error;
         let ahead = self.ahead.and_then(|robot| now.from(robot));
-        match ahead.filter(|_| now.coordinates) {
-            Some(ahead) => {
-                let u_ahead = ahead
-                    .position
-                    .extra
-                    .numbers()
-                    .first()
-                    .copied()
-                    .unwrap_or(0.0);
-                let e = e_x - h * now.velocity[0];
-                let e_rate = v_r - now.velocity[0] - h * self.u;
-                self.u += now.period_s / h * (k_p * e + k_d * e_rate + u_ahead - self.u);
-                self.v += now.period_s * self.u;
-            }
-            None => {
-                // The front robot, and all before coordination begins, follow the profile.
-                self.u = (v_r - self.v) / now.period_s;
-                self.v = v_r;
-            }
+        if let Some(ahead) = ahead.filter(|_| now.coordinates) {
+            let sent = ahead.position.extra.numbers();
+            let u_ahead = sent.first().copied().unwrap_or(0.0);
+            let e = e_x - self.h * now.velocity[0];
+            let e_rate = v_r - now.velocity[0] - self.h * self.u;
+            let wanted = self.k[0] * e + self.k[1] * e_rate + u_ahead;
+            self.u += now.period_s / self.h * (wanted - self.u);
+            self.v += now.period_s * self.u;
+        } else {
+            // The front robot, and all before coordination begins, follow the profile.
+            self.u = (v_r - self.v) / now.period_s;
+            self.v = v_r;
         }
         let w = w_r + v_r * (15.0 * e_y + 6.0 * e_theta.sin());
         Ok(DesiredTwist { v: self.v, w })

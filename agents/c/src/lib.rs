@@ -15,7 +15,6 @@ use slipstream_agents::process::run_agent_with;
 use slipstream_agents::{
     AgentContext, Controller, ControllerError, DesiredTwist, InnerInput, OuterInput, WheelTorques,
 };
-use slipstream_bus::experiment::ParameterValue;
 use slipstream_bus::message::{Extra, MAX_EXTRA};
 
 use self::layout::{CHeard, CInnerInput, COuterInput};

@@ -123,6 +123,17 @@ impl<'a> AgentContext<'a> {
         Ok(merged)
     }
 
+    /// One parameter of the controller that is a number: what the experiment gives as `controller.NAME.…`, or else the default.
+    ///
+    /// # Errors
+    /// The experiment gives something else than a number.
+    pub fn number(&self, name: &str, default: f64) -> Result<f64, InputError> {
+        match self.parameter(name, ParameterValue::Number(default))? {
+            ParameterValue::Number(value) => Ok(value),
+            _ => Ok(default),
+        }
+    }
+
     /// One parameter of the controller: what the experiment gives, or else the default.
     ///
     /// # Errors

@@ -89,11 +89,16 @@ pub fn run<C: Controller>(
         records,
         robot,
     };
-    if lockstep {
-        process.run_lockstep()
-    } else {
-        process.run_wall_clock(rejoins)
+    let outcome = match lockstep {
+        true => process.run_lockstep(),
+        false => process.run_wall_clock(rejoins),
+    };
+    // Until the launcher has heard of a failure, others send to this robot as to a process that died: if its ports
+    // were closed, they would fail as well, and perhaps be heard first.
+    if !matches!(&outcome, Ok(outcome) if outcome.ended == ProcessStatus::Done) {
+        std::mem::forget(process.endpoint);
     }
+    outcome
 }
 
 /// The node of a robot with the controller that `make` makes.
@@ -123,9 +128,9 @@ impl<C: Controller> Process<C> {
             panics::note_time(round.now_ns);
             let due = schedule.due(round.now_ns);
             let (links, records) = (self.endpoint.links(), &mut self.records);
-            let command = self
-                .node
-                .step(round.now_ns, due, &round.encoders, links, records)?;
+            let node = &mut self.node;
+            let step = || node.step(round.now_ns, due, &round.encoders, links, records);
+            let command = panics::catch_within(step).map_err(BusError::Panicked)??;
             self.records.flush_if_due();
             self.endpoint.answer(command)?;
         }
@@ -198,10 +203,9 @@ impl<C: Controller> Process<C> {
             }
             panics::note_time(tick_ns);
             let due = schedule.due(tick_ns);
-            let links = self.endpoint.links();
-            let command = self
-                .node
-                .step(tick_ns, due, &encoders, links, &mut self.records)?;
+            let (node, links) = (&mut self.node, self.endpoint.links());
+            let step = || node.step(tick_ns, due, &encoders, links, &mut self.records);
+            let command = panics::catch_within(step).map_err(BusError::Panicked)??;
             self.endpoint.send_command(command)?;
             self.joined
                 .wake_page()

@@ -27,9 +27,14 @@ pub(super) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
         let said = format!("{what}{}", place.unwrap_or_default());
         SAID.set(Some(said));
     }));
-    let done = catch_unwind(AssertUnwindSafe(work));
+    let done = catch_within(work);
     drop(std::panic::take_hook());
-    done.map_err(|_| {
+    done
+}
+
+/// As [`catch`], inside of its work.
+pub(super) fn catch_within<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|_| {
         let said = SAID.take().unwrap_or_default();
         let time = NOW_NS.get().map(|ns| format!(" at {:.3} s", s_from_ns(ns)));
         format!(

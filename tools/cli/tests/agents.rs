@@ -352,3 +352,20 @@ fn a_sweep_compares_a_law_of_ones_own_with_the_papers() {
     assert!(paper.iter().all(|own| gain(own) > 1.1), "{paper:?}");
     assert!(cacc.iter().all(|own| gain(own) < 1.06), "{cacc:?}");
 }
+
+/// The commands of the page that need what cargo builds, word by word. The Python tests have the others.
+#[test]
+fn the_page_on_own_controllers_shows_this_study() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/how-to/my-controller.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let begin = page.find("$ slipstream study sweep --robots 6").unwrap();
+    let (block, _) = page[begin..].split_once("```").unwrap();
+    let (command, shown) = block.split_once('\n').unwrap();
+    let arguments: Vec<&str> = command.split_whitespace().skip(2).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let examples = folder.path().join("target/release/examples");
+    std::fs::create_dir_all(&examples).unwrap();
+    std::os::unix::fs::symlink(example("cacc"), examples.join("cacc")).unwrap();
+    let output = slipstream(folder.path(), &arguments);
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), shown);
+}

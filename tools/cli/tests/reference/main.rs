@@ -5,6 +5,7 @@
 mod commands;
 mod effects;
 mod examples;
+mod experiment;
 mod files;
 mod json;
 mod markdown;
@@ -33,6 +34,7 @@ fn generated() -> Files {
     files.insert("columns.md".into(), files::columns());
     files.insert("recording-toml.md".into(), files::recording_toml());
     files.insert("robot-toml.md".into(), files::robot_toml());
+    files.insert("experiment.md".into(), experiment::page());
     files.insert("commands.md".into(), commands::page());
     files.insert("json.md".into(), json::page());
     files.insert("effects.md".into(), effects::page());

@@ -78,7 +78,7 @@ pub(super) struct Run<'a> {
 /// When the run cannot be started. Later failures are in the summary's status.
 pub fn run(resolved: &Resolved, options: &Options) -> Result<RunSummary, LaunchError> {
     let experiment = &resolved.experiment;
-    preflight::check(experiment.settings.robots.count)?;
+    preflight::check(&experiment.settings)?;
     let keys = resolved.to_toml();
     let begin_recording = |out: &PathBuf| {
         let begun = recorder::begin(experiment, &keys, out)?;
@@ -113,7 +113,7 @@ pub(super) fn run_away(
     keys: &str,
     away: &Away,
 ) -> Result<RunStatus, LaunchError> {
-    preflight::check(experiment.settings.robots.count)?;
+    preflight::check(&experiment.settings)?;
     let mut signals = signals::listen().map_err(system("listen for signals"))?;
     let mut run = Run::prepare(experiment, keys, Part::Away(away), None)?;
     run.wake_page.set_local(&away.robots);

@@ -1,20 +1,26 @@
 //! Checks of system limits before a run starts, because errors in a running process would not name the limit.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-use slipstream_bus::InputError;
+use slipstream_bus::experiment::Topology;
+use slipstream_bus::{InputError, Settings};
 use slipstream_ipc::run_directory::SHARED_MEMORY;
 
 /// File descriptors of a process: fixed number, and number for each robot.
 const DESCRIPTORS: [u64; 2] = [64, 15];
 /// Shared memory of a run (bytes): fixed size, and size for each robot.
 const SHARED_BYTES: [u64; 2] = [4 << 20, 256 << 10];
+/// Shared memory of a link (bytes).
+const LINK_BYTES: u64 = 8 << 10;
 
 /// Raises the limit of file descriptors, which the children inherit, and checks that there is enough
 /// shared memory.
 ///
 /// # Errors
 /// The limit that is too small.
-pub(crate) fn check(robots: u32) -> Result<(), InputError> {
+pub(crate) fn check(settings: &Settings) -> Result<(), InputError> {
+    let robots = settings.robots.count;
+    let topology = Topology::of(settings);
+    let links: usize = (0..robots).map(|robot| topology.hears(robot).len()).sum();
     let need = |[fixed, each]: [u64; 2]| fixed + each * u64::from(robots);
     let descriptors = need(DESCRIPTORS);
     let limit = getrlimit(Resource::Nofile);
@@ -35,7 +41,7 @@ pub(crate) fn check(robots: u32) -> Result<(), InputError> {
             ));
         }
     }
-    let bytes = need(SHARED_BYTES);
+    let bytes = need(SHARED_BYTES) + LINK_BYTES * links as u64;
     if let Some(limit) = getrlimit(Resource::Fsize).current
         && limit < bytes
     {

@@ -113,6 +113,11 @@ impl KeyTree {
                     format!("give a {expected}"),
                 )
             })?,
+            // A command is a text, whatever it looks like; the type of a parameter is its program's.
+            None if key.starts_with("agents.") && keys::is_open(key) => match value {
+                text @ Value::String(_) => text,
+                other => Value::String(other.to_string()),
+            },
             None if keys::is_open(key) => value,
             None => {
                 let remedy = self.suggest(key);
