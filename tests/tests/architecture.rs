@@ -17,7 +17,7 @@ const FLOORS: [&[&str]; 10] = [
     &["slipstream-bus"],
     &["slipstream-ipc", "slipstream-trial-plant"],
     &["slipstream-agents", "slipstream-hosts", "slipstream-sim"],
-    &["slipstream-recording"],
+    &["slipstream-c", "slipstream-recording"],
     &["slipstream-answer", "slipstream-live", "slipstream-testkit"],
     &[
         "slipstream-diagnose",

@@ -7,7 +7,8 @@ use slipstream_bus::message::RobotIndex;
 use slipstream_ipc::part::{Membership, PROTOCOL};
 use slipstream_ipc::presence::Parent;
 
-use super::ROLE;
+/// First of the arguments with which the launcher starts the program of an agent.
+pub const ROLE: &str = "agent";
 
 /// What the program of an agent is to do, and for which robot.
 #[derive(Debug, Clone)]

@@ -7,6 +7,6 @@ mod panics;
 mod program;
 
 pub use self::agent_process::{AgentOutcome, run};
-pub use self::arguments::{Arguments, Task};
+pub use self::arguments::{Arguments, ROLE, Task};
 pub use self::describe::{Description, Problem};
-pub use self::program::{ROLE, run_agent, run_agent_with};
+pub use self::program::{run_agent, run_agent_with};

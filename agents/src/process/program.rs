@@ -15,9 +15,6 @@ use super::describe::{self, Description};
 use super::panics;
 use crate::controller::{AgentContext, Controller, ControllerError};
 
-/// First of the arguments with which the launcher starts the program of an agent.
-pub const ROLE: &str = "agent";
-
 /// Exit code of a program that was not started by a launcher, or by one of another version.
 const UNUSABLE: u8 = 2;
 

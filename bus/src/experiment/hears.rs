@@ -10,7 +10,7 @@ use crate::message::{RobotIndex, robot_name};
 
 /// Who hears whom.
 ///
-/// As text it is a name, or links such as `r1>r2 r1>r3`; a file may also give a list of pairs, `[["r1", "r2"]]`.
+/// As text it is a name, or links such as `r1>r2 r2>r3`; a file may also give a list of pairs, `[["r1", "r2"]]`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Hears {
     /// Every robot hears the one ahead.
@@ -64,7 +64,7 @@ impl FromStr for Hears {
         let links: Option<Vec<[RobotIndex; 2]>> = text.split_whitespace().map(link).collect();
         links.map(Self::Links).ok_or_else(|| {
             let names = NAMES.map(|(name, _)| name).join(", ");
-            format!("{text:?} is neither one of {names} nor links such as \"r1>r2 r1>r3\"")
+            format!("{text:?} is neither one of {names} nor links such as \"r1>r2 r2>r3\"")
         })
     }
 }

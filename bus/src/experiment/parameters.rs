@@ -6,9 +6,6 @@ use std::fmt;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::settings::Settings;
-use crate::message::{RobotIndex, robot_name};
-
 /// The name that stands for all robots.
 pub const EVERY_ROBOT: &str = "*";
 
@@ -28,26 +25,6 @@ pub enum ParameterValue {
     Text(String),
     /// A list of numbers.
     Numbers(Vec<f64>),
-}
-
-impl Settings {
-    /// The program that controls a robot; `None`: the built-in controller.
-    pub fn program(&self, robot: RobotIndex) -> Option<&str> {
-        let own = self.agents.get(&robot_name(robot));
-        let program = own.or_else(|| self.agents.get(EVERY_ROBOT))?.trim();
-        Some(program).filter(|program| !program.is_empty())
-    }
-
-    /// The parameters that the experiment gives to the controller of a robot.
-    pub fn parameters(&self, robot: RobotIndex) -> Parameters {
-        let tables = [EVERY_ROBOT.to_owned(), robot_name(robot)];
-        let given = tables.iter().filter_map(|name| self.controller.get(name));
-        let mut parameters = Parameters::new();
-        for table in given {
-            parameters.extend(table.clone());
-        }
-        parameters
-    }
 }
 
 /// In postcard every value carries its kind; TOML and JSON show it by the value itself.
@@ -139,25 +116,6 @@ impl<'de> Visitor<'de> for AnyValue {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_robots_own_entries_come_before_those_for_all() {
-        let mut settings = Settings::default();
-        let program = |text: &str| text.to_owned();
-        settings.agents.insert(program("*"), program("./a"));
-        settings.agents.insert(program("r1"), String::new());
-        assert_eq!(settings.program(0), None);
-        assert_eq!(settings.program(1), Some("./a"));
-        let table = |gain: f64, name: &str| {
-            Parameters::from([(name.to_owned(), ParameterValue::Number(gain))])
-        };
-        settings.controller.insert(program("*"), table(1.0, "gain"));
-        settings
-            .controller
-            .insert(program("r2"), table(2.0, "gain"));
-        assert_eq!(settings.parameters(1), table(2.0, "gain"));
-        assert_eq!(settings.parameters(2), table(1.0, "gain"));
-    }
 
     #[test]
     fn a_value_keeps_its_kind_in_bytes() {

@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::hears::Hears;
-use super::parameters::Parameters;
+use super::parameters::{EVERY_ROBOT, Parameters};
 use super::profile::Profile;
+use crate::message::{RobotIndex, robot_name};
 use crate::sensors::{Camera, Imu, Sensors};
 use crate::time::{Schedule, ns_from_s};
 
@@ -196,7 +197,7 @@ pub struct LinkSettings {
     pub jitter_s: f64,
     /// The delay's distribution.
     pub distribution: Distribution,
-    /// Fraction of messages lost, from 0 to below 1.
+    /// Fraction of messages lost, from 0 to below 1 (1).
     pub loss: f64,
     /// Mean length of a loss burst (messages, Gilbert–Elliott model); 0: independent losses.
     pub burst: f64,
@@ -206,7 +207,8 @@ pub struct LinkSettings {
     /// delay above; empty: none.
     pub trace: String,
     /// Who hears whom: `predecessor`, `leader_predecessor`, `two_predecessors`, `ring`, `all`, or links such as
-    /// `r1>r2 r1>r3`. The ring protocol adds the link from the last robot to the front one.
+    /// `r1>r2 r2>r3`. The ring protocol adds the link from the last robot to the front one to a topology that has a name; a list of
+    /// links must have it.
     pub topology: Hears,
     /// When each robot sends.
     pub protocol: Protocol,
@@ -293,6 +295,26 @@ impl Settings {
     }
 }
 
+impl Settings {
+    /// The program that controls a robot; `None`: the built-in controller.
+    pub fn program(&self, robot: RobotIndex) -> Option<&str> {
+        let own = self.agents.get(&robot_name(robot));
+        let program = own.or_else(|| self.agents.get(EVERY_ROBOT))?.trim();
+        Some(program).filter(|program| !program.is_empty())
+    }
+
+    /// The parameters that the experiment gives to the controller of a robot.
+    pub fn parameters(&self, robot: RobotIndex) -> Parameters {
+        let tables = [EVERY_ROBOT.to_owned(), robot_name(robot)];
+        let given = tables.iter().filter_map(|name| self.controller.get(name));
+        let mut parameters = Parameters::new();
+        for table in given {
+            parameters.extend(table.clone());
+        }
+        parameters
+    }
+}
+
 impl SensorSettings {
     /// The sensors whose rate is not 0.
     pub fn present(&self) -> Sensors {
@@ -300,5 +322,30 @@ impl SensorSettings {
             camera: Some(self.camera.clone()).filter(|camera| camera.rate_hz != 0.0),
             imu: Some(self.imu.clone()).filter(|imu| imu.rate_hz != 0.0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::ParameterValue;
+    use super::*;
+
+    #[test]
+    fn a_robots_own_entries_come_before_those_for_all() {
+        let mut settings = Settings::default();
+        let program = |text: &str| text.to_owned();
+        settings.agents.insert(program("*"), program("./a"));
+        settings.agents.insert(program("r1"), String::new());
+        assert_eq!(settings.program(0), None);
+        assert_eq!(settings.program(1), Some("./a"));
+        let table = |gain: f64, name: &str| {
+            Parameters::from([(name.to_owned(), ParameterValue::Number(gain))])
+        };
+        settings.controller.insert(program("*"), table(1.0, "gain"));
+        settings
+            .controller
+            .insert(program("r2"), table(2.0, "gain"));
+        assert_eq!(settings.parameters(1), table(2.0, "gain"));
+        assert_eq!(settings.parameters(2), table(1.0, "gain"));
     }
 }

@@ -57,6 +57,15 @@ fn study_conforms() {
     ];
     let more = ["--loss", "0", "--k-x", "1", "--torque-limit", "none"];
     assert_valid(folder.path(), "study", &[&study[..], &more].concat());
+    let sweep = [
+        "study",
+        "sweep",
+        "--set",
+        "links.delay_s=0,0.1",
+        "--robots",
+        "2",
+    ];
+    assert_valid(folder.path(), "sweep", &sweep);
 }
 
 #[test]

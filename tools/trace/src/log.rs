@@ -155,6 +155,53 @@ impl Log {
     /// Adds a step.
     pub fn take(&mut self, step: Step) {
         match step {
+            Step::Sent { .. }
+            | Step::Arrived { .. }
+            | Step::Crossed { .. }
+            | Step::Taken { .. } => self.take_message(&step),
+            Step::Outer {
+                robot,
+                due_ns,
+                began_ns,
+                done_ns,
+                message,
+            } => {
+                let message = message.map_or(-1, i64::from);
+                self.outer
+                    .push([robot.into(), due_ns, began_ns, done_ns, message]);
+            }
+            Step::Inner {
+                robot,
+                due_ns,
+                began_ns,
+                done_ns,
+                outer_ns,
+            } => {
+                self.inner.push([robot.into(), due_ns, began_ns, done_ns]);
+                self.first_inner.push([robot.into(), outer_ns, due_ns]);
+            }
+            Step::Applied {
+                robot,
+                tick_ns,
+                taken_ns,
+            } => self.applied.push([robot.into(), tick_ns, taken_ns]),
+            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
+            Step::Deadline {
+                robot,
+                of,
+                due_ns,
+                began_ns,
+                done_ns,
+                missed,
+            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
+            Step::Host { robot, host } => self.hosts.place(robot, host),
+            Step::Clock { host, clock } => self.hosts.add(host, &clock),
+        }
+    }
+
+    /// Adds a step of a message on its link.
+    fn take_message(&mut self, step: &Step) {
+        match *step {
             Step::Sent {
                 from,
                 to,
@@ -199,43 +246,7 @@ impl Log {
                 let [link, seq] = pile_key((from, to, seq));
                 self.taken.push([link, seq, tick_ns, fate]);
             }
-            Step::Outer {
-                robot,
-                due_ns,
-                began_ns,
-                done_ns,
-                message,
-            } => {
-                let message = message.map_or(-1, i64::from);
-                self.outer
-                    .push([robot.into(), due_ns, began_ns, done_ns, message]);
-            }
-            Step::Inner {
-                robot,
-                due_ns,
-                began_ns,
-                done_ns,
-                outer_ns,
-            } => {
-                self.inner.push([robot.into(), due_ns, began_ns, done_ns]);
-                self.first_inner.push([robot.into(), outer_ns, due_ns]);
-            }
-            Step::Applied {
-                robot,
-                tick_ns,
-                taken_ns,
-            } => self.applied.push([robot.into(), tick_ns, taken_ns]),
-            Step::Died { robot, t_ns } => self.deaths.push((robot, t_ns)),
-            Step::Deadline {
-                robot,
-                of,
-                due_ns,
-                began_ns,
-                done_ns,
-                missed,
-            } => self.take_deadline((robot, of), [due_ns, began_ns, done_ns], missed),
-            Step::Host { robot, host } => self.hosts.place(robot, host),
-            Step::Clock { host, clock } => self.hosts.add(host, &clock),
+            _ => {}
         }
     }
 

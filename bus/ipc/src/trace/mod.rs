@@ -12,6 +12,8 @@ mod saved;
 mod subscriber;
 mod varint;
 
+use std::path::Path;
+
 use slipstream_bus::record::{Record, Recorder};
 use tracing::subscriber::DefaultGuard;
 pub use tracing_subscriber::filter::Targets;
@@ -19,7 +21,7 @@ use tracing_subscriber::layer::SubscriberExt;
 
 use self::buffer::MAX_CHUNK;
 pub use self::buffer::chunks;
-pub use self::saved::{read_saved, save};
+pub use self::saved::read_saved;
 use self::subscriber::{ThreadTrace, TraceSubscriber, with_thread_trace};
 use crate::clock::WallClock;
 
@@ -52,6 +54,11 @@ pub fn begin(process: &str, filter: Targets) -> Tracing {
     Tracing {
         _guard: tracing::subscriber::set_default(TraceSubscriber.with(filter)),
     }
+}
+
+/// Saves the buffered trace of this thread for the recorder, as `name`.
+pub fn save(folder: &Path, name: &str) {
+    saved::write(folder, name, &take_buffer());
 }
 
 /// Sets the virtual time of the thread's trace (ns).

@@ -4,15 +4,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::take_buffer;
 use crate::run_directory::RunDirectory;
 
 /// Prefix of the file names.
 const PREFIX: &str = "trace-";
 
-/// Saves the buffered trace of this thread for the recorder, as `name`.
-pub fn save(folder: &Path, name: &str) {
-    let bytes = take_buffer();
+/// Saves a part of the trace for the recorder, as `name`.
+pub(super) fn write(folder: &Path, name: &str, bytes: &[u8]) {
     // If the directory is gone, the run is over and nobody reads the file.
     if !bytes.is_empty() {
         let _ = fs::write(folder.join(format!("{PREFIX}{name}")), bytes);

@@ -6,6 +6,7 @@
     reason = "a benchmark may stop at the first error"
 )]
 
+mod agents;
 mod events;
 mod latency;
 mod lockstep;
@@ -27,6 +28,7 @@ fn main() {
         Some("event-agent") => events::agent(Path::new(&arguments[2]), &arguments[3]),
         Some("lockstep") => lockstep::measure(),
         Some("trace") => trace::measure(),
+        Some("agents") => agents::measure(),
         Some("echo") => latency::echo(&arguments[2], Path::new(&arguments[3])),
         _ => {
             lockstep::measure();
@@ -37,6 +39,7 @@ fn main() {
             memory();
             in_process_rate();
             trace::measure();
+            agents::measure();
         }
     }
 }

@@ -21,7 +21,7 @@ const SOURCES: [&str; 5] = [
 /// Parts of units, without exponents.
 const UNITS: [&str; 8] = ["1", "s", "m", "rad", "kg", "N", "V", "messages"];
 /// Links as the text of `links.topology`.
-const LINKS: &str = "r1>r2 r1>r3";
+const LINKS: &str = "r1>r2 r2>r3";
 const EXAMPLE: &str = "format = 1
 base = \"platoon\"
 duration_s = 20.0
@@ -43,13 +43,12 @@ headway_s = 0.8
 pub(crate) fn page() -> String {
     let resolved = resolve(&Request::default()).unwrap();
     let defaults = resolved.keys.into_iter();
+    let sources = Sources::read();
     let mut keys = Keys {
+        sources: &sources,
         defaults: defaults.map(|(key, value, _)| (key, value)).collect(),
-        structs: BTreeMap::new(),
-        enums: BTreeMap::new(),
         open: Vec::new(),
     };
-    SOURCES.iter().for_each(|path| keys.read(path));
     let tables = keys.section("Settings", "");
     let left: Vec<&String> = keys.defaults.keys().collect();
     assert!(left.is_empty(), "keys without a row: {left:?}");
@@ -65,14 +64,15 @@ pub(crate) fn page() -> String {
 fn introduction() -> String {
     format!(
         "
-An experiment is a TOML file with the keys to change. All others come from its `base`, a built-in experiment: {}. Without
-`base`, it is `platoon`, whose values are the defaults on this page. `slipstream run FILE` runs the file, `--set KEY=VALUE`
-sets one key, and `slipstream run FILE --dry-run` lists all keys with their values and where each value comes from.
+An experiment is a TOML file with the keys to change. All others come from its `base`, a built-in experiment:
+{}. The base is `platoon` where the file names none; the
+defaults on this page are its values. `slipstream run FILE` runs the file, `--set KEY=VALUE` sets one key, and
+`slipstream run FILE --dry-run` lists all keys with their values and where each value comes from.
 
 {}
-`format` is the version of the format, 1. The name of the file is the default of `name`. Keys that are not listed here are
-an error. Paths are relative to the file that names them. A table `[assumptions.NAME]` may say which values are assumed:
-`keys` lists their keys, `reason` is a text. Symbols are those of the paper ([glossary](../glossary.md)).
+`format` is the version of the format, 1. Without `name`, an experiment has the name of its file. Keys that are not listed
+here are an error. Paths are relative to the file that names them. A table `[assumptions.NAME]` may say which values are
+assumed: `keys` lists their keys, and `reason` is a text. Symbols are those of the paper ([glossary](../glossary.md)).
 ",
         listed(&BUILT_IN.map(code)),
         checked(EXAMPLE)
@@ -92,45 +92,56 @@ fn checked(example: &str) -> String {
     format!("```toml\n{example}```\n")
 }
 
-struct Keys {
-    /// Keys of the platoon that have no row yet, with their values.
-    defaults: BTreeMap<String, String>,
+#[derive(Default)]
+struct Sources {
     structs: BTreeMap<String, ItemStruct>,
     enums: BTreeMap<String, ItemEnum>,
+}
+
+impl Sources {
+    fn read() -> Self {
+        let mut sources = Self::default();
+        for path in SOURCES {
+            let text = std::fs::read_to_string(root().join(path)).unwrap();
+            for item in syn::parse_file(&text).unwrap().items {
+                match item {
+                    Item::Struct(item) => {
+                        sources.structs.insert(item.ident.to_string(), item);
+                    }
+                    Item::Enum(item) => {
+                        sources.enums.insert(item.ident.to_string(), item);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        sources
+    }
+}
+
+struct Keys<'a> {
+    sources: &'a Sources,
+    /// Keys of the platoon that have no row yet, with their values.
+    defaults: BTreeMap<String, String>,
     /// Rows of the keys whose names the user chooses.
     open: Vec<Vec<String>>,
 }
 
-impl Keys {
-    fn read(&mut self, path: &str) {
-        let text = std::fs::read_to_string(root().join(path)).unwrap();
-        for item in syn::parse_file(&text).unwrap().items {
-            match item {
-                Item::Struct(item) => {
-                    self.structs.insert(item.ident.to_string(), item);
-                }
-                Item::Enum(item) => {
-                    self.enums.insert(item.ident.to_string(), item);
-                }
-                _ => {}
-            }
-        }
-    }
-
+impl Keys<'_> {
     /// The table of a struct, the values of its enumerations, and the sections of the structs in it.
     fn section(&mut self, name: &str, table_key: &str) -> String {
-        let item = self.structs[name].clone();
+        let Sources { structs, enums } = self.sources;
         let (mut rows, mut values, mut inner) = (Vec::new(), String::new(), String::new());
-        for field in &item.fields {
+        for field in &structs[name].fields {
             let own = field.ident.as_ref().unwrap().to_string();
             let key = match table_key {
                 "" => own,
                 table => format!("{table}.{own}"),
             };
-            let text = text(&field.attrs, &key);
+            let text = doc(&field.attrs, &key);
             let (kind, arguments) = kind(&field.ty);
-            if self.structs.contains_key(&kind) {
-                let about = about(&text, &self.text_of(&kind));
+            if let Some(item) = structs.get(&kind) {
+                let about = about(&text, &doc(&item.attrs, &kind));
                 inner += &format!("\n## [{key}]\n\n{about}\n{}", self.section(&kind, &key));
                 continue;
             }
@@ -148,7 +159,7 @@ impl Keys {
             let default = self.defaults.remove(&key);
             let default = default.unwrap_or_else(|| panic!("{key} is no key of the platoon"));
             rows.push(vec![code(&key), unit, code(&default), meaning]);
-            if let Some(item) = self.enums.get(&kind) {
+            if let Some(item) = enums.get(&kind) {
                 values += &values_of(item, &key);
             }
         }
@@ -162,15 +173,11 @@ impl Keys {
         own + &values + &inner
     }
 
-    fn text_of(&self, name: &str) -> String {
-        text(&self.structs[name].attrs, name)
-    }
-
     /// The section of the keys whose names the user chooses.
     fn programs(&self) -> String {
-        let variants = self.enums["ParameterValue"].variants.iter();
+        let variants = self.sources.enums["ParameterValue"].variants.iter();
         let kinds = variants.map(|kind| {
-            let text = text(&kind.attrs, &kind.ident.to_string());
+            let text = doc(&kind.attrs, &kind.ident.to_string());
             text.trim_end_matches('.').replacen("A ", "a ", 1)
         });
         let kinds = listed(&kinds.collect::<Vec<_>>());
@@ -179,9 +186,10 @@ impl Keys {
             table(&["key", "meaning"], self.open.iter().cloned()),
             format!(
                 "
-NAME is `r1`, `r2` and so on, or `*`. A program is a command of the shell, started in the folder of the file that names it.
-PARAMETER is the name of a parameter that the program has; `--dry-run` lists them with their defaults. Its value is {kinds}.
-With these keys, `r1` keeps the built-in controller, all others have the program `cacc`, and `r3` has a larger headway:
+NAME is `r1`, `r2` and so on, or `*`. A program is a command of the shell. It is started in the folder of the file that
+names it. PARAMETER is a parameter of the program; `--dry-run` lists all of them with their defaults. Its value is
+{kinds}. [Run my own controller](../how-to/my-controller.md) shows
+how to write a program. Here, `r1` keeps the built-in controller, all others have the program `cacc`, and `r3` has a larger headway:
 
 {}",
                 checked(PROGRAMS_EXAMPLE)
@@ -222,10 +230,7 @@ fn values_of(item: &ItemEnum, key: &str) -> String {
             ..Request::default()
         };
         resolve(&request).unwrap_or_else(|error| panic!("{error}"));
-        vec![
-            code(&value),
-            text(&variant.attrs, &format!("{key}: {name}")),
-        ]
+        vec![code(&value), doc(&variant.attrs, &format!("{key}: {name}"))]
     });
     let rows: Vec<Vec<String>> = rows.collect();
     let more = paragraphs(&item.attrs).into_iter().skip(1);
@@ -296,7 +301,7 @@ fn paragraphs(attributes: &[Attribute]) -> Vec<String> {
 }
 
 /// The doc comment of `name`.
-fn text(attributes: &[Attribute], name: &str) -> String {
+fn doc(attributes: &[Attribute], name: &str) -> String {
     let text = paragraphs(attributes).join(" ");
     assert!(!text.is_empty(), "{name} has no doc comment");
     text

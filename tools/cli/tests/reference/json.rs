@@ -6,7 +6,7 @@ use crate::markdown::{code, head, table};
 use crate::root;
 
 /// Commands whose answers have a schema, in the order of the page.
-const COMMANDS: [&str; 8] = [
+const COMMANDS: [&str; 9] = [
     "check",
     "diagnose",
     "trial",
@@ -14,6 +14,7 @@ const COMMANDS: [&str; 8] = [
     "run",
     "trace",
     "study",
+    "sweep",
     "reproduce",
 ];
 
@@ -29,7 +30,8 @@ is always there unless it is called optional. A number that does not exist is nu
         let schema: Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
         let mut rows = Vec::new();
         fields(command, &schema, "", &mut rows);
-        text += &format!("\n## slipstream {command} --json\n");
+        let title = schema["title"].as_str().unwrap();
+        text += &format!("\n## {title} --json\n");
         text += &table(&["field", "type", "meaning"], rows);
     }
     let schemas = std::fs::read_dir(root().join("tools/cli/schemas")).unwrap();

@@ -107,8 +107,8 @@ fn base(experiment: Option<&str>) -> Result<KeyTree, InputError> {
         InputError::new(name_or_path, format!("cannot be read: {error}"), remedy)
     })?;
     let file = keys::File::parse(path, &text)?;
-    let name = file.base().unwrap_or("platoon");
-    let mut tree = KeyTree::built_in(name)?.ok_or_else(|| {
+    let name = file.base().unwrap_or_else(|| "platoon".to_owned());
+    let mut tree = KeyTree::built_in(&name)?.ok_or_else(|| {
         let remedy = format!("give one of {}", BUILT_IN.join(", "));
         InputError::new(file.place("base"), format!("base is {name:?}"), remedy)
     })?;

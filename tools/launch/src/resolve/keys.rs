@@ -58,8 +58,12 @@ impl File {
     }
 
     /// The built-in experiment that the file names as its base.
-    pub(crate) fn base(&self) -> Option<&str> {
-        self.table.get("base").and_then(Value::as_str)
+    pub(crate) fn base(&self) -> Option<String> {
+        let base = self.table.get("base")?;
+        Some(
+            base.as_str()
+                .map_or_else(|| base.to_string(), str::to_owned),
+        )
     }
 
     /// Assumptions of the file: name, keys and reason, in order of the names.

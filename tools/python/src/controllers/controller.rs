@@ -9,7 +9,9 @@ use slipstream_agents::{
 use slipstream_bus::experiment::{ParameterValue, Parameters};
 use slipstream_bus::message::{Extra, MAX_EXTRA};
 
-use super::{Context, Watch, input};
+use super::context::Context;
+use super::input;
+use super::watch::Watch;
 
 /// A Python object as a controller.
 pub(crate) struct PythonController {
@@ -158,7 +160,7 @@ fn parameters(object: &Bound<'_, PyAny>) -> PyResult<Parameters> {
     let base = base(object.py())?;
     let mut parameters = Parameters::new();
     for class in object.get_type().mro().iter() {
-        if class.is(&base) || class.is(&object.py().get_type::<PyAny>()) {
+        if class.is(&base) || class.is(object.py().get_type::<PyAny>()) {
             break;
         }
         let attributes = class.getattr("__dict__")?;
