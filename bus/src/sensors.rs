@@ -27,7 +27,7 @@ pub struct Camera {
     pub noise_rad: f64,
     /// From exposure until the pose is available (s). The pose is stamped with the exposure.
     pub latency_s: f64,
-    /// Fraction of frames without a pose, 0 to 1.
+    /// Fraction of frames without a pose, 0 to 1 (1).
     pub dropout: f64,
 }
 

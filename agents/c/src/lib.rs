@@ -121,12 +121,8 @@ pub unsafe extern "C" fn slipstream_number(
     let own = unsafe { &*context };
     // SAFETY: by the condition above it is a text that ends with 0.
     let name = unsafe { CStr::from_ptr(name) }.to_string_lossy();
-    match own
-        .context
-        .parameter(&name, ParameterValue::Number(otherwise))
-    {
-        Ok(ParameterValue::Number(value)) => value,
-        Ok(_) => otherwise,
+    match own.context.number(&name, otherwise) {
+        Ok(value) => value,
         Err(error) => {
             own.problem.borrow_mut().get_or_insert(error.into());
             otherwise

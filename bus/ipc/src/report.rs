@@ -25,7 +25,7 @@ pub fn write(folder: &Path, name: &str, report: &impl Serialize) -> Result<(), B
 /// Writes why the process `name` could not do its work.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_failure(folder: &Path, name: &str, reason: &str) -> Result<(), BusError> {
     write(folder, &failure_of(name), &reason)
 }
