@@ -10,7 +10,7 @@ use slipstream_bus::message::RobotIndex;
 pub type Programs = BTreeMap<RobotIndex, Program>;
 
 /// The program of an agent.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Program {
     /// A command of the shell, to which the launcher adds its arguments.
     pub command: String,

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crate::cable::{ADDRESS, Cable};
+use crate::common::programs::example;
 use crate::common::{command, read_json, run_json, slipstream};
 use crate::{Started, alone, assert_done, hash_alone, is_root, port};
 
@@ -93,6 +94,63 @@ fn on_one_computer_the_recording_is_that_of_a_run_without_hosts() {
         answer
     };
     assert_eq!(answer("far"), answer("near"), "latency, stage by stage");
+}
+
+/// A host starts programs that it was given itself, and nothing that another host names.
+#[test]
+fn programs_of_ones_own_run_on_both_computers() {
+    let _one = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let address = format!("tcp/127.0.0.1:{}", port());
+    let program = example("paper_law");
+    let run = [
+        "run",
+        "--listen",
+        &address,
+        "--host",
+        "b=r2,r4",
+        "--json",
+        "run.json",
+        "--robots",
+        "4",
+        "--no-recording",
+        "--set",
+        "links.topology=all",
+        "--set",
+        "links.protocol=periodic",
+        "--agent",
+        &program,
+    ];
+    let plant = Started::new(&mut command(folder, &run));
+    let join = ["join", &address, "--name", "b"];
+    let refused = slipstream(folder, &join);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("--agent: is missing: the run has"), "{said}");
+    drop(plant);
+    let address = format!("tcp/127.0.0.1:{}", port());
+    let run = run.map(|word| {
+        if word.starts_with("tcp/") {
+            &address
+        } else {
+            word
+        }
+    });
+    let plant = Started::new(&mut command(folder, &run));
+    let join = ["join", &address, "--name", "b", "--agent", &program];
+    assert_done(&Started::new(&mut command(folder, &join)).wait());
+    assert_done(&plant.wait());
+    let arguments = [
+        "--robots",
+        "4",
+        "--set",
+        "links.topology=all",
+        "--set",
+        "links.protocol=periodic",
+    ];
+    let run = read_json(&folder.join("run.json"));
+    assert_eq!(run["state_hash"], hash_alone(folder, &arguments));
 }
 
 #[test]

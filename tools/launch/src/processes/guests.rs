@@ -8,9 +8,11 @@ use std::time::{Duration, Instant};
 
 use rand::RngExt as _;
 use rustix::io::ioctl_fionbio;
+use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_hosts::address::Address;
 
 use super::options::Across;
+use crate::program::Programs;
 
 /// Time that the hosts have to end after the run.
 const END_TIMEOUT: Duration = Duration::from_millis(800);
@@ -37,10 +39,13 @@ impl Guests {
     ///
     /// # Errors
     /// There is no ssh.
-    pub(super) fn start(across: &Across) -> std::io::Result<Self> {
+    pub(super) fn start(across: &Across, programs: &Programs) -> std::io::Result<Self> {
         let mut guests = Self::default();
         for (host, target) in &across.ssh {
-            let child = command(&across.address, host, target).spawn()?;
+            let own = across.hosts.iter().find(|own| own.name == *host);
+            let robots = own.map_or(&[][..], |own| &own.robots);
+            let agents = agents(robots, programs);
+            let child = command(&across.address, host, target, &agents).spawn()?;
             guests.running.push(Guest {
                 host: host.clone(),
                 target: target.clone(),
@@ -104,8 +109,18 @@ impl Drop for Guests {
     }
 }
 
+/// Arguments that give a host the programs of its robots, for the shell of that host.
+fn agents(robots: &[RobotIndex], programs: &Programs) -> String {
+    let argument = |robot: &RobotIndex| {
+        let command = &programs.get(robot)?.command;
+        let quoted = command.replace('\'', r"'\''");
+        Some(format!(" --agent '{}={quoted}'", robot_name(*robot)))
+    };
+    robots.iter().filter_map(argument).collect()
+}
+
 /// The command that joins the run from a host.
-fn command(address: &Address, host: &str, target: &str) -> Command {
+fn command(address: &Address, host: &str, target: &str, agents: &str) -> Command {
     let place = address.place();
     let port = rand::rng().random_range(TUNNEL_PORTS);
     let mut command = Command::new("ssh");
@@ -121,7 +136,7 @@ fn command(address: &Address, host: &str, target: &str) -> Command {
         .arg(format!("{port}:{place}"))
         .arg(target)
         .arg(format!(
-            "slipstream join tcp/127.0.0.1:{port} --name {host}"
+            "slipstream join tcp/127.0.0.1:{port} --name {host}{agents}"
         ))
         // A process group of its own: Ctrl-C reaches the launcher alone.
         .process_group(0)
@@ -129,4 +144,21 @@ fn command(address: &Address, host: &str, target: &str) -> Command {
         .stdout(Stdio::null())
         .stderr(Stdio::piped());
     command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::program::Program;
+
+    #[test]
+    fn a_host_gets_the_programs_of_its_robots() {
+        let program = |command: &str| Program {
+            command: command.to_owned(),
+            ..Program::default()
+        };
+        let programs = Programs::from([(1, program("./a 'b'")), (2, program("d"))]);
+        let expected = r" --agent 'r2=./a '\''b'\'''";
+        assert_eq!(agents(&[1, 3], &programs), expected);
+    }
 }

@@ -171,7 +171,8 @@ impl<'a> Run<'a> {
         let started = roles.into_iter().try_for_each(|role| self.spawn(role, 0));
         started.map_err(system("start the processes"))?;
         if let Some(across) = self.part.across() {
-            self.guests = Guests::start(across).map_err(system("start ssh"))?;
+            let programs = self.part.programs();
+            self.guests = Guests::start(across, programs).map_err(system("start ssh"))?;
         }
         let progress = ProgressLine::new(live, &self.experiment.settings);
         while self.children.iter().any(is_awaited) {

@@ -52,11 +52,15 @@ impl Part<'_> {
 
     /// The own program of a robot's agent, if it has one.
     pub(super) fn agent(&self, role: Role) -> Option<&Program> {
-        let programs = match self {
+        self.programs().get(&role.robot()?)
+    }
+
+    /// The own programs of agents.
+    pub(super) fn programs(&self) -> &Programs {
+        match self {
             Self::Home(_, programs) => programs,
             Self::Away(away) => &away.programs,
-        };
-        programs.get(&role.robot()?)
+        }
     }
 
     /// The other hosts of the run, if this is the plant's.
