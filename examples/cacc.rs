@@ -40,7 +40,7 @@ impl Controller for Cacc {
     fn outer(&mut self, now: &OuterInput<'_>) -> Result<DesiredTwist, ControllerError> {
         let [v_r, w_r] = now.reference_velocity;
         let [e_x, e_y, e_theta] = now.error;
-        let ahead = self.ahead.and_then(|robot| now.from(robot));
+        let ahead = self.ahead.and_then(|robot| now.heard_from(robot));
         if let Some(ahead) = ahead.filter(|_| now.coordinates) {
             let sent = ahead.position.extra.numbers();
             let u_ahead = sent.first().copied().unwrap_or(0.0);

@@ -49,7 +49,7 @@ pub struct Heard {
 
 impl OuterInput<'_> {
     /// The newest message of a robot, if it was heard.
-    pub fn from(&self, robot: RobotIndex) -> Option<&Heard> {
+    pub fn heard_from(&self, robot: RobotIndex) -> Option<&Heard> {
         self.heard.iter().find(|own| own.position.from == robot)
     }
 }
