@@ -34,7 +34,8 @@ pub(super) struct Reference {
 pub(super) struct ReferenceGenerator {
     /// The path of the predecessor, if the robot follows one.
     path: Option<PredecessorPath>,
-    newest: Option<Position>,
+    /// Number and v_r (m/s) of the newest position.
+    newest: Option<(u32, f64)>,
     /// Pose of the midpoint of the axle if the robot had followed the profile exactly.
     profile_axle: Pose,
     profile_ns: i64,
@@ -60,7 +61,7 @@ impl ReferenceGenerator {
         if let Some(path) = &mut self.path {
             let pose = Pose::new([position.x_m, position.y_m, position.yaw_rad]);
             path.extend(pose, [position.v_m_s, position.w_rad_s]);
-            self.newest = Some(*position);
+            self.newest = Some((position.seq, position.v_m_s));
         }
     }
 
@@ -82,12 +83,12 @@ impl ReferenceGenerator {
         let point = path.behind(formation.spacing_m);
         let v_r = match formation.feedforward {
             Feedforward::Profile => v_profile,
-            Feedforward::Message => self.newest.map_or(0.0, |position| position.v_m_s),
+            Feedforward::Message => self.newest.map_or(0.0, |(_, v_m_s)| v_m_s),
         };
         let reference = Reference {
             pose: point.pose,
             velocity: [v_r, v_r * point.curvature],
-            message: self.newest.map(|position| position.seq),
+            message: self.newest.map(|(seq, _)| seq),
         };
         References { reference, profile }
     }

@@ -37,9 +37,9 @@ impl Incoming {
     }
 
     /// Puts a position that has come from the transport into the delay line.
-    pub(super) fn push(&mut self, position: Position, recorder: &mut impl Recorder) {
-        let available_ns = self.line.push(position);
-        log::arrived([self.from, self.to], &position, available_ns, recorder);
+    pub(super) fn push(&mut self, position: &Position, recorder: &mut impl Recorder) {
+        let available_ns = self.line.push(*position);
+        log::arrived([self.from, self.to], position, available_ns, recorder);
     }
 
     /// The sender.

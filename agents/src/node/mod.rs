@@ -117,6 +117,13 @@ impl<C: Controller> Node<C> {
         link: &mut impl PositionLink,
         recorder: &mut impl Recorder,
     ) -> Result<(), BusError> {
+        // The messages of one sender come in their order.
+        if let [only] = &mut self.incoming[..] {
+            while let Some(position) = link.poll()? {
+                only.push(&position, recorder);
+            }
+            return Ok(());
+        }
         while let Some(position) = link.poll()? {
             self.arrived.push(position);
         }
@@ -127,7 +134,7 @@ impl<C: Controller> Node<C> {
                 .incoming
                 .binary_search_by_key(&position.from, Incoming::from);
             if let Some(incoming) = place.ok().and_then(|place| self.incoming.get_mut(place)) {
-                incoming.push(position, recorder);
+                incoming.push(&position, recorder);
             }
         }
         Ok(())
