@@ -54,7 +54,7 @@ impl<'a> AgentContext<'a> {
 
     /// The robots that this one hears, in order.
     pub fn hears(&self) -> Vec<RobotIndex> {
-        Topology::new(self.experiment).hears(self.robot).to_vec()
+        Topology::new(self.experiment).hears(self.robot)
     }
 
     /// Lengths, masses and inertias of the robot, as its nominal model has them.

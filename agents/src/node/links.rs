@@ -103,12 +103,12 @@ pub(super) struct Outgoing {
 
 impl Outgoing {
     /// The links to the robots `to` of an experiment.
-    pub(super) fn new(experiment: &Experiment, to: &[RobotIndex]) -> Self {
+    pub(super) fn new(experiment: &Experiment, to: Vec<RobotIndex>) -> Self {
         let settings = &experiment.settings;
         let links = &settings.links;
         let expected_ns = settings.expected_token_round_ns(experiment.longest_trace_ns());
         Self {
-            to: to.to_vec(),
+            to,
             protocol: links.protocol,
             timeout_ns: expected_ns + ns_from_s(links.ring_timeout_s),
             seq: 0,
@@ -174,7 +174,7 @@ mod tests {
     fn the_front_robot_sends_again_when_its_token_round_returns_or_is_overdue() {
         let experiment = experiment(Protocol::Ring);
         let mut incoming = Incoming::new(&experiment, 2, 0);
-        let mut outgoing = Outgoing::new(&experiment, &[1]);
+        let mut outgoing = Outgoing::new(&experiment, vec![1]);
         assert_eq!(outgoing.round_to_send(0, Some(&incoming), 0), Some(0));
         outgoing.count_sent(0, 0);
         assert_eq!(outgoing.round_to_send(0, Some(&incoming), 50_000_000), None);
@@ -193,7 +193,7 @@ mod tests {
     fn a_follower_passes_the_token_on_once() {
         let experiment = experiment(Protocol::Ring);
         let mut incoming = Incoming::new(&experiment, 0, 1);
-        let outgoing = Outgoing::new(&experiment, &[2]);
+        let outgoing = Outgoing::new(&experiment, vec![2]);
         assert_eq!(outgoing.round_to_send(1, Some(&incoming), 0), None);
         (incoming.fresh, incoming.token_round) = (true, 4);
         assert_eq!(outgoing.round_to_send(1, Some(&incoming), 0), Some(4));
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn the_periodic_protocol_sends_at_every_tick() {
         let experiment = experiment(Protocol::Periodic);
-        let mut outgoing = Outgoing::new(&experiment, &[1]);
+        let mut outgoing = Outgoing::new(&experiment, vec![1]);
         assert_eq!(outgoing.round_to_send(0, None, 0), Some(0));
         outgoing.count_sent(0, 0);
         assert_eq!(outgoing.round_to_send(0, None, 50_000_000), Some(0));

@@ -138,14 +138,14 @@ impl Services {
 
     /// Whether a robot of this host is heard by one of another host.
     pub(crate) fn is_leaving(&self, robot: RobotIndex) -> bool {
-        let mut receivers = self.topology.heard_by(robot).iter();
-        self.is_local(robot) && receivers.any(|&to| !self.is_local(to))
+        let receivers = self.topology.heard_by(robot);
+        self.is_local(robot) && receivers.iter().any(|&to| !self.is_local(to))
     }
 
     /// The first robots of the groups of which `robot` hears somebody, in order.
     pub(crate) fn groups_heard(&self, robot: RobotIndex) -> Vec<RobotIndex> {
-        let heard = self.topology.hears(robot).iter();
-        let mut groups: Vec<RobotIndex> = heard.map(|&from| group_of(from)).collect();
+        let heard = self.topology.hears(robot);
+        let mut groups: Vec<RobotIndex> = heard.into_iter().map(group_of).collect();
         groups.dedup();
         groups
     }
@@ -167,7 +167,7 @@ impl Services {
     /// The robots that hear somebody of a group.
     fn hear_group(&self, group: std::ops::Range<RobotIndex>) -> impl Iterator<Item = RobotIndex> {
         let mut hear: Vec<RobotIndex> = group
-            .flat_map(|member| self.topology.heard_by(member).iter().copied())
+            .flat_map(|member| self.topology.heard_by(member))
             .collect();
         hear.sort_unstable();
         hear.dedup();

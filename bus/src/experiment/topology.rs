@@ -1,5 +1,7 @@
 //! Communication topology: which robot hears which.
 
+use std::collections::BTreeSet;
+
 use super::hears::Hears;
 use super::settings::{Protocol, Settings};
 use super::setup::Experiment;
@@ -11,14 +13,16 @@ use crate::range::invalid;
 const MAX_LINKS: usize = 100_000;
 
 /// The links of an experiment. A single robot and robots in open loop have none.
+///
+/// It is cheap to make: the neighbours of a robot are found when they are asked for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Topology {
-    /// Of each robot those that it hears, in order.
-    hears: Vec<Vec<RobotIndex>>,
-    /// Of each robot those that hear it, in order.
-    heard_by: Vec<Vec<RobotIndex>>,
+    robots: u32,
+    hears: Hears,
     /// Whether a token goes around.
     ring: bool,
+    /// Whether there are links at all.
+    linked: bool,
 }
 
 impl Topology {
@@ -27,49 +31,69 @@ impl Topology {
         Self::of(&experiment.settings)
     }
 
-    /// The topology of valid settings. Links that name robots which do not exist are left out.
+    /// The topology of valid settings.
     pub fn of(settings: &Settings) -> Self {
-        let robots = settings.robots.count as usize;
-        let mut topology = Self {
-            hears: vec![Vec::new(); robots],
-            heard_by: vec![Vec::new(); robots],
+        Self {
+            robots: settings.robots.count,
+            hears: settings.links.topology.clone(),
             ring: settings.links.protocol == Protocol::Ring,
-        };
-        if robots > 1 && !settings.open_loop.enabled {
-            for (from, to) in links(settings) {
-                topology.add(from, to);
-            }
+            linked: settings.robots.count > 1 && !settings.open_loop.enabled,
         }
-        topology
-    }
-
-    fn add(&mut self, from: RobotIndex, to: RobotIndex) {
-        let last = RobotIndex::try_from(self.hears.len()).unwrap_or(RobotIndex::MAX);
-        if from >= last || to >= last {
-            return;
-        }
-        let hears = &mut self.hears[to as usize];
-        if let Err(place) = hears.binary_search(&from) {
-            hears.insert(place, from);
-            let heard_by = &mut self.heard_by[from as usize];
-            let place = heard_by.partition_point(|&other| other < to);
-            heard_by.insert(place, to);
-        }
-    }
-
-    /// The robots that `robot` hears, in order.
-    pub fn hears(&self, robot: RobotIndex) -> &[RobotIndex] {
-        self.hears.get(robot as usize).map_or(&[], Vec::as_slice)
-    }
-
-    /// The robots that hear `robot`, in order.
-    pub fn heard_by(&self, robot: RobotIndex) -> &[RobotIndex] {
-        self.heard_by.get(robot as usize).map_or(&[], Vec::as_slice)
     }
 
     /// Whether `to` hears `from`.
     pub fn is_link(&self, from: RobotIndex, to: RobotIndex) -> bool {
-        self.hears(to).binary_search(&from).is_ok()
+        if !self.linked || from == to || from.max(to) >= self.robots {
+            return false;
+        }
+        // What a list lacks, it lacks on purpose.
+        let closes = self.ring || self.hears == Hears::Ring;
+        let closing = closes && (from, to) == (self.robots - 1, 0);
+        match &self.hears {
+            Hears::Predecessor | Hears::Ring => from + 1 == to || closing,
+            Hears::LeaderPredecessor => from == 0 || from + 1 == to || closing,
+            Hears::TwoPredecessors => from + 1 == to || from + 2 == to || closing,
+            Hears::All => true,
+            Hears::Links(own) => own.contains(&[from, to]),
+        }
+    }
+
+    /// The robots that `robot` hears, in order.
+    pub fn hears(&self, robot: RobotIndex) -> Vec<RobotIndex> {
+        self.neighbours(robot, |other| self.is_link(other, robot))
+    }
+
+    /// The robots that hear `robot`, in order.
+    pub fn heard_by(&self, robot: RobotIndex) -> Vec<RobotIndex> {
+        self.neighbours(robot, |other| self.is_link(robot, other))
+    }
+
+    /// The robots that are linked with `robot` in one direction, in order.
+    fn neighbours(
+        &self,
+        robot: RobotIndex,
+        is_linked: impl Fn(RobotIndex) -> bool,
+    ) -> Vec<RobotIndex> {
+        let mut others: Vec<RobotIndex> = match &self.hears {
+            Hears::All => (0..self.robots).collect(),
+            Hears::LeaderPredecessor if robot == 0 => (0..self.robots).collect(),
+            Hears::Links(own) => {
+                let own = own.iter().filter(|link| link.contains(&robot));
+                own.flatten().copied().collect()
+            }
+            // Nobody hears further than two robots, but for the ends of the platoon.
+            _ => {
+                let near = robot.saturating_sub(2)..=robot.saturating_add(2);
+                [0, self.robots.saturating_sub(1)]
+                    .into_iter()
+                    .chain(near)
+                    .collect()
+            }
+        };
+        others.retain(|&other| is_linked(other));
+        others.sort_unstable();
+        others.dedup();
+        others
     }
 
     /// The robot whose path `robot` follows: the one ahead of it, if it hears that one.
@@ -80,43 +104,9 @@ impl Topology {
 
     /// In a token ring: the robot after whose position this one sends.
     pub fn token_from(&self, robot: RobotIndex) -> Option<RobotIndex> {
-        let last = RobotIndex::try_from(self.hears.len())
-            .ok()?
-            .checked_sub(1)?;
-        let before = robot.checked_sub(1).unwrap_or(last);
+        let before = robot.checked_sub(1).or(self.robots.checked_sub(1))?;
         (self.ring && self.is_link(before, robot)).then_some(before)
     }
-}
-
-/// Sender and receiver of every link, some perhaps twice.
-fn links(settings: &Settings) -> Vec<(RobotIndex, RobotIndex)> {
-    let count = settings.robots.count;
-    let token_ring = settings.links.protocol == Protocol::Ring;
-    let chain = (1..count).map(|to| (to - 1, to));
-    let closing = std::iter::once((count - 1, 0));
-    let closed = match &settings.links.topology {
-        Hears::Ring => true,
-        Hears::Links(_) => false,
-        _ => token_ring,
-    };
-    let mut all: Vec<(RobotIndex, RobotIndex)> = match &settings.links.topology {
-        Hears::Predecessor | Hears::Ring => chain.collect(),
-        Hears::LeaderPredecessor => {
-            let leader = (1..count).map(|to| (0, to));
-            chain.chain(leader).collect()
-        }
-        Hears::TwoPredecessors => {
-            let second = (2..count).map(|to| (to - 2, to));
-            chain.chain(second).collect()
-        }
-        Hears::All => {
-            let pairs = (0..count).flat_map(|from| (0..count).map(move |to| (from, to)));
-            pairs.filter(|(from, to)| from != to).collect()
-        }
-        Hears::Links(own) => own.iter().map(|&[from, to]| (from, to)).collect(),
-    };
-    all.extend(closing.filter(|_| closed));
-    all
 }
 
 /// Checks the links of settings whose number of robots is valid.
@@ -138,7 +128,8 @@ pub(super) fn validate(settings: &Settings) -> Result<(), InputError> {
         let problem = format!("has more than {MAX_LINKS} links");
         return invalid(key, problem, "give fewer");
     }
-    for (index, &[from, to]) in own.iter().enumerate() {
+    let mut links = BTreeSet::new();
+    for &[from, to] in own {
         let link = format!("{}>{}", robot_name(from), robot_name(to));
         if from.max(to) >= count {
             let robot = robot_name(from.max(to));
@@ -148,26 +139,21 @@ pub(super) fn validate(settings: &Settings) -> Result<(), InputError> {
         if from == to {
             return invalid(key, format!("has the link {link}"), "leave it out");
         }
-        if own
-            .get(..index)
-            .is_some_and(|before| before.contains(&[from, to]))
-        {
+        if !links.insert([from, to]) {
             return invalid(key, format!("has {link} twice"), "leave one out");
         }
     }
     let topology = Topology::of(settings);
-    let lacking = (0..count).find(|&robot| topology.token_from(robot).is_none());
-    if let Some(robot) =
-        lacking.filter(|_| topology.ring && count > 1 && !settings.open_loop.enabled)
+    let around = (0..count).map(|robot| [robot.checked_sub(1).unwrap_or(count - 1), robot]);
+    let mut lacking = around.filter(|link| !links.contains(link));
+    if topology.ring
+        && topology.linked
+        && let Some([from, to]) = lacking.next()
     {
-        let before = robot.checked_sub(1).unwrap_or(count - 1);
-        let link = format!("{}>{}", robot_name(before), robot_name(robot));
+        let link = format!("{}>{}", robot_name(from), robot_name(to));
         let remedy = "add it, or set links.protocol = \"periodic\"";
-        return invalid(
-            key,
-            format!("lacks {link}, on which the token goes around"),
-            remedy,
-        );
+        let problem = format!("lacks {link}, on which the token goes around");
+        return invalid(key, problem, remedy);
     }
     Ok(())
 }
@@ -188,10 +174,10 @@ mod tests {
     fn the_ring_protocol_closes_the_chain() {
         let chain = Topology::of(&settings(3, Protocol::Periodic, "predecessor"));
         assert!(chain.hears(0).is_empty() && chain.heard_by(2).is_empty());
-        assert_eq!((chain.hears(2), chain.heard_by(0)), (&[1][..], &[1][..]));
+        assert_eq!((chain.hears(2), chain.heard_by(0)), (vec![1], vec![1]));
         assert_eq!((chain.predecessor(1), chain.token_from(1)), (Some(0), None));
         let ring = Topology::of(&settings(3, Protocol::Ring, "predecessor"));
-        assert_eq!((ring.hears(0), ring.heard_by(2)), (&[2][..], &[0][..]));
+        assert_eq!((ring.hears(0), ring.heard_by(2)), (vec![2], vec![0]));
         assert_eq!((ring.predecessor(0), ring.token_from(0)), (None, Some(2)));
         let alone = Topology::of(&settings(1, Protocol::Ring, "all"));
         assert!(alone.hears(0).is_empty());
@@ -208,6 +194,34 @@ mod tests {
         assert_eq!(of("all").hears(1), [0, 2, 3]);
         assert_eq!(of("r1>r3 r3>r1").hears(2), [0]);
         assert_eq!(of("r1>r3 r3>r1").predecessor(2), None);
+    }
+
+    #[test]
+    fn neighbours_are_those_of_all_pairs() {
+        for protocol in [Protocol::Ring, Protocol::Periodic] {
+            for name in [
+                "predecessor",
+                "leader_predecessor",
+                "two_predecessors",
+                "ring",
+                "all",
+                "r7>r1 r2>r6 r6>r2",
+            ] {
+                for robots in 1..8 {
+                    let topology = Topology::of(&settings(robots, protocol, name));
+                    for robot in 0..robots {
+                        let all = || 0..robots;
+                        let hears: Vec<u32> = all()
+                            .filter(|&from| topology.is_link(from, robot))
+                            .collect();
+                        let heard_by: Vec<u32> =
+                            all().filter(|&to| topology.is_link(robot, to)).collect();
+                        assert_eq!(topology.hears(robot), hears, "{name} {robots}");
+                        assert_eq!(topology.heard_by(robot), heard_by, "{name} {robots}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

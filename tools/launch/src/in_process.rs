@@ -120,8 +120,9 @@ pub fn run_controlled<R: Recorder, C: Controller>(
 /// All agents of a run and the messages between them.
 struct Agents<R, C> {
     schedule: Schedule,
-    topology: Topology,
     nodes: Vec<Node<C>>,
+    /// Of each robot those that hear it.
+    receivers: Vec<Vec<RobotIndex>>,
     /// Messages on their way to each robot.
     queues: Vec<VecDeque<Position>>,
     /// Encoders at the end of the run.
@@ -132,7 +133,7 @@ struct Agents<R, C> {
 /// The links of one robot, in memory.
 struct LocalLink<'a> {
     queues: &'a mut [VecDeque<Position>],
-    topology: &'a Topology,
+    receivers: &'a [RobotIndex],
     robot: usize,
     now_ns: i64,
 }
@@ -144,6 +145,7 @@ impl<R: Recorder, C: Controller> Agents<R, C> {
         mut make: impl FnMut(&AgentContext<'_>) -> Result<C, ControllerError>,
     ) -> Result<Self, RunError> {
         let count = experiment.settings.robots.count;
+        let topology = Topology::new(experiment);
         let node = |index| {
             let context = AgentContext::new(experiment, index)?;
             let controller = make(&context)?;
@@ -152,7 +154,7 @@ impl<R: Recorder, C: Controller> Agents<R, C> {
         };
         Ok(Self {
             schedule: experiment.settings.schedule(),
-            topology: Topology::new(experiment),
+            receivers: (0..count).map(|robot| topology.heard_by(robot)).collect(),
             nodes: (0..count).map(node).collect::<Result<_, RunError>>()?,
             queues: (0..count).map(|_| VecDeque::with_capacity(64)).collect(),
             last: Vec::new(),
@@ -165,7 +167,7 @@ impl<R: Recorder, C: Controller> Agents<R, C> {
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
                 queues: &mut self.queues,
-                topology: &self.topology,
+                receivers: &self.receivers[robot],
                 robot,
                 now_ns: 0,
             };
@@ -188,7 +190,7 @@ impl<R: Recorder, C: Controller> LockstepLink for Agents<R, C> {
         for (robot, node) in self.nodes.iter_mut().enumerate() {
             let mut link = LocalLink {
                 queues: &mut self.queues,
-                topology: &self.topology,
+                receivers: &self.receivers[robot],
                 robot,
                 now_ns,
             };
@@ -212,8 +214,7 @@ impl PositionLink for LocalLink<'_> {
 
     fn send(&mut self, position: &mut Position) -> Result<i64, BusError> {
         position.sent_ns = self.now_ns;
-        let robot = RobotIndex::try_from(self.robot).unwrap_or(RobotIndex::MAX);
-        for &to in self.topology.heard_by(robot) {
+        for &to in self.receivers {
             self.queues[to as usize].push_back(*position);
         }
         Ok(self.now_ns)

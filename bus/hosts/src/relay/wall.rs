@@ -119,8 +119,8 @@ impl Wall<'_, '_> {
         }
         for position in &news.positions {
             self.play.crossing.deliver(position)?;
-            let receivers = self.topology.heard_by(position.from).iter();
-            for &to in receivers.filter(|to| self.play.robots.contains(to)) {
+            let receivers = self.topology.heard_by(position.from).into_iter();
+            for to in receivers.filter(|to| self.play.robots.contains(to)) {
                 log::crossed(position, to);
             }
         }

@@ -161,9 +161,10 @@ impl Robots {
     /// as it came to the first of them that hears the sender.
     fn positions_for(&self, own: &[RobotIndex]) -> Vec<Position> {
         let goes = |&&(to, position): &&(RobotIndex, Position)| {
-            let mut receivers = self.topology.heard_by(position.from).iter();
-            let first = receivers.find(|receiver| own.contains(receiver));
-            first == Some(&to) && !own.contains(&position.from)
+            let receivers = own
+                .iter()
+                .filter(|&&own| self.topology.is_link(position.from, own));
+            receivers.min() == Some(&to) && !own.contains(&position.from)
         };
         let positions = self.positions.iter().filter(goes);
         positions.map(|&(_, position)| position).collect()

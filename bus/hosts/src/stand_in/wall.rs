@@ -131,8 +131,8 @@ impl Wall<'_> {
     /// Traces the positions that have come for robots of this host.
     fn trace_arrivals(&self, sent: &Sent) {
         for position in &sent.positions {
-            let receivers = self.topology.heard_by(position.from).iter();
-            for &to in receivers.filter(|to| !self.elsewhere.contains(to)) {
+            let receivers = self.topology.heard_by(position.from).into_iter();
+            for to in receivers.filter(|to| !self.elsewhere.contains(to)) {
                 log::crossed(position, to);
             }
         }

@@ -26,12 +26,12 @@ impl CrossingLinks {
             entering: Vec::new(),
         };
         for robot in services.robots() {
-            let mut receivers = services.topology().heard_by(robot).iter();
+            let receivers = services.topology().heard_by(robot);
             if services.is_leaving(robot) {
                 let subscriber = services.position_subscriber(robot)?;
                 links.leaving.push((robot, subscriber));
             }
-            if !services.is_local(robot) && receivers.any(|&to| services.is_local(to)) {
+            if !services.is_local(robot) && receivers.iter().any(|&to| services.is_local(to)) {
                 let publisher = services.position_publisher(robot)?;
                 // On the wall clock a full queue drops its oldest position.
                 let required = match services.lockstep() {

@@ -37,7 +37,7 @@ impl LinkEndpoints {
         let is_heard = !topology.heard_by(robot).is_empty();
         let groups = services.groups_heard(robot).into_iter();
         Ok(Self {
-            hears: topology.hears(robot).to_vec(),
+            hears: topology.hears(robot),
             subscribers: groups
                 .map(|group| services.position_subscriber(group))
                 .collect::<Result<_, _>>()?,
