@@ -3,8 +3,10 @@
 use std::fmt;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 /// Why an input cannot be used. It prints as `place:line: problem; remedy`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputError {
     /// A file, an argument, or a key as written in its file, such as `robot.wheel_mass_kg`.
     pub place: String,

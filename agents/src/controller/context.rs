@@ -89,6 +89,7 @@ impl<'a> AgentContext<'a> {
     /// }
     ///
     /// let mut settings = Settings::default();
+    /// settings.agents.insert("r2".into(), "./my_agent".into());
     /// settings.controller.entry("r2".into()).or_default().insert("gain".into(), ParameterValue::Integer(2));
     /// let experiment = Experiment::new(settings, &RobotModel::default());
     /// let gains: Gains = AgentContext::new(&experiment, 1)?.parameters()?;
@@ -226,6 +227,7 @@ mod tests {
 
     fn merged(given: &[(&str, &str, ParameterValue)]) -> Result<Parameters, InputError> {
         let mut settings = Settings::default();
+        settings.agents.insert("*".to_owned(), "./agent".to_owned());
         for (robot, name, value) in given {
             let table = settings.controller.entry((*robot).to_owned()).or_default();
             table.insert((*name).to_owned(), value.clone());

@@ -3,6 +3,7 @@
 mod context;
 mod input;
 
+use serde::{Deserialize, Serialize};
 use slipstream_bus::InputError;
 use slipstream_bus::message::Extra;
 
@@ -76,7 +77,7 @@ pub struct DesiredTwist {
 }
 
 /// Why a controller cannot be made or cannot go on.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, Serialize, Deserialize)]
 pub enum ControllerError {
     /// A key of the experiment or of the robot's model.
     #[error(transparent)]

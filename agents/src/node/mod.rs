@@ -9,7 +9,7 @@ mod log;
 mod report;
 
 use slipstream_bus::InputError;
-use slipstream_bus::experiment::{Experiment, Topology};
+use slipstream_bus::experiment::{Experiment, Parameters, Topology};
 use slipstream_bus::message::{Encoders, Position, RobotIndex, TorqueCommand};
 use slipstream_bus::record::{EventKind, Record, Recorder};
 use slipstream_bus::time::{Due, s_from_ns};
@@ -83,6 +83,21 @@ impl<C: Controller> Node<C> {
                 ..TorqueCommand::default()
             },
         })
+    }
+
+    /// The node of robot `index` of an experiment, with the controller that `make` makes, and the parameters of that controller.
+    ///
+    /// # Errors
+    /// As [`Self::with`]; the controller cannot be made; the experiment gives parameters that it does not have.
+    pub fn made(
+        experiment: &Experiment,
+        index: RobotIndex,
+        make: impl FnOnce(&AgentContext<'_>) -> Result<C, ControllerError>,
+    ) -> Result<(Self, Parameters), ControllerError> {
+        let context = AgentContext::new(experiment, index)?;
+        let controller = make(&context)?;
+        let parameters = context.declared()?;
+        Ok((Self::with(experiment, index, controller)?, parameters))
     }
 
     /// Runs the loops that are due at `now_ns` and returns the torques in force from then on.

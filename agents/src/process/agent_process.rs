@@ -59,7 +59,8 @@ pub fn run<C: Controller>(
 ) -> Result<AgentOutcome, BusError> {
     let member = Member::Agent(robot as usize);
     let joined = JoinedRun::new(&membership.run, member, membership.launcher)?;
-    let mut node = node(&joined, robot, make).map_err(|error| BusError::Failed {
+    let made = Node::made(&joined.experiment, robot, make);
+    let (mut node, _) = made.map_err(|error| BusError::Failed {
         what: "its controller cannot be made".to_owned(),
         reason: error.to_string(),
     })?;
@@ -99,18 +100,6 @@ pub fn run<C: Controller>(
         std::mem::forget(process.endpoint);
     }
     outcome
-}
-
-/// The node of a robot with the controller that `make` makes.
-fn node<C: Controller>(
-    joined: &JoinedRun,
-    robot: RobotIndex,
-    make: impl FnOnce(&AgentContext<'_>) -> Result<C, ControllerError>,
-) -> Result<Node<C>, ControllerError> {
-    let context = AgentContext::new(&joined.experiment, robot)?;
-    let controller = make(&context)?;
-    context.declared()?;
-    Ok(Node::with(&joined.experiment, robot, controller)?)
 }
 
 impl<C: Controller> Process<C> {

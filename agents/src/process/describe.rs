@@ -11,27 +11,12 @@ use crate::controller::{AgentContext, Controller, ControllerError};
 use crate::node::Node;
 
 /// What a program says of its controller, as JSON.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// [`PROTOCOL`] of the program.
     pub protocol: String,
-    /// The controller's parameters with their values in this experiment.
-    #[serde(default)]
-    pub parameters: Parameters,
-    /// Why the controller cannot be made.
-    #[serde(default)]
-    pub problem: Option<Problem>,
-}
-
-/// Why a controller cannot be made.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Problem {
-    /// The key that is to blame; empty if none is.
-    pub place: String,
-    /// What is wrong.
-    pub problem: String,
-    /// How to fix it; empty if the program does not say.
-    pub remedy: String,
+    /// The controller's parameters with their values in this experiment, or why the controller cannot be made.
+    pub parameters: Result<Parameters, ControllerError>,
 }
 
 impl Description {
@@ -40,48 +25,24 @@ impl Description {
     /// Name of the file with the experiment (postcard).
     pub const EXPERIMENT: &str = "experiment";
 
-    /// The description of a controller that cannot be made.
-    pub fn of_problem(error: &ControllerError) -> Self {
-        let problem = match error {
-            ControllerError::Input(error) => Problem {
-                place: error.place.clone(),
-                problem: error.problem.clone(),
-                remedy: error.remedy.clone(),
-            },
-            ControllerError::Failed(reason) => Problem {
-                problem: reason.clone(),
-                ..Problem::default()
-            },
-        };
+    /// The description by this version.
+    pub(super) fn new(parameters: Result<Parameters, ControllerError>) -> Self {
+        let protocol = PROTOCOL.to_owned();
         Self {
-            protocol: PROTOCOL.to_owned(),
-            problem: Some(problem),
-            ..Self::default()
+            protocol,
+            parameters,
         }
     }
 }
 
-/// Describes the controller that `make` makes for a robot of the experiment in `folder`.
+/// The parameters of the controller that `make` makes for a robot of the experiment in `folder`.
 pub(super) fn describe<C: Controller>(
     folder: &Path,
     robot: RobotIndex,
     make: impl FnOnce(&AgentContext<'_>) -> Result<C, ControllerError>,
-) -> Description {
-    let described = read_experiment(folder).and_then(|experiment| {
-        let context = AgentContext::new(&experiment, robot)?;
-        let controller = make(&context)?;
-        let parameters = context.declared()?;
-        Node::with(&experiment, robot, controller)?;
-        Ok(parameters)
-    });
-    match described {
-        Ok(parameters) => Description {
-            protocol: PROTOCOL.to_owned(),
-            parameters,
-            problem: None,
-        },
-        Err(error) => Description::of_problem(&error),
-    }
+) -> Result<Parameters, ControllerError> {
+    let experiment = read_experiment(folder)?;
+    Ok(Node::made(&experiment, robot, make)?.1)
 }
 
 fn read_experiment(folder: &Path) -> Result<Experiment, ControllerError> {

@@ -8,5 +8,5 @@ mod program;
 
 pub use self::agent_process::{AgentOutcome, run};
 pub use self::arguments::{Arguments, ROLE, Task};
-pub use self::describe::{Description, Problem};
+pub use self::describe::Description;
 pub use self::program::{run_agent, run_agent_with};

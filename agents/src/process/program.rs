@@ -67,11 +67,11 @@ pub fn run_agent_with<C: Controller>(
     match &arguments.task {
         Task::Describe(folder) => {
             let described = match is_other {
-                true => Description::of_problem(&ControllerError::Failed(other())),
+                true => Err(other().into()),
                 false => panics::catch(|| describe::describe(folder, robot, make))
-                    .unwrap_or_else(|said| Description::of_problem(&ControllerError::Failed(said))),
+                    .unwrap_or_else(|said| Err(said.into())),
             };
-            match describe::write(folder, &described) {
+            match describe::write(folder, &Description::new(described)) {
                 Ok(()) => 0,
                 Err(error) => {
                     say(&format!("{}: {error}", folder.display()));

@@ -10,7 +10,7 @@ mod topology;
 mod validate;
 
 pub use hears::Hears;
-pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters};
+pub use parameters::{EVERY_ROBOT, ParameterValue, Parameters, program_of};
 pub use profile::Profile;
 pub use settings::{
     Clock, Control, Distribution, Feedforward, Formation, Law, LinkSettings, OnDeath, OpenLoop,

@@ -6,14 +6,24 @@ use std::fmt;
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::message::{RobotIndex, robot_name};
+
 /// The name that stands for all robots.
 pub const EVERY_ROBOT: &str = "*";
 
 /// Parameters of a controller, by name.
 pub type Parameters = BTreeMap<String, ParameterValue>;
 
-/// The value of a parameter of a controller.
-#[derive(Debug, Clone, PartialEq)]
+/// The program that `agents` names for a robot, by its own name or for all; `None`: the built-in controller.
+pub fn program_of(agents: &BTreeMap<String, String>, robot: RobotIndex) -> Option<&str> {
+    let own = agents.get(&robot_name(robot));
+    let program = own.or_else(|| agents.get(EVERY_ROBOT))?.trim();
+    Some(program).filter(|program| !program.is_empty())
+}
+
+/// The value of a parameter of a controller. In postcard it carries its kind; TOML and JSON show it by the value itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub enum ParameterValue {
     /// A truth value.
     Bool(bool),
@@ -27,27 +37,10 @@ pub enum ParameterValue {
     Numbers(Vec<f64>),
 }
 
-/// In postcard every value carries its kind; TOML and JSON show it by the value itself.
-#[derive(Serialize, Deserialize)]
-enum Tagged {
-    Bool(bool),
-    Integer(i64),
-    Number(f64),
-    Text(String),
-    Numbers(Vec<f64>),
-}
-
 impl Serialize for ParameterValue {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         if !serializer.is_human_readable() {
-            let tagged = match self.clone() {
-                Self::Bool(value) => Tagged::Bool(value),
-                Self::Integer(value) => Tagged::Integer(value),
-                Self::Number(value) => Tagged::Number(value),
-                Self::Text(value) => Tagged::Text(value),
-                Self::Numbers(values) => Tagged::Numbers(values),
-            };
-            return tagged.serialize(serializer);
+            return Self::serialize(self, serializer);
         }
         match self {
             Self::Bool(value) => serializer.serialize_bool(*value),
@@ -64,13 +57,7 @@ impl<'de> Deserialize<'de> for ParameterValue {
         if deserializer.is_human_readable() {
             return deserializer.deserialize_any(AnyValue);
         }
-        Ok(match Tagged::deserialize(deserializer)? {
-            Tagged::Bool(value) => Self::Bool(value),
-            Tagged::Integer(value) => Self::Integer(value),
-            Tagged::Number(value) => Self::Number(value),
-            Tagged::Text(value) => Self::Text(value),
-            Tagged::Numbers(values) => Self::Numbers(values),
-        })
+        Self::deserialize(deserializer)
     }
 }
 

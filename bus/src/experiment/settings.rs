@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::hears::Hears;
-use super::parameters::{EVERY_ROBOT, Parameters};
+use super::parameters::{EVERY_ROBOT, Parameters, program_of};
 use super::profile::Profile;
 use crate::message::{RobotIndex, robot_name};
 use crate::sensors::{Camera, Imu, Sensors};
@@ -298,13 +298,14 @@ impl Settings {
 impl Settings {
     /// The program that controls a robot; `None`: the built-in controller.
     pub fn program(&self, robot: RobotIndex) -> Option<&str> {
-        let own = self.agents.get(&robot_name(robot));
-        let program = own.or_else(|| self.agents.get(EVERY_ROBOT))?.trim();
-        Some(program).filter(|program| !program.is_empty())
+        program_of(&self.agents, robot)
     }
 
-    /// The parameters that the experiment gives to the controller of a robot.
+    /// The parameters that the experiment gives to the program that controls a robot.
     pub fn parameters(&self, robot: RobotIndex) -> Parameters {
+        if self.program(robot).is_none() {
+            return Parameters::new();
+        }
         let tables = [EVERY_ROBOT.to_owned(), robot_name(robot)];
         let given = tables.iter().filter_map(|name| self.controller.get(name));
         let mut parameters = Parameters::new();
@@ -345,6 +346,7 @@ mod tests {
         settings
             .controller
             .insert(program("r2"), table(2.0, "gain"));
+        assert_eq!(settings.parameters(0), Parameters::new());
         assert_eq!(settings.parameters(1), table(2.0, "gain"));
         assert_eq!(settings.parameters(2), table(1.0, "gain"));
     }

@@ -11,9 +11,9 @@ use slipstream_launch::RunStatus;
 use slipstream_launch::processes::{self, Joining};
 
 use crate::across::{Protection, require_network};
-use crate::agents;
 use crate::exit::{Error, Exit};
 use crate::print::{eprint_line, print_line};
+use crate::subject::named_programs;
 
 /// Run the controllers of some robots on this host, for a run on another
 ///
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         address,
         security,
         name: arguments.name.clone(),
-        agents: agents::named(&arguments.agents),
+        agents: named_programs(&arguments.agents),
         live: std::io::stderr().is_terminal(),
         notice: |text| eprint_line!("slipstream: {text}"),
     })?;

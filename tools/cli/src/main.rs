@@ -1,7 +1,6 @@
 //! The command line `slipstream`: parses arguments, calls the packages, prints results, sets the exit code.
 
 mod across;
-mod agents;
 mod check;
 mod clean;
 mod command_line;
@@ -29,6 +28,7 @@ mod robot;
 mod run;
 mod shard_files;
 mod study;
+mod subject;
 mod summary;
 mod trace;
 mod trial;

@@ -1,12 +1,13 @@
 //! Robot models of the command line: `--robot FILE` for all robots, `--robot NAME=FILE` for one.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use slipstream_bus::RobotModel;
 use slipstream_recording::robot_file::{self, Kind};
 
 use crate::exit::Error;
 use crate::print::note_line;
+use crate::subject::named_file;
 
 /// Models by robot name. A model without a name is for every robot that has none of its own.
 #[derive(Debug)]
@@ -51,12 +52,4 @@ pub(crate) fn read_model(file: &Path) -> Result<RobotModel, Error> {
         note_line!("{}: {note}", file.display());
     }
     Ok(model)
-}
-
-/// Name and file of an argument `[NAME=]FILE`.
-pub(crate) fn named_file(argument: &str) -> (Option<String>, PathBuf) {
-    match argument.split_once('=') {
-        Some((name, file)) => (Some(name.to_owned()), PathBuf::from(file)),
-        None => (None, PathBuf::from(argument)),
-    }
 }

@@ -7,7 +7,7 @@ use maud::html;
 use sha2::{Digest, Sha256};
 use slipstream_report::parts::Fact;
 
-use crate::models::named_file;
+use crate::subject::named_file;
 
 /// Digits of a hash that are shown.
 const DIGITS: usize = 12;

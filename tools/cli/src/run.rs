@@ -11,13 +11,12 @@ use slipstream_launch::{
 };
 
 use crate::across::Listening;
-use crate::agents;
 use crate::command_line::command_line;
 use crate::exit::{Error, Exit};
 use crate::habits::vacant;
-use crate::models::named_file;
 use crate::output_file;
 use crate::print::{self, eprint_line};
+use crate::subject::Subject;
 use crate::viewers::{self, ADDRESS};
 use crate::{provenance, summary};
 
@@ -26,19 +25,8 @@ use crate::{provenance, summary};
 /// Example: slipstream run platoon --robots 5 --set links.delay_s=0.1 --out platoon.mcap
 #[derive(Debug, Default, clap::Args)]
 pub(crate) struct Arguments {
-    /// Built-in experiment (platoon, single, circle, figure_eight, lane_change) or a TOML file
-    /// [default: platoon]
-    experiment: Option<String>,
-    /// Number of robots [default: the experiment's]
-    #[arg(long, value_name = "N")]
-    robots: Option<u32>,
-    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
-    /// experiment's]
-    #[arg(long = "robot", value_name = "[NAME=]FILE")]
-    models: Vec<String>,
-    /// Program that controls the robot NAME, or all robots, in place of the built-in controller
-    #[arg(long = "agent", value_name = "[NAME=]PROGRAM")]
-    agents: Vec<String>,
+    #[command(flatten)]
+    subject: Subject,
     /// Set a key of the experiment, such as links.delay_s=0.1 (--dry-run lists all keys)
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
@@ -134,16 +122,13 @@ impl Arguments {
             Ok((key.trim().to_owned(), value.trim().to_owned()))
         };
         Ok(Request {
-            experiment: self.experiment.clone(),
-            robots: self.robots,
-            agents: agents::named(&self.agents),
-            models: self.models.iter().map(|own| named_file(own)).collect(),
             set: self.set.iter().map(pair).collect::<Result<_, _>>()?,
             clock: self.clock.map(|clock| match clock {
                 ClockName::Virtual => Clock::Virtual,
                 ClockName::Wall => Clock::Wall,
             }),
             seed: self.seed,
+            ..self.subject.request()
         })
     }
 

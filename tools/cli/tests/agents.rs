@@ -94,6 +94,9 @@ fn an_experiment_names_programs_beside_itself_and_their_parameters() {
         line("controller.r3.k_y"),
         "controller.r3.k_y = 15.0 # default of ./law"
     );
+    // Parameters for all are for all that have a program.
+    let one = ["--agent", "r2=lab/law", "--set", "controller.*.k_x=1"];
+    assert_eq!(state_hash(folder, &one), state_hash(folder, &[]));
     let own = state_hash(folder, &["lab/mine.toml", "--set", "controller.r3.k_x=2"]);
     assert_eq!(own, state_hash(folder, &["--set", "control.k_x=2"]));
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::process::{ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-use slipstream_agents::process::{Arguments, Description, Problem};
+use slipstream_agents::ControllerError;
+use slipstream_agents::process::{Arguments, Description};
 use slipstream_bus::InputError;
 use slipstream_bus::experiment::{EVERY_ROBOT, Parameters};
 use slipstream_bus::message::{RobotIndex, robot_name};
@@ -53,7 +54,7 @@ pub fn describe(resolved: &mut Resolved, say: &dyn Fn(&str)) -> Result<(), Input
             Some((.., described)) => described.clone(),
             None => {
                 let described = ask(program, robot, folder.path(), say)
-                    .map_err(|problem| refusal(resolved, program, robot, problem))?;
+                    .map_err(|error| refusal(resolved, program, robot, error))?;
                 known.push((program, given, described.clone()));
                 described
             }
@@ -70,11 +71,8 @@ fn ask(
     robot: RobotIndex,
     folder: &Path,
     say: &dyn Fn(&str),
-) -> Result<Parameters, Problem> {
-    let system = |error: std::io::Error| Problem {
-        problem: format!("cannot be started: {error}"),
-        ..Problem::default()
-    };
+) -> Result<Parameters, ControllerError> {
+    let system = |error: std::io::Error| format!("cannot be started: {error}");
     let described = folder.join(Description::FILE);
     let said = folder.join("said");
     // There is none before the first program.
@@ -100,39 +98,33 @@ fn ask(
     let description = std::fs::read(&described).ok();
     let description =
         description.and_then(|json| serde_json::from_slice::<Description>(&json).ok());
-    let problem = match description {
-        Some(Description {
-            problem: None,
-            parameters,
-            ..
-        }) => return Ok(parameters),
-        Some(Description {
-            problem: Some(problem),
-            ..
-        }) => problem,
-        None => no_agent(status),
+    let error = match description.map(|own| own.parameters) {
+        Some(Ok(parameters)) => return Ok(parameters),
+        Some(Err(error)) => error,
+        None => no_agent(program, robot, status).into(),
     };
     let said = std::fs::read(&said).unwrap_or_default();
     let tail = said.get(said.len().saturating_sub(MAX_SAID)..);
     let text = String::from_utf8_lossy(tail.unwrap_or_default());
-    // What follows the first line, such as a traceback, is no part of the sentence.
-    let (first, more) = problem
-        .problem
-        .split_once('\n')
-        .unwrap_or((&problem.problem, ""));
-    for own in [text.trim_end(), more.trim_end()] {
-        if !own.is_empty() {
-            say(own);
+    let say_text = |text: &str| {
+        if !text.trim().is_empty() {
+            say(text.trim_end());
         }
-    }
-    Err(Problem {
-        problem: first.to_owned(),
-        ..problem
+    };
+    say_text(&text);
+    // What follows the first line, such as a traceback, is no part of the sentence.
+    Err(match error {
+        ControllerError::Failed(reason) => {
+            let (first, more) = reason.split_once('\n').unwrap_or((&reason, ""));
+            say_text(more);
+            first.into()
+        }
+        other => other,
     })
 }
 
 /// What is wrong with a program that has described no controller.
-fn no_agent(status: Option<ExitStatus>) -> Problem {
+fn no_agent(program: &Program, robot: RobotIndex, status: Option<ExitStatus>) -> InputError {
     let problem = match status.map(|status| status.code()) {
         Some(Some(127)) => "is not found".to_owned(),
         Some(Some(126)) => "cannot be executed".to_owned(),
@@ -140,33 +132,36 @@ fn no_agent(status: Option<ExitStatus>) -> Problem {
         Some(None) => "was killed and described no controller".to_owned(),
         None => format!("described no controller within {} s", TIMEOUT.as_secs()),
     };
-    Problem {
-        problem,
-        remedy: "give --agent the command of a program that calls run_agent".to_owned(),
-        ..Problem::default()
-    }
+    let remedy = "give --agent the command of a program that calls run_agent";
+    InputError::new(place(program, robot), problem, remedy)
 }
 
-/// The error of a program or of a key for it.
+/// A program as the place of an error.
+fn place(program: &Program, robot: RobotIndex) -> String {
+    format!("the program of {} ({})", robot_name(robot), program.command)
+}
+
+/// The error of a program, or of a key for it: that is at fault where it was given.
 fn refusal(
     resolved: &Resolved,
     program: &Program,
     robot: RobotIndex,
-    problem: Problem,
+    error: ControllerError,
 ) -> InputError {
-    let key = resolved.keys.iter().find(|(key, ..)| *key == problem.place);
-    if let Some((key, _, origin)) = key {
-        let text = format!("{key} {}", problem.problem);
-        return InputError::new(origin.to_string(), text, problem.remedy);
-    }
-    let name = robot_name(robot);
-    let remedy = match problem.remedy.as_str() {
-        "" => "correct the program".to_owned(),
-        remedy => remedy.to_owned(),
+    let error = match error {
+        ControllerError::Input(error) => error,
+        ControllerError::Failed(reason) => {
+            return InputError::new(place(program, robot), reason, "correct the program");
+        }
     };
-    let place = format!("the program of {name} ({})", program.command);
-    let text = format!("{} {}", problem.place, problem.problem);
-    InputError::new(place, text.trim(), remedy)
+    let key = resolved.keys.iter().find(|(key, ..)| *key == error.place);
+    match key {
+        Some((key, _, origin)) => {
+            let problem = format!("{key} {}", error.problem);
+            InputError::new(origin.to_string(), problem, error.remedy)
+        }
+        None => error,
+    }
 }
 
 /// Puts the parameters of all robots in the place of those that were given.

@@ -146,12 +146,7 @@ impl<R: Recorder, C: Controller> Agents<R, C> {
     ) -> Result<Self, RunError> {
         let count = experiment.settings.robots.count;
         let topology = Topology::new(experiment);
-        let node = |index| {
-            let context = AgentContext::new(experiment, index)?;
-            let controller = make(&context)?;
-            context.declared()?;
-            Ok(Node::with(experiment, index, controller)?)
-        };
+        let node = |index| Ok(Node::made(experiment, index, &mut make)?.0);
         Ok(Self {
             schedule: experiment.settings.schedule(),
             receivers: (0..count).map(|robot| topology.heard_by(robot)).collect(),

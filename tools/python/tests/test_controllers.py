@@ -1,8 +1,9 @@
 """Controllers in Python: as programs and in this process, and the page that shows how, word by word."""
 
-import math
+import json
 import os
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -15,30 +16,9 @@ ROOT = Path(__file__).resolve().parents[3]
 COMMAND = os.environ.get("SLIPSTREAM_COMMAND", str(ROOT / "target" / "debug" / "slipstream"))
 PAGE = ROOT / "docs" / "how-to" / "my-controller.md"
 
-PAPER = """
-import math
-import slipstream
-
-class Paper(slipstream.Controller):
-    k_x = 1.0
-
-    def outer(self, now):
-        v_r, w_r = now.reference_velocity
-        e_x, e_y, e_theta = now.error
-        return v_r * math.cos(e_theta) + self.k_x * e_x, w_r + v_r * (15.0 * e_y + 6.0 * math.sin(e_theta))
-
-if __name__ == "__main__":
-    slipstream.run_agent(Paper)
-"""
-
-
-class Paper(slipstream.Controller):
-    k_x = 1.0
-
-    def outer(self, now):
-        v_r, w_r = now.reference_velocity
-        e_x, e_y, e_theta = now.error
-        return v_r * math.cos(e_theta) + self.k_x * e_x, w_r + v_r * (15.0 * e_y + 6.0 * math.sin(e_theta))
+EXAMPLES = ROOT / "examples"
+PAPER = EXAMPLES / "paper_law.py"
+Paper = runpy.run_path(str(PAPER))["Paper"]
 
 
 def command(folder, *arguments):
@@ -52,13 +32,12 @@ RANDOM = {"links.delay_s": 0.1, "links.jitter_s": 0.03, "links.loss": 0.1}
 @pytest.mark.parametrize("robots", [3, 20])
 @pytest.mark.parametrize("protocol", ["ring", "periodic"])
 def test_the_papers_law_has_the_same_states(robots, protocol, tmp_path):
-    (tmp_path / "paper.py").write_text(PAPER)
     keys = {**RANDOM, "links.protocol": protocol}
     built_in = slipstream.run(robots=robots, set=keys).state_hash
     assert slipstream.run(robots=robots, set=keys, controllers={"*": Paper}).state_hash == built_in
     sets = [word for key, value in keys.items() for word in ("--set", f"{key}={value}")]
     run = ["slipstream", "run", "--robots", str(robots), "--no-recording", "--json", "run.json", *sets]
-    done = command(tmp_path, *run, "--agent", f"{sys.executable} paper.py")
+    done = command(tmp_path, *run, "--agent", f"{sys.executable} {PAPER}")
     assert done.returncode == 0, done.stderr
     assert f'"{built_in}"' in (tmp_path / "run.json").read_text()
 
@@ -148,7 +127,7 @@ class Bad(slipstream.Controller):
 
 
 def test_unusable_controllers_are_refused(tmp_path):
-    with pytest.raises(slipstream.InputError, match="controller.r2.gain: is no parameter of the controller of r2; give one of k_x"):
+    with pytest.raises(slipstream.InputError, match="controller.r2.gain: is no parameter of the controller of r2; give one of k_theta, k_x, k_y"):
         slipstream.run(controllers={"*": Paper}, set={"controller.r2.gain": 1})
     with pytest.raises(slipstream.InputError, match="agents.r1: names true, and this run has no processes"):
         slipstream.run(set={"agents.r1": "true"})
@@ -160,11 +139,11 @@ def test_unusable_controllers_are_refused(tmp_path):
 
 def test_the_example_of_model_predictive_control(tmp_path):
     pytest.importorskip("scipy")
-    program = f"{sys.executable} {ROOT / 'examples' / 'mpc.py'}"
+    program = f"{sys.executable} {EXAMPLES / 'mpc.py'}"
     run = ["slipstream", "run", "--set", "links.delay_s=0.1", "--no-recording", "--json", "run.json", "--agent", program]
     done = command(tmp_path, *run)
     assert done.returncode == 0, done.stderr
-    answer = slipstream.Run(__import__("json").loads((tmp_path / "run.json").read_text()), None)
+    answer = slipstream.Run(json.loads((tmp_path / "run.json").read_text()), None)
     for robot in answer.robots[1:]:
         # The wheels hardly slip, and the robot ends where it should.
         assert sum(robot["slip_time_s"]) < 0.2 and robot["max_spacing_error_m"] < 0.35

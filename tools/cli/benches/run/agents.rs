@@ -1,10 +1,10 @@
 //! Real-time factors with the paper's law built in, and as a program in Rust, C and Python. `SLIPSTREAM_PYTHON` is a Python that has the
 //! module; without it, the row is left out.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
-use crate::{best, number, run};
+use crate::programs::{example, example_in_c};
+use crate::{number, run};
 
 /// Simulated time of a run (s).
 const DURATION_S: f64 = 300.0;
@@ -27,7 +27,7 @@ pub(crate) fn measure() {
                 if !program.is_empty() {
                     arguments.extend(["--agent", &agent]);
                 }
-                let loop_s = best(1, |_| number(&run(folder.path(), &arguments), "loop_s"));
+                let loop_s = number(&run(folder.path(), &arguments), "loop_s");
                 *factor = factor.max(DURATION_S / loop_s);
             }
         }
@@ -42,72 +42,17 @@ pub(crate) fn measure() {
 
 /// Names and commands.
 fn programs(folder: &Path) -> Vec<(&'static str, String)> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let built = Path::new(env!("CARGO_BIN_EXE_slipstream"))
-        .parent()
-        .unwrap()
-        .to_owned();
-    let cargo = Command::new(env!("CARGO"))
-        .current_dir(&root)
-        .args([
-            "build",
-            "--release",
-            "--quiet",
-            "-p",
-            "slipstream-c",
-            "-p",
-            "slipstream-agents",
-            "--lib",
-        ])
-        .args([
-            "--features",
-            "slipstream-agents/process",
-            "--example",
-            "paper_law",
-        ])
-        .status();
-    assert!(cargo.unwrap().success());
-    let in_c = folder.join("paper_law");
-    let cc = Command::new("cc")
-        .arg(root.join("examples/paper_law.c"))
-        .args(["-O2", "-lslipstream_c", "-lm", "-o"])
-        .arg(&in_c)
-        .args([
-            format!("-I{}", root.join("agents/c").display()),
-            format!("-L{}", built.display()),
-        ])
-        .arg(format!("-Wl,-rpath,{}", built.display()))
-        .arg("-Wl,--no-as-needed")
-        .status();
-    assert!(cc.unwrap().success());
     let mut programs = vec![
         ("built in", String::new()),
-        (
-            "Rust",
-            built.join("examples/paper_law").display().to_string(),
-        ),
-        ("C", in_c.display().to_string()),
+        ("Rust", example("paper_law")),
+        ("C", example_in_c("paper_law", folder)),
     ];
     match std::env::var("SLIPSTREAM_PYTHON") {
         Ok(python) => {
-            let law = folder.join("paper_law.py");
-            std::fs::write(&law, PYTHON).unwrap();
+            let law = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/paper_law.py");
             programs.push(("Python", format!("{python} {}", law.display())));
         }
         Err(_) => println!("SLIPSTREAM_PYTHON is not set: without Python"),
     }
     programs
 }
-
-const PYTHON: &str = r#"
-import math
-import slipstream
-
-class Paper(slipstream.Controller):
-    def outer(self, now):
-        v_r, w_r = now.reference_velocity
-        e_x, e_y, e_theta = now.error
-        return v_r * math.cos(e_theta) + e_x, w_r + v_r * (15.0 * e_y + 6.0 * math.sin(e_theta))
-
-slipstream.run_agent(Paper)
-"#;

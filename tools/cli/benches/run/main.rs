@@ -10,6 +10,9 @@ mod agents;
 mod events;
 mod latency;
 mod lockstep;
+#[path = "../../tests/common/programs.rs"]
+#[expect(dead_code, reason = "tests use more of it")]
+mod programs;
 mod trace;
 
 use std::path::Path;

@@ -4,29 +4,18 @@ use std::path::PathBuf;
 
 use clap::Args;
 use slipstream_bus::InputError;
-use slipstream_launch::Request;
 use slipstream_study::sweep::{self, Plan, Point};
 
-use crate::agents;
 use crate::exit::{Error, Exit};
 use crate::interrupt;
-use crate::models::named_file;
 use crate::output_file::write_json;
 use crate::print::{eprint_line, print_line};
+use crate::subject::Subject;
 
 #[derive(Debug, Args)]
 pub(super) struct Sweep {
-    /// Built-in experiment or a TOML file [default: platoon]
-    experiment: Option<String>,
-    /// Number of robots [default: the experiment's]
-    #[arg(long, value_name = "N")]
-    robots: Option<u32>,
-    /// Robot model for all robots, or for the robot NAME [default: the experiment's]
-    #[arg(long = "robot", value_name = "[NAME=]FILE")]
-    models: Vec<String>,
-    /// Program that controls the robot NAME, or all robots, in place of the built-in controller
-    #[arg(long = "agent", value_name = "[NAME=]PROGRAM")]
-    agents: Vec<String>,
+    #[command(flatten)]
+    subject: Subject,
     /// Values of a key, separated by commas; every combination of all lists is a point
     #[arg(long, value_name = "KEY=VALUE,…", required = true)]
     set: Vec<String>,
@@ -48,13 +37,7 @@ impl Sweep {
             .map_err(|error| Error::Failed(format!("failed to find this program: {error}")))?;
         let cores = || std::thread::available_parallelism().map_or(1, usize::from);
         let plan = Plan {
-            request: Request {
-                experiment: self.experiment.clone(),
-                robots: self.robots,
-                models: self.models.iter().map(|own| named_file(own)).collect(),
-                agents: agents::named(&self.agents),
-                ..Request::default()
-            },
+            request: self.subject.request(),
             keys: self
                 .set
                 .iter()

@@ -130,8 +130,12 @@ impl ChildProcess {
         self.status.is_none()
     }
 
-    /// Waits for its end.
+    /// Takes its end, when it has ended. What an agent's own program has started and left is killed.
     pub(super) fn wait(&mut self) -> std::io::Result<ExitStatus> {
+        if self.program.is_some() {
+            // Until its end is taken, no other process can have its id.
+            self.kill_group();
+        }
         let status = self.child.wait()?;
         self.status = Some(status);
         Ok(status)
@@ -151,13 +155,6 @@ impl ChildProcess {
     pub(super) fn kill(&mut self, verb: &'static str, details: impl Into<String>) {
         if self.is_running() && self.killed.is_none() {
             self.killed = Some((Instant::now(), verb, details.into()));
-            self.kill_group();
-        }
-    }
-
-    /// Kills what an agent's own program has started and left.
-    pub(super) fn kill_started(&self) {
-        if self.program.is_some() {
             self.kill_group();
         }
     }

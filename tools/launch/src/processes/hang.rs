@@ -3,7 +3,6 @@
 
 use std::time::{Duration, Instant};
 
-use slipstream_bus::message::RobotIndex;
 use slipstream_ipc::wake_page::Stage;
 
 use super::launcher::Run;
@@ -73,9 +72,7 @@ impl Run<'_> {
         let watchdog = Duration::from_secs_f64(settings.watchdog_s);
         match (self.wake_page.stage(), role) {
             (Stage::Starting | Stage::Services, _) => {
-                let has_program = |&robot: &RobotIndex| settings.program(robot).is_some();
-                let programs = (0..settings.robots.count).filter(has_program).count();
-                let programs = u32::try_from(programs).unwrap_or(u32::MAX);
+                let programs = u32::try_from(self.part.programs().len()).unwrap_or(u32::MAX);
                 let libraries = PROGRAM_START_TIME.saturating_mul(programs);
                 watchdog + START_TIME * settings.robots.count + libraries
             }

@@ -1,8 +1,9 @@
 //! A host joins the run of another: it asks the plant's host for its part and runs the agents.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use slipstream_bus::experiment::EVERY_ROBOT;
+use slipstream_bus::experiment::program_of;
 use slipstream_bus::message::{RobotIndex, robot_name};
 use slipstream_bus::{Experiment, InputError, Settings};
 use slipstream_hosts::address::{Address, Security};
@@ -96,23 +97,20 @@ fn programs(
     robots: &[RobotIndex],
     agents: &[(String, String)],
 ) -> Result<Programs, InputError> {
+    let agents: BTreeMap<String, String> = agents.iter().cloned().collect();
     let mut programs = Programs::new();
     for &robot in robots {
-        let name = robot_name(robot);
-        let given = agents.iter().rev().find(|(own, _)| *own == name);
-        let given = given.or_else(|| agents.iter().rev().find(|(own, _)| own == EVERY_ROBOT));
-        match (given, settings.program(robot)) {
-            (Some((_, command)), Some(_)) => {
-                let (command, folder) = (command.clone(), PathBuf::new());
-                programs.insert(robot, Program { command, folder });
-            }
-            (None, Some(command)) => {
-                let problem = format!("is missing: the run has {command} for {name}");
-                let remedy = format!("give the program on this host: --agent {name}=PROGRAM");
-                return Err(InputError::new("--agent", problem, remedy));
-            }
-            (_, None) => {}
-        }
+        let Some(named) = settings.program(robot) else {
+            continue;
+        };
+        let Some(command) = program_of(&agents, robot) else {
+            let name = robot_name(robot);
+            let problem = format!("is missing: the run has {named} for {name}");
+            let remedy = format!("give the program on this host: --agent {name}=PROGRAM");
+            return Err(InputError::new("--agent", problem, remedy));
+        };
+        let (command, folder) = (command.to_owned(), PathBuf::new());
+        programs.insert(robot, Program { command, folder });
     }
     Ok(programs)
 }

@@ -46,7 +46,7 @@ fn system(step: &'static str) -> impl FnOnce(std::io::Error) -> LaunchError {
 /// A run in progress. Dropping it kills every process and removes what they share.
 pub(super) struct Run<'a> {
     pub(super) experiment: &'a Experiment,
-    part: Part<'a>,
+    pub(super) part: Part<'a>,
     pub(super) directory: RunDirectory,
     pub(super) wake_page: WakePage,
     pub(super) children: Vec<ChildProcess>,
@@ -374,8 +374,6 @@ impl Drop for Run<'_> {
     fn drop(&mut self) {
         self.kill_all("");
         for child in &mut self.children {
-            // What a program has started may outlive it.
-            child.kill_started();
             if child.is_running() && !child.wait_killed() {
                 let name = child.role.name();
                 let state = child.state();
