@@ -78,6 +78,7 @@ pub mod robot_file;
 mod ros;
 mod rows;
 pub mod run_writer;
+mod sides;
 mod table;
 mod toml_files;
 mod topics;

@@ -5,28 +5,11 @@ use std::collections::BTreeMap;
 use super::description::WheelJoints;
 use super::survey::Joint;
 use crate::decode::MessageSelector;
+use crate::sides::{Side, side_of, words};
 
 /// Parts of names of joints that are no driven wheels.
 const NOT_DRIVEN: [&str; 7] = [
     "caster", "castor", "steer", "swivel", "gripper", "finger", "arm",
-];
-
-/// A side of the robot, as the names of joints say it: whole words, and words of one or two letters.
-struct Side {
-    word: &'static str,
-    short: [&'static str; 8],
-}
-
-/// Right and left.
-const SIDES: [Side; 2] = [
-    Side {
-        word: "right",
-        short: ["r", "fr", "rf", "rr", "br", "rb", "mr", "rm"],
-    },
-    Side {
-        word: "left",
-        short: ["l", "fl", "lf", "rl", "lr", "bl", "lb", "ml"],
-    },
 ];
 
 /// The joints of the driven wheels; several on one side for skid steering. Where the names do not tell, those that a
@@ -62,39 +45,21 @@ fn named_wheels(joints: &BTreeMap<String, Joint>) -> Option<MessageSelector> {
     };
     let wheels: Vec<&String> = names.iter().copied().filter(wheel).collect();
     let candidates = if wheels.is_empty() { names } else { wheels };
-    let side = |i: usize| -> Vec<String> {
-        let of_side = |name: &&&String| side_of(name) == Some(i);
+    let side = |side: Side| -> Vec<String> {
+        let of_side = |name: &&&String| side_of(name) == Some(side);
         candidates
             .iter()
             .filter(of_side)
             .map(|name| (*name).clone())
             .collect()
     };
-    let joints = [side(0), side(1)];
+    let joints = Side::BOTH.map(side);
     let [right, left] = joints.each_ref().map(Vec::len);
     // Unequal numbers: not all of them are wheels.
     (right > 0 && right == left).then_some(MessageSelector {
         joints,
         ..MessageSelector::default()
     })
-}
-
-/// The side that a name tells: 0 right, 1 left; `None` if it tells none or both.
-fn side_of(name: &str) -> Option<usize> {
-    let name = name.to_lowercase();
-    let tells = |side: &Side| {
-        name.contains(side.word) || words(&name).any(|word| side.short.contains(&word))
-    };
-    match [tells(&SIDES[0]), tells(&SIDES[1])] {
-        [true, false] => Some(0),
-        [false, true] => Some(1),
-        _ => None,
-    }
-}
-
-/// The words of a name such as `front_left_wheel`.
-fn words(name: &str) -> impl Iterator<Item = &str> {
-    name.split(|c: char| !c.is_ascii_alphabetic())
 }
 
 #[cfg(test)]

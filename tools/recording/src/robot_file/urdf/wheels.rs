@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::frames::Frames;
 use super::parts::{Joint, Parts};
 use crate::robot_file::described::{Described, Missing, in_words};
+use crate::sides::{Side, side_of};
 
 /// Least share of an axis that is lateral (1): axles are at most 25 degrees askew.
 const LATERAL: f64 = 0.9;
@@ -148,14 +149,10 @@ impl<'a> Wheels<'a> {
 
     /// Names that say the other side.
     fn check_names(&self, described: &mut Described) {
-        for (side, opposite, wheels) in [
-            ("right", "left", &self.right),
-            ("left", "right", &self.left),
-        ] {
-            let wrong = wheels
-                .iter()
-                .filter(|wheel| side_of_name(wheel.joint) == Some(opposite));
-            for wheel in wrong {
+        for (side, wheels) in Side::BOTH.into_iter().zip([&self.right, &self.left]) {
+            let is_wrong = |wheel: &&Wheel<'_>| side_of(wheel.joint).is_some_and(|own| own != side);
+            for wheel in wheels.iter().filter(is_wrong) {
+                let side = side.word();
                 described.note(format!(
                     "{} lies {side} of the middle (y = {}), against its name: check which way x of the base points",
                     wheel.joint,
@@ -272,23 +269,6 @@ fn is_lateral(wheel: &Wheel<'_>) -> bool {
     wheel.axle.y.abs() > LATERAL
 }
 
-/// The side that a name says: by a word, or by a letter beside that of front, middle or rear.
-fn side_of_name(name: &str) -> Option<&'static str> {
-    let name = name.to_lowercase();
-    match (name.contains("left"), name.contains("right")) {
-        (true, false) => return Some("left"),
-        (false, true) => return Some("right"),
-        (true, true) => return None,
-        (false, false) => {}
-    }
-    let mut words = name.split(|c: char| !c.is_alphabetic());
-    words.find_map(|word| match word {
-        "l" | "lf" | "fl" | "lr" | "rl" | "lb" | "bl" | "lm" | "ml" => Some("left"),
-        "r" | "rf" | "fr" | "rr" | "rb" | "br" | "rm" | "mr" => Some("right"),
-        _ => None,
-    })
-}
-
 /// Texts with commas; at most six.
 fn list(texts: impl Iterator<Item = impl Into<String>>) -> String {
     let mut all: Vec<String> = texts.map(Into::into).collect();
@@ -299,27 +279,5 @@ fn list(texts: impl Iterator<Item = impl Into<String>>) -> String {
         text
     } else {
         format!("{text} and {more} more")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_say_sides() {
-        let cases = [
-            ("left_wheel_joint", Some("left")),
-            ("wheel_right", Some("right")),
-            ("lf_wheel", Some("left")),
-            ("rr", Some("right")),
-            ("rl_joint", Some("left")),
-            ("wheel_fr_joint", Some("right")),
-            ("drive_1", None),
-            ("upright_left", None),
-        ];
-        for (name, side) in cases {
-            assert_eq!(side_of_name(name), side, "{name}");
-        }
     }
 }
