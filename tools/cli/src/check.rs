@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::exit::{Error, Exit};
-use crate::models::read_model;
+use crate::models::Models;
 use crate::print::{self, print_line};
 use crate::reading::Reading;
 
@@ -16,9 +16,10 @@ use crate::reading::Reading;
 pub(crate) struct Arguments {
     /// Recording: a folder of CSV files, or a bag (MCAP, SQLite or ROS 1; a file, or a folder as ROS 2 writes it)
     recording: PathBuf,
-    /// Robot model: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    /// Robot model: robot.toml, URDF or controller YAML; several fill what the others lack [default: the one in the
+    /// recording]
     #[arg(long, value_name = "FILE")]
-    robot: Option<PathBuf>,
+    robot: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
     /// Write the guessed map of a bag's topics, to be corrected and given with --topics; checks nothing
@@ -41,10 +42,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         print_line!("{}", file.display());
         return Ok(Exit::Done);
     }
+    let model = Models::of_all(&arguments.robot)?;
     let spooled = arguments
         .reading
-        .spool_for(&arguments.recording, arguments.robot.is_some())?;
-    let model = arguments.robot.as_deref().map(read_model).transpose()?;
+        .spool_for(&arguments.recording, model.is_some())?;
     let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {

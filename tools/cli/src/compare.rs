@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     recording: PathBuf,
     #[command(flatten)]
     reading: Reading,
-    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
-    /// one in the recording]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or controller YAML; several of one robot fill
+    /// what the others lack [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE")]
     robot: Vec<String>,
     /// Page to write [default: compare.html, with a number if that exists]

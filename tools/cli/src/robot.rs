@@ -1,26 +1,29 @@
 //! `slipstream robot`: what the description of a robot says, as a robot.toml.
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
 use slipstream_recording::describe_robot;
-use slipstream_recording::robot_file::{Described, Kind, Missing, Taken};
+use slipstream_recording::robot_file::{Described, Kind, Missing, Source, Taken};
 
 use crate::exit::{Error, Exit};
 use crate::output_file;
 use crate::print::{self, print_line};
 
-/// Show what a URDF, a controller's YAML or a robot.toml says about a robot, and write it as robot.toml
+/// Show what URDF, controller's YAML or robot.toml say about a robot, and write it as robot.toml
 ///
-/// Prints each value with its unit and where it is from, what a human must fill in, and what was assumed.
+/// Prints each value with its unit and where it is from, what a human must fill in, and what was assumed. Several files are
+/// about one robot: each fills what the others lack, and contradictions are said.
 ///
-/// Example: slipstream robot husky.urdf --out robot.toml
+/// Example: slipstream robot husky.urdf control.yaml --out robot.toml
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// URDF, diff_drive_controller YAML, robot.toml, or a bag with a topic robot_description
-    file: PathBuf,
+    /// URDF, YAML or JSON with the parameters of a controller, source file with the constants of a drive, robot.toml, or a
+    /// bag with a topic robot_description
+    #[arg(required = true)]
+    file: Vec<PathBuf>,
     /// Write a robot.toml, with a comment where something must be filled in
     #[arg(long, value_name = "FILE.toml")]
     out: Option<PathBuf>,
@@ -35,6 +38,7 @@ struct Answer<'a> {
     format: u32,
     file: String,
     kind: Kind,
+    sources: &'a [Source],
     /// Whether the file can be given to `--robot`.
     complete: bool,
     taken: &'a [Taken],
@@ -46,15 +50,23 @@ struct Answer<'a> {
     robot_toml: String,
 }
 
+/// What is said of poses where the centre of mass is known.
+const POSES: &str = "\nPoses in a folder with recording.toml are those of the centre of mass, unless it says pose_point = \"axle\"; poses \
+    in bags and in other CSV files are those of the axle's middle.\n";
+
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let described = describe_robot(&arguments.file)?;
+    let files: Vec<&Path> = arguments.file.iter().map(PathBuf::as_path).collect();
+    let described = describe_robot(&files)?;
     print::out(format_args!("{}", text(&described)));
     if let Some(path) = &arguments.json {
         let answer = Answer {
             format: 1,
-            file: arguments.file.display().to_string(),
+            file: files
+                .first()
+                .map_or_else(String::new, |own| own.display().to_string()),
             kind: described.kind,
+            sources: &described.sources,
             complete: described.missing.is_empty(),
             taken: &described.taken,
             left_out: &described.left_out,
@@ -74,7 +86,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
 
 /// The table of values, and below it what is missing, left out and assumed.
 fn text(described: &Described) -> String {
-    let mut text = format!("{}\n", described.kind.name());
+    let titles: Vec<&str> = described.sources.iter().map(|own| &*own.title).collect();
+    let mut text = format!("{}\n", titles.join(" and "));
     text.push_str(&table(&described.taken));
     for (side, names) in ["right", "left"].iter().zip(&described.wheel_joints) {
         if !names.is_empty() {
@@ -90,6 +103,12 @@ fn text(described: &Described) -> String {
         text.push_str(&table(&described.left_out));
     }
     section(&mut text, "Notes:", described.notes.iter().cloned());
+    if described
+        .model()
+        .is_ok_and(|model| model.robot.com_to_axle_m.is_some())
+    {
+        text.push_str(POSES);
+    }
     text
 }
 

@@ -13,8 +13,8 @@ pub(crate) struct Subject {
     /// Number of robots [default: the experiment's]
     #[arg(long, value_name = "N")]
     robots: Option<u32>,
-    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
-    /// experiment's]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or controller YAML; several of one robot fill
+    /// what the others lack [default: the experiment's]
     #[arg(long = "robot", value_name = "[NAME=]FILE")]
     models: Vec<String>,
     /// Program that controls the robot NAME, or all robots, in place of the built-in controller

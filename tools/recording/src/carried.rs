@@ -1,6 +1,6 @@
 //! The robot that a bag describes itself: a URDF in a topic `robot_description`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use slipstream_bus::InputError;
 
@@ -43,14 +43,14 @@ pub(crate) fn draft_with_model(bag: &dyn Bag, path: &Path) -> Result<String> {
     draft_topics(bag, &wheels_of)
 }
 
-/// The description of the robot in a bag.
+/// The text that describes the robot in a bag (a URDF), and its place in it.
 ///
 /// # Errors
-/// If the bag cannot be read, has no description or several, or one that is malformed.
-pub(crate) fn description_in(bag: &dyn Bag, path: &Path) -> Result<Described> {
-    let remedy = "give a URDF, the YAML of a diff_drive_controller or a robot.toml";
+/// If the bag cannot be read, has no description or several.
+pub(crate) fn description_in(bag: &dyn Bag, path: &Path) -> Result<(PathBuf, String)> {
+    let remedy = "give a URDF, the YAML of a controller or a robot.toml";
     match descriptions_in(bag)?.as_slice() {
-        [only] => Ok(parse(only, path)?),
+        [only] => Ok((place(only, path), only.text.clone())),
         [] => {
             let problem = "is a bag without a robot_description";
             Err(InputError::file(path, problem, remedy).into())
@@ -68,9 +68,12 @@ fn names(described: &[InBag]) -> String {
 }
 
 /// In errors, the topic is named as a file inside the bag.
+fn place(own: &InBag, path: &Path) -> PathBuf {
+    path.join(own.topic.trim_start_matches('/'))
+}
+
 fn parse(own: &InBag, path: &Path) -> std::result::Result<Described, InputError> {
-    let place = path.join(own.topic.trim_start_matches('/'));
-    robot_file::parse(&own.text, &place)
+    robot_file::parse(&own.text, &place(own, path))
 }
 
 /// Takes the model of a description, or says why not.

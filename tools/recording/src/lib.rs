@@ -97,7 +97,10 @@ pub use listener::{Announced, Listener};
 pub use mcap_file::{TraceFile, mcap_bytes, read_mcap_from, read_messages, read_trace, write_mcap};
 pub use mend::PoseJump;
 pub use mended::mended;
-pub use open::{Map, describe_robot, draft_map, read, read_mapped, read_mapped_from, read_spooled};
+pub use open::{
+    Map, describe_robot, describe_robots, draft_map, read, read_mapped, read_mapped_from,
+    read_spooled,
+};
 pub use recording::Recording;
 pub use rows::Disk;
 pub use slipstream_bus::InputError;

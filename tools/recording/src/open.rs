@@ -166,20 +166,54 @@ pub fn draft_map(path: &Path) -> Result<String> {
     }
 }
 
-/// Reads the description of a robot: a file, or a bag with a topic `robot_description`.
+/// Reads the description of a robot, from one file or from several that fill what the others lack: robot.toml, URDF, the
+/// YAML of a controller, constants of a program, or a bag with a topic `robot_description`.
 ///
 /// # Errors
-/// As [`robot_file::read`], or if the bag has no description.
-pub fn describe_robot(path: &Path) -> Result<Described> {
+/// As [`robot_file::parse_all`], or if a bag has no description.
+pub fn describe_robot(paths: &[&Path]) -> Result<Described> {
+    let files: Result<Vec<(PathBuf, String)>> =
+        paths.iter().map(|path| description(path)).collect();
+    let files = files?;
+    let files: Vec<(&Path, &str)> = files
+        .iter()
+        .map(|(path, text)| (&**path, &**text))
+        .collect();
+    Ok(robot_file::parse_all(&files)?)
+}
+
+/// Reads the descriptions of robots: for each name, and for all robots (`None`), from the files that are given for it.
+///
+/// # Errors
+/// As [`describe_robot`].
+pub fn describe_robots(
+    files: &[(Option<String>, PathBuf)],
+) -> Result<Vec<(Option<String>, Described)>> {
+    let mut names: Vec<&Option<String>> = Vec::new();
+    for (name, _) in files {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let describe = |name: &Option<String>| {
+        let own = files.iter().filter(|(other, _)| other == name);
+        let own: Vec<&Path> = own.map(|(_, path)| path.as_path()).collect();
+        Ok((name.clone(), describe_robot(&own)?))
+    };
+    names.into_iter().map(describe).collect()
+}
+
+/// The text that describes a robot, and its place.
+fn description(path: &Path) -> Result<(PathBuf, String)> {
     if !path.is_dir() && !is_bag(path)? {
-        return robot_file::read(path);
+        return Ok((path.to_owned(), robot_file::read_text(path)?));
     }
     match Form::of(path)? {
         Form::Bag(bag) => description_in(&bag, path),
         Form::Bags(bags) => description_in(&bags, path),
         Form::Folder | Form::Csv => {
             let problem = "is a folder without a bag";
-            let remedy = "give a URDF, the YAML of a diff_drive_controller or a robot.toml";
+            let remedy = "give a URDF, the YAML of a controller or a robot.toml";
             Err(InputError::file(path, problem, remedy).into())
         }
     }

@@ -140,7 +140,7 @@ fn a_description_in_the_bag_gives_the_model_and_the_wheels() {
         "robot model from /robot_description in the bag: wheel_radius_m = 0.1, half_track_m = 0.25";
     assert_eq!(import.on_model[0], note);
     assert!(!import.left_out.contains_key("/robot_description"));
-    let described = describe_robot(&out.join("described")).unwrap();
+    let described = describe_robot(&[&out.join("described")]).unwrap();
     assert_eq!(described.wheel_joints[1], ["motor_1", "motor_3"]);
 
     let import = read(&out.join("without_radius")).unwrap();
@@ -160,14 +160,16 @@ fn a_description_in_the_bag_gives_the_model_and_the_wheels() {
         "{:?}",
         import.on_model
     );
-    let error = describe_robot(&out.join("two_robots"))
+    let error = describe_robot(&[&out.join("two_robots")])
         .unwrap_err()
         .to_string();
     assert!(
         error.contains("describes different robots in /a/"),
         "{error}"
     );
-    let none = describe_robot(&out.join("skid")).unwrap_err().to_string();
+    let none = describe_robot(&[&out.join("skid")])
+        .unwrap_err()
+        .to_string();
     assert!(
         none.contains("is a bag without a robot_description"),
         "{none}"

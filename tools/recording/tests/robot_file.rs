@@ -97,10 +97,7 @@ fn four_wheels_are_one_pair() {
         ["front_right_wheel", "rear_right_wheel"]
     );
     assert!(notes(&own, &["4 wheels", "track_width"]));
-    assert!(notes(
-        &own,
-        &["left out", "front_left_wheel_link has a shape and no mass"]
-    ));
+    assert!(notes(&own, &["left out", "those of two driven wheels"]));
     assert!(!notes(&own, &["The axle lies"]));
     let narrow = TERRAIN
         .replace("0.256 0.29 ", "0.256 0.19 ")
@@ -252,7 +249,6 @@ fn complete_masses_make_a_dynamic_model() {
     near(body.com_to_caster_m, 0.25);
     near(body.com_height_m, 0.15);
     assert_eq!((body.wheel_radius_m, body.half_track_m), (0.1, 0.2));
-    assert!(notes(&own, &["poses count as those of the centre of mass"]));
 }
 
 #[test]

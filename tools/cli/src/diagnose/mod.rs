@@ -38,8 +38,8 @@ pub(crate) struct Arguments {
     /// the model leaves out
     #[arg(long, value_name = "OTHER", num_args = 1..)]
     against: Vec<PathBuf>,
-    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or diff_drive_controller YAML [default: the
-    /// one in the recording]
+    /// Robot model for all robots, or for the robot NAME: robot.toml, URDF or controller YAML; several of one robot fill
+    /// what the others lack [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE")]
     robot: Vec<String>,
     #[command(flatten)]

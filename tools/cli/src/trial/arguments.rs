@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     pub(super) on: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
-    /// Robot model of that recording: robot.toml, URDF or diff_drive_controller YAML [default: the one in the recording]
+    /// Robot model of that recording: robot.toml, URDF or controller YAML [default: the one in the recording]
     #[arg(long, value_name = "[NAME=]FILE", requires = "on")]
     pub(super) robot: Vec<String>,
     /// Score existing recordings instead: their labels, in the folder of the recordings

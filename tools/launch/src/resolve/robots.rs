@@ -1,6 +1,6 @@
 //! The robots of an experiment: reads their models and checks them by building plant and controllers.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use slipstream_agents::{AgentContext, Node, Paper};
 use slipstream_bus::experiment::Settings;
@@ -19,24 +19,36 @@ pub(super) fn robots(
     tree: &KeyTree,
     models: &[(Option<String>, PathBuf)],
 ) -> Result<Vec<RobotSetup>, InputError> {
-    let all = match settings.robots.model.as_str() {
-        "" => RobotModel::paper_with_slip(),
-        path => read_model(&tree.path("robots.model", path))?,
+    let described =
+        slipstream_recording::describe_robots(models).map_err(|error| input("--robot", error))?;
+    let of_all = described.iter().find(|(name, _)| name.is_none());
+    let all = match (of_all, settings.robots.model.as_str()) {
+        (Some((_, described)), _) => described.model()?,
+        (None, "") => RobotModel::paper_with_slip(),
+        (None, path) => {
+            let path = tree.path("robots.model", path);
+            let model = robot_file::read_model(&path);
+            model.map_err(|error| input(&path.display().to_string(), error))?
+        }
     };
     let mut robots = Experiment::new(settings.clone(), &all).robots;
-    for (name, path) in models {
+    for (name, described) in &described {
         let Some(name) = name else {
             continue;
         };
         let Some(robot) = robots.iter_mut().find(|robot| robot.name == *name) else {
             let last = robot_name(settings.robots.count - 1);
+            let file = described
+                .sources
+                .first()
+                .map(|own| own.file.display().to_string());
             return Err(InputError::new(
-                format!("--robot {name}={}", path.display()),
+                format!("--robot {name}={}", file.unwrap_or_default()),
                 format!("there is no robot {name}"),
                 format!("give r1 to {last}"),
             ));
         };
-        robot.model = read_model(path)?;
+        robot.model = described.model()?;
     }
     Ok(robots)
 }
@@ -82,9 +94,10 @@ fn node(experiment: &Experiment, index: RobotIndex) -> Result<(), InputError> {
     Node::with(experiment, index, Paper::new(&context)).map(|_| ())
 }
 
-fn read_model(path: &Path) -> Result<RobotModel, InputError> {
-    robot_file::read_model(path).map_err(|error| match error {
+/// An error about a description as one about what was given.
+fn input(place: &str, error: slipstream_recording::Error) -> InputError {
+    match error {
         slipstream_recording::Error::Input(error) => error,
-        other => InputError::file(path, other.to_string(), "check the file"),
-    })
+        other => InputError::new(place, other.to_string(), "check the file"),
+    }
 }

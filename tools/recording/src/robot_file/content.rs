@@ -14,7 +14,7 @@ const MAX_BYTES: u64 = 4 << 20;
 ///
 /// # Errors
 /// If the file cannot be read, is not UTF-8 or is too large.
-pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
+pub(crate) fn read_text(path: &Path) -> Result<String, InputError> {
     let unreadable = |error: std::io::Error| InputError::unreadable(path, &error);
     let file = std::fs::File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
@@ -22,7 +22,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, InputError> {
     read.map_err(unreadable)?;
     if bytes.len() as u64 > MAX_BYTES {
         let problem = format!("has more than {MAX_BYTES} bytes, too many for a robot");
-        let remedy = "give a robot.toml, a URDF or the YAML of a diff_drive_controller";
+        let remedy = "give a robot.toml, a URDF or the YAML of a controller";
         return Err(InputError::file(path, problem, remedy));
     }
     String::from_utf8(bytes).map_err(|error| {
@@ -47,13 +47,33 @@ pub(super) fn kind(text: &str, path: &Path) -> Kind {
                 .any(|ending| own.eq_ignore_ascii_case(ending))
         })
     };
-    if first.starts_with('<') || (first.is_empty() && ends_with(&["urdf", "xml"])) {
+    if is_source(first, ends_with(&SOURCES)) {
+        Kind::Constants
+    } else if first.starts_with('<') || (first.is_empty() && ends_with(&["urdf", "xml"])) {
         Kind::Urdf
     } else if is_yaml(first) || ends_with(&["yaml", "yml"]) {
         Kind::ControllerYaml
     } else {
         Kind::RobotToml
     }
+}
+
+/// Endings of the source files of programs.
+const SOURCES: [&str; 8] = ["java", "kt", "h", "hpp", "c", "cpp", "py", "ino"];
+
+/// Whether a first line is one of a program's source, by itself or since the file's name says so.
+fn is_source(line: &str, is_named: bool) -> bool {
+    let begins = [
+        "//",
+        "/*",
+        "package ",
+        "import ",
+        "public ",
+        "constexpr ",
+        "static ",
+    ];
+    let is_other = line.starts_with('<') || line.starts_with("---");
+    begins.iter().any(|begin| line.starts_with(begin)) || (is_named && !is_other)
 }
 
 /// Whether a first line is one of YAML: in TOML it is a table or has a `=`.
@@ -78,6 +98,8 @@ mod tests {
         assert_eq!(of("---\na: 1\n"), Kind::ControllerYaml);
         assert_eq!(of("# a = 1\ncontroller:\n  x: 1\n"), Kind::ControllerYaml);
         assert_eq!(of("wheels: [a, b]\n"), Kind::ControllerYaml);
+        assert_eq!(of("package frc.robot;\n"), Kind::Constants);
+        assert_eq!(of("/* drive */\n"), Kind::Constants);
     }
 
     #[test]
@@ -86,6 +108,8 @@ mod tests {
         assert_eq!(kind("nothing", Path::new("a.YAML")), Kind::ControllerYaml);
         assert_eq!(kind("<robot/>", Path::new("a.yaml")), Kind::Urdf);
         assert_eq!(kind("a:\n", Path::new("a.toml")), Kind::ControllerYaml);
+        assert_eq!(kind("#define A 1\n", Path::new("a.h")), Kind::Constants);
+        assert_eq!(kind("x = 1\n", Path::new("a.py")), Kind::Constants);
     }
 
     #[test]

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use slipstream_bus::{Body, EffectSpec, InputError, Parameter, RobotModel};
+use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Parameter, RobotModel};
 use slipstream_sim::Robot;
 
+use super::drive::Drive;
 use crate::toml_files::robot_toml;
 
 /// The kind of a file that describes a robot.
@@ -16,8 +17,10 @@ pub enum Kind {
     RobotToml,
     /// A URDF: links and joints as XML.
     Urdf,
-    /// Parameters of a diff_drive_controller as YAML.
+    /// Parameters of a controller, such as diff_drive_controller, as YAML or JSON.
     ControllerYaml,
+    /// Constants in the source of a program.
+    Constants,
 }
 
 impl Kind {
@@ -26,9 +29,21 @@ impl Kind {
         match self {
             Self::RobotToml => "robot.toml",
             Self::Urdf => "URDF",
-            Self::ControllerYaml => "diff_drive_controller YAML",
+            Self::ControllerYaml => "controller YAML",
+            Self::Constants => "constants of a program",
         }
     }
+}
+
+/// A file that says something about a robot.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// The file.
+    pub file: PathBuf,
+    /// Its kind.
+    pub kind: Kind,
+    /// What it is, in words: the kind, of a controller with its type.
+    pub title: String,
 }
 
 /// A value that a file gives.
@@ -79,11 +94,13 @@ impl Missing {
     }
 }
 
-/// What a file says about a robot: a model, or what it lacks. All texts are single lines.
+/// What files say about a robot: a model, or what it lacks. All texts are single lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Described {
-    /// The kind of the file.
+    /// The kind of the first file.
     pub kind: Kind,
+    /// The files.
+    pub sources: Vec<Source>,
     /// The values of the model.
     pub taken: Vec<Taken>,
     /// Values that the file gives and the model leaves out; `notes` say why.
@@ -94,7 +111,6 @@ pub struct Described {
     pub notes: Vec<String>,
     /// Names of the joints of the driven wheels, right and left, each from the front.
     pub wheel_joints: [Vec<String>; 2],
-    pub(super) path: PathBuf,
     /// The model; a length that is missing is NaN.
     pub(super) draft: RobotModel,
 }
@@ -104,12 +120,16 @@ impl Described {
     pub(super) fn new(kind: Kind, path: &Path) -> Self {
         Self {
             kind,
+            sources: vec![Source {
+                file: path.to_owned(),
+                kind,
+                title: kind.name().to_owned(),
+            }],
             taken: Vec::new(),
             left_out: Vec::new(),
             missing: Vec::new(),
             notes: Vec::new(),
             wheel_joints: [Vec::new(), Vec::new()],
-            path: path.to_owned(),
             draft: RobotModel {
                 robot: Body::kinematic(f64::NAN, f64::NAN),
                 motor: None,
@@ -143,6 +163,26 @@ impl Described {
         self.draft.robot.half_track_m = half_track_m;
         self.taken
             .push(Taken::new("half_track_m", half_track_m, from));
+    }
+
+    /// What drives say beside their lengths: encoder counts, and what was assumed.
+    pub(super) fn take_drives<'a>(&mut self, drives: impl IntoIterator<Item = &'a Drive>) {
+        for drive in drives {
+            drive.notes.iter().for_each(|note| self.note(note));
+            if let (Some((counts, from)), None) = (&drive.counts_per_rev, &self.draft.encoder) {
+                self.take_counts(*counts, from);
+            }
+        }
+    }
+
+    /// Encoder counts per turn of a wheel.
+    fn take_counts(&mut self, counts_per_rev: f64, from: &str) {
+        if counts_per_rev.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&counts_per_rev) {
+            let counts_per_rev = counts_per_rev as u32;
+            self.draft.encoder = Some(Encoder { counts_per_rev });
+            let taken = Taken::new("encoder.counts_per_rev", counts_per_rev.into(), from);
+            self.taken.push(taken);
+        }
     }
 
     /// An effect of numbers, each with where it is from.
@@ -180,6 +220,32 @@ impl Described {
         Ok(())
     }
 
+    /// Takes what another description says and this one does not: masses, encoder counts, wheel joints.
+    ///
+    /// # Errors
+    /// If masses that fit the other's lengths do not fit these.
+    pub(super) fn fill_from(&mut self, other: &Self) -> Result<(), InputError> {
+        if self.draft.robot.body_mass_kg.is_none() {
+            let mut body = self.draft.robot.clone();
+            let is_mass = |own: &&Taken| robot_toml::body_value_mut(&mut body, &own.key).is_some();
+            let masses: Vec<Taken> = other.taken.iter().filter(is_mass).cloned().collect();
+            if other.draft.robot.body_mass_kg.is_some() {
+                self.take_masses(&masses)?;
+            }
+        }
+        if let (None, Some(encoder)) = (&self.draft.encoder, &other.draft.encoder) {
+            self.draft.encoder = Some(encoder.clone());
+            let own = other.taken.iter();
+            self.taken.extend(
+                own.filter(|own| own.key == "encoder.counts_per_rev")
+                    .cloned(),
+            );
+        }
+        self.wheel_joints.clone_from(&other.wheel_joints);
+        self.notes.extend(other.notes.iter().cloned());
+        Ok(())
+    }
+
     /// A note.
     pub(super) fn note(&mut self, note: impl AsRef<str>) {
         self.notes.push(one_line(note.as_ref()));
@@ -195,7 +261,7 @@ impl Described {
             let taken = self.taken.iter().find(|taken| taken.key == key);
             let from = taken.map(|taken| format!(" ({})", taken.from));
             let problem = format!("{key} {}{}", error.problem, from.unwrap_or_default());
-            InputError::file(&self.path, problem, error.remedy)
+            InputError::file(self.first_file(), problem, error.remedy)
         })?;
         Ok(self)
     }
@@ -216,11 +282,30 @@ impl Described {
             .collect();
         why.dedup();
         let problem = format!("gives no {}: {}", keys.join(" and no "), why.join(", and "));
-        let remedy = format!(
+        let files: Vec<String> = self
+            .sources
+            .iter()
+            .map(|own| own.file.display().to_string())
+            .collect();
+        let write = format!(
             "write a robot.toml with `slipstream robot {} --out robot.toml`, fill in what is missing, and give that",
-            self.path.display()
+            files.join(" ")
         );
-        Err(InputError::file(&self.path, problem, remedy))
+        let remedy = match self.sources.as_slice() {
+            [only] if only.kind == Kind::ControllerYaml => {
+                let file = one_line(&only.file.display().to_string());
+                format!(
+                    "give the robot's URDF, too (--robot robot.urdf --robot {file}), or {write}"
+                )
+            }
+            _ => write,
+        };
+        Err(InputError::file(self.first_file(), problem, remedy))
+    }
+
+    /// The first of the files.
+    pub(super) fn first_file(&self) -> &Path {
+        self.sources.first().map_or(Path::new(""), |own| &own.file)
     }
 }
 

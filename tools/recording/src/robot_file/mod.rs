@@ -1,4 +1,4 @@
-//! Descriptions of robots: `robot.toml`, URDF, or the parameters of ros2_control's diff_drive_controller.
+//! Descriptions of robots: `robot.toml`, URDF, parameters of controllers, constants of programs; one file or several.
 //!
 //! A file is recognised by its content. What it says becomes a robot model, with where each value is from,
 //! what a human must fill in, and what was assumed.
@@ -19,10 +19,17 @@
 //! # Ok::<(), slipstream_bus::InputError>(())
 //! ```
 
+mod constants;
 mod content;
-mod controller_yaml;
+mod controller;
 mod described;
+mod drive;
+mod files;
+mod lengths;
+mod measured_in;
+mod parameter_names;
 mod urdf;
+mod words;
 mod written;
 mod xml;
 
@@ -31,36 +38,33 @@ use std::path::Path;
 use slipstream_bus::{InputError, RobotModel};
 
 use crate::error::Result;
-use crate::toml_files::robot_toml;
 
-pub use described::{Described, Kind, Missing, Taken};
+pub use described::{Described, Kind, Missing, Source, Taken};
 
-/// Reads the description of a robot.
+pub(crate) use content::read_text;
+
+/// Reads the model of a robot from its description in one file.
 ///
 /// # Errors
-/// If the file cannot be read, is of no known kind or is malformed, or if a value is physically impossible. A
-/// file that leaves out wheel radius or track is read; [`Described::model`] refuses it.
-pub fn read(path: &Path) -> Result<Described> {
-    Ok(parse(&content::read_text(path)?, path)?)
-}
-
-/// Reads the model of a robot from its description.
-///
-/// # Errors
-/// As [`read`] and [`Described::model`].
+/// If the file cannot be read; else as [`parse`] and [`Described::model`].
 pub fn read_model(path: &Path) -> Result<RobotModel> {
-    Ok(read(path)?.model()?)
+    Ok(parse(&read_text(path)?, path)?.model()?)
 }
 
 /// Parses the description of a robot. `path` is used in errors and comments, and its ending where the content
-/// does not tell the kind.
+/// does not tell the kind. A text that leaves out wheel radius or track is parsed; [`Described::model`] refuses it.
 ///
 /// # Errors
-/// As [`read`].
+/// If the text is of no known kind or is malformed, or if a value is physically impossible.
 pub fn parse(text: &str, path: &Path) -> std::result::Result<Described, InputError> {
-    match content::kind(text, path) {
-        Kind::Urdf => urdf::describe(text, path),
-        Kind::ControllerYaml => controller_yaml::describe(text, path),
-        Kind::RobotToml => Ok(Described::of_model(robot_toml::parse(text, path)?, path)),
-    }
+    parse_all(&[(path, text)])
+}
+
+/// Parses the description of a robot in several files, such as a URDF and the YAML of its controller: each fills what the
+/// others lack, and notes say where they contradict each other.
+///
+/// # Errors
+/// As [`parse`]; or if two files are robot.toml, or two are URDFs.
+pub fn parse_all(files: &[(&Path, &str)]) -> std::result::Result<Described, InputError> {
+    files::describe(files)
 }

@@ -1,6 +1,6 @@
 //! A description as the text of a robot.toml.
 
-use super::described::{Described, Kind, one_line};
+use super::described::{Described, Kind, Source, one_line};
 use crate::toml_files::robot_toml;
 
 impl Described {
@@ -31,7 +31,9 @@ impl Described {
         if table == "[robot]" {
             text.push_str(&left_out(self));
         }
-        text.push_str(ENCODER);
+        if self.draft.encoder.is_none() {
+            text.push_str(ENCODER);
+        }
         text
     }
 }
@@ -41,15 +43,14 @@ const ENCODER: &str = "# Runs need the encoders, and so do recordings of ticks:\
 
 /// Where the text is from, and what was assumed.
 fn head(described: &Described) -> String {
-    let name = described
-        .path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy();
-    let kind = described.kind.name();
+    let source = |own: &Source| {
+        let name = own.file.file_name().unwrap_or_default().to_string_lossy();
+        format!("{} ({})", one_line(&name), one_line(&own.title))
+    };
+    let sources: Vec<String> = described.sources.iter().map(source).collect();
     let mut text = format!(
-        "# Written by `slipstream robot` from {} ({kind}).\n",
-        one_line(&name)
+        "# Written by `slipstream robot` from {}.\n",
+        sources.join(" and ")
     );
     for note in &described.notes {
         text.push_str(&format!("# - {note}\n"));

@@ -135,6 +135,11 @@ impl<'a> Element<'a> {
         self.node.attribute(name)
     }
 
+    /// The text directly in it; empty if there is none.
+    pub(super) fn text(&self) -> &'a str {
+        self.node.text().unwrap_or_default()
+    }
+
     /// An attribute that must be there.
     ///
     /// # Errors

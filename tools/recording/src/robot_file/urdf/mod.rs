@@ -1,9 +1,15 @@
 //! URDF: links and joints as XML. Meshes are never opened.
 
+mod candidates;
 mod frames;
+mod geometry;
+mod inertia;
 mod masses;
+mod pairs;
 mod parts;
-mod radius;
+mod plugins;
+mod round;
+mod sorts;
 mod transform;
 mod wheels;
 
@@ -15,14 +21,20 @@ use self::frames::Frames;
 use self::parts::Parts;
 use self::wheels::Wheels;
 use super::described::{Described, Kind};
+use super::drive::Drive;
+use super::lengths;
 use super::xml::{self, Element};
 
-/// Describes the robot of a URDF.
+/// Describes the robot of a URDF. `controllers` are what other files say about its drive.
 ///
 /// # Errors
 /// If the text is no XML or no URDF, has macros that are not expanded, or a value that is malformed or physically
 /// impossible.
-pub(super) fn describe(text: &str, path: &Path) -> Result<Described, InputError> {
+pub(super) fn describe(
+    text: &str,
+    path: &Path,
+    controllers: &[Drive],
+) -> Result<Described, InputError> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text, path)?;
     let root = Element::root(&document, path)?;
@@ -40,10 +52,18 @@ pub(super) fn describe(text: &str, path: &Path) -> Result<Described, InputError>
             "No link is called base_link: x of {base} counts as forward, y as left"
         ));
     }
-    let wheels = Wheels::find(&parts, &frames, &mut described)
+    let plugins = plugins::drives(root, &parts)?;
+    let drives: Vec<&Drive> = controllers.iter().chain(&plugins).collect();
+    let wheels = Wheels::find(&parts, &frames, &drives, &mut described)?
         .map_err(|problem| root.error(problem, "give the URDF of one robot"))?;
-    radius::take(&parts, &frames, &wheels, &mut described)?;
-    wheels.take_track(&mut described);
+    let sort = sorts::of(&parts, &wheels, &drives);
+    if let Some(warning) = sort.warning() {
+        described.note(warning);
+    }
+    described.wheel_joints = wheels.names();
+    let geometry = geometry::of_wheels(&parts, &frames, &wheels, &mut described);
+    lengths::take(controllers, &plugins, geometry, &mut described);
+    described.take_drives(drives);
     let described = described.checked()?;
     with_masses(&parts, &frames, &wheels, described)
 }

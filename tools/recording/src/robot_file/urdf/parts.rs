@@ -25,7 +25,9 @@ pub(super) struct Joint<'a> {
     /// Whether its child turns about `axis`.
     pub(super) turns: bool,
     /// Whether it turns without end.
-    pub(super) is_continuous: bool,
+    pub(super) is_endless: bool,
+    /// Whether its child cannot move in the parent.
+    pub(super) is_fixed: bool,
     /// Places of the two links in the list of links.
     pub(super) parent: usize,
     pub(super) child: usize,
@@ -42,8 +44,10 @@ pub(super) struct Parts<'a> {
     pub(super) joints: Vec<Joint<'a>>,
     /// Names of the joints that have a motor, as far as the file says.
     pub(super) driven: BTreeSet<&'a str>,
-    /// For each link, the links below it.
-    children: Vec<Vec<usize>>,
+    /// For each link, the places of the joints below it.
+    below: Vec<Vec<usize>>,
+    /// For each link, the place of the joint above it.
+    above: Vec<Option<usize>>,
 }
 
 impl<'a> Parts<'a> {
@@ -81,26 +85,67 @@ impl<'a> Parts<'a> {
             joints.push(joint);
         }
         let mut below = vec![Vec::new(); links.len()];
-        for joint in &joints {
-            below[joint.parent].push(joint.child);
+        let mut above = vec![None; links.len()];
+        for (place, joint) in joints.iter().enumerate() {
+            below[joint.parent].push(place);
+            above[joint.child] = Some(place);
         }
         Ok(Self {
             links,
             joints,
             driven: driven(root),
-            children: below,
+            below,
+            above,
         })
     }
 
     /// A link and all that move with it: its descendants.
     pub(super) fn descendants(&self, link: usize) -> Vec<usize> {
+        self.reached(link, |_| true)
+    }
+
+    /// A link and what is fixed to it below.
+    pub(super) fn fixed_below(&self, link: usize) -> Vec<usize> {
+        self.reached(link, |joint| joint.is_fixed)
+    }
+
+    /// A link and all that are fixed to each other with it, above and below: one body.
+    pub(super) fn body(&self, link: usize) -> Vec<usize> {
+        let fixed_above = self.above(link).take_while(|joint| joint.is_fixed);
+        let top = fixed_above.last().map_or(link, |joint| joint.parent);
+        self.fixed_below(top)
+    }
+
+    /// The joints above a link, from the nearest up.
+    pub(super) fn above(&self, link: usize) -> impl Iterator<Item = &Joint<'a>> {
+        let up = move |link: usize| {
+            let joint = self.above.get(link).copied().flatten();
+            joint.and_then(|joint| self.joints.get(joint))
+        };
+        // A circle of joints has no top.
+        let first = up(link);
+        std::iter::successors(first, move |joint| up(joint.parent)).take(self.joints.len())
+    }
+
+    /// The joints directly below a link.
+    pub(super) fn joints_below(&self, link: usize) -> impl Iterator<Item = &Joint<'a>> {
+        let places = self.below.get(link).into_iter().flatten();
+        places.filter_map(|place| self.joints.get(*place))
+    }
+
+    /// A link and those below it, over joints of a kind.
+    fn reached(&self, link: usize, over: impl Fn(&Joint<'_>) -> bool) -> Vec<usize> {
         let mut found = vec![link];
         let mut seen = BTreeSet::from([link]);
         let mut next = 0;
         while let Some(&parent) = found.get(next) {
             next += 1;
-            let children = self.children.get(parent).into_iter().flatten();
-            found.extend(children.copied().filter(|child| seen.insert(*child)));
+            let joints = self.joints_below(parent).filter(|joint| over(joint));
+            found.extend(
+                joints
+                    .map(|joint| joint.child)
+                    .filter(|child| seen.insert(*child)),
+            );
         }
         found
     }
@@ -147,12 +192,23 @@ fn joint<'a>(
     Ok(Joint {
         name,
         turns,
-        is_continuous: kind == "continuous",
+        is_endless: kind == "continuous" || (kind == "revolute" && is_without_end(element)?),
+        is_fixed: kind == "fixed",
         parent,
         child,
         origin: origin(element)?,
         axis,
     })
+}
+
+/// Whether a joint with limits has none in truth: several turns, or a range that is none.
+fn is_without_end(joint: Element<'_>) -> Result<bool, InputError> {
+    let Some(limit) = joint.first("limit") else {
+        return Ok(true);
+    };
+    let [lower, upper] = [limit.number("lower")?, limit.number("upper")?];
+    let range_rad = upper.unwrap_or(0.0) - lower.unwrap_or(0.0);
+    Ok(range_rad <= 0.0 || range_rad >= 2.0 * std::f64::consts::TAU)
 }
 
 /// The frame that `<origin>` of an element gives.

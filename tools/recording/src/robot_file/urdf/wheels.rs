@@ -1,94 +1,80 @@
-//! The driven wheels: which joints they are, on which side, and how far apart.
+//! The driven wheels: which joints they are, and on which side.
 
-use nalgebra::Vector3;
+use slipstream_bus::InputError;
 
+use super::candidates::{self, Candidates, Wheel};
 use super::frames::Frames;
-use super::parts::{Joint, Parts};
-use crate::robot_file::described::{Described, Missing, in_words};
+use super::pairs;
+use super::parts::Parts;
+use crate::robot_file::described::{Described, in_words, one_line};
+use crate::robot_file::drive::Drive;
+use crate::robot_file::words::list;
 use crate::sides::{Side, side_of};
 
-/// Least share of an axis that is lateral (1): axles are at most 25 degrees askew.
-const LATERAL: f64 = 0.9;
-/// Lengths that differ by less are the same (m).
-const SAME_M: f64 = 1e-6;
-/// How far the axle may lie from the base before it is said (m).
-const AXLE_M: f64 = 1e-3;
 /// Most wheels of a robot: those of a heavy transporter.
 const MAX_WHEELS: usize = 40;
-/// Words in the names of joints and links that turn and are no driven wheels.
-const OTHERS: [&str; 4] = ["caster", "castor", "steer", "swivel"];
+/// How far a wheel may lie from the middle and be on no side (m).
+const MIDDLE_M: f64 = 1e-6;
 
-/// A wheel.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Wheel<'a> {
-    /// The name of its joint.
-    pub(super) joint: &'a str,
-    /// Its link.
-    pub(super) link: usize,
-    /// Its middle in the frame of the base (m).
-    pub(super) centre: Vector3<f64>,
-    /// Its axle, of length 1.
-    pub(super) axle: Vector3<f64>,
-}
-
-/// The driven wheels of a robot, each side from the front.
+/// The driven wheels of a robot, each side from the front, opposite of each other.
 #[derive(Debug, Default)]
 pub(super) struct Wheels<'a> {
     pub(super) right: Vec<Wheel<'a>>,
     pub(super) left: Vec<Wheel<'a>>,
+    /// Joints of wheels that steer.
+    pub(super) steered: Vec<&'a str>,
+    /// Joints called wheels whose axes lie askew on the floor.
+    pub(super) askew: Vec<&'a str>,
 }
 
 impl<'a> Wheels<'a> {
-    /// Finds the wheels, and says what was assumed.
+    /// Finds the wheels, and says what was assumed. `drives` may name them.
     ///
     /// # Errors
-    /// More wheels than a robot has.
+    /// A number of a shape that is none; or more wheels than a robot has.
     pub(super) fn find(
         parts: &Parts<'a>,
         frames: &Frames,
+        drives: &[&Drive],
         described: &mut Described,
-    ) -> Result<Self, String> {
-        let mut found = named_wheels(parts, frames, described);
-        if found.is_empty() {
-            found = unnamed_wheels(parts, frames, described);
+    ) -> Result<Result<Self, String>, InputError> {
+        let told = told(parts, drives, described);
+        let mut found = candidates::find(parts, frames, &told)?;
+        note_others(&found, described);
+        choose(parts, &told, &mut found.wheels, described);
+        if found.wheels.is_empty() && found.steered.is_empty() {
+            found.wheels = candidates::find_fixed(parts, frames)?;
+            note_fixed(&found.wheels, described);
         }
-        if found.len() > MAX_WHEELS {
-            return Err(format!("has {} joints of wheels", found.len()));
+        if found.wheels.len() > MAX_WHEELS {
+            return Ok(Err(format!("has {} joints of wheels", found.wheels.len())));
         }
-        let driven = |wheel: &Wheel<'_>| parts.driven.contains(wheel.joint);
-        let count = found.iter().filter(|wheel| driven(wheel)).count();
-        if count > 0 && count < found.len() {
-            let others = found.iter().filter(|wheel| !driven(wheel));
-            let others = list(others.map(|wheel| wheel.joint));
-            described.note(format!(
-                "Not driven by a motor of the file, so no wheel of the model: {others}"
-            ));
-            found.retain(driven);
-        }
-        let mut wheels = Self::default();
-        for wheel in found {
-            let y_m = wheel.centre.y;
-            if y_m > SAME_M {
-                wheels.left.push(wheel);
-            } else if y_m < -SAME_M {
-                wheels.right.push(wheel);
-            } else {
+        let mut sides = [Vec::new(), Vec::new()];
+        for wheel in found.wheels {
+            let y_m = wheel.middle().y;
+            if y_m.abs() <= MIDDLE_M {
+                let joint = wheel.joint;
                 described.note(format!(
-                    "{} lies in the middle, so it is no wheel of the model",
-                    wheel.joint
+                    "{joint} lies in the middle, so it is no wheel of the model"
                 ));
+            } else {
+                sides[usize::from(y_m > 0.0)].push(wheel);
             }
         }
-        for side in [&mut wheels.right, &mut wheels.left] {
-            side.sort_by(|a, b| b.centre.x.total_cmp(&a.centre.x));
-        }
-        wheels.check_names(described);
-        Ok(wheels)
+        let [right, left] = pairs::opposite(sides, described);
+        let wheels = Self {
+            right,
+            left,
+            steered: found.steered,
+            askew: found.askew,
+        };
+        wheels.check_sides(drives, described);
+        Ok(Ok(wheels))
     }
 
     /// The rearmost wheels, right and left.
-    pub(super) fn rear(&self) -> Option<[Wheel<'a>; 2]> {
-        Some([*self.right.last()?, *self.left.last()?])
+    pub(super) fn rear(&self) -> Option<[&Wheel<'a>; 2]> {
+        Some([self.right.last()?, self.left.last()?])
     }
 
     /// Whether there is one wheel on each side.
@@ -96,188 +82,129 @@ impl<'a> Wheels<'a> {
         self.right.len() == 1 && self.left.len() == 1
     }
 
-    /// Takes the track.
-    pub(super) fn take_track(&self, described: &mut Described) {
-        let names = |side: &[Wheel<'_>]| side.iter().map(|own| own.joint.to_owned()).collect();
-        described.wheel_joints = [names(&self.right), names(&self.left)];
-        let remedy = "measure the distance between the middles of the wheels and write half of it";
-        let (right, left) = match (self.rear(), self.right.len() == self.left.len()) {
-            (Some([right, left]), true) => (right, left),
-            (None, _) if self.right.is_empty() && self.left.is_empty() => {
-                let problem = "no joint turns a wheel about an axis across the robot";
-                described
-                    .missing
-                    .push(Missing::new("half_track_m", problem, remedy));
-                return;
-            }
-            _ => {
-                let count = [&self.right, &self.left].map(Vec::len);
-                let problem = format!("{} wheels lie right and {} left", count[0], count[1]);
-                described
-                    .missing
-                    .push(Missing::new("half_track_m", problem, remedy));
-                return;
-            }
-        };
-        let from = format!("y of the origins of {} and {}", right.joint, left.joint);
-        described.take_half_track(half_track(&right, &left), from);
-        self.note_pairs(described);
-        note_offsets([&right, &left], described);
-        note_axle(self, described);
+    /// Names of their joints, right and left.
+    pub(super) fn names(&self) -> [Vec<String>; 2] {
+        let names = |side: &[Wheel<'_>]| side.iter().map(|own| one_line(own.joint)).collect();
+        [names(&self.right), names(&self.left)]
     }
 
-    /// Of more wheels than the model has.
-    fn note_pairs(&self, described: &mut Described) {
-        let count = self.right.len() + self.left.len();
-        let pairs = self.right.iter().zip(&self.left);
-        let tracks: Vec<f64> = pairs.map(|(right, left)| half_track(right, left)).collect();
-        let Some((rear, others)) = tracks.split_last() else {
-            return;
-        };
-        if others.is_empty() {
-            return;
-        }
-        described.note(format!(
-            "{count} wheels: the model has one pair. Skid steering turns as if the track were wider, which \
-             `slipstream diagnose` finds as track_width"
-        ));
-        if others.iter().any(|own| (own - rear).abs() > SAME_M) {
-            let others = list(others.iter().map(|own| in_words(*own)));
-            described.note(format!("The track is that of the rear pair; from the front, half_track_m of the others: {others}"));
-        }
+    /// All wheels.
+    pub(super) fn all(&self) -> impl Iterator<Item = &Wheel<'a>> {
+        self.right.iter().chain(&self.left)
     }
 
-    /// Names that say the other side.
-    fn check_names(&self, described: &mut Described) {
+    /// Names, and controllers, that say the other side.
+    fn check_sides(&self, drives: &[&Drive], described: &mut Described) {
         for (side, wheels) in Side::BOTH.into_iter().zip([&self.right, &self.left]) {
-            let is_wrong = |wheel: &&Wheel<'_>| side_of(wheel.joint).is_some_and(|own| own != side);
-            for wheel in wheels.iter().filter(is_wrong) {
-                let side = side.word();
-                described.note(format!(
-                    "{} lies {side} of the middle (y = {}), against its name: check which way x of the base points",
-                    wheel.joint,
-                    in_words(wheel.centre.y)
-                ));
+            for wheel in wheels {
+                let y = in_words(wheel.middle().y);
+                let (joint, word) = (wheel.joint, side.word());
+                if side_of(joint).is_some_and(|own| own != side) {
+                    described.note(format!(
+                        "{joint} lies {word} of the middle (y = {y}), against its name: check which way x of the base points"
+                    ));
+                }
+                for drive in drives {
+                    let has =
+                        |side: Side| drive.joints[side as usize].iter().any(|own| own == joint);
+                    if !has(side) && Side::BOTH.into_iter().any(has) {
+                        described.note(format!(
+                            "{joint} lies {word} of the middle (y = {y}), against {}: check which way x of the base points",
+                            drive.name
+                        ));
+                    }
+                }
             }
         }
     }
 }
 
-/// Half of the distance across the robot (m).
-fn half_track(right: &Wheel<'_>, left: &Wheel<'_>) -> f64 {
-    // Halves first: the sum of the largest numbers would not be finite.
-    left.centre.y / 2.0 - right.centre.y / 2.0
-}
-
-/// Wheels that do not lie opposite of each other.
-fn note_offsets([right, left]: [&Wheel<'_>; 2], described: &mut Described) {
-    let [to_left, to_right] = [left.centre.y, -right.centre.y];
-    if (to_left - to_right).abs() > SAME_M {
-        described.note(format!(
-            "The wheels lie {} to the left and {} to the right of the base's middle: half of their distance is taken",
-            in_words(to_left),
-            in_words(to_right)
-        ));
-    }
-    if (left.centre.x - right.centre.x).abs() > SAME_M {
-        let ahead = in_words(left.centre.x - right.centre.x);
-        described.note(format!(
-            "{} lies {ahead} ahead of {}, which the model leaves out",
-            left.joint, right.joint
-        ));
-    }
-}
-
-/// An axle, or a middle of several, that does not lie at the base.
-fn note_axle(wheels: &Wheels<'_>, described: &mut Described) {
-    let all = wheels.right.iter().chain(&wheels.left);
-    let count = all.clone().count().max(1) as f64;
-    let axle_m = all.map(|wheel| wheel.centre.x / count).sum::<f64>();
-    if axle_m.abs() > AXLE_M {
-        described.note(format!(
-            "The axle lies at x = {} of the base: poses of the base are those of another point than the axle's middle",
-            in_words(axle_m)
-        ));
-    }
-}
-
-/// Wheels by their names.
-fn named_wheels<'a>(
-    parts: &Parts<'a>,
-    frames: &Frames,
-    described: &mut Described,
-) -> Vec<Wheel<'a>> {
-    let mut found = Vec::new();
-    for joint in parts.joints.iter().filter(|joint| joint.turns) {
-        if !is_called(parts, joint, &["wheel"]) || is_called(parts, joint, &OTHERS) {
-            continue;
+/// The joints that drives name, of the first drive of which the description has some on both sides.
+fn told(parts: &Parts<'_>, drives: &[&Drive], described: &mut Described) -> Vec<String> {
+    let is_here = |name: &&String| parts.joints.iter().any(|joint| joint.name == **name);
+    for drive in drives {
+        let gone = drive.joints.iter().flatten().filter(|name| !is_here(name));
+        let gone: Vec<&str> = gone.map(String::as_str).collect();
+        if !gone.is_empty() {
+            let (name, gone) = (&drive.name, list(gone.iter().copied()));
+            described.note(format!(
+                "{name} names joints that the URDF does not have: {gone}"
+            ));
         }
-        match wheel(frames, joint) {
-            Some(wheel) if is_lateral(&wheel) => found.push(wheel),
-            Some(_) => described.note(format!(
-                "{} is no wheel: its axis does not lie across the robot",
-                joint.name
-            )),
-            None => described.note(format!(
-                "{} is no wheel: nothing connects it with the base",
-                joint.name
-            )),
+        if drive
+            .joints
+            .iter()
+            .all(|side| side.iter().any(|name| is_here(&name)))
+        {
+            return drive
+                .joints
+                .iter()
+                .flatten()
+                .filter(is_here)
+                .cloned()
+                .collect();
         }
     }
-    found
+    Vec::new()
 }
 
-/// Wheels by how they turn, where no name says it.
-fn unnamed_wheels<'a>(
-    parts: &Parts<'a>,
-    frames: &Frames,
+/// Keeps the candidates that are driven: those that a drive names; else those that are called wheels, if any; of these
+/// those that have a motor, if some have none.
+fn choose(
+    parts: &Parts<'_>,
+    told: &[String],
+    wheels: &mut Vec<Wheel<'_>>,
     described: &mut Described,
-) -> Vec<Wheel<'a>> {
-    let joints = parts.joints.iter().filter(|joint| joint.is_continuous);
-    let joints = joints.filter(|joint| !is_called(parts, joint, &OTHERS));
-    let found: Vec<Wheel<'_>> = joints
-        .filter_map(|joint| wheel(frames, joint))
-        .filter(is_lateral)
-        .collect();
-    if !found.is_empty() {
-        let names = list(found.iter().map(|wheel| wheel.joint));
-        described.note(format!("No joint is called a wheel; these turn without end about an axis across the robot: {names}"));
+) {
+    let is_told = |wheel: &Wheel<'_>| told.iter().any(|name| name == wheel.joint);
+    if wheels.iter().any(is_told) {
+        wheels.retain(is_told);
+        return;
     }
-    found
+    if wheels.iter().any(|wheel| wheel.is_named) {
+        wheels.retain(|wheel| wheel.is_named);
+    } else if !wheels.is_empty() {
+        let names = list(wheels.iter().map(|wheel| wheel.joint));
+        described.note(format!(
+            "No joint is called a wheel; these turn without end about an axis across the robot: {names}"
+        ));
+    }
+    let driven = |wheel: &Wheel<'_>| parts.driven.contains(wheel.joint);
+    let count = wheels.iter().filter(|wheel| driven(wheel)).count();
+    if count > 0 && count < wheels.len() {
+        let others = list(
+            wheels
+                .iter()
+                .filter(|wheel| !driven(wheel))
+                .map(|wheel| wheel.joint),
+        );
+        described.note(format!(
+            "Not driven by a motor of the file, so no wheel of the model: {others}"
+        ));
+        wheels.retain(driven);
+    }
 }
 
-/// Whether the name of a joint or of its child has one of these words.
-fn is_called(parts: &Parts<'_>, joint: &Joint<'_>, words: &[&str]) -> bool {
-    let names = [joint.name, parts.name(joint.child)].map(str::to_lowercase);
-    names
-        .iter()
-        .any(|name| words.iter().any(|word| name.contains(word)))
+/// Wheels that do not turn in the file.
+fn note_fixed(wheels: &[Wheel<'_>], described: &mut Described) {
+    if !wheels.is_empty() {
+        let names = list(wheels.iter().map(|wheel| wheel.joint));
+        described.note(format!(
+            "No joint turns a wheel; these are fixed in the file, and count as wheels by their names: {names}"
+        ));
+    }
 }
 
-fn wheel<'a>(frames: &Frames, joint: &Joint<'a>) -> Option<Wheel<'a>> {
-    let frame = frames.get(joint.child)?;
-    let wheel = Wheel {
-        joint: joint.name,
-        link: joint.child,
-        centre: frame.offset,
-        axle: frame.rotation * joint.axis,
-    };
-    Some(wheel)
-}
-
-fn is_lateral(wheel: &Wheel<'_>) -> bool {
-    wheel.axle.y.abs() > LATERAL
-}
-
-/// Texts with commas; at most six.
-fn list(texts: impl Iterator<Item = impl Into<String>>) -> String {
-    let mut all: Vec<String> = texts.map(Into::into).collect();
-    let more = all.len().saturating_sub(6);
-    all.truncate(6);
-    let text = all.join(", ");
-    if more == 0 {
-        text
-    } else {
-        format!("{text} and {more} more")
+/// What is called a wheel and is none.
+fn note_others(found: &Candidates<'_>, described: &mut Described) {
+    for joint in &found.askew {
+        described.note(format!(
+            "{joint} is no wheel: its axis does not lie across the robot"
+        ));
+    }
+    for joint in &found.loose {
+        described.note(format!(
+            "{joint} is no wheel: nothing connects it with the base"
+        ));
     }
 }

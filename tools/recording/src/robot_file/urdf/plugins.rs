@@ -1,0 +1,116 @@
+//! Drive plugins inside of a URDF: of Gazebo, classic and new, and the hardware of ros2_control.
+
+use slipstream_bus::InputError;
+
+use super::parts::Parts;
+use crate::robot_file::described::one_line;
+use crate::robot_file::drive::{Drive, Length, Sort};
+use crate::robot_file::measured_in::in_metres;
+use crate::robot_file::parameter_names::{Quantity, names_joints, quantity_of};
+use crate::robot_file::xml::Element;
+use crate::sides::side_of;
+
+/// The drives that plugins of the file are told, in the order of the file.
+///
+/// # Errors
+/// A length that is in no known unit.
+pub(super) fn drives(root: Element<'_>, parts: &Parts<'_>) -> Result<Vec<Drive>, InputError> {
+    let mut drives = Vec::new();
+    for plugin in root.below("plugin") {
+        // Simulators name the library by the attribute, ros2_control by the text.
+        let attributes = ["filename", "name"].map(|own| plugin.attribute(own).unwrap_or_default());
+        let title = attributes
+            .into_iter()
+            .find(|own| !own.is_empty())
+            .unwrap_or_default();
+        let sort = attributes.iter().find_map(|own| Sort::of_words(own));
+        let drive = Drive {
+            sort: sort.unwrap_or_default(),
+            type_name: Some(one_line(title)),
+            ..Drive::named(format!("plugin {}", one_line(title)))
+        };
+        let drive = with_parameters(drive, plugin.elements().map(parameter), parts)?;
+        if drive.says_something() || sort.is_some_and(|own| own != Sort::Differential) {
+            drives.push(drive);
+        }
+    }
+    for hardware in root.below("hardware") {
+        let parameters = hardware.all("param").map(|own| {
+            let name = own.attribute("name").unwrap_or_default();
+            Parameter {
+                name,
+                value: own.text(),
+                element: own,
+            }
+        });
+        let drive = with_parameters(Drive::named("hardware of ros2_control"), parameters, parts)?;
+        if drive.says_something() || drive.counts_per_rev.is_some() {
+            drives.push(drive);
+        }
+    }
+    Ok(drives)
+}
+
+/// A parameter of a plugin.
+struct Parameter<'a> {
+    name: &'a str,
+    value: &'a str,
+    element: Element<'a>,
+}
+
+/// In plugins, every parameter is an element.
+fn parameter(element: Element<'_>) -> Parameter<'_> {
+    Parameter {
+        name: element.name(),
+        value: element.text(),
+        element,
+    }
+}
+
+/// A drive with what its parameters say. The first of several values of one parameter counts, as of several wheel pairs.
+fn with_parameters<'a>(
+    mut drive: Drive,
+    parameters: impl Iterator<Item = Parameter<'a>>,
+    parts: &Parts<'_>,
+) -> Result<Drive, InputError> {
+    for Parameter {
+        name,
+        value,
+        element,
+    } in parameters
+    {
+        let value = value.trim();
+        if names_joints(name)
+            && let Some(side) = side_of(name)
+        {
+            let names = value
+                .split([' ', ',', '\n', '\t'])
+                .filter(|own| !own.is_empty());
+            let is_joint = |own: &&str| parts.joints.iter().any(|joint| joint.name == *own);
+            drive.joints[side as usize].extend(names.filter(is_joint).map(one_line));
+            continue;
+        }
+        let number = value
+            .parse::<f64>()
+            .ok()
+            .filter(|number| number.is_finite());
+        let (Some((quantity, unit_m)), Some(number)) = (quantity_of(name), number) else {
+            continue;
+        };
+        let from = format!("{name} of {}", drive.name);
+        if quantity == Quantity::CountsPerTurn {
+            drive.counts_per_rev.get_or_insert((number, from));
+            continue;
+        }
+        let length = in_metres(number, quantity, unit_m)
+            .map_err(|problem| element.error(format!("{name} {problem}"), "give it in metres"))?;
+        let length = Length::new(length.value_m, from);
+        match quantity {
+            Quantity::Separation => drop(drive.separation.get_or_insert(length)),
+            Quantity::Diameter => drop(drive.radius.get_or_insert(length.times(0.5, "half of"))),
+            Quantity::Radius => drop(drive.radius.get_or_insert(length)),
+            _ => {}
+        }
+    }
+    Ok(drive)
+}
