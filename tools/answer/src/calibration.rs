@@ -149,22 +149,50 @@ impl Calibration<'_> {
         ))
     }
 
-    /// `ahead_m` is the way from the middle of the axle forward to the declared point (m).
+    /// What was estimated of the pose sensor's place. `ahead_m` is the way from the middle of the axle forward to the
+    /// declared point (m).
     fn transform(&self, ahead_m: f64) -> Option<String> {
         let effect = "pose_offset";
-        let of = |name: &str| self.model.number(effect, name);
-        let known = ["x_m", "y_m", "yaw_rad"].map(of);
-        known.iter().flatten().next()?;
-        let [x, y, yaw] = known.map(|own| own.unwrap_or(0.0));
-        let words = [("x_m", x + ahead_m), ("y_m", y), ("yaw_rad", yaw)]
-            .map(|(name, value)| self.write(effect, name, value));
-        let [x, y, yaw] = words;
+        let number = |name: &str, option: &str, ahead_m: f64| {
+            let value = self.model.number(effect, name)?;
+            let is_zero = self.is_zero(effect, name);
+            (!is_zero).then(|| (option.to_owned(), self.write(effect, name, value + ahead_m)))
+        };
+        let known = [
+            number("x_m", "x", ahead_m),
+            number("y_m", "y", 0.0),
+            number("yaw_rad", "yaw", 0.0),
+        ];
+        let known: Vec<(String, String)> = known.into_iter().flatten().collect();
+        if known.is_empty() {
+            return None;
+        }
+        let lines: String = known
+            .iter()
+            .map(|(name, value)| format!("#   {name}: {value}\n"))
+            .collect();
+        let option = |name: &str| {
+            let own = known.iter().find(|(own, _)| own == name);
+            own.map_or(name.to_uppercase(), |(_, value)| value.clone())
+        };
+        let [x, y, yaw] = ["x", "y", "yaw"].map(option);
         Some(format!(
-            "# The camera, laser or marker of the poses, from base_link in the middle of the axle.\n\
+            "# The camera, laser or marker of the poses, from base_link in the middle of the axle (m, rad).\n\
+             # What is not listed was not estimated or is zero within its interval: keep it.\n{lines}\
              # Where the poses were transformed to base_link already: put this in front of it.\n\
-             #   ros2 run tf2_ros static_transform_publisher --x {x} --y {y} --z 0 --yaw {yaw} \
+             #   ros2 run tf2_ros static_transform_publisher --x {x} --y {y} --z Z --yaw {yaw} --pitch PITCH --roll ROLL \
              --frame-id base_link --child-frame-id camera\n"
         ))
+    }
+
+    /// Whether a finding says that a number is zero within its interval, and was not known before.
+    fn is_zero(&self, effect: &str, name: &str) -> bool {
+        let of_effect = self.findings.iter().filter(|own| own.effect == effect);
+        let mut parameters = of_effect.flat_map(|own| &own.parameters);
+        let own =
+            parameters.find(|own| own.name == name && own.nominal.is_none_or(|was| was == 0.0));
+        own.and_then(|own| own.ci95)
+            .is_some_and(|[low, high]| low <= 0.0 && 0.0 <= high)
     }
 }
 

@@ -41,6 +41,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) model: &'a RobotModel,
     /// What its commands are.
     pub(crate) told: Told,
+    /// Whether it runs ROS, and so has the parameters of its packages.
+    pub(crate) has_ros: bool,
     /// Whether wheel encoders were recorded.
     pub(crate) has_wheels: bool,
     /// Nominal counts per turn of a wheel, where they are known.
@@ -62,10 +64,21 @@ impl<'a> Setup<'a> {
         Some(Setup {
             model,
             told: told(robot),
+            has_ros: recordings.iter().any(Recording::is_of_ros),
             has_wheels: robot.wheels.is_some(),
             counts_per_turn: robot.counts_per_rev(Some(model)).map(f64::from),
             declared_ahead_m: ahead_m.unwrap_or(0.0),
         })
+    }
+}
+
+impl Setup<'_> {
+    /// Where the program is that talks to motors and encoders, in words.
+    pub(crate) fn driver(&self) -> &'static str {
+        match self.has_ros {
+            true => "in the hardware interface",
+            false => "in the program that reads the encoders and drives the motors",
+        }
     }
 }
 

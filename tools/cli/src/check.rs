@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use console::Style;
+use slipstream_recording::{Finding, Severity};
 
 use crate::exit::{Error, Exit};
 use crate::models::Models;
@@ -10,6 +12,8 @@ use crate::print::{self, print_line};
 use crate::reading::Reading;
 
 /// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
+///
+/// Ends with exit code 2 if it finds an ERROR, with which a diagnosis would be wrong.
 ///
 /// Example: slipstream check RECORDING --robot robot.toml
 #[derive(Debug, Args)]
@@ -47,9 +51,29 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         .reading
         .spool_for(&arguments.recording, model.is_some())?;
     let report = spooled.check(model.as_ref())?;
-    print::out(format_args!("{report}"));
+    print::out(format_args!("{}", with_colours(&report.to_string())));
     if let Some(path) = &arguments.json {
         crate::output_file::write_json(path, &report)?;
     }
-    Ok(Exit::Done)
+    let is_wrong = |finding: &Finding| finding.severity == Severity::Error;
+    Ok(match report.findings.iter().any(is_wrong) {
+        true => Exit::InvalidInput,
+        false => Exit::Done,
+    })
+}
+
+/// The report with its severities in colours, where results are coloured.
+fn with_colours(report: &str) -> String {
+    let severities = [
+        ("  ERROR ", Style::new().red().bold()),
+        ("  warning ", Style::new().yellow()),
+    ];
+    let line = |line: &str| {
+        let own = severities.iter().find(|(begin, _)| line.starts_with(begin));
+        match own {
+            Some((begin, style)) => print::styled(begin, style) + &line[begin.len()..],
+            None => line.to_owned(),
+        }
+    };
+    report.lines().map(|own| line(own) + "\n").collect()
 }

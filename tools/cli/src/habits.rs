@@ -1,6 +1,6 @@
 //! Options that every command has: how much is printed, and whether files may be replaced.
 
-use std::io::Read as _;
+use std::io::{IsTerminal as _, Read as _, stdout};
 use std::path::{Path, PathBuf};
 
 use clap::{ArgMatches, Args};
@@ -18,6 +18,9 @@ pub(crate) struct Habits {
     /// Print details
     #[arg(short, long, global = true)]
     verbose: bool,
+    /// Print bold and coloured text: auto does so on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    color: Color,
     /// Show no progress
     #[arg(long, global = true)]
     no_progress: bool,
@@ -25,6 +28,29 @@ pub(crate) struct Habits {
     /// command writes again
     #[arg(long, global = true)]
     force: bool,
+}
+
+/// When results are bold and coloured.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+enum Color {
+    #[default]
+    Auto,
+    Always,
+    Never,
+}
+
+impl Color {
+    fn is_on(self) -> bool {
+        match self {
+            Self::Auto => {
+                let is_unwanted =
+                    |name: &str| std::env::var_os(name).is_some_and(|own| !own.is_empty());
+                stdout().is_terminal() && !is_unwanted("NO_COLOR")
+            }
+            Self::Always => true,
+            Self::Never => false,
+        }
+    }
 }
 
 /// Arguments that name a file to write.
@@ -54,6 +80,7 @@ impl Habits {
             notes: !self.quiet,
             details: self.verbose,
             progress: !self.quiet && !self.no_progress,
+            colour: self.color.is_on(),
         });
         if self.force {
             return Ok(());

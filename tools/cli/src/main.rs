@@ -34,6 +34,7 @@ mod trace;
 mod trial;
 mod view;
 mod viewers;
+mod wrap;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

@@ -1,11 +1,15 @@
 //! Output on the terminal. A closed pipe (`slipstream effects | head -1`) is not an error: printing stops,
 //! but files are still written and the exit code stays the same.
 
+use std::borrow::Cow;
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 use std::sync::OnceLock;
 
+use console::{Style, Term};
+
 use crate::exit::Exit;
+use crate::wrap::wrapped;
 
 /// What is printed.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +22,8 @@ pub(crate) struct Prints {
     pub(crate) details: bool,
     /// Progress, on standard error.
     pub(crate) progress: bool,
+    /// Bold and coloured results.
+    pub(crate) colour: bool,
 }
 
 static PRINTS: OnceLock<Prints> = OnceLock::new();
@@ -35,6 +41,7 @@ pub(crate) fn prints() -> Prints {
         notes: true,
         details: false,
         progress: true,
+        colour: false,
     })
 }
 
@@ -63,10 +70,32 @@ macro_rules! note_line {
 
 pub(crate) use {eprint_line, note_line, print_line};
 
-/// Prints a result; ignores a closed pipe and ends the program on any other error.
+/// Prints a result, with lines that fit the terminal; ignores a closed pipe and ends the program on any other error.
 pub(crate) fn out(text: Arguments<'_>) {
     if prints().results {
-        raw(text);
+        let text = text.to_string();
+        raw(format_args!("{}", fitted(&text, &Term::stdout())));
+    }
+}
+
+/// A text in bold, where results are coloured.
+pub(crate) fn bold(text: &str) -> String {
+    styled(text, &Style::new().bold())
+}
+
+/// A text in this style, where results are coloured.
+pub(crate) fn styled(text: &str, style: &Style) -> String {
+    match prints().colour {
+        true => style.clone().force_styling(true).apply_to(text).to_string(),
+        false => text.to_owned(),
+    }
+}
+
+/// A text with lines that fit a terminal; as it is for anything else.
+fn fitted<'a>(text: &'a str, terminal: &Term) -> Cow<'a, str> {
+    match terminal.size_checked() {
+        Some((_, columns)) if terminal.is_term() => wrapped(text, columns.into()),
+        _ => Cow::Borrowed(text),
     }
 }
 
@@ -85,5 +114,7 @@ pub(crate) fn raw(text: Arguments<'_>) {
 
 /// Prints to standard error; ignores errors, since there is nowhere to report them.
 pub(crate) fn err(text: Arguments<'_>) {
-    let _ = stderr().write_fmt(text);
+    let text = text.to_string();
+    let text = fitted(&text, &Term::stderr());
+    let _ = stderr().write_all(text.as_bytes());
 }

@@ -33,9 +33,9 @@ pub(super) fn gain(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> 
     let [left, right] = ["left", "right"].map(|name| Quantity::of(finding, name));
     let what = setup.told.of_wheel();
     let place = if setup.told.is_speed() {
-        " in the hardware interface"
+        format!(" {}", setup.driver())
     } else {
-        ""
+        String::new()
     };
     let mut actions = vec![format!(
         "divide the {what} command of the left wheel by {} and that of the right by {}{place}",
@@ -43,8 +43,7 @@ pub(super) fn gain(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> 
         right?.text()
     )];
     if setup.told.is_speed() && setup.has_wheels {
-        let keep =
-            "keep wheel_radius and its multipliers: they would change odometry, which is right";
+        let keep = "keep the wheel radii: other ones would change odometry, which is right";
         actions.push(keep.to_owned());
     }
     Some(actions)
@@ -94,38 +93,48 @@ pub(super) fn saturation(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<Str
     if setup.told == Told::Twist && what == "speed" {
         let body = &setup.model.robot;
         let most = size.map(|speed| speed * body.wheel_radius_m);
-        actions.push(format!(
-            "set linear.x.max_velocity to {} or less in diff_drive_controller, and plan |v| + {} |w| below \
-             that",
-            most.now(),
-            body.half_track_m
-        ));
+        let half_track_m = body.half_track_m;
+        actions.push(match setup.has_ros {
+            true => format!(
+                "set linear.x.max_velocity to {} or less in diff_drive_controller, and plan |v| + {half_track_m} |w| \
+                 below that",
+                most.now()
+            ),
+            false => format!("plan |v| + {half_track_m} |w| below {} m/s", most.now()),
+        });
     }
     actions.push(into_model(finding)?);
     Some(actions)
 }
 
-pub(super) fn droop(finding: &Finding) -> Option<Vec<String>> {
+pub(super) fn droop(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let droop = Quantity::of(finding, "coefficient")?;
-    Some(vec![
-        format!(
-            "set damping=\"{}\" in <dynamics> of both wheel joints (N m s/rad)",
-            droop.text_with(&|own| own)
-        ),
-        into_model(finding)?,
-    ])
+    let of_joints = of_joints("damping", &droop.text(), "N m s/rad", setup);
+    Some(
+        of_joints
+            .into_iter()
+            .chain([into_model(finding)?])
+            .collect(),
+    )
 }
 
-pub(super) fn axle_friction(finding: &Finding) -> Option<Vec<String>> {
+pub(super) fn axle_friction(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let torque = Quantity::of(finding, "torque_nm")?;
-    Some(vec![
-        format!(
-            "set friction=\"{}\" in <dynamics> of both wheel joints (N m)",
-            torque.text()
-        ),
-        "clean and oil the bearings of the wheels".to_owned(),
-        into_model(finding)?,
-    ])
+    let of_joints = of_joints("friction", &torque.text(), "N m", setup);
+    let clean = "clean and oil the bearings of the wheels".to_owned();
+    Some(
+        of_joints
+            .into_iter()
+            .chain([clean, into_model(finding)?])
+            .collect(),
+    )
+}
+
+/// An attribute of the wheel joints in a URDF.
+fn of_joints(attribute: &str, value: &str, unit: &str, setup: &Setup<'_>) -> Option<String> {
+    setup
+        .has_ros
+        .then(|| format!("set {attribute}=\"{value}\" in <dynamics> of both wheel joints ({unit})"))
 }
 
 pub(super) fn backlash(finding: &Finding) -> Option<Vec<String>> {

@@ -13,9 +13,9 @@ use crate::setup::{Setup, Told};
 pub(super) fn wheel_radius(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let [left, right] = sides(finding, ["left_scale", "right_scale"])?;
     let radius_m = setup.model.robot.wheel_radius_m;
-    let lengths = || {
+    let lengths = {
         let [left, right] = [left, right].map(|own| own.map(|scale| scale * radius_m).text());
-        format!("{left} m (left) and {right} m (right)")
+        format!("use wheel radii of {left} m (left) and {right} m (right)")
     };
     let multipliers = format!(
         "set left_wheel_radius_multiplier to {} and right_wheel_radius_multiplier to {} in \
@@ -23,21 +23,11 @@ pub(super) fn wheel_radius(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<S
         left.text(),
         right.text()
     );
-    Some(match setup.told {
-        Told::Twist | Told::Nothing => vec![multipliers],
-        // its commands pass diff_drive_controller by
-        Told::WheelSpeed => vec![
-            multipliers,
-            format!(
-                "use wheel radii of {} where speeds of the body become wheel speeds",
-                lengths()
-            ),
-        ],
-        Told::Torque | Told::Voltage => vec![
-            format!("use wheel radii of {} in odometry and simulator", lengths()),
-            multipliers,
-        ],
-    })
+    let places = [
+        "in odometry and simulator",
+        "where speeds of the body become wheel speeds",
+    ];
+    Some(where_used(setup, multipliers, &lengths, places))
 }
 
 pub(super) fn track_width(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
@@ -47,18 +37,33 @@ pub(super) fn track_width(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<St
         "set wheel_separation_multiplier to {} in diff_drive_controller",
         scale.text()
     );
-    let length = format!("{} m between the wheels", track_m.text());
-    Some(match setup.told {
-        Told::Twist | Told::Nothing => vec![multiplier],
-        Told::WheelSpeed => vec![
-            multiplier,
-            format!("use {length} where turn rates become wheel speeds"),
-        ],
-        Told::Torque | Told::Voltage => vec![
-            format!("use {length} in odometry and simulator; masses and inertias stay"),
-            multiplier,
-        ],
-    })
+    let length = format!("use {} m between the wheels", track_m.text());
+    let places = [
+        "in odometry and simulator; masses and inertias stay",
+        "where turn rates become wheel speeds",
+    ];
+    Some(where_used(setup, multiplier, &length, places))
+}
+
+/// What to do about a length: the parameter of a controller of ROS, and the length itself where others use it, with
+/// forces and with speeds.
+fn where_used(
+    setup: &Setup<'_>,
+    parameter: String,
+    length: &str,
+    [of_forces, of_speeds]: [&str; 2],
+) -> Vec<String> {
+    let itself = match setup.told {
+        Told::Torque | Told::Voltage => format!("{length} {of_forces}"),
+        _ => format!("{length} {of_speeds}"),
+    };
+    match setup.told {
+        _ if !setup.has_ros => vec![itself],
+        Told::Twist | Told::Nothing => vec![parameter],
+        // its commands pass diff_drive_controller by
+        Told::WheelSpeed => vec![parameter, itself],
+        Told::Torque | Told::Voltage => vec![itself, parameter],
+    }
 }
 
 pub(super) fn slip_ratio(finding: &Finding) -> Option<Vec<String>> {
@@ -80,58 +85,52 @@ pub(super) fn slip_ratio(finding: &Finding) -> Option<Vec<String>> {
         kept(ratio)
     };
     Some(vec![
-        "keep wheel_radius and its multipliers: the floor takes this, not the wheels".to_owned(),
+        "keep the wheel radii: the floor takes this, not the wheels".to_owned(),
         format!("multiply the measured travel of the wheels by {travel} on this floor"),
     ])
 }
 
 pub(super) fn encoder_scale(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
     let [left, right] = sides(finding, ["left_scale", "right_scale"])?;
+    let place = setup.driver();
     let first = match setup.counts_per_turn {
         Some(counts) => {
             let [left, right] = [left, right].map(|own| own.map(|scale| scale * counts).text());
-            format!(
-                "set counts per turn to {left} (left) and {right} (right) in the hardware interface"
-            )
+            format!("set counts per turn to {left} (left) and {right} (right) {place}")
         }
         None => format!(
-            "divide the measured wheel angles by {} (left) and {} (right) in the hardware interface",
+            "divide the measured wheel angles by {} (left) and {} (right) {place}",
             left.text(),
             right.text()
         ),
     };
     let cause = cause(finding).map(|cause| format!("look for the mistake: {cause}"));
-    let last = "keep wheel_radius and its multipliers: they would correct the commands too";
+    let last = "keep the wheel radii: other ones would change the commands too";
     Some(cause.into_iter().chain([first, last.to_owned()]).collect())
 }
 
 pub(super) fn pose_offset(finding: &Finding, setup: &Setup<'_>) -> Option<Vec<String>> {
-    let place = match (Quantity::of(finding, "x_m"), Quantity::of(finding, "y_m")) {
-        (Some(x), Some(y)) => Some([x.map(|x| x + setup.declared_ahead_m), y]),
-        _ => None,
+    let ahead_m = setup.declared_ahead_m;
+    let of = |name: &str| Quantity::of(finding, name).filter(|own| own.differs());
+    let parts = [
+        of("x_m").map(|x| format!("x to {} m", x.map(|x| x + ahead_m).text())),
+        of("y_m").map(|y| format!("y to {} m", y.text())),
+        of("yaw_rad").map(|yaw| format!("yaw to {} rad", yaw.text())),
+    ];
+    let is_placed = parts[..2].iter().any(Option::is_some);
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    let (last, before) = parts.split_last()?;
+    let what = match before {
+        [] => last.clone(),
+        before => format!("{} and {last}", before.join(", ")),
     };
-    let yaw = Quantity::of(finding, "yaw_rad");
-    let joint = |of: &dyn Fn(Quantity) -> Option<f64>| -> Option<String> {
-        let word = |own: Quantity| Some(own.write(of(own)?));
-        let mut words = Vec::new();
-        if let Some([x, y]) = place {
-            words.push(format!("xyz=\"{} {} 0\"", word(x)?, word(y)?));
-        }
-        if let Some(yaw) = yaw {
-            words.push(format!("rpy=\"0 0 {}\"", word(yaw)?));
-        }
-        Some(words.join(" ")).filter(|words| !words.is_empty())
-    };
-    let now = joint(&|own| Some(own.value))?;
-    let was = joint(&|own| own.was).filter(|was| *was != now);
-    let was = was.map_or_else(String::new, |was| format!(" (was {was})"));
-    let from = if place.is_some() {
+    let from = if is_placed {
         ", from the middle of the axle"
     } else {
         ""
     };
     Some(vec![format!(
-        "set the joint of the camera or laser to {now}{was}{from}"
+        "set {what} in the transform of the camera or laser{from}; keep its other numbers"
     )])
 }
 

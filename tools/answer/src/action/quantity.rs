@@ -29,6 +29,13 @@ impl Quantity {
         })
     }
 
+    /// Whether it is another than before, beyond its interval; than zero, where it was not known.
+    pub(super) fn differs(&self) -> bool {
+        let [low, high] = self.interval;
+        let was = self.was.unwrap_or(0.0);
+        !(low..=high).contains(&was)
+    }
+
     /// What a monotonic function makes of it.
     pub(super) fn map(self, of: impl Fn(f64) -> f64) -> Self {
         let [a, b] = self.interval.map(&of);

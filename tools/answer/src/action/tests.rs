@@ -5,12 +5,17 @@ use crate::ParameterEstimate;
 use crate::fixture::finding;
 use crate::setup::Told;
 
-/// The actions of a finding on a robot with these commands, its poses those of the axle.
+/// The actions of a finding on a robot of ROS with these commands, its poses those of the axle.
 fn told(told: Told, finding: &Finding) -> Vec<String> {
+    of_robot(told, true, finding)
+}
+
+fn of_robot(told: Told, has_ros: bool, finding: &Finding) -> Vec<String> {
     let model = RobotModel::default();
     let setup = Setup {
         model: &model,
         told,
+        has_ros,
         has_wheels: true,
         counts_per_turn: Some(1856.0),
         declared_ahead_m: 0.0,
@@ -36,6 +41,7 @@ fn every_effect_of_the_catalogue_has_an_action_of_its_own() {
             let setup = Setup {
                 model: &model,
                 told,
+                has_ros: true,
                 has_wheels: true,
                 counts_per_turn: None,
                 declared_ahead_m: 0.0,
@@ -99,7 +105,7 @@ fn slip_keeps_the_radius() {
     let [keep, travel] = told(Told::Twist, &own).try_into().unwrap();
     assert_eq!(
         keep,
-        "keep wheel_radius and its multipliers: the floor takes this, not the wheels"
+        "keep the wheel radii: the floor takes this, not the wheels"
     );
     assert_eq!(
         travel,
@@ -142,6 +148,7 @@ fn a_pose_sensor_is_placed_from_the_axle() {
     let setup = Setup {
         model: &model,
         told: Told::Twist,
+        has_ros: true,
         has_wheels: true,
         counts_per_turn: None,
         declared_ahead_m: 0.055,
@@ -149,14 +156,40 @@ fn a_pose_sensor_is_placed_from_the_axle() {
     assert_eq!(
         actions(&own, &setup),
         [
-            "set the joint of the camera or laser to xyz=\"0.175 0.030 0\" rpy=\"0 0 0.000\", from the middle of \
-          the axle"
+            "set x to 0.175 m and y to 0.030 m in the transform of the camera or laser, from the middle of the axle; keep \
+             its other numbers"
         ]
     );
-    let turned = finding("pose_offset", &offset[2..]);
+    let turned = finding("pose_offset", &[("yaw_rad", 0.05, 0.002)]);
     assert_eq!(
         actions(&turned, &setup),
-        ["set the joint of the camera or laser to rpy=\"0 0 0.000\""]
+        ["set yaw to 0.0500 rad in the transform of the camera or laser; keep its other numbers"]
+    );
+}
+
+/// A robot without ROS has no parameters of its packages.
+#[test]
+fn a_robot_without_ros_is_told_no_parameter_of_ros() {
+    for info in CATALOGUE {
+        let numbers = info.parameters.iter().filter(|own| own.unit != "text");
+        let numbers: Vec<_> = numbers.map(|own| (own.name, 0.9, 0.02)).collect();
+        let own = finding(info.id, &numbers);
+        for told in [Told::Nothing, Told::Twist, Told::Torque] {
+            let actions = of_robot(told, false, &own).join("; ");
+            for word in [
+                "diff_drive_controller",
+                "multiplier",
+                "<dynamics>",
+                "hardware interface",
+            ] {
+                assert!(!actions.contains(word), "{}: {actions}", info.id);
+            }
+        }
+    }
+    let track = finding("track_width", &[("scale", 1.1, 0.002)]);
+    assert_eq!(
+        of_robot(Told::Twist, false, &track),
+        ["use 0.23100 m between the wheels where turn rates become wheel speeds"]
     );
 }
 
@@ -205,7 +238,7 @@ fn a_drive_is_corrected_in_the_quantity_that_is_commanded() {
         divide,
         format!("divide the speed {numbers} in the hardware interface")
     );
-    assert!(keep.starts_with("keep wheel_radius"), "{keep}");
+    assert!(keep.starts_with("keep the wheel radii"), "{keep}");
     let delay = finding("actuator_delay", &[("delay_s", 0.12, 0.002)]);
     assert_eq!(
         told(Told::Twist, &delay)[0],
@@ -285,6 +318,7 @@ fn the_unknown_points_to_a_law_only_where_there_is_one() {
     let setup = Setup {
         model: &model,
         told: Told::Twist,
+        has_ros: true,
         has_wheels: true,
         counts_per_turn: None,
         declared_ahead_m: 0.0,

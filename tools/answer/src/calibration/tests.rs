@@ -78,10 +78,14 @@ fn what_was_found_is_a_multiplier_or_a_comment() {
 # The encoders count wrong, for which the controller has no parameter.
 # In the hardware interface, set counts per turn to 1818.9 (left) and 1856.2 (right).
 
-# The camera, laser or marker of the poses, from base_link in the middle of the axle.
+# The camera, laser or marker of the poses, from base_link in the middle of the axle (m, rad).
+# What is not listed was not estimated or is zero within its interval: keep it.
+#   x: 0.175
+#   y: 0.030
+#   yaw: 0.0500
 # Where the poses were transformed to base_link already: put this in front of it.
-#   ros2 run tf2_ros static_transform_publisher --x 0.175 --y 0.030 --z 0 --yaw 0.0500 --frame-id base_link \
---child-frame-id camera
+#   ros2 run tf2_ros static_transform_publisher --x 0.175 --y 0.030 --z Z --yaw 0.0500 --pitch PITCH --roll ROLL \
+--frame-id base_link --child-frame-id camera
 ";
     assert_eq!(text, format!("{HEAD}{rest}"));
 }

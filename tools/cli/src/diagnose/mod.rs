@@ -187,7 +187,7 @@ fn run_diagnosis(request: &Request<'_>, with_figures: bool) -> Result<Illustrate
 
 fn print_answer(answer: &Answer) {
     let details = prints().details;
-    print_line!("{}.", answer.statement);
+    print_line!("{}", print::bold(&format!("{}.", answer.statement)));
     for budget in &answer.budget {
         print_line!("{}.", text::budget(budget, answer.held_out.horizon_s));
     }

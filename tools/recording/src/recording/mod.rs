@@ -47,4 +47,11 @@ impl Recording {
     pub fn robot(&self, name: &str) -> Option<&Robot> {
         self.robots.iter().find(|robot| robot.name == name)
     }
+
+    /// Whether its origin is a robot that runs ROS, such as a bag.
+    pub fn is_of_ros(&self) -> bool {
+        let mut words = self.origin.split(|c: char| !c.is_alphanumeric());
+        let known = ["ros", "ros1", "ros2", "rosbag", "rosbag2"];
+        words.any(|word| known.iter().any(|own| word.eq_ignore_ascii_case(own)))
+    }
 }
