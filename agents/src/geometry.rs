@@ -54,7 +54,7 @@ impl Geometry {
             r: body.wheel_radius_m,
             b: body.half_track_m,
             d: body.com_to_axle_m.unwrap_or(0.0),
-            count_rad: TAU / f64::from(encoder.counts_per_rev),
+            count_rad: TAU / encoder.counts_per_rev,
             dynamics: Dynamics::new(model),
         })
     }

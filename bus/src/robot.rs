@@ -96,8 +96,13 @@ impl Motor {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Encoder {
-    /// Counts per revolution of the wheel.
-    pub counts_per_rev: u32,
+    /// Counts per revolution of the wheel. Gears make it a fraction, such as 2578.33.
+    pub counts_per_rev: f64,
+}
+
+impl Encoder {
+    /// Counts per revolution that an encoder may have.
+    pub const COUNTS: std::ops::RangeInclusive<f64> = 1.0..=4_294_967_295.0;
 }
 
 /// An effect of a model: its name in the catalogue of effects and its parameters.
@@ -154,7 +159,7 @@ impl Default for RobotModel {
                 stall_torque_nm: 0.78,
             }),
             encoder: Some(Encoder {
-                counts_per_rev: 1856,
+                counts_per_rev: 1856.0,
             }),
             effects: Vec::new(),
         }
@@ -240,9 +245,11 @@ impl RobotModel {
             motor.validate()?;
         }
         let encoder = self.encoder.as_ref();
-        if encoder.is_some_and(|encoder| encoder.counts_per_rev == 0) {
+        if let Some(counts) = encoder.map(|encoder| encoder.counts_per_rev)
+            && !Encoder::COUNTS.contains(&counts)
+        {
             let remedy = "give the counts per revolution of the wheel";
-            return invalid("encoder.counts_per_rev", "is 0", remedy);
+            return invalid("encoder.counts_per_rev", &format!("is {counts}"), remedy);
         }
         Ok(())
     }
@@ -316,7 +323,9 @@ mod tests {
                 m.robot.com_to_axle_m = Some(-0.01)
             }),
             ("encoder.counts_per_rev", |m| {
-                m.encoder = Some(Encoder { counts_per_rev: 0 })
+                m.encoder = Some(Encoder {
+                    counts_per_rev: 0.0,
+                })
             }),
         ];
         for (key, change) in cases {

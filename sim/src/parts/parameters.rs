@@ -176,7 +176,7 @@ impl<S: Scalar> Sensing<S> {
             latency_s: none,
             clock_rate: none,
             encoder_scale: [S::constant(1.0); 2],
-            counts_per_rev: model.encoder.as_ref().map(|e| f64::from(e.counts_per_rev)),
+            counts_per_rev: model.encoder.as_ref().map(|e| e.counts_per_rev),
             link_delay_s: zero,
         }
     }

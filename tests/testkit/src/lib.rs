@@ -82,7 +82,7 @@ struct Rows {
 impl Rows {
     fn into_robot(self) -> Robot {
         let mut robot = Robot::named("r1");
-        robot.encoder_counts_per_rev = Some(1856);
+        robot.encoder_counts_per_rev = Some(1856.0);
         robot.noise.pose_m = Some(0.002);
         robot.noise.pose_rad = Some(0.009);
         let torque = |side: usize| self.command.iter().map(|row| row.1[side]).collect();

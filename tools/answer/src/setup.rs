@@ -66,7 +66,7 @@ impl<'a> Setup<'a> {
             told: told(robot),
             has_ros: recordings.iter().any(Recording::is_of_ros),
             has_wheels: robot.wheels.is_some(),
-            counts_per_turn: robot.counts_per_rev(Some(model)).map(f64::from),
+            counts_per_turn: robot.counts_per_rev(Some(model)),
             declared_ahead_m: ahead_m.unwrap_or(0.0),
         })
     }

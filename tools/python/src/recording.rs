@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use slipstream_bus::InputError;
+use slipstream_bus::{Encoder, InputError};
 use slipstream_recording::recording::{PosePoint, Recording as Inner, Robot, is_robot_name};
 use slipstream_recording::{Map, robot_file, robot_toml};
 
@@ -163,15 +163,12 @@ fn describe(robot: &mut Robot, key: &str, value: f64) -> Result<(), InputError> 
     let noise = &mut robot.noise;
     let field = match key {
         "encoder_counts_per_rev" => {
-            if value.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&value) {
+            if !Encoder::COUNTS.contains(&value) {
                 let place = format!("{}: {key}", robot.name);
-                return Err(InputError::new(
-                    place,
-                    "is not a whole number",
-                    "give counts per turn of the wheel",
-                ));
+                let remedy = "give counts per turn of the wheel";
+                return Err(InputError::new(place, format!("is {value}"), remedy));
             }
-            robot.encoder_counts_per_rev = Some(value as u32);
+            robot.encoder_counts_per_rev = Some(value);
             return Ok(());
         }
         "pose_m" => &mut noise.pose_m,

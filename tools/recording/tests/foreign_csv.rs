@@ -30,7 +30,7 @@ fn names_units_and_streams_are_as_the_map_says() {
     std::fs::write(folder.path().join("log.csv"), LOG).unwrap();
     let import = read_mapped(folder.path(), &map(MAP)).unwrap();
     let robot = import.recording.robot("cart").unwrap();
-    assert_eq!(robot.encoder_counts_per_rev, Some(1024));
+    assert_eq!(robot.encoder_counts_per_rev, Some(1024.0));
     let wheels = robot.wheels.as_ref().unwrap();
     let expected = [0.0, 0.05, 0.1, 0.15];
     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);

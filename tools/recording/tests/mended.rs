@@ -10,7 +10,7 @@ use slipstream_recording::{Severity, check, mended, pose_jumps};
 
 const R: f64 = 0.05;
 const B: f64 = 0.15;
-const COUNTS: u32 = 4096;
+const COUNTS: f64 = 4096.0;
 const STEP_S: f64 = 0.05;
 const ROWS: usize = 700;
 /// Everything that this file is about.
@@ -119,7 +119,7 @@ fn counters(per_turn: f64, change: impl Fn(usize, usize, i64) -> i64) -> Wheels 
 }
 
 fn plain() -> Wheels {
-    counters(f64::from(COUNTS), |_, _, count| count)
+    counters(COUNTS, |_, _, count| count)
 }
 
 /// Right and left, each less its first value.
@@ -198,7 +198,7 @@ fn a_counter_of_any_modulus_and_any_phase_runs_on() {
     for modulus in [700, 1000, 4096, 9000, 1 << 14, 1 << 15] {
         for phase in [0, 1, 377, 5000] {
             for low in [0, -modulus / 2] {
-                let wheels = counters(f64::from(COUNTS), |_, _, count| {
+                let wheels = counters(COUNTS, |_, _, count| {
                     (count + phase - low).rem_euclid(modulus) + low
                 });
                 let wrapped = drive(wheels);
@@ -220,9 +220,7 @@ fn a_counter_of_any_modulus_and_any_phase_runs_on() {
 
 #[test]
 fn a_wheel_that_is_too_fast_for_its_counter_is_said() {
-    let fast = drive(counters(f64::from(COUNTS), |_, _, count| {
-        count.rem_euclid(512)
-    }));
+    let fast = drive(counters(COUNTS, |_, _, count| count.rem_euclid(512)));
     assert_eq!(found(&fast), ["wraps_unclear"]);
     let findings = check(&fast, None).findings;
     let finding = findings
@@ -241,7 +239,7 @@ fn a_single_wrap_of_usual_bits_is_undone_on_one_wheel() {
         (32, (1_i64 << 32) - 900, 0),
     ] {
         let modulus = 1_i64 << bits;
-        let wheels = counters(f64::from(COUNTS), |side, _, count| match side {
+        let wheels = counters(COUNTS, |side, _, count| match side {
             0 => (count + start - low).rem_euclid(modulus) + low,
             _ => count,
         });
@@ -278,7 +276,7 @@ fn wrapped_angles_run_on() {
 
 #[test]
 fn a_pause_in_which_the_counter_may_wrap_more_often_is_said_and_cut_at() {
-    let wheels = counters(f64::from(COUNTS), |_, _, count| count.rem_euclid(1024));
+    let wheels = counters(COUNTS, |_, _, count| count.rem_euclid(1024));
     let mut recording = drive(wheels);
     let robot = &mut recording.robots[0];
     let (wheels, pose) = (robot.wheels.as_mut().unwrap(), robot.pose.as_mut().unwrap());
@@ -324,11 +322,11 @@ fn counters_that_restart_run_on_with_the_speed_before_and_after() {
     let right = drive(plain());
     let resets: [&[usize]; 3] = [&[300], &[150, 320, 600], &[90]];
     for (at, sides) in resets.into_iter().zip([0..2, 0..2, 1..2]) {
-        let counts = counters(f64::from(COUNTS), |_, _, count| count);
+        let counts = counters(COUNTS, |_, _, count| count);
         let Wheels::Ticks { right: r, left: l } = &counts else {
             unreachable!()
         };
-        let wheels = counters(f64::from(COUNTS), |side, row, count| {
+        let wheels = counters(COUNTS, |side, row, count| {
             let last = at.iter().copied().filter(|at| *at <= row).max();
             let start = last.filter(|_| sides.contains(&side));
             start.map_or(count, |at| count - [r, l][side][at].unwrap())
@@ -347,7 +345,7 @@ fn counters_that_restart_run_on_with_the_speed_before_and_after() {
 fn a_row_at_another_value_is_left_out() {
     for wrong in [-14_575, 0, 900_000] {
         let rows = [37, 216, 217 + 40];
-        let wheels = counters(f64::from(COUNTS), |side, row, count| {
+        let wheels = counters(COUNTS, |side, row, count| {
             if rows.contains(&row) && side == 0 {
                 wrong - 3000
             } else {
@@ -377,7 +375,7 @@ fn counts_per_row_are_summed_up() {
     let Wheels::Ticks { right: r, left: l } = plain() else {
         unreachable!()
     };
-    let wheels = counters(f64::from(COUNTS), |side, row, count| {
+    let wheels = counters(COUNTS, |side, row, count| {
         let before = row
             .checked_sub(1)
             .map_or(count, |row| [&r, &l][side][row].unwrap());
@@ -468,7 +466,7 @@ fn a_pose_that_jumps_and_stays_is_said_with_time_and_size() {
     let turn = |row: usize| if row < 333 { 0.0 } else { 1.5 };
     let mut still = 0.0;
     let ticks = |factor: f64| {
-        let angle = |row| Some((turn(row) * factor * B / R * f64::from(COUNTS) / TAU) as i64);
+        let angle = |row| Some((turn(row) * factor * B / R * COUNTS / TAU) as i64);
         (0..ROWS).map(angle).collect::<Vec<_>>()
     };
     let (right, left) = (ticks(1.0), ticks(-1.0));
@@ -489,7 +487,7 @@ fn a_pose_that_jumps_and_stays_is_said_with_time_and_size() {
 
 #[test]
 fn what_stands_still_is_said() {
-    let mut still = drive(counters(f64::from(COUNTS), |_, _, _| 7));
+    let mut still = drive(counters(COUNTS, |_, _, _| 7));
     let robot = &mut still.robots[0];
     let pose = &mut robot.pose.as_mut().unwrap().values;
     [&mut pose.x_m, &mut pose.y_m, pose.yaw_rad.as_mut().unwrap()]
@@ -506,9 +504,12 @@ fn what_stands_still_is_said() {
         .fill(0.0);
     assert_eq!(found(&still), ["nothing_moves"]);
 
-    let one = drive(counters(f64::from(COUNTS), |side, _, count| {
-        if side == 0 { 7 } else { count }
-    }));
+    let one = drive(counters(
+        COUNTS,
+        |side, _, count| {
+            if side == 0 { 7 } else { count }
+        },
+    ));
     let said = statement(&one, "wheel_never_changes");
     assert!(
         said.contains("right wheel never changes") && said.contains("by the pose"),

@@ -13,7 +13,7 @@ use slipstream_recording::run_writer::{Fate, PositionRecord, RunHeader, RunWrite
 fn the_streams_of_a_run_are_read_unchanged() {
     let path = Path::new("run.mcap");
     let mut r1 = Robot::named("r1");
-    r1.encoder_counts_per_rev = Some(1856);
+    r1.encoder_counts_per_rev = Some(1856.0);
     let header = RunHeader {
         description: Recording {
             name: "a run".to_owned(),
@@ -75,7 +75,7 @@ fn the_streams_of_a_run_are_read_unchanged() {
         recording.robot("r1").unwrap(),
         recording.robot("r2").unwrap(),
     );
-    assert_eq!(r1.encoder_counts_per_rev, Some(1856));
+    assert_eq!(r1.encoder_counts_per_rev, Some(1856.0));
     let command = r1.command.as_ref().unwrap();
     assert_eq!(command.t_s[9], 0.180_000_009);
     let Command::Torque { right_nm, left_nm } = &command.values else {

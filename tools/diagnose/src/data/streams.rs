@@ -33,7 +33,7 @@ pub(super) fn wheels(robot: &Robot, model: &RobotModel) -> Option<Wheels> {
     let pairs = |right: &[f64], left: &[f64]| both(&stream.t_s, right, left);
     Some(match &stream.values {
         Recorded::Ticks { right, left } => {
-            let tick = TAU / f64::from(robot.counts_per_rev(Some(model))?);
+            let tick = TAU / robot.counts_per_rev(Some(model))?;
             let angles = |counts: &[Option<i64>]| -> Vec<f64> {
                 let angle = |count: &Option<i64>| count.map_or(f64::NAN, |n| n as f64 * tick);
                 counts.iter().map(angle).collect()
@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn a_row_without_one_of_both_counts_is_left_out() {
         let mut robot = Robot::named("r1");
-        robot.encoder_counts_per_rev = Some(100);
+        robot.encoder_counts_per_rev = Some(100.0);
         robot.wheels = Some(Stream {
             t_s: vec![0.0, 0.1, 0.2],
             values: Recorded::Ticks {

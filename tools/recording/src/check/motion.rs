@@ -376,12 +376,12 @@ impl Yaws {
 
 fn add_wheels<const N: usize>(
     wheels: &Rows<'_>,
-    counts_per_rev: Option<u32>,
+    counts_per_rev: Option<f64>,
     faults: Option<&WheelFaults>,
     grids: &[Grid; N],
     windows: &mut [Windows; N],
 ) {
-    let rad_per_count = counts_per_rev.map(|counts| TAU / f64::from(counts));
+    let rad_per_count = counts_per_rev.map(|counts| TAU / counts);
     let Some(faults) = faults else {
         let pairs = means(wheels, ["speed_right_rad_s", "speed_left_rad_s"], grids);
         for (windows, [right, left]) in windows.iter_mut().zip(pairs) {

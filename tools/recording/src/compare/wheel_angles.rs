@@ -15,7 +15,7 @@ pub(super) fn wheel_angles(robot: &Robot, model: &RobotModel) -> Option<[Vec<f64
             left_rad,
         } => Some([right_rad.clone(), left_rad.clone()]),
         Wheels::Ticks { right, left } => {
-            let rad_per_count = TAU / f64::from(robot.counts_per_rev(Some(model))?);
+            let rad_per_count = TAU / robot.counts_per_rev(Some(model))?;
             let angle = |count: &Option<i64>| count.map_or(f64::NAN, |c| c as f64 * rad_per_count);
             Some([right, left].map(|counts| counts.iter().map(angle).collect()))
         }

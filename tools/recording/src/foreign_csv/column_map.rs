@@ -43,7 +43,7 @@ pub struct ColumnMap {
 pub(super) struct RobotEntry {
     name: String,
     is_pose_of_mass: bool,
-    encoder_counts_per_rev: Option<u32>,
+    encoder_counts_per_rev: Option<f64>,
 }
 
 /// A stream and the file that holds it.

@@ -72,7 +72,7 @@ impl<'a> StreamWriter<'a> {
                 let topic = robot_topic(&robot.name, "joint_states");
                 let view = metadata.to_view_map();
                 let channel = bag.channel(&topic, MessageType::JointState, &view)?;
-                Some((channel, TAU / f64::from(counts)))
+                Some((channel, TAU / counts))
             }
             None => None,
         };

@@ -55,16 +55,12 @@ pub(crate) struct WheelFaults {
 }
 
 /// Looks both columns over. `None` if the stream holds speeds.
-pub(crate) fn wheels(rows: &Rows<'_>, counts_per_rev: Option<u32>) -> Option<WheelFaults> {
+pub(crate) fn wheels(rows: &Rows<'_>, counts_per_rev: Option<f64>) -> Option<WheelFaults> {
     let ticks = ["ticks_right", "ticks_left"];
     let angles = ["angle_right_rad", "angle_left_rad"];
     let counts = rows.has(ticks[0]);
     let names = if counts { ticks } else { angles };
-    let turn = if counts {
-        counts_per_rev.map(f64::from)
-    } else {
-        Some(TAU)
-    };
+    let turn = if counts { counts_per_rev } else { Some(TAU) };
     names
         .iter()
         .all(|name| rows.has(name))

@@ -10,7 +10,7 @@ pub struct Robot {
     /// Name of the robot and of its folder (see [`is_robot_name`]).
     pub name: String,
     /// Encoder counts per wheel revolution, for wheels recorded as ticks. Overrides the model's value.
-    pub encoder_counts_per_rev: Option<u32>,
+    pub encoder_counts_per_rev: Option<f64>,
     /// The point whose pose is recorded. `None` means the centre of mass.
     pub pose_point: Option<PosePoint>,
     /// The quantity that the accelerometer measures. `None` means specific force.
@@ -80,7 +80,7 @@ impl Robot {
     }
 
     /// Encoder counts per turn of a wheel: those of the recording, else those of the model.
-    pub fn counts_per_rev(&self, model: Option<&RobotModel>) -> Option<u32> {
+    pub fn counts_per_rev(&self, model: Option<&RobotModel>) -> Option<f64> {
         self.encoder_counts_per_rev
             .or_else(|| Some(model?.encoder.as_ref()?.counts_per_rev))
     }

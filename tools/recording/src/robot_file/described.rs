@@ -177,11 +177,10 @@ impl Described {
 
     /// Encoder counts per turn of a wheel.
     fn take_counts(&mut self, counts_per_rev: f64, from: &str) {
-        if counts_per_rev.fract() == 0.0 && (1.0..=f64::from(u32::MAX)).contains(&counts_per_rev) {
-            let counts_per_rev = counts_per_rev as u32;
+        if Encoder::COUNTS.contains(&counts_per_rev) {
             self.draft.encoder = Some(Encoder { counts_per_rev });
-            let taken = Taken::new("encoder.counts_per_rev", counts_per_rev.into(), from);
-            self.taken.push(taken);
+            self.taken
+                .push(Taken::new("encoder.counts_per_rev", counts_per_rev, from));
         }
     }
 

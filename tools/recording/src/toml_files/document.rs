@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slipstream_bus::InputError;
+use slipstream_bus::{Encoder, InputError};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -259,13 +259,14 @@ impl<'a> Entry<'a> {
     /// The value as encoder counts per revolution.
     ///
     /// # Errors
-    /// If it is not a whole number above 0.
-    pub(crate) fn counts_per_rev(&self) -> Result<u32, InputError> {
-        match u32::try_from(self.integer()?) {
-            Ok(counts) if counts > 0 => Ok(counts),
-            _ => Err(self.error(
+    /// If it is no number from 1 on.
+    pub(crate) fn counts_per_rev(&self) -> Result<f64, InputError> {
+        let counts = self.number()?;
+        match Encoder::COUNTS.contains(&counts) {
+            true => Ok(counts),
+            false => Err(self.error(
                 "is not a valid number of counts",
-                "give the counts per wheel revolution, a whole number above 0",
+                "give the counts per wheel revolution, a number from 1 on",
             )),
         }
     }
@@ -334,5 +335,12 @@ impl<'a> Entry<'a> {
             "a"
         };
         self.error(format!("is {article} {found}"), format!("give {expected}"))
+    }
+}
+/// Counts per revolution as a value of TOML: without a point where there is no fraction.
+pub(crate) fn counts_value(counts_per_rev: f64) -> toml::Value {
+    match counts_per_rev.fract() == 0.0 {
+        true => toml::Value::Integer(counts_per_rev as i64),
+        false => toml::Value::Float(counts_per_rev),
     }
 }

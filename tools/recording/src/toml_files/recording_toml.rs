@@ -5,7 +5,7 @@ use std::path::Path;
 use slipstream_bus::InputError;
 use toml::{Table, Value};
 
-use super::document::{Entry, Section, TomlFile};
+use super::document::{Entry, Section, TomlFile, counts_value};
 use crate::field::{Field, names};
 use crate::recording::{ImuKind, Noise, PosePoint, Recording, Robot, is_robot_name};
 
@@ -34,7 +34,7 @@ pub const ROBOT: [Field; 4] = [
     Field::new(
         "encoder_counts_per_rev",
         "counts",
-        "Counts in one revolution of the wheel, where wheels.csv holds ticks. Wins over robot.toml, with a warning.",
+        "Counts in one revolution of the wheel; gears make it a fraction, where wheels.csv holds ticks. Wins over robot.toml, with a warning.",
     ),
     Field::new(
         "pose_point",
@@ -237,7 +237,7 @@ pub fn to_text(recording: &Recording) -> String {
 fn robot_table(robot: &Robot) -> Table {
     let mut table = Table::new();
     if let Some(counts) = robot.encoder_counts_per_rev {
-        table.insert("encoder_counts_per_rev".into(), i64::from(counts).into());
+        table.insert("encoder_counts_per_rev".into(), counts_value(counts));
     }
     if let Some(point) = robot.pose_point {
         let word = match point {
@@ -280,7 +280,7 @@ mod tests {
     use super::*;
 
     const TEXT: &str = "format = 1\nname = \"n\"\norigin = \"o\"\nsame_robot = true\nweather = \"rain\"\n\
-        [robots.b]\nencoder_counts_per_rev = 1856\npose_point = \"axle\"\nimu = \"acceleration\"\n\
+        [robots.b]\nencoder_counts_per_rev = 238.76\npose_point = \"axle\"\nimu = \"acceleration\"\n\
         mass_kg = 4.5\n[robots.b.noise]\npose_m = 0.002\n[robots.a]\n[network]\nn = 1\n";
 
     #[test]

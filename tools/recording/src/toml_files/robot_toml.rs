@@ -27,7 +27,7 @@ use slipstream_bus::{Body, EffectSpec, Encoder, InputError, Motor, Parameter, Ro
 use slipstream_sim::Robot;
 use toml::de::DeValue;
 
-use super::document::{Entry, Section, TomlFile, read_text};
+use super::document::{Entry, Section, TomlFile, counts_value, read_text};
 use crate::error::Result;
 use crate::field::{Field, names};
 use crate::output::write_file;
@@ -85,7 +85,7 @@ pub const MOTOR: [Field; 3] = [
 pub const ENCODER: [Field; 1] = [Field::new(
     "counts_per_rev",
     "counts",
-    "Counts in one revolution of the wheel.",
+    "Counts in one revolution of the wheel; gears make it a fraction.",
 )];
 
 const TOP_KEYS: [&str; 5] = names(&FILE);
@@ -226,7 +226,7 @@ pub fn to_text(model: &RobotModel) -> String {
         write_line(
             &mut text,
             "counts_per_rev",
-            &encoder.counts_per_rev.to_string(),
+            &counts_value(encoder.counts_per_rev).to_string(),
         );
     }
     if !model.effects.is_empty() {
@@ -299,7 +299,7 @@ pub(crate) fn numbers(model: &RobotModel) -> Vec<(String, f64)> {
         numbers.extend(values.map(|(value, key)| (format!("motor.{key}"), value)));
     }
     if let Some(encoder) = &model.encoder {
-        let counts = f64::from(encoder.counts_per_rev);
+        let counts = encoder.counts_per_rev;
         numbers.push(("encoder.counts_per_rev".to_owned(), counts));
     }
     for effect in &model.effects {

@@ -157,7 +157,7 @@ impl Scene {
     /// Encoder counts per turn of a wheel; 1856 where the nominal model has none.
     pub(crate) fn counts_per_rev(&self) -> f64 {
         let encoder = self.nominal.encoder.as_ref();
-        f64::from(encoder.map_or(1856, |encoder| encoder.counts_per_rev))
+        encoder.map_or(1856.0, |encoder| encoder.counts_per_rev)
     }
 
     /// The true parameters of robot `i`.

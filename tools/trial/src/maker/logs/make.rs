@@ -69,9 +69,9 @@ fn model(log: &Log) -> RobotModel {
 }
 
 /// Counts per turn, where the log has counters.
-fn counts_per_rev(log: &Log) -> Option<u32> {
+fn counts_per_rev(log: &Log) -> Option<f64> {
     let are_ticks = log.streams.wheels == Some(WheelKind::Ticks);
-    are_ticks.then(|| log.streams.counts.round() as u32)
+    are_ticks.then(|| log.streams.counts.round())
 }
 
 /// One run: driven, measured, and logged.

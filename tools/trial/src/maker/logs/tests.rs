@@ -146,7 +146,7 @@ fn angles(robot: &Robot) -> Vec<[f64; 2]> {
     let Some(Wheels::Ticks { right, left }) = robot.wheels.as_ref().map(|rows| &rows.values) else {
         panic!("no counters");
     };
-    let step = std::f64::consts::TAU / f64::from(robot.encoder_counts_per_rev.unwrap());
+    let step = std::f64::consts::TAU / robot.encoder_counts_per_rev.unwrap();
     let angle = |count: &Option<i64>| count.unwrap() as f64 * step;
     right
         .iter()
