@@ -11,13 +11,15 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 from . import _slipstream
 from .answers import Diagnosis, Run, Study, Trace
 from .controller import Made
-from .recording import Recording, Robot, model_text
+from .recording import Recording, Robot, model_text, paths
 
 if TYPE_CHECKING:
     import pandas
 
 Source = Union[str, "PathLike[str]", Recording]
 """A recording, or where it is."""
+
+_Paths = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
 
 
 def diagnose(
@@ -34,8 +36,8 @@ def diagnose(
     """Finds what a robot model lacks, from a recording.
 
     `recording` is a path, a `Recording`, or several of them: runs of the same robots. `robot` is the nominal model: the path
-    of a robot.toml, a URDF or the YAML of a diff_drive_controller, a mapping with the tables of a robot.toml, or a mapping of such
-    by the names of the robots; without it, the model of the recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
+    of a robot.toml, a URDF or the YAML of a controller, a list of such paths, of which each fills what the others lack, a mapping
+    with the tables of a robot.toml, or a mapping of such by the names of the robots; without it, the model of the recording is taken. `against` is one recording of the same robots from before, or several: what changed since is found,
     and not what the model lacks. `without` takes effects out of the catalogue; `exclude_time` ignores what was measured between two
     times (s). `topics` is the path of a map of a bag's topics, `columns` of a map of the columns of CSV files. With `report`, the evidence of the page is computed as well.
 
@@ -86,7 +88,7 @@ def run(
     experiment: Optional[str] = None,
     *,
     robots: Optional[int] = None,
-    robot: Optional[Union[str, "PathLike[str]", Mapping[str, "Union[str, PathLike[str]]"]]] = None,
+    robot: Optional[Union[_Paths, Mapping[str, _Paths]]] = None,
     set: Optional[Mapping[str, Any]] = None,
     seed: Optional[int] = None,
     out: Optional[Union[str, "PathLike[str]"]] = None,
@@ -95,16 +97,17 @@ def run(
     """Runs an experiment on the virtual clock, in this process: a built-in one ("platoon" without a name) or a TOML file.
 
     `set` gives keys of the experiment, such as `{"links.delay_s": 0.1}`. `robot` is the path of a robot.toml, a URDF or
-    the YAML of a diff_drive_controller, or such paths by the names of the robots. The recording is written to `out`; without it, it is only in memory, as `data`.
+    the YAML of a controller, a list of such paths, or such by the names of the robots. The recording is written to `out`;
+    without it, it is only in memory, as `data`.
 
     `controllers` has controllers of your own by the names of the robots, and under "*" a class or function that makes one for every
     other robot. An exception in one of them ends the run: `Failed` tells the robot and the time of the run, and has the exception as its cause.
     """
     models: List[Tuple[Optional[str], str]] = []
     if isinstance(robot, Mapping):
-        models = [(name, fspath(own)) for name, own in robot.items()]
+        models = [(name, file) for name, own in robot.items() for file in paths(own)]
     elif robot is not None:
-        models = [(None, fspath(robot))]
+        models = [(None, file) for file in paths(robot)]
     keys = [(key, _key(value)) for key, value in (set or {}).items()]
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "run.mcap" if out is None else Path(fspath(out))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -12,9 +12,9 @@ from . import _slipstream
 if TYPE_CHECKING:
     import pandas
 
-Robot = Union[str, "PathLike[str]", Mapping[str, Any]]
-"""A robot model: the path of a robot.toml, a URDF or the YAML of a diff_drive_controller, or a mapping with the tables and
-keys of a robot.toml."""
+Robot = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]], Mapping[str, Any]]
+"""A robot model: the path of a robot.toml, a URDF or the YAML of a controller, a list of such paths, of which each fills what the
+others lack, or a mapping with the tables and keys of a robot.toml."""
 
 _STREAMS = ("command", "wheels", "odometry", "pose", "imu", "motor")
 
@@ -142,7 +142,13 @@ def model_text(robot: Robot) -> str:
         return _toml({"format": 1, **robot})
     if isinstance(robot, str) and "\n" in robot:
         return robot
-    return _slipstream.model_text(fspath(robot))
+    return _slipstream.model_text(paths(robot))
+
+
+def paths(robot: Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]) -> List[str]:
+    """One path or several, as a list."""
+    several = [robot] if isinstance(robot, (str, PathLike)) else robot
+    return [fspath(own) for own in several]
 
 
 def _toml(table: Mapping[str, Any]) -> str:

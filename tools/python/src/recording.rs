@@ -103,11 +103,12 @@ impl Recording {
     }
 }
 
-/// The model that a file describes, as the text of a robot.toml. The file is a robot.toml, a URDF or the YAML of a
-/// diff_drive_controller.
+/// The model that files describe together, as the text of a robot.toml. A file is a robot.toml, a URDF or the YAML of a
+/// controller.
 #[pyfunction]
-pub(crate) fn model_text(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    let model = py.detach(|| robot_file::read_model(&path));
+pub(crate) fn model_text(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<String> {
+    let paths: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
+    let model = py.detach(|| Ok(slipstream_recording::describe_robot(&paths)?.model()?));
     let model = model.map_err(|error| of_recording(py, error))?;
     Ok(robot_toml::to_text(&model))
 }

@@ -40,6 +40,19 @@ def test_any_description_of_a_robot(tmp_path):
     yaml.write_text("c:\n  ros__parameters:\n    wheel_separation: 0.5\n    wheel_radius: 0.125\n")
     of = [slipstream.Recording.from_arrays({"r1": driven()}, robot=own).model for own in (wheels, yaml, str(yaml))]
     assert of[0] == of[1] == of[2]
+    multipliers = tmp_path / "multipliers.yaml"
+    multipliers.write_text("c:\n  left_wheel: l\n  right_wheel: r\n  wheel_separation_multiplier: 2.0\n")
+    urdf = tmp_path / "two.urdf"
+    round = "<collision><geometry><sphere radius='0.125'/></geometry></collision>"
+    links = "".join(f"<link name='{side}'>{round}</link>" for side in "lr")
+    joints = "".join(
+        f"<joint name='{side}' type='continuous'><parent link='base_link'/><child link='{side}'/>"
+        f"<origin xyz='0 {y} 0'/><axis xyz='0 1 0'/></joint>"
+        for side, y in (("l", 0.125), ("r", -0.125))
+    )
+    urdf.write_text(f"<robot><link name='base_link'/>{links}{joints}</robot>")
+    together = slipstream.Recording.from_arrays({"r1": driven()}, robot=[urdf, str(multipliers)]).model
+    assert together == of[0]
     urdf = tmp_path / "robot.urdf"
     urdf.write_text("<robot>\n<link/></robot>")
     with pytest.raises(slipstream.InputError, match="robot.urdf:2: <link> has no name; add"):
