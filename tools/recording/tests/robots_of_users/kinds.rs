@@ -59,6 +59,7 @@ const PAIR: &str = "r = 0.05 m, b = 0.15 m, right: right_wheel, left: left_wheel
 fn wheels() -> Vec<Kind> {
     let round = cylinder(0.05, 0.0);
     let small = cylinder(0.02, 0.0);
+    let sideways = round.replace("1.5708 0 0", "0 1.5708 0");
     let turned = |side: &str, name: &str| {
         // The frame of each wheel is turned so that its z points outward.
         let rpy = if side == "-" {
@@ -135,6 +136,29 @@ fn wheels() -> Vec<Kind> {
             ],
             PAIR,
             &["beside their joints"],
+        ),
+        urdf(
+            "a base that looks along y",
+            &[
+                link("left_wheel_link", &sideways),
+                joint(
+                    "left_wheel",
+                    "continuous",
+                    ["base_link", "left_wheel_link"],
+                    "xyz=\"-0.15 0 0\"",
+                    "1 0 0",
+                ),
+                link("right_wheel_link", &sideways),
+                joint(
+                    "right_wheel",
+                    "continuous",
+                    ["base_link", "right_wheel_link"],
+                    "xyz=\"0.15 0 0\"",
+                    "1 0 0",
+                ),
+            ],
+            PAIR,
+            &["its y counts as forward"],
         ),
         urdf(
             "hubs with tyres fixed to them",

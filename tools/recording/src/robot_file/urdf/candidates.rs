@@ -119,6 +119,25 @@ pub(super) fn find<'a>(
     Ok(found)
 }
 
+/// Whether the wheels turn about x of the base, on both sides of its y: then the base looks along y.
+pub(super) fn look_along_y(parts: &Parts<'_>, frames: &Frames) -> bool {
+    let mut sides = [0.0_f64; 2];
+    for joint in parts.joints.iter().filter(|joint| joint.is_endless) {
+        let Some(frame) = frames.get(joint.child) else {
+            continue;
+        };
+        let axle = frame.rotation * joint.axis;
+        if axle.y.abs() > LATERAL {
+            return false;
+        }
+        if axle.x.abs() > LATERAL && is_called(parts, joint, &WHEELS) {
+            let x_m = frame.offset.x;
+            sides = [sides[0].min(x_m), sides[1].max(x_m)];
+        }
+    }
+    sides[0] < 0.0 && sides[1] > 0.0
+}
+
 /// Wheels and tracks of a file in which nothing turns: links of such names that are fixed on a side of the base.
 ///
 /// # Errors

@@ -1,5 +1,7 @@
 //! The frames of all links in that of the base, with x forward and y to the left.
 
+use nalgebra::{Matrix3, Vector3};
+
 use super::parts::Parts;
 use super::transform::Transform;
 
@@ -35,6 +37,22 @@ impl Frames {
             }
         }
         Some(Self { base, frames })
+    }
+
+    /// The same frames in a base whose x points along y of this one.
+    pub(super) fn along_y(&self) -> Self {
+        let turn = Transform {
+            rotation: Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+            offset: Vector3::zeros(),
+        };
+        let turned = self
+            .frames
+            .iter()
+            .map(|frame| frame.map(|own| turn.then(&own)));
+        Self {
+            base: self.base,
+            frames: turned.collect(),
+        }
     }
 
     /// The frame of a link.

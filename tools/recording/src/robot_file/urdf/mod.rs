@@ -43,13 +43,20 @@ pub(super) fn describe(
         return Err(root.error(problem, "give the URDF of a robot"));
     }
     let parts = Parts::read(root)?;
-    let frames = Frames::of(&parts)
+    let mut frames = Frames::of(&parts)
         .ok_or_else(|| root.error("has no <link>", "give the URDF of a robot"))?;
     let mut described = Described::new(Kind::Urdf, path);
     let base = parts.name(frames.base);
     if base != "base_link" {
         described.note(format!(
             "No link is called base_link: x of {base} counts as forward, y as left"
+        ));
+    }
+    if candidates::look_along_y(&parts, &frames) {
+        frames = frames.along_y();
+        described.note(format!(
+            "The wheels turn about x of {base}: its y counts as forward, its x as right. Poses of {base} are those of a frame that \
+             is turned by a quarter"
         ));
     }
     let plugins = plugins::drives(root, &parts)?;
