@@ -34,17 +34,19 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let robot = arguments.robot.as_deref();
+    let given = robot.map(read_model).transpose()?;
+    let (model, wheels) = given.unzip();
+    let wheels = wheels.as_ref().map(std::slice::from_ref);
     let to_write = arguments.write_topics.as_ref();
     if let Some(file) = to_write.or(arguments.write_columns.as_ref()) {
-        let map = slipstream_recording::draft_map(&arguments.recording)?;
+        let map =
+            slipstream_recording::draft_map(&arguments.recording, wheels.unwrap_or_default())?;
         crate::output_file::write(file, &map)?;
         print_line!("{}", file.display());
         return Ok(Exit::Done);
     }
-    let spooled = arguments
-        .reading
-        .spool_for(&arguments.recording, arguments.robot.is_some())?;
-    let model = arguments.robot.as_deref().map(read_model).transpose()?;
+    let spooled = arguments.reading.spool_for(&arguments.recording, wheels)?;
     let report = spooled.check(model.as_ref())?;
     print::out(format_args!("{report}"));
     if let Some(path) = &arguments.json {

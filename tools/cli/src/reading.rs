@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use slipstream_recording::{Import, Map, Spooled};
+use slipstream_recording::{Import, Map, Spooled, WheelJoints};
 
 use crate::exit::Error;
 use crate::print::note_line;
@@ -21,15 +21,20 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// Reads a recording whose rows stay on disk; what is odd about it is said, and what about its model, unless another
-    /// is given.
-    pub(crate) fn spool_for(&self, path: &Path, model_is_given: bool) -> Result<Spooled, Error> {
+    /// Reads a recording whose rows stay on disk; what was guessed and what is odd is said, and what about its model, unless
+    /// others are given: then `wheels` are the joints that they name, which help the guess of a bag's topics.
+    pub(crate) fn spool_for(
+        &self,
+        path: &Path,
+        wheels: Option<&[WheelJoints]>,
+    ) -> Result<Spooled, Error> {
         let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
-        let spooled = slipstream_recording::read_spooled(path, &map)?;
-        for warning in &spooled.warnings {
-            note_line!("{warning}");
+        let known = wheels.unwrap_or_default();
+        let spooled = slipstream_recording::read_spooled(path, &map, known)?;
+        for note in spooled.guesses.iter().chain(&spooled.warnings) {
+            note_line!("{note}");
         }
-        if !model_is_given {
+        if wheels.is_none() {
             for note in &spooled.on_model {
                 note_line!("{note}");
             }
@@ -39,7 +44,7 @@ impl Reading {
 
     /// As [`Self::spool_for`], without another model.
     pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
-        self.spool_for(path, false)
+        self.spool_for(path, None)
     }
 
     /// Reads a recording into memory; what is odd about it is said.

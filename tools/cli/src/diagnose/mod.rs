@@ -78,17 +78,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
+    let models = Models::read(&arguments.robot)?;
+    let wheels = models.wheel_joints();
     let read_all = |paths: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        let is_given = !arguments.robot.is_empty();
+        let given = (!arguments.robot.is_empty()).then_some(wheels.as_slice());
         let read = |path: &PathBuf| {
-            let spooled = arguments.reading.spool_for(path, is_given)?;
+            let spooled = arguments.reading.spool_for(path, given)?;
             Ok(spooled.load()?.recording)
         };
         paths.iter().map(read).collect()
     };
     let recordings = read_all(&arguments.recording)?;
     let against = read_all(&arguments.against)?;
-    let models = Models::read(&arguments.robot)?;
     let line = progress::line();
     let request = Request {
         recordings: &recordings,

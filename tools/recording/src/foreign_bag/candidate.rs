@@ -1,7 +1,8 @@
 //! What a guess may choose: a stream that a topic may hold, of which robot.
 
-use super::topic_map::Source;
+use super::source::Source;
 use crate::recording::is_robot_name;
+use crate::sides::{side_of, words_of};
 
 /// First parts of a topic that name a sensor or driver, not a robot.
 const NOT_ROBOTS: [&str; 13] = [
@@ -53,12 +54,23 @@ pub(super) fn has_word(name: &str, word: &str) -> bool {
     words.any(|own| own == word || (word.len() > 3 && own.starts_with(word)))
 }
 
+/// Whether a part of a topic names a wheel or its sensor, as in `/encoder/left`.
+fn is_of_wheel(part: &str) -> bool {
+    let is_it = |word: &String| {
+        let words = ["wheel", "encoder", "tick", "motor"];
+        words.iter().any(|known| word.contains(known))
+    };
+    side_of(part).is_some() || words_of(part).iter().any(is_it)
+}
+
 /// The robot of a topic: the first of several parts, such as `r1` in `/r1/odom`, unless it names a
-/// sensor.
+/// sensor or a wheel.
 pub(super) fn robot_of_topic(topic: &str) -> String {
     let mut parts = topic.split('/').filter(|part| !part.is_empty());
     match (parts.next(), parts.next()) {
-        (Some(robot), Some(_)) if !NOT_ROBOTS.contains(&robot) && is_robot_name(robot) => {
+        (Some(robot), Some(_))
+            if !NOT_ROBOTS.contains(&robot) && !is_of_wheel(robot) && is_robot_name(robot) =>
+        {
             robot.to_owned()
         }
         _ => "robot".to_owned(),
