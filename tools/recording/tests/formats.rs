@@ -185,8 +185,12 @@ fn a_wrong_map_is_refused_in_words() {
         ),
         (format!("wheels = {{ {joints} = [] }}"), "names no joint"),
         (
-            format!("wheels = {{ {joints} = \"a\", quantity = \"ticks\" }}"),
+            format!("wheels = {{ {joints} = \"a\", quantity = \"turns\" }}"),
             "is not a quantity",
+        ),
+        (
+            format!("wheels = {{ {joints} = \"a\", quantity = \"ticks\" }}"),
+            "which cannot provide wheels",
         ),
         (
             "wheels = \"/base/joint_states\"".to_owned(),

@@ -84,7 +84,7 @@ impl Apart {
     }
 
     /// Puts the rows into a stream: at the times of the wheel whose messages have stamps, or else of the right one. Returns how
-    /// many were left out because the other wheel has no value near.
+    /// many were left out because they lie in gaps of the other.
     pub(super) fn finish(self, stream: &mut StreamBuilder) -> u64 {
         let leads_left = !self.wheels[0].is_stamped && self.wheels[1].is_stamped;
         let quantity = self.quantity;
@@ -102,8 +102,11 @@ impl Apart {
         let mut left_out = 0;
         let mut last: Option<[f64; 2]> = None;
         while let Some((t_s, own)) = lead.next() {
-            let around = other.around(t_s);
-            let Some(beside) = around.and_then(|around| between(&around, quantity, is_turn)) else {
+            // Before the first and after the last value of the other, there is no row.
+            let Some(around) = other.around(t_s) else {
+                continue;
+            };
+            let Some(beside) = between(&around, quantity, is_turn) else {
                 left_out += 1;
                 continue;
             };

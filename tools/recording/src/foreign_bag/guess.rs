@@ -105,16 +105,21 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
             StreamKind::Imu
         }
         "EncoderTicks" => {
-            rank = 7;
+            rank = 9;
             StreamKind::Wheels
         }
         "WheelVoltage" => StreamKind::Command,
         "MotorState" => StreamKind::Motor,
         "JointState" => {
             let wheels = wheels?;
-            rank = if wheels.are_named { 6 } else { 5 };
             selector = wheels.selector;
             let (kind, list) = list_of(topic, &selector, is_command)?;
+            rank = match () {
+                // Some publishers fill in zeros for what nothing measures.
+                () if !turn(topic, &selector) => 0,
+                () if wheels.are_named => 8,
+                () => 7,
+            };
             quantity = Some(list);
             kind
         }
@@ -133,6 +138,13 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
         rank,
         messages: topic.messages,
     })
+}
+
+/// Whether a wheel turns.
+fn turn(topic: &Topic, selector: &MessageSelector) -> bool {
+    let mut joints = selector.joints.iter().flatten();
+    let turns = |joint: &Joint| joint.angle.vary || joint.speed.vary || joint.torque.vary;
+    joints.any(|name| topic.joints.get(name).is_some_and(turns))
 }
 
 /// Which list of a joint state to read, and what it is: commands, or wheels.

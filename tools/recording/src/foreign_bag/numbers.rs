@@ -32,8 +32,8 @@ pub(super) fn may_have_numbers(channel: &ChannelInfo) -> bool {
     !WITH_MEANING.contains(&package) && !Sample::can_be_of(channel)
 }
 
-/// The layout of a channel whose messages have numbers that may be those of wheels. Messages with lists of bytes, such as images,
-/// are none of them.
+/// The layout of a channel whose messages have numbers that may be those of wheels. Raw data, such as images, are
+/// none of them.
 pub(super) fn layout_of_wheels(channel: &ChannelInfo) -> Option<Layout> {
     if !may_have_numbers(channel) {
         return None;

@@ -93,7 +93,8 @@ fn quantity(right: &Sided<'_>, left: &Sided<'_>) -> Option<(Quantity, u32)> {
         Meaning::Ticks if all(|own| own.are_whole) => Some((Quantity::Ticks, 4)),
         // An integer that counts on, as of `/lwheel`.
         Meaning::Wheel | Meaning::Angle if are_counts => Some((Quantity::Ticks, 4)),
-        Meaning::Angle if any(|own| !own.are_whole) => Some((Quantity::Angle, 4)),
+        // Unlike ticks, angles need no count of a turn.
+        Meaning::Angle if any(|own| !own.are_whole) => Some((Quantity::Angle, 5)),
         Meaning::Speed if any(|own| !own.are_whole) => Some((Quantity::Speed, 3)),
         _ => None,
     }

@@ -114,7 +114,7 @@ fn finish(way: Way, stream: &mut StreamBuilder) -> Option<String> {
             (left_out > 0).then(|| {
                 let (robot, kind) = (&stream.robot, stream.kind.name());
                 format!(
-                    "{robot}/{kind}: {left_out} values of one wheel are left out: the other has none within {MOST_GAP_S} s"
+                    "{robot}/{kind}: left out where the other wheel has no values for more than {MOST_GAP_S} s: {left_out} values"
                 )
             })
         }

@@ -1,7 +1,7 @@
 //! What a guess did not use although it might be a source.
 
 use super::joints;
-use super::meaning::{Meaning, meaning};
+use super::meaning::Meaning;
 use super::numbers::may_have_numbers;
 use super::pairs::meaning_of;
 use super::source::Source;
@@ -18,50 +18,70 @@ const MOST: usize = 30;
 /// it chose.
 pub(super) fn notes(topics: &[Topic], possible: &[Source], used: &[Source]) -> Vec<String> {
     let mut notes = Vec::new();
-    let mut unused = Vec::new();
+    let mut unused: Vec<String> = possible
+        .iter()
+        .filter(|own| !used.contains(own))
+        .map(|own| of_source(own, topics, used))
+        .collect();
     let has_wheels = used.iter().any(|own| own.kind == StreamKind::Wheels);
-    for topic in topics {
+    let is_possible = |topic: &&Topic| {
         let name = topic.channel.topic.as_str();
-        let is_used = used.iter().any(|own| own.topics().contains(&name));
-        let without_sides = match is_used || has_wheels || is_possible(name, possible) {
-            true => None,
-            false => joints::without_sides(topic),
-        };
-        if let Some(note) = without_sides {
-            notes.push(note);
-        } else if is_used {
-            unused.extend(beside(topic, possible, used));
-        } else if let Some(kind) = may_be(topic, possible) {
-            unused.push(describe(topic, kind, used));
+        possible.iter().any(|own| own.topics().contains(&name))
+    };
+    notes.extend(undefined(topics));
+    for topic in topics.iter().filter(|topic| !is_possible(topic)) {
+        match joints::without_sides(topic).filter(|_| !has_wheels) {
+            Some(note) => notes.push(note),
+            None => unused.extend(of_topic(topic, used)),
         }
     }
-    if !unused.is_empty() {
-        let more = unused.len().saturating_sub(MOST);
-        unused.truncate(MOST);
-        if more > 0 {
-            unused.push(format!("{more} more"));
-        }
+    unused.sort();
+    if let Some(listed) = list(unused) {
         notes.push(format!(
-            "not used, though each might be a source: {}; map them with --topics",
-            unused.join(", ")
+            "not used, though each might be a source: {listed}; map them with --topics"
         ));
     }
     notes
 }
 
-fn is_possible(topic: &str, possible: &[Source]) -> bool {
-    possible.iter().any(|own| own.topics().contains(&topic))
+/// A source that was not chosen.
+fn of_source(source: &Source, topics: &[Topic], used: &[Source]) -> String {
+    let mut same = topics.iter();
+    let topic = same.find(|topic| topic.channel.topic == source.topic);
+    let selector = &source.selector;
+    let wheels = || {
+        let names = selector.joints.iter().flatten();
+        names.map(String::as_str).collect::<Vec<_>>().join(" and ")
+    };
+    let what = match topic {
+        Some(topic) if topic.has_transforms() => match (&selector.parent, &selector.frame) {
+            (Some(parent), Some(frame)) => format!("{parent} to {frame}"),
+            _ => format!("the wheels {}", wheels()),
+        },
+        Some(topic) if !topic.numbers.is_empty() && source.apart.is_none() => wheels(),
+        Some(topic) => format!("{}, {} messages", topic.type_name(), topic.messages),
+        None => source.kind.name().to_owned(),
+    };
+    let name = source.topics().join(" and ");
+    format!("{name} ({what}{})", instead(source.kind, used))
 }
 
-/// The stream that a topic might have; `None` in it if it is not sure which. `None` for what is no source.
-fn may_be(topic: &Topic, possible: &[Source]) -> Option<Option<StreamKind>> {
-    let name = topic.channel.topic.as_str();
-    let of_topic = possible.iter().find(|own| own.topics().contains(&name));
-    if let Some(source) = of_topic {
-        return Some(Some(source.kind));
-    }
-    let is_told = TOLD.iter().any(|word| name.to_lowercase().contains(word));
-    let kind = match topic.type_name() {
+/// A topic that might have a stream, though no guess is sure which; `None` for what is no source.
+fn of_topic(topic: &Topic, used: &[Source]) -> Option<String> {
+    let kind = match by_type(topic) {
+        Some(kind) => Some(kind),
+        None => by_numbers(topic)?,
+    };
+    let (name, of, messages) = (&topic.channel.topic, topic.type_name(), topic.messages);
+    let instead = kind.map_or_else(String::new, |kind| instead(kind, used));
+    Some(format!("{name} ({of}, {messages} messages{instead})"))
+}
+
+/// The stream that messages of a type can give.
+fn by_type(topic: &Topic) -> Option<StreamKind> {
+    let name = topic.channel.topic.to_lowercase();
+    let is_told = TOLD.iter().any(|word| name.contains(word));
+    Some(match topic.type_name() {
         "Twist" => StreamKind::Command,
         "TwistStamped" | "TwistWithCovarianceStamped" | "Odometry" => StreamKind::Odometry,
         "Pose"
@@ -75,65 +95,52 @@ fn may_be(topic: &Topic, possible: &[Source]) -> Option<Option<StreamKind>> {
         }
         "JointState" if !joints::turning(topic).is_empty() => StreamKind::Wheels,
         of if of.starts_with("AckermannDrive") => StreamKind::Command,
-        _ => return may_be_numbers(topic),
-    };
-    Some(Some(kind))
+        _ => return None,
+    })
 }
 
-/// As [`may_be`], of messages without a meaning of their own.
-fn may_be_numbers(topic: &Topic) -> Option<Option<StreamKind>> {
-    let channel = &topic.channel;
+/// The stream that numbers may be by their names, or `None` in it where these tell no more than a side.
+fn by_numbers(topic: &Topic) -> Option<Option<StreamKind>> {
     let varying = topic.numbers.iter().filter(|(_, seen)| seen.vary());
     let meanings = varying.map(|(path, _)| meaning_of(topic, path));
     let mut meanings: Vec<Meaning> = meanings.collect();
-    let is_own = may_have_numbers(channel) && !channel.schema.starts_with("std_msgs/");
-    if is_own && layout_of(channel).is_none() {
-        meanings.push(meaning(&channel.topic, &channel.schema, ""));
-    }
     meanings.retain(|own| *own != Meaning::Nothing);
-    let is_command = |own: &Meaning| *own == Meaning::Command;
-    match meanings.as_slice() {
-        [] => None,
-        all if all.iter().all(is_command) => Some(Some(StreamKind::Command)),
-        all if all.iter().all(|own| *own == Meaning::Side) => Some(None),
-        _ => Some(Some(StreamKind::Wheels)),
+    let all = |meaning| meanings.iter().all(|own| *own == meaning);
+    match () {
+        () if meanings.is_empty() => None,
+        () if all(Meaning::Command) => Some(Some(StreamKind::Command)),
+        () if all(Meaning::Side) => Some(None),
+        () => Some(Some(StreamKind::Wheels)),
     }
 }
 
-/// The wheels among the transforms of a topic that has another stream.
-fn beside(topic: &Topic, possible: &[Source], used: &[Source]) -> Option<String> {
-    let name = topic.channel.topic.as_str();
-    let is_wheels = |own: &&Source| own.kind == StreamKind::Wheels && own.topics().contains(&name);
-    if !topic.has_transforms() || used.iter().any(|own| is_wheels(&own)) {
-        return None;
-    }
-    let wheels = possible.iter().find(is_wheels)?;
-    let frames: Vec<&str> = wheels
-        .selector
-        .joints
-        .iter()
-        .flatten()
-        .map(String::as_str)
-        .collect();
-    let instead = instead(StreamKind::Wheels, used);
+/// The topics of which the bag does not say which fields their messages have.
+fn undefined(topics: &[Topic]) -> Option<String> {
+    let is_undefined = |topic: &&Topic| {
+        let channel = &topic.channel;
+        may_have_numbers(channel)
+            && !channel.schema.starts_with("std_msgs/")
+            && layout_of(channel).is_none()
+    };
+    let names = topics.iter().filter(is_undefined).map(|topic| {
+        let (name, of, messages) = (&topic.channel.topic, topic.type_name(), topic.messages);
+        format!("{name} ({of}, {messages} messages)")
+    });
+    let listed = list(names.collect())?;
     Some(format!(
-        "{name} (the wheels {}{instead})",
-        frames.join(" and ")
+        "not read, because the bag has no definition of their types: {listed}; if one has wheels, convert the bag to MCAP \
+         (`ros2 bag convert`) where these types are installed"
     ))
 }
 
-/// A topic with its type, the number of its messages, and what is used instead.
-fn describe(topic: &Topic, kind: Option<StreamKind>, used: &[Source]) -> String {
-    let (name, of, messages) = (&topic.channel.topic, topic.type_name(), topic.messages);
-    let instead = kind.map_or_else(String::new, |kind| instead(kind, used));
-    let is_unknown = topic.numbers.is_empty()
-        && may_have_numbers(&topic.channel)
-        && layout_of(&topic.channel).is_none();
-    let unknown = match is_unknown {
-        true => ", a type without its definition",
-        false => "",
-    };
-    format!("{name} ({of}, {messages} messages{unknown}{instead})")
+/// The first of these, and how many more; `None` if there are none.
+fn list(mut names: Vec<String>) -> Option<String> {
+    let more = names.len().saturating_sub(MOST);
+    names.truncate(MOST);
+    if more > 0 {
+        names.push(format!("{more} more"));
+    }
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// What is used for a stream.

@@ -97,10 +97,11 @@ impl Layout {
         Self::parse(name, &format!("{number} data"))
     }
 
-    /// Whether it has a list of bytes, such as an image or a cloud.
+    /// Whether it has a list of bytes that is called `data`, as images and compressed messages have.
     pub(crate) fn has_raw_data(&self) -> bool {
         let is_raw = |field: &Field| {
-            field.count == Count::Any && matches!(field.kind, Kind::Whole { bytes: 1, .. })
+            let are_bytes = matches!(field.kind, Kind::Whole { bytes: 1, .. });
+            field.count == Count::Any && are_bytes && field.name == "data"
         };
         self.types.iter().flatten().any(is_raw)
     }
