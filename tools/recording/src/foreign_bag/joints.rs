@@ -60,7 +60,7 @@ fn found(joints: WheelJoints, are_named: bool) -> Wheels {
 pub(super) fn is_driven(name: &str) -> bool {
     let is_other = |word: &String| {
         let is_it = |other: &&str| word == other || other.len() > 4 && word.starts_with(*other);
-        NOT_DRIVEN.iter().any(|other| is_it(other))
+        NOT_DRIVEN.iter().any(is_it)
     };
     !words_of(name).iter().any(is_other)
 }
@@ -211,7 +211,7 @@ mod tests {
         // As an arm of its own name would.
         let named: WheelJoints = [side(&["base_a"]), side(&["base_b"])];
         let names = ["base_a", "base_b", "left_wheel", "right_wheel"];
-        assert_eq!(sides(&names, &[named.clone()]), Some(named));
+        assert_eq!(sides(&names, std::slice::from_ref(&named)), Some(named));
     }
 
     #[test]

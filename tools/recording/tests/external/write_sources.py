@@ -261,9 +261,9 @@ BAGS = {
 }
 
 
-def rows(topics):
+def messages(topics, rows):
     """(time of reception, topic, type, message); topics of right wheels are 10 ms later."""
-    for k in range(100):
+    for k in range(rows):
         for topic, (kind, make) in topics.items():
             t_ns = START_NS + k * 50_000_000 + (10_000_000 if topic[1:].startswith("r") else 0)
             message = make(t_ns, k)
@@ -271,10 +271,10 @@ def rows(topics):
                 yield t_ns, topic, kind, message
 
 
-def write(out, topics, plugin=StoragePlugin.MCAP, version=9):
+def write(out, topics, plugin=StoragePlugin.MCAP, version=9, rows=100):
     with Writer(out, version=version, storage_plugin=plugin) as writer:
         connections = {topic: writer.add_connection(topic, kind, typestore=STORE) for topic, (kind, _) in topics.items()}
-        for t_ns, topic, kind, message in rows(topics):
+        for t_ns, topic, kind, message in messages(topics, rows):
             writer.write(connections[topic], t_ns, STORE.serialize_cdr(message, kind))
 
 
@@ -289,7 +289,7 @@ def ros1_message(kind, message):
 def write_ros1(out, topics):
     with Writer1(out) as writer:
         connections = {topic: writer.add_connection(topic, kind, typestore=ROS1) for topic, (kind, _) in topics.items()}
-        for t_ns, topic, kind, message in rows(topics):
+        for t_ns, topic, kind, message in messages(topics, 100):
             writer.write(connections[topic], t_ns, ros1_message(kind, message))
 
 
