@@ -19,14 +19,14 @@ impl Side {
         }
     }
 
-    /// Words of a few letters that mean it: alone, beside the letter of front, middle or rear, or before a wheel.
-    fn short(self) -> [&'static str; 11] {
+    /// Words of a few letters that mean it: alone, beside the letter of front, middle or rear, or before a wheel or motor.
+    fn short(self) -> [&'static str; 12] {
         match self {
             Self::Right => [
-                "r", "fr", "rf", "rr", "br", "rb", "mr", "rm", "cr", "rwheel", "wheelr",
+                "r", "fr", "rf", "rr", "br", "rb", "mr", "rm", "cr", "rwheel", "wheelr", "rmotor",
             ],
             Self::Left => [
-                "l", "fl", "lf", "rl", "lr", "bl", "lb", "ml", "lm", "lwheel", "wheell",
+                "l", "fl", "lf", "rl", "lr", "bl", "lb", "ml", "lm", "lwheel", "wheell", "lmotor",
             ],
         }
     }
@@ -71,6 +71,7 @@ pub(crate) fn side_and_rest(name: &str) -> Option<(Side, String)> {
         // `fr` and `fl` leave `f`, `rr` and `rl` leave `r`.
         let left = match is_side {
             true if word.contains("wheel") => "*wheel".to_owned(),
+            true if word.contains("motor") => "*motor".to_owned(),
             true => format!("*{}", word.replacen(&side.word()[..1], "", 1)),
             false => word.to_owned(),
         };

@@ -101,6 +101,17 @@ fn of_every_kind_of_source_the_best_is_taken_and_the_others_are_named() {
 }
 
 #[test]
+fn other_names_of_worse_wheels_are_no_other_robots() {
+    let Some(prefixed) = bag("prefixed") else {
+        return;
+    };
+    let import = read(&prefixed).unwrap();
+    assert_eq!(only_robot(&import).name, "robot");
+    assert!(only_robot(&import).pose.is_some());
+    assert_eq!(angles(&import)[3], [0.1 * 3.0 + 1.0, 0.1 * 3.0]);
+}
+
+#[test]
 fn the_joints_that_a_user_names_are_the_wheels() {
     let Some(numbered) = bag("numbered") else {
         return;
@@ -153,6 +164,21 @@ fn counters_with_a_topic_each_become_rows_at_the_times_of_the_right_one() {
 }
 
 #[test]
+fn each_robot_has_its_own_counters() {
+    let Some(two) = bag("two") else { return };
+    let import = read(&two).unwrap();
+    let first = |robot: &Robot| match &robot.wheels.as_ref().unwrap().values {
+        Wheels::Ticks { right, .. } => right[1],
+        _ => None,
+    };
+    let robots = import.recording.robots.iter();
+    let found: Vec<_> = robots
+        .map(|own| (own.name.as_str(), first(own), own.pose.is_some()))
+        .collect();
+    assert_eq!(found, [("r1", Some(20), true), ("r2", Some(200), true)]);
+}
+
+#[test]
 fn where_a_counter_wraps_nothing_lies_between() {
     let Some(short) = bag("short") else { return };
     let import = read(&short).unwrap();
@@ -182,7 +208,12 @@ fn stamps_of_own_messages_count() {
 
 #[test]
 fn fields_of_a_message_are_read_by_its_definition() {
-    for name in ["sensor_state", "state_database", "state.bag"] {
+    for name in [
+        "sensor_state",
+        "state_database",
+        "state.bag",
+        "state_ros1.mcap",
+    ] {
         let Some(path) = bag(name) else { return };
         let import = read(&path).unwrap();
         let wheels = "{ topic = \"/sensor_state\", right = \"right_encoder\", left = \"left_encoder\", quantity = \"ticks\" }";

@@ -8,7 +8,8 @@ pub(crate) fn layout_of(channel: &ChannelInfo) -> Option<Layout> {
     Encoding::of(&channel.encoding)?;
     let (form, text) = &*channel.definition;
     match form.as_str() {
-        "ros2msg" | "ros1msg" => {
+        // Some writers leave the definition empty.
+        "ros2msg" | "ros1msg" if !text.is_empty() => {
             let text = std::str::from_utf8(text).ok()?;
             Layout::parse(&channel.schema, text)
         }

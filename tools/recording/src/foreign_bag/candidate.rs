@@ -60,7 +60,17 @@ fn is_of_wheel(part: &str) -> bool {
         let words = ["wheel", "encoder", "tick", "motor"];
         words.iter().any(|known| word.contains(known))
     };
-    side_of(part).is_some() || words_of(part).iter().any(is_it)
+    // `r1` is a robot.
+    let has_digit = part.chars().any(|c| c.is_ascii_digit());
+    (side_of(part).is_some() && !has_digit) || words_of(part).iter().any(is_it)
+}
+
+/// A topic without the part that names its robot.
+pub(super) fn within_robot(topic: &str) -> &str {
+    let inner = topic
+        .trim_start_matches('/')
+        .strip_prefix(&robot_of_topic(topic));
+    inner.filter(|own| own.starts_with('/')).unwrap_or(topic)
 }
 
 /// The robot of a topic: the first of several parts, such as `r1` in `/r1/odom`, unless it names a
@@ -74,5 +84,28 @@ pub(super) fn robot_of_topic(topic: &str) -> String {
             robot.to_owned()
         }
         _ => "robot".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_is_told_from_its_wheels_and_sensors() {
+        let cases = [
+            ("/r1/lwheel", "r1", "/lwheel"),
+            ("/left_ticks", "robot", "/left_ticks"),
+            ("/encoder/left", "robot", "/encoder/left"),
+            ("/wheel/left/ticks", "robot", "/wheel/left/ticks"),
+            ("/right/ticks", "robot", "/right/ticks"),
+            ("/robot/ticks", "robot", "/ticks"),
+        ];
+        for (topic, robot, inner) in cases {
+            assert_eq!(
+                (robot_of_topic(topic).as_str(), within_robot(topic)),
+                (robot, inner)
+            );
+        }
     }
 }

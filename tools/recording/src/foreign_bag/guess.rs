@@ -191,10 +191,22 @@ fn pose_rank(topic: &Topic) -> u32 {
     if is_of_reference(&name) { 3 } else { 2 }
 }
 
+/// How good the sort of source is: joint states and encoders, then numbers, then transforms, then what does not move.
+fn sort(wheels: &Candidate) -> u32 {
+    match wheels.rank {
+        7.. => 3,
+        3..7 => 2,
+        rank => rank,
+    }
+}
+
 /// Gives the streams of sensors outside of a robot, such as a camera's poses, to the robot that has wheels.
 fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
     let robots_with = |kind: StreamKind| {
-        let with = candidates.iter().filter(|c| c.source.kind == kind);
+        let of_kind = || candidates.iter().filter(|c| c.source.kind == kind);
+        // Wheels of a worse sort, whose names may begin otherwise, are those of the same robots.
+        let best = of_kind().map(sort).max();
+        let with = of_kind().filter(|own| kind != StreamKind::Wheels || Some(sort(own)) == best);
         let mut robots: Vec<String> = with.map(|c| c.source.robot.clone()).collect();
         robots.sort();
         robots.dedup();

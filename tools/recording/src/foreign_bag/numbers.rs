@@ -1,5 +1,6 @@
 //! The numbers in messages of types that have no meaning of their own, and what was seen of them.
 
+use super::candidate::within_robot;
 use super::meaning::{Meaning, meaning};
 use crate::bag::ChannelInfo;
 use crate::decode::{Sample, layout_of};
@@ -41,7 +42,7 @@ pub(super) fn layout_of_wheels(channel: &ChannelInfo) -> Option<Layout> {
     let layout = layout_of(channel)?;
     let is_of_wheel = |path: &String| {
         !path.starts_with("header.")
-            && meaning(&channel.topic, &channel.schema, path) != Meaning::Nothing
+            && meaning(within_robot(&channel.topic), &channel.schema, path) != Meaning::Nothing
     };
     let has_any = !layout.has_raw_data() && layout.number_paths().iter().any(is_of_wheel);
     has_any.then_some(layout)

@@ -1,6 +1,8 @@
 //! Pairs of numbers that a guess takes for the wheels of a robot: in one message, or in a topic each.
 
-use super::candidate::{Candidate, robot_of_topic};
+use std::collections::BTreeMap;
+
+use super::candidate::{Candidate, robot_of_topic, within_robot};
 use super::meaning::{Meaning, has_other_unit, meaning};
 use super::numbers::Numbers;
 use super::source::{Place, Quantity, Source};
@@ -21,24 +23,29 @@ struct Sided<'a> {
 
 /// What a number of a topic tells by its names.
 pub(super) fn meaning_of(topic: &Topic, path: &str) -> Meaning {
-    meaning(&topic.channel.topic, &topic.channel.schema, path)
+    let name = within_robot(&topic.channel.topic);
+    meaning(name, &topic.channel.schema, path)
 }
 
 /// The wheels that names and values tell, as streams.
 pub(super) fn wheels(topics: &[Topic]) -> Vec<Candidate> {
     let all: Vec<Sided<'_>> = topics.iter().flat_map(sided).collect();
-    let of_side = |side| all.iter().filter(move |own| own.side == side);
-    let mut wheels = Vec::new();
-    for right in of_side(Side::Right) {
-        let left = of_side(Side::Left).find(|left| left.rest == right.rest);
-        wheels.extend(left.and_then(|left| candidate(right, left)));
+    let mut left = BTreeMap::new();
+    for own in all.iter().filter(|own| own.side == Side::Left) {
+        left.entry(own.rest.as_str()).or_insert(own);
     }
-    wheels
+    let right = all.iter().filter(|own| own.side == Side::Right);
+    let pairs = right.filter_map(|own| Some((own, *left.get(own.rest.as_str())?)));
+    pairs
+        .filter_map(|(right, left)| candidate(right, left))
+        .collect()
 }
 
 fn sided(topic: &Topic) -> Vec<Sided<'_>> {
     let sided = topic.numbers.iter().filter_map(|(path, seen)| {
-        let (side, rest) = side_and_rest(&format!("{}/{path}", topic.channel.topic))?;
+        let name = &topic.channel.topic;
+        let (side, rest) = side_and_rest(&format!("{}/{path}", within_robot(name)))?;
+        let rest = format!("{}: {rest}", robot_of_topic(name));
         Some(Sided {
             topic,
             path,

@@ -17,6 +17,9 @@ const ONE_TURN_RAD: f64 = std::f64::consts::TAU;
 /// A frame that is called a wheel turns at least by so much (rad).
 const LEAST_TURN_RAD: f64 = 0.2;
 
+/// So many frames that turn are looked at.
+const MOST: usize = 100;
+
 /// A frame that turns as a wheel does.
 struct Rolling<'a> {
     link: Link<'a>,
@@ -27,7 +30,11 @@ struct Rolling<'a> {
 
 /// The wheels of robots, two each, as streams.
 pub(super) fn wheels(frames: &Frames<'_>) -> Vec<Candidate> {
-    let rolling: Vec<Rolling<'_>> = frames.links().filter_map(|own| of(frames, own)).collect();
+    let rolling: Vec<Rolling<'_>> = frames
+        .links()
+        .filter_map(|own| of(frames, own))
+        .take(MOST)
+        .collect();
     let of_side = |side| {
         let own = move |own: &&Rolling<'_>| side_of_place(&own.place) == Some(side);
         rolling.iter().filter(own)

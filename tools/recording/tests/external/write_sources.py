@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from mcap.writer import Writer as WriterMcap
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -227,6 +228,14 @@ BAGS = {
         "/rwheel": number("std_msgs/msg/Int16", 100, 65536),
         "/mocap/pose": pose_stamped(),
     },
+    "two": {
+        "/r1/lwheel": number("std_msgs/msg/Int32", 0.5),
+        "/r1/rwheel": number("std_msgs/msg/Int32", 1),
+        "/r2/lwheel": number("std_msgs/msg/Int32", 5),
+        "/r2/rwheel": number("std_msgs/msg/Int32", 10),
+        "/mocap/r1/pose": pose_stamped(),
+        "/mocap/r2/pose": pose_stamped(),
+    },
     "stamped": {
         "/duckie/left_wheel_encoder_node/tick": encoder(0.5),
         "/duckie/right_wheel_encoder_node/tick": encoder(1),
@@ -254,6 +263,13 @@ BAGS = {
     "placed": {
         "/joint_states": joint_state("drive_a", "drive_b"),
         "/tf_static": tf_once(fixed("base_link", "drive_a_link", 0.0, 0.2), fixed("base_link", "drive_b_link", 0.0, -0.2)),
+        "/mocap/pose": pose_stamped(),
+    },
+    "prefixed": {
+        "/joint_states": joint_state("left_wheel", "right_wheel"),
+        "/base/left_ticks": APART["/left_ticks"],
+        "/base/right_ticks": APART["/right_ticks"],
+        "/tf": tf(wheel("own/base_link", "own/left_wheel", 0.1, 0.5), wheel("own/base_link", "own/right_wheel", -0.1, 1)),
         "/mocap/pose": pose_stamped(),
     },
     "numbered": {"/joint_states": NUMBERED, "/mocap/pose": pose_stamped()},
@@ -293,6 +309,21 @@ def write_ros1(out, topics):
             writer.write(connections[topic], t_ns, ros1_message(kind, message))
 
 
+def write_ros1_mcap(out, topics):
+    """Messages of ROS 1 in an MCAP file, as converters write them."""
+    with open(out, "wb") as stream:
+        writer = WriterMcap(stream)
+        writer.start()
+        channels = {}
+        for t_ns, topic, kind, message in messages(topics, 100):
+            if topic not in channels:
+                text, _ = ROS1.generate_msgdef(kind, ros_version=1)
+                schema = writer.register_schema(kind.replace("/msg/", "/"), "ros1msg", text.encode())
+                channels[topic] = writer.register_channel(topic, "ros1", schema)
+            writer.add_message(channels[topic], t_ns, bytes(ros1_message(kind, message)), t_ns)
+        writer.finish()
+
+
 def main(out):
     out.mkdir(parents=True, exist_ok=True)
     for name, topics in BAGS.items():
@@ -307,6 +338,7 @@ def main(out):
     with sqlite3.connect(out / "apart_database" / "apart_database.db3") as database:
         database.execute("DROP TABLE message_definitions")
     write_ros1(out / "state.bag", BAGS["sensor_state"])
+    write_ros1_mcap(out / "state_ros1.mcap", BAGS["sensor_state"])
     write_ros1(out / "telemetry.bag", BAGS["lists"])
 
 
