@@ -19,14 +19,7 @@ const FIELDS: &str = "format = 1\n[robots.a]\n\
 
 /// The definition of a type and messages of it, with [`SEPARATOR`] between them.
 pub(crate) fn message(bytes: &[u8]) {
-    let mut parts = Vec::new();
-    let mut rest = bytes;
-    while let Some(end) = rest.windows(2).position(|pair| pair == SEPARATOR) {
-        let (part, later) = rest.split_at(end);
-        parts.push(part);
-        rest = later.get(2..).unwrap_or_default();
-    }
-    parts.push(rest);
+    let parts = parts(bytes);
     let (definition, messages) = parts.split_first().expect("one part at least");
     let path = Path::new("fuzz.mcap");
     let map = TopicMap::parse(FIELDS, Path::new("map.toml")).expect("a map");
@@ -41,6 +34,19 @@ pub(crate) fn message(bytes: &[u8]) {
             }
         }
     }
+}
+
+/// The parts of an input.
+fn parts(bytes: &[u8]) -> Vec<&[u8]> {
+    let mut parts = Vec::new();
+    let mut rest = bytes;
+    while let Some(end) = rest.windows(2).position(|pair| pair == SEPARATOR) {
+        let (part, later) = rest.split_at(end);
+        parts.push(part);
+        rest = later.get(2..).unwrap_or_default();
+    }
+    parts.push(rest);
+    parts
 }
 
 /// A bag with two topics, each of which has all messages.
@@ -68,4 +74,39 @@ fn bag([form, encoding]: [&str; 2], definition: &[u8], messages: &[&[u8]]) -> Ve
     writer.finish().expect("a file");
     drop(writer);
     out.into_inner()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipstream_recording::recording::{Command, Wheels};
+
+    #[test]
+    fn the_seeds_are_messages_of_their_definition() {
+        let seeds: [(&[u8], [&str; 2]); 2] = [
+            (
+                include_bytes!("../seeds/message/ros_1"),
+                ["ros1msg", "ros1"],
+            ),
+            (include_bytes!("../seeds/message/ros_2"), ["ros2msg", "cdr"]),
+        ];
+        let map = TopicMap::parse(FIELDS, Path::new("map.toml")).unwrap();
+        for (seed, encodings) in seeds {
+            let parts = parts(seed);
+            let bag = bag(encodings, parts[0], &parts[1..]);
+            let import = read_mapped_from(&bag, Path::new("fuzz.mcap"), Some(&map)).unwrap();
+            let robot = &import.recording.robots[0];
+            let Some(Wheels::Ticks { right, left }) = robot.wheels.as_ref().map(|own| &own.values)
+            else {
+                panic!("no ticks");
+            };
+            assert_eq!((right[1], left[1]), (Some(2), Some(6)));
+            let Some(Command::WheelSpeed { left_rad_s, .. }) =
+                robot.command.as_ref().map(|own| &own.values)
+            else {
+                panic!("no speeds");
+            };
+            assert_eq!(left_rad_s, &[1.0, 2.0]);
+        }
+    }
 }

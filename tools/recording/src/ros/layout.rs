@@ -68,7 +68,8 @@ impl Layout {
         }
         let sections = sections(name, text);
         let mut indices = BTreeMap::new();
-        for (index, section) in sections.iter().enumerate() {
+        // No type contains itself.
+        for (index, section) in sections.iter().enumerate().skip(1) {
             indices.entry(section.name.as_str()).or_insert(index);
         }
         let mut types = Vec::new();
