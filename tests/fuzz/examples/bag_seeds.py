@@ -1,4 +1,4 @@
-"""Writes the seeds of the targets ros1_bag and sqlite_bag into tests/fuzz/seeds: small bags by another program.
+"""Writes the seeds of the targets ros1_bag and sqlite_bag, and one of bag, into tests/fuzz/seeds: small bags by another program.
 
 usage: python tests/fuzz/examples/bag_seeds.py     (with the packages of tools/recording/tests/external/requirements.txt)
 """
@@ -14,6 +14,7 @@ sys.path.insert(0, str(ROOT / "tools/recording/tests/external"))
 from rosbags.rosbag1 import Writer  # noqa: E402
 from rosbags.rosbag2 import CompressionMode, StoragePlugin  # noqa: E402
 from write_formats import write_ros1, write_ros2  # noqa: E402
+from write_sources import APART, WHEEL_FRAMES, sensor_state, tf, write  # noqa: E402
 
 
 def events():
@@ -52,6 +53,14 @@ def main(scratch):
         seed("sqlite_bag", name, small(file))
 
 
+def sources(scratch):
+    """A bag with a few messages of each kind of wheels."""
+    topics = {**APART, "/tf": tf(*WHEEL_FRAMES), "/sensor_state": sensor_state()}
+    write(scratch / "sources", topics, rows=8)
+    seed("bag", "sources", (scratch / "sources" / "sources.mcap").read_bytes())
+
+
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
         main(Path(scratch))
+        sources(Path(scratch))

@@ -16,7 +16,7 @@ use slipstream_agents::process::AgentOutcome;
 use slipstream_bus::message::{Encoders, Position, TorqueCommand};
 use slipstream_bus::record::{Record, Recorder};
 use slipstream_bus::{Parameter, RobotModel};
-use slipstream_fuzz::{FILES, MAP, SEPARATOR};
+use slipstream_fuzz::{FILES, MAP, SEPARATOR, SOURCES};
 use slipstream_hosts::clock::{ClockReport, Stamps};
 use slipstream_hosts::frame::{
     AgentState, Answer, Batch, Down, End, LeftFile, Measured, News, Report, Round, Sent, Up,
@@ -99,14 +99,48 @@ fn recordings(run: &Path) {
     seed("foreign_csv", "two_streams", COLUMNS.as_bytes());
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
-    let guessed = read_mapped(&foreign, &Map::None)
-        .unwrap()
-        .warnings
-        .remove(0);
+    let guessed = read_mapped(&foreign, &Map::None).unwrap().guesses.remove(0);
     let (_, map) = guessed.split_once('\n').unwrap();
     seed("topic_map", "guessed", map.as_bytes());
-    let map = TopicMap::parse(MAP, Path::new("map.toml")).unwrap();
-    seed("topic_map", "map", map.to_text().as_bytes());
+    for (name, text) in [("map", MAP), ("sources", SOURCES)] {
+        let map = TopicMap::parse(text, Path::new("map.toml")).unwrap();
+        seed("topic_map", name, map.to_text().as_bytes());
+    }
+    messages();
+}
+
+/// The definition of a type and two messages, in both encodings.
+fn messages() {
+    let own = "uint8 LEFT=1 # a constant\nbool on\nstring name\nint64 count\nfloat32[<=4] list\nOwn[2] own\nfloat64 speed\n\
+        ====\nMSG: base_msgs/Own\nint16 n\n";
+    let text = format!(
+        "Header header\n{own}====\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+    );
+    let ros1 = |k: u8| {
+        let parts: [&[u8]; 5] = [
+            &[k, 0, 0, 0, 1, 0, 0, 0, k, 0, 0, 0, 0, 0, 0, 0],
+            &[1, 2, 0, 0, 0, b'a', b'b', k, 0, 0, 0, 0, 0, 0, 0],
+            &[2, 0, 0, 0, 0, 0, 128, 63, 0, 0, k, 64],
+            &[k, 0, 3 * k, 0],
+            &f64::from(k).to_le_bytes(),
+        ];
+        parts.concat()
+    };
+    let parts = [text.as_bytes(), &ros1(1), &ros1(2)];
+    seed("message", "ros_1", &parts.join(&SEPARATOR[..]));
+    let cdr = |k: u8| {
+        let parts: [&[u8]; 6] = [
+            &[0, 1, 0, 0],
+            &[1, 0, 0, 0, 3, 0, 0, 0, b'a', b'b', 0, 0, 0, 0, 0, 0],
+            &[k, 0, 0, 0, 0, 0, 0, 0],
+            &[2, 0, 0, 0, 0, 0, 128, 63, 0, 0, k, 64],
+            &[k, 0, 3 * k, 0],
+            &f64::from(k).to_le_bytes(),
+        ];
+        parts.concat()
+    };
+    let parts = [own.as_bytes(), &cdr(1), &cdr(2)];
+    seed("message", "ros_2", &parts.join(&SEPARATOR[..]));
 }
 
 /// The file without compression, chunks and checksums, which mutations would only damage. As the

@@ -11,6 +11,7 @@
     reason = "a target reports a property that does not hold by a panic"
 )]
 
+mod messages;
 pub mod mutate;
 mod one_line;
 mod postcard_data;
@@ -20,7 +21,7 @@ mod runs;
 mod scratch;
 mod toml_texts;
 
-pub use recordings::{FILES, MAP, SEPARATOR};
+pub use recordings::{FILES, MAP, SEPARATOR, SOURCES};
 
 /// A reader with the properties that are asserted of it.
 #[derive(Debug, Clone, Copy)]
@@ -32,11 +33,12 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 21] = [
+pub const TARGETS: [Target; 22] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
     target("sqlite_bag", recordings::bag),
+    target("message", messages::message),
     target("csv_folder", recordings::csv_folder),
     target("foreign_csv", recordings::foreign_csv),
     target("recording_toml", toml_texts::recording_toml),

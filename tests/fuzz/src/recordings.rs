@@ -30,11 +30,19 @@ pub const MAP: &str = "format = 1\n[robots.a]\ncommand = \"/cmd_vel\"\nodometry 
     wheels = { topic = \"/joint_states\", right = \"right_wheel_joint\", left = \"left_wheel_joint\" }\n\
     pose = \"/vicon/robot/pose\"\n";
 
-/// A bag of another robot, with a guessed map and with a map.
+/// The other topic map of the target `bag`: wheels with a topic each, as fields, and as frames that turn.
+pub const SOURCES: &str = "format = 1\n[robots.a]\n\
+    wheels = { right = { topic = \"/right_ticks\", field = \"data\" }, left = { topic = \"/left_ticks\", field = \"data\" }, \
+    quantity = \"ticks\" }\n[robots.b]\n\
+    wheels = { topic = \"/tf\", right = \"right_wheel_link\", left = \"left_wheel_link\", quantity = \"angle\" }\n[robots.c]\n\
+    wheels = { topic = \"/sensor_state\", right = \"right_encoder\", left = \"left_encoder\", quantity = \"ticks\" }\n";
+
+/// A bag of another robot, with a guessed map and with maps.
 pub(crate) fn bag(bytes: &[u8]) {
     let path = Path::new("fuzz.mcap");
-    let map = TopicMap::parse(MAP, Path::new("map.toml")).expect("a map");
-    for map in [None, Some(&map)] {
+    let maps = [MAP, SOURCES].map(|text| TopicMap::parse(text, Path::new("map.toml")));
+    let [one, two] = maps.map(|map| map.expect("a map"));
+    for map in [None, Some(&one), Some(&two)] {
         match read_mapped_from(bytes, path, map) {
             Ok(import) => {
                 mcap_bytes(&import.recording, path).expect("it can be written");

@@ -9,7 +9,7 @@ use slipstream_recording::{Finding, Severity};
 use crate::exit::{Error, Exit};
 use crate::models::Models;
 use crate::print::{self, print_line};
-use crate::reading::Reading;
+use crate::reading::{Guesses, Reading};
 
 /// Check a recording: rates, gaps, units, swapped or reversed wheels, clocks
 ///
@@ -39,18 +39,17 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
+    let models = Models::of_one(&arguments.robot)?;
     let to_write = arguments.write_topics.as_ref();
     if let Some(file) = to_write.or(arguments.write_columns.as_ref()) {
-        let map = slipstream_recording::draft_map(&arguments.recording)?;
+        let map = slipstream_recording::draft_map(&arguments.recording, &models.wheel_joints())?;
         crate::output_file::write(file, &map)?;
         print_line!("{}", file.display());
         return Ok(Exit::Done);
     }
-    let model = Models::of_all(&arguments.robot)?;
-    let spooled = arguments
-        .reading
-        .spool_for(&arguments.recording, model.is_some())?;
-    let report = spooled.check(model.as_ref())?;
+    let reading = &arguments.reading;
+    let spooled = reading.spool(&arguments.recording, &models, Guesses::Whole)?;
+    let report = spooled.check(models.of("").as_ref())?;
     print::out(format_args!("{}", with_colours(&report.to_string())));
     if let Some(path) = &arguments.json {
         crate::output_file::write_json(path, &report)?;

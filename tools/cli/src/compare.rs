@@ -35,8 +35,8 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let import = arguments.reading.read(&arguments.recording)?;
     let models = Models::read(&arguments.robot)?;
+    let import = arguments.reading.read(&arguments.recording, &models)?;
     let channels = slipstream_recording::compare(&import.recording, |robot| models.of(robot))
         .map_err(|error| located(&arguments.recording, error))?;
     let page = slipstream_report::compare::page(&Comparison {

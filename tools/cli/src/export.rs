@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::exit::{Error, Exit};
+use crate::models::Models;
 use crate::print::{note_line, print_line};
-use crate::reading::Reading;
+use crate::reading::{Guesses, Reading};
 
 /// Convert a recording to a folder of CSV files, without loss of precision
 ///
@@ -24,7 +25,8 @@ pub(crate) struct Arguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
-    let spooled = arguments.reading.spool(&arguments.recording)?;
+    let reading = &arguments.reading;
+    let spooled = reading.spool(&arguments.recording, &Models::none(), Guesses::Brief)?;
     for (topic, messages) in &spooled.left_out {
         note_line!(
             "{topic}: left out: its {messages} messages have no equivalent in the CSV format"

@@ -1,11 +1,12 @@
 //! Robot models of the command line: `--robot FILE` for all robots, `--robot NAME=FILE` for one; several files of one robot
 //! fill what the others lack.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use slipstream_bus::RobotModel;
+use slipstream_recording::recording::Robot;
 use slipstream_recording::robot_file::{Described, Kind};
-use slipstream_recording::{describe_robot, describe_robots};
+use slipstream_recording::{WheelJoints, describe_robots};
 
 use crate::exit::Error;
 use crate::print::{note_line, prints};
@@ -26,10 +27,24 @@ struct Given {
 impl Models {
     /// Reads the models of `[NAME=]FILE` arguments, and prints what was taken from files that are no robot.toml.
     pub(crate) fn read(arguments: &[String]) -> Result<Self, Error> {
-        let files: Vec<(Option<String>, PathBuf)> =
-            arguments.iter().map(|own| named_file(own)).collect();
+        let files = arguments.iter().map(|own| named_file(own));
+        Self::of_files(&files.collect::<Vec<_>>())
+    }
+
+    /// Reads the model of all robots from files that are about one; no models without files.
+    pub(crate) fn of_one(files: &[PathBuf]) -> Result<Self, Error> {
+        let all = files.iter().map(|file| (None, file.clone()));
+        Self::of_files(&all.collect::<Vec<_>>())
+    }
+
+    /// No models.
+    pub(crate) fn none() -> Self {
+        Self(Vec::new())
+    }
+
+    fn of_files(files: &[(Option<String>, PathBuf)]) -> Result<Self, Error> {
         let mut models = Vec::new();
-        for (name, described) in describe_robots(&files)? {
+        for (name, described) in describe_robots(files)? {
             let model = described.model()?;
             print_taken(&described, &model);
             models.push(Given {
@@ -41,16 +56,31 @@ impl Models {
         Ok(Self(models))
     }
 
-    /// Reads the model of all robots from files that are about one.
-    pub(crate) fn of_all(files: &[PathBuf]) -> Result<Option<RobotModel>, Error> {
-        if files.is_empty() {
-            return Ok(None);
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The wheels that the descriptions name, for the guess of a bag's topics.
+    pub(crate) fn wheel_joints(&self) -> Vec<WheelJoints> {
+        let joints = self.0.iter().map(|own| own.described.wheel_joints.clone());
+        joints.collect()
+    }
+
+    /// Prints of which point the poses of robots count whose recording does not say it.
+    pub(crate) fn note_poses(&self, robots: &[Robot]) {
+        for robot in robots.iter().filter(|robot| robot.pose_point.is_none()) {
+            let Some(given) = self.given(&robot.name).filter(|own| own.is_foreign()) else {
+                continue;
+            };
+            if let Some(ahead_m) = given.model.robot.com_to_axle_m {
+                let name = &robot.name;
+                note_line!(
+                    "{name}: poses count as those of the centre of mass, {ahead_m} m ahead of the axle, since recording.toml has \
+                     no pose_point; if they are those of the axle's middle, write pose_point = \"axle\" under [robots.{name}]"
+                );
+            }
         }
-        let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
-        let described = describe_robot(&files)?;
-        let model = described.model()?;
-        print_taken(&described, &model);
-        Ok(Some(model))
     }
 
     /// The model for `robot`, if one was given.
@@ -61,6 +91,14 @@ impl Models {
     fn given(&self, robot: &str) -> Option<&Given> {
         let named = self.0.iter().find(|own| own.name.as_deref() == Some(robot));
         named.or_else(|| self.0.iter().find(|own| own.name.is_none()))
+    }
+}
+
+impl Given {
+    /// Whether it is not from a robot.toml alone.
+    fn is_foreign(&self) -> bool {
+        let mut sources = self.described.sources.iter();
+        sources.any(|own| own.kind != Kind::RobotToml)
     }
 }
 

@@ -1,12 +1,15 @@
 //! Recordings of the command line, with the maps that say what those of other programs contain.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use clap::Args;
-use slipstream_recording::{Import, Map, Spooled};
+use slipstream_recording::{Import, Map, Spooled, StreamKind};
 
 use crate::exit::Error;
-use crate::print::note_line;
+use crate::models::Models;
+use crate::print::{note_line, prints};
 
 /// Maps of recordings that other programs wrote.
 #[derive(Debug, Clone, Default, Args)]
@@ -20,30 +23,94 @@ pub(crate) struct Reading {
     columns: Option<PathBuf>,
 }
 
+/// How much is said of what was guessed about a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Guesses {
+    /// Everything.
+    Whole,
+    /// One line, and for recordings of one kind once; with --verbose everything.
+    Brief,
+}
+
 impl Reading {
-    /// Reads a recording whose rows stay on disk; what is odd about it is said, and what about its model, unless another
-    /// is given.
-    pub(crate) fn spool_for(&self, path: &Path, model_is_given: bool) -> Result<Spooled, Error> {
+    /// Reads a recording whose rows stay on disk; what was guessed and what is odd is said, and what about its model, unless
+    /// `models` has others: the joints that they name help the guess of a bag's topics.
+    pub(crate) fn spool(
+        &self,
+        path: &Path,
+        models: &Models,
+        guesses: Guesses,
+    ) -> Result<Spooled, Error> {
         let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
-        let spooled = slipstream_recording::read_spooled(path, &map)?;
+        let spooled = slipstream_recording::read_spooled(path, &map, &models.wheel_joints())?;
+        if guesses == Guesses::Whole || prints().details {
+            for guess in &spooled.guesses {
+                note_line!("{guess}");
+            }
+        } else if let Some(guess) = spooled.guesses.first() {
+            note_once(path, guess);
+        }
         for warning in &spooled.warnings {
             note_line!("{warning}");
         }
-        if !model_is_given {
+        if models.is_empty() {
             for note in &spooled.on_model {
                 note_line!("{note}");
             }
         }
+        models.note_poses(spooled.robots());
         Ok(spooled)
     }
 
-    /// As [`Self::spool_for`], without another model.
-    pub(crate) fn spool(&self, path: &Path) -> Result<Spooled, Error> {
-        self.spool_for(path, false)
+    /// Reads a recording into memory, as [`Self::spool`].
+    pub(crate) fn read(&self, path: &Path, models: &Models) -> Result<Import, Error> {
+        Ok(self.spool(path, models, Guesses::Brief)?.load()?)
     }
+}
 
-    /// Reads a recording into memory; what is odd about it is said.
-    pub(crate) fn read(&self, path: &Path) -> Result<Import, Error> {
-        Ok(self.spool(path)?.load()?)
+/// Guesses that were told.
+static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+
+/// Prints a guessed map as one line, if no recording before had the same.
+fn note_once(path: &Path, guess: &str) {
+    let (title, map) = guess.split_once('\n').unwrap_or((guess, ""));
+    let is_new = TOLD
+        .lock()
+        .is_ok_and(|mut told| told.insert(map.to_owned()));
+    if is_new {
+        let title = title.trim_end_matches(':');
+        let (streams, path) = (streams_of(map), path.display());
+        note_line!("{title}: {streams}; `slipstream check {path}` says more");
+    }
+}
+
+/// The streams of a map, and the topic of each: `command /cmd_vel, pose /mocap/pose`.
+fn streams_of(map: &str) -> String {
+    let streams = map.lines().filter_map(|line| {
+        if let Some(table) = line.strip_prefix("[robots.") {
+            // In a map of columns, each stream is a table.
+            let stream = table.trim_end_matches(']').rsplit_once('.')?.1;
+            return StreamKind::from_name(stream).map(|_| stream.to_owned());
+        }
+        let (stream, source) = line.split_once(" = ")?;
+        StreamKind::from_name(stream)?;
+        let mut texts = source.split('"').skip(1).step_by(2);
+        let topic = texts.find(|text| text.starts_with('/'));
+        Some(topic.map_or(stream.to_owned(), |topic| format!("{stream} {topic}")))
+    });
+    streams.collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_guess_is_one_line() {
+        let topics = "format = 1\nstamps = \"message\"\n[robots.\"r.1\"]\ncommand = \"/cmd_vel\"\nwheels = { right = { topic = \
+                      \"/r\", field = \"data\" }, left = { topic = \"/l\", field = \"data\" }, quantity = \"ticks\" }\n";
+        assert_eq!(streams_of(topics), "command /cmd_vel, wheels /r");
+        let columns = "format = 1\n[robots.robot.pose]\nfile = \"a.csv\"\nt_s = 1\n[robots.robot.odometry]\nt_s = 1\n";
+        assert_eq!(streams_of(columns), "pose, odometry");
     }
 }

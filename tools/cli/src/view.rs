@@ -7,6 +7,7 @@ use slipstream_bus::InputError;
 use slipstream_live::{Playback, Server, converted, play};
 
 use crate::exit::{Error, Exit};
+use crate::models::Models;
 use crate::print::print_line;
 use crate::reading::Reading;
 use crate::viewers::{ADDRESS, invitation, write_layout};
@@ -42,7 +43,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
         let place = format!("--speed {}", arguments.speed);
         return Err(InputError::new(place, "is no speed", "give a number above 0").into());
     }
-    let import = arguments.reading.read(&arguments.recording)?;
+    let import = arguments
+        .reading
+        .read(&arguments.recording, &Models::none())?;
     if let Some(file) = &arguments.layout {
         let robots: Vec<&str> = import
             .recording

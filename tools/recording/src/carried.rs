@@ -6,11 +6,13 @@ use slipstream_bus::InputError;
 
 use crate::bag::Bag;
 use crate::error::Result;
-use crate::foreign_bag::{InBag, TopicMap, descriptions_in, draft_topics, read_foreign};
+use crate::foreign_bag::{
+    InBag, TopicMap, WheelJoints, WheelNames, descriptions_in, draft_topics, read_foreign,
+};
 use crate::import::Spooled;
 use crate::robot_file::{self, Described};
 
-/// Reads a bag of another robot, with the model that it carries.
+/// Reads a bag of another robot, with the model that it carries. `wheels` are those of the user's models.
 ///
 /// # Errors
 /// If it cannot be read, or does not fit its map.
@@ -18,9 +20,13 @@ pub(crate) fn read_with_model(
     bag: &dyn Bag,
     path: &Path,
     map: Option<&TopicMap>,
+    wheels: &[WheelJoints],
 ) -> Result<Spooled> {
-    let wheels_of = |own: &InBag| parse(own, path).ok().map(|own| own.wheel_joints);
-    let (mut spooled, described) = read_foreign(bag, path, map, &wheels_of)?;
+    let wheel_names = WheelNames {
+        given: wheels,
+        of: &|own| wheels_in(own, path),
+    };
+    let (mut spooled, described) = read_foreign(bag, path, map, &wheel_names)?;
     match described.as_slice() {
         [] => {}
         [only] => take_model(only, path, &mut spooled),
@@ -38,9 +44,21 @@ pub(crate) fn read_with_model(
 ///
 /// # Errors
 /// If it is not a bag, or cannot be read.
-pub(crate) fn draft_with_model(bag: &dyn Bag, path: &Path) -> Result<String> {
-    let wheels_of = |own: &InBag| parse(own, path).ok().map(|own| own.wheel_joints);
-    draft_topics(bag, &wheels_of)
+pub(crate) fn draft_with_model(
+    bag: &dyn Bag,
+    path: &Path,
+    wheels: &[WheelJoints],
+) -> Result<String> {
+    let wheel_names = WheelNames {
+        given: wheels,
+        of: &|own| wheels_in(own, path),
+    };
+    draft_topics(bag, &wheel_names)
+}
+
+/// The wheels that a description names, if it can be read.
+fn wheels_in(own: &InBag, path: &Path) -> Option<WheelJoints> {
+    parse(own, path).ok().map(|own| own.wheel_joints)
 }
 
 /// The text that describes the robot in a bag (a URDF), and its place in it.

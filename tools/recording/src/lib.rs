@@ -90,7 +90,7 @@ pub use compare::{Channel, CompareError, compare, interpolate};
 pub use csv_folder::{read_folder, write_folder};
 pub use error::{Error, Result};
 pub use field::Field;
-pub use foreign_bag::TopicMap;
+pub use foreign_bag::{TopicMap, WheelJoints};
 pub use foreign_csv::ColumnMap;
 pub use import::{Import, Spooled};
 pub use listener::{Announced, Listener};

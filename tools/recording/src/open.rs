@@ -8,7 +8,7 @@ use crate::bag::{Bag, BagBytes, BagFile, BagFolder, Container, is_bag};
 use crate::carried::{description_in, draft_with_model, read_with_model};
 use crate::csv_folder::spool_folder;
 use crate::error::Result;
-use crate::foreign_bag::TopicMap;
+use crate::foreign_bag::{TopicMap, WheelJoints};
 use crate::foreign_csv::{ColumnMap, draft, read_columns};
 use crate::import::{Import, Spooled};
 use crate::mcap_file::{is_own, read_own};
@@ -80,7 +80,7 @@ impl Form {
 
 /// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; or a bag of another robot, which may be
 /// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, or a ROS 1 bag. The topics of a foreign
-/// bag are guessed; the guess is in the warnings.
+/// bag are guessed; [`Import::guesses`] has the guess.
 ///
 /// # Errors
 /// If it is none of these, cannot be read, or violates its format.
@@ -94,14 +94,15 @@ pub fn read(path: &Path) -> Result<Import> {
 /// # Errors
 /// As [`read`], or if a topic or column of the map does not exist or cannot provide its stream.
 pub fn read_mapped(path: &Path, map: &Map) -> Result<Import> {
-    read_spooled(path, map)?.load()
+    read_spooled(path, map, &[])?.load()
 }
 
-/// As [`read_mapped`], for recordings of any length: the rows stay in a temporary file.
+/// As [`read_mapped`], for recordings of any length: the rows stay in a temporary file. `wheels` are the joints of driven wheels
+/// that descriptions of the robots name ([`Described::wheel_joints`]); they tell a guess the sides.
 ///
 /// # Errors
 /// As [`read_mapped`], or if the temporary file cannot be written.
-pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
+pub fn read_spooled(path: &Path, map: &Map, wheels: &[WheelJoints]) -> Result<Spooled> {
     let topics = match map {
         Map::Topics(topics) => Some(topics),
         _ => None,
@@ -121,8 +122,8 @@ pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
             Map::Columns(columns) => read_columns(path, columns)?,
             _ => return Err(not_mapped(path)),
         },
-        Form::Bag(bag) => read_file(&bag, topics)?,
-        Form::Bags(bags) => read_with_model(&bags, path, topics)?,
+        Form::Bag(bag) => read_file(&bag, topics, wheels)?,
+        Form::Bags(bags) => read_with_model(&bags, path, topics, wheels)?,
     };
     if let Some(reason) = unused {
         let path = path.display();
@@ -146,19 +147,19 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
     {
         return import.load();
     }
-    read_with_model(&bag, path, map)?.load()
+    read_with_model(&bag, path, map, &[])?.load()
 }
 
 /// The text of a map for a recording that another program wrote, to be completed by a person: of topics for a bag, of
-/// columns for CSV files.
+/// columns for CSV files. `wheels` as in [`read_spooled`].
 ///
 /// # Errors
 /// If the recording cannot be read, or needs no map.
-pub fn draft_map(path: &Path) -> Result<String> {
+pub fn draft_map(path: &Path, wheels: &[WheelJoints]) -> Result<String> {
     match Form::of(path)? {
         Form::Csv => draft(path),
-        Form::Bag(bag) => draft_with_model(&bag, path),
-        Form::Bags(bags) => draft_with_model(&bags, path),
+        Form::Bag(bag) => draft_with_model(&bag, path, wheels),
+        Form::Bags(bags) => draft_with_model(&bags, path, wheels),
         Form::Folder => {
             let problem = "has recording.toml, and needs no map";
             Err(InputError::file(path, problem, "give it without a map").into())
@@ -220,7 +221,7 @@ fn description(path: &Path) -> Result<(PathBuf, String)> {
 }
 
 /// Reads a file: one of our own, or a bag of another robot.
-fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
+fn read_file(bag: &BagFile, topics: Option<&TopicMap>, wheels: &[WheelJoints]) -> Result<Spooled> {
     let may_be_own = bag.container == Container::Mcap && topics.is_none();
     // A file without an index is read as one of our own first.
     if may_be_own && bag.summary().is_none_or(|summary| is_own(&summary)) {
@@ -229,7 +230,7 @@ fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
             return Ok(import);
         }
     }
-    read_with_model(bag as &dyn Bag, bag.path(), topics)
+    read_with_model(bag as &dyn Bag, bag.path(), topics, wheels)
 }
 
 /// CSV files cannot be read without a map; a folder may have none.

@@ -19,14 +19,14 @@ impl Side {
         }
     }
 
-    /// Words of a few letters that mean it: alone, beside the letter of front, middle or rear, or before a wheel.
-    fn short(self) -> [&'static str; 11] {
+    /// Words of a few letters that mean it: alone, beside the letter of front, middle or rear, or before a wheel or motor.
+    fn short(self) -> [&'static str; 12] {
         match self {
             Self::Right => [
-                "r", "fr", "rf", "rr", "br", "rb", "mr", "rm", "cr", "rwheel", "wheelr",
+                "r", "fr", "rf", "rr", "br", "rb", "mr", "rm", "cr", "rwheel", "wheelr", "rmotor",
             ],
             Self::Left => [
-                "l", "fl", "lf", "rl", "lr", "bl", "lb", "ml", "lm", "lwheel", "wheell",
+                "l", "fl", "lf", "rl", "lr", "bl", "lb", "ml", "lm", "lwheel", "wheell", "lmotor",
             ],
         }
     }
@@ -51,6 +51,42 @@ pub(crate) fn side_of(name: &str) -> Option<Side> {
         [false, true] => Some(Side::Left),
         _ => None,
     }
+}
+
+/// The side that a name tells, and the name in small letters with a mark where it tells it: `*_ticks` of `left_ticks`, and of
+/// `right_ticks`. Names of one pair have the same rest.
+pub(crate) fn side_and_rest(name: &str) -> Option<(Side, String)> {
+    let side = side_of(name)?;
+    let name = split_humps(name);
+    if name.contains(side.word()) {
+        return Some((side, name.replace(side.word(), "*")));
+    }
+    let mut rest = String::with_capacity(name.len());
+    let mut unread = name.as_str();
+    while !unread.is_empty() {
+        let is_letter = |c: char| c.is_ascii_alphabetic();
+        let end = unread.find(|c| !is_letter(c)).unwrap_or(unread.len());
+        let (word, others) = unread.split_at(end);
+        let is_side = side.short().contains(&word);
+        // `fr` and `fl` leave `f`, `rr` and `rl` leave `r`.
+        let left = match is_side {
+            true if word.contains("wheel") => "*wheel".to_owned(),
+            true if word.contains("motor") => "*motor".to_owned(),
+            true => format!("*{}", word.replacen(&side.word()[..1], "", 1)),
+            false => word.to_owned(),
+        };
+        rest.push_str(&left);
+        let start = others.find(is_letter).unwrap_or(others.len());
+        let (between, others) = others.split_at(start);
+        rest.push_str(between);
+        unread = others;
+    }
+    Some((side, rest))
+}
+
+/// The words of letters in a name in any spelling, in small letters: `left`, `wheel` and `ticks` of `leftWheelTicks2`.
+pub(crate) fn words_of(name: &str) -> Vec<String> {
+    words(&split_humps(name)).map(str::to_owned).collect()
 }
 
 /// The words of letters in a name, such as `front`, `left` and `wheel` of `front_left_wheel_2`.
@@ -99,5 +135,23 @@ mod tests {
         for (name, side) in cases {
             assert_eq!(side_of(name), side, "{name}");
         }
+    }
+
+    #[test]
+    fn the_names_of_a_pair_have_one_rest() {
+        let pairs = [
+            ("/left_ticks", "/right_ticks", "/*_ticks"),
+            ("leftTicks", "rightTicks", "*_ticks"),
+            ("/lwheel", "/rwheel", "/*wheel"),
+            ("enc_fl2", "enc_fr2", "enc_*f2"),
+            ("wheel_rl", "wheel_rr", "wheel_*r"),
+            ("/m/l.data", "/m/r.data", "/m/*.data"),
+        ];
+        for (left, right, rest) in pairs {
+            let rest = rest.to_owned();
+            assert_eq!(side_and_rest(left), Some((Side::Left, rest.clone())));
+            assert_eq!(side_and_rest(right), Some((Side::Right, rest)));
+        }
+        assert_eq!(side_and_rest("/ticks"), None);
     }
 }

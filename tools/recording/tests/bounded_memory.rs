@@ -64,17 +64,20 @@ fn peaks(rows: u32) -> Option<[u64; 3]> {
     write_recording(&given, rows);
     Some([
         peak_memory(|| {
-            read_spooled(&given, &Map::None)
+            read_spooled(&given, &Map::None, &[])
                 .unwrap()
                 .write_mcap(&bag)
                 .unwrap()
         })?,
         peak_memory(|| {
-            let report = read_spooled(&bag, &Map::None).unwrap().check(None).unwrap();
+            let report = read_spooled(&bag, &Map::None, &[])
+                .unwrap()
+                .check(None)
+                .unwrap();
             assert_eq!(report.robots[0].streams[0].rows, rows as usize);
         })?,
         peak_memory(|| {
-            read_spooled(&bag, &Map::None)
+            read_spooled(&bag, &Map::None, &[])
                 .unwrap()
                 .write_folder(&back)
                 .unwrap()

@@ -12,16 +12,17 @@ use slipstream_recording::recording::{Command, Wheels};
 use slipstream_recording::{Map, TopicMap, read, read_mapped};
 
 #[test]
-fn the_guess_finds_the_streams_and_is_in_the_warnings() {
+fn the_guess_finds_the_streams_and_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("robot.mcap");
     if python::script("write_bag.py", &[&file]).is_none() {
         return;
     }
     let import = read(&file).unwrap();
-    let [guess] = &import.warnings[..] else {
-        panic!("{:?}", import.warnings);
+    let [guess] = &import.guesses[..] else {
+        panic!("{:?}", import.guesses);
     };
+    assert_eq!(import.warnings, Vec::<String>::new());
     let topics = [
         "command = \"/cmd_vel\"\n",
         "wheels = { topic = \"/joint_states\", right = \"right_wheel_joint\", \
@@ -74,7 +75,10 @@ fn the_guess_finds_the_streams_and_is_in_the_warnings() {
     let map = guess.split_once('\n').unwrap().1;
     let map = TopicMap::parse(map, Path::new("map.toml")).unwrap();
     let again = read_mapped(&file, &Map::Topics(map)).unwrap();
-    assert_eq!(again.warnings, Vec::<String>::new());
+    assert_eq!(
+        [again.guesses, again.warnings].concat(),
+        Vec::<String>::new()
+    );
     assert_eq!(
         again.recording.robots[0].pose.as_ref().unwrap().t_s,
         pose.t_s

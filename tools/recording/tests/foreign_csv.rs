@@ -72,7 +72,7 @@ fn without_a_map_or_with_a_wrong_one_it_says_what_to_do() {
     let error = read(folder.path()).unwrap_err().to_string();
     assert!(error.contains("--write-columns"), "{error}");
     // The draft is a map.
-    let draft = draft_map(&file).unwrap();
+    let draft = draft_map(&file, &[]).unwrap();
     assert!(
         ColumnMap::parse(&draft, Path::new("map.toml")).is_ok(),
         "{draft}"

@@ -147,9 +147,9 @@ fn of_a_damaged_bag_everything_is_read_that_there_is() {
     let none = read(&out.join("no_values.mcap")).unwrap();
     assert!(only_robot(&none).wheels.is_none());
     assert!(
-        none.warnings.iter().any(|w| w.contains("neither angle")),
+        none.guesses.iter().any(|w| w.contains("neither angle")),
         "{:?}",
-        none.warnings
+        none.guesses
     );
     let two = check(&read(&out.join("two_robots.mcap")).unwrap().recording, None);
     assert!(
@@ -185,8 +185,12 @@ fn a_wrong_map_is_refused_in_words() {
         ),
         (format!("wheels = {{ {joints} = [] }}"), "names no joint"),
         (
-            format!("wheels = {{ {joints} = \"a\", quantity = \"ticks\" }}"),
+            format!("wheels = {{ {joints} = \"a\", quantity = \"turns\" }}"),
             "is not a quantity",
+        ),
+        (
+            format!("wheels = {{ {joints} = \"a\", quantity = \"ticks\" }}"),
+            "which cannot provide wheels",
         ),
         (
             "wheels = \"/base/joint_states\"".to_owned(),

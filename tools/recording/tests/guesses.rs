@@ -7,13 +7,13 @@ mod python;
 
 use slipstream_recording::{describe_robot, read};
 
-/// The lines of the guessed map of a bag, and its other warnings.
+/// The lines of the guessed map of a bag, and what else was guessed.
 fn guessed(path: &std::path::Path) -> (Vec<String>, Vec<String>) {
     let import = read(path).unwrap();
     let (maps, others): (Vec<String>, _) = import
-        .warnings
+        .guesses
         .into_iter()
-        .partition(|warning| warning.contains("guessed topics"));
+        .partition(|note| note.contains("guessed topics"));
     let lines = maps[0].lines().skip(3).map(str::to_owned);
     (lines.collect(), others)
 }

@@ -82,7 +82,7 @@ fn a_localisation_is_composed_where_it_changes() {
                     changes: a localisation";
         assert!(warnings.contains(note), "{warnings}");
     }
-    let draft = draft_map(&out.join("localised")).unwrap();
+    let draft = draft_map(&out.join("localised"), &[]).unwrap();
     assert!(
         draft.contains("# robot/pose: composed of map to odom and odom to base_link\n"),
         "{draft}"

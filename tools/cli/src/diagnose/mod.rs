@@ -78,17 +78,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Exit, Error> {
             );
         }
     }
+    let models = Models::read(&arguments.robot)?;
     let read_all = |paths: &[PathBuf]| -> Result<Vec<Recording>, Error> {
-        let is_given = !arguments.robot.is_empty();
-        let read = |path: &PathBuf| {
-            let spooled = arguments.reading.spool_for(path, is_given)?;
-            Ok(spooled.load()?.recording)
-        };
+        let read = |path: &PathBuf| Ok(arguments.reading.read(path, &models)?.recording);
         paths.iter().map(read).collect()
     };
     let recordings = read_all(&arguments.recording)?;
     let against = read_all(&arguments.against)?;
-    let models = Models::read(&arguments.robot)?;
     let line = progress::line();
     let request = Request {
         recordings: &recordings,

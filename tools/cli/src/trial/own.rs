@@ -38,8 +38,8 @@ pub(super) struct Asked<'a> {
 /// Runs the command.
 pub(super) fn run(asked: &Asked<'_>) -> Result<Exit, Error> {
     let path = asked.on;
-    let recording = asked.reading.read(path)?.recording;
     let models = Models::read(asked.robot)?;
+    let recording = asked.reading.read(path, &models)?.recording;
     let first = recording.robots.first().map(|robot| robot.name.as_str());
     let model = first.and_then(|name| models.of(name));
     let model = model.or_else(|| recording.model.clone()).ok_or_else(|| {

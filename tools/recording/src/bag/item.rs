@@ -24,6 +24,10 @@ pub(super) type Schema = (String, Arc<(String, Vec<u8>)>);
 impl ChannelInfo {
     /// A channel of an MCAP file.
     pub(super) fn new(channel: mcap::records::Channel, (schema, definition): Schema) -> Self {
+        let schema = match channel.message_encoding.as_str() {
+            "ros1" => ros2_name(&schema),
+            _ => schema,
+        };
         Self {
             topic: channel.topic,
             schema,
@@ -31,6 +35,14 @@ impl ChannelInfo {
             encoding: channel.message_encoding,
             metadata: channel.metadata,
         }
+    }
+}
+
+/// The name of a ROS 1 message type as ROS 2 writes it: `sensor_msgs/msg/Imu` for `sensor_msgs/Imu`.
+pub(super) fn ros2_name(name: &str) -> String {
+    match name.split_once('/') {
+        Some((package, message)) if !message.contains('/') => format!("{package}/msg/{message}"),
+        _ => name.to_owned(),
     }
 }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::chunk::{MAX_CHUNK_BYTES, unpack_as_far};
-use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted};
+use super::item::{ChannelInfo, Item, Undecodable, Visit, Wanted, ros2_name};
 use super::loss::Loss;
 
 /// First bytes of every bag of this format.
@@ -249,13 +249,5 @@ fn field<'a>(mut header: &'a [u8], name: &[u8]) -> Option<&'a [u8]> {
         if value.is_some() {
             return value;
         }
-    }
-}
-
-/// The name of a message type as ROS 2 writes it: `sensor_msgs/msg/Imu` for `sensor_msgs/Imu`.
-fn ros2_name(name: &str) -> String {
-    match name.split_once('/') {
-        Some((package, message)) => format!("{package}/msg/{message}"),
-        None => name.to_owned(),
     }
 }

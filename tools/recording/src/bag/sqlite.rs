@@ -120,20 +120,37 @@ fn restrict(database: &Connection) -> rusqlite::Result<()> {
 /// The topics by their number, and whether their messages are wanted.
 type Topics = BTreeMap<u32, (Arc<ChannelInfo>, bool)>;
 
+/// Encoding and bytes of a definition, by the name of its type.
+type Definitions = BTreeMap<String, Arc<(String, Vec<u8>)>>;
+
 /// The topics of a database.
 fn topics(database: &Connection, wanted: &Wanted<'_>) -> rusqlite::Result<Topics> {
+    let definitions = definitions(database).unwrap_or_default();
     let mut statement =
         database.prepare("SELECT id, name, type, serialization_format FROM topics")?;
     let rows = statement.query_map([], |row| {
+        let schema: String = row.get(2)?;
+        let definition = definitions.get(&schema).cloned();
         let channel = ChannelInfo {
             topic: row.get(1)?,
-            schema: row.get(2)?,
+            schema,
             encoding: row.get(3)?,
-            definition: Arc::default(),
+            definition: definition.unwrap_or_default(),
             metadata: BTreeMap::new(),
         };
         let is_wanted = wanted(&channel);
         Ok((row.get(0)?, (Arc::new(channel), is_wanted)))
+    })?;
+    rows.collect()
+}
+
+/// Encoding and bytes of the definitions of types by their names, which rosbag2 writes since ROS 2 Iron.
+fn definitions(database: &Connection) -> rusqlite::Result<Definitions> {
+    let query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions LIMIT 10000";
+    let mut statement = database.prepare(query)?;
+    let rows = statement.query_map([], |row| {
+        let text: String = row.get(2)?;
+        Ok((row.get(0)?, Arc::new((row.get(1)?, text.into_bytes()))))
     })?;
     rows.collect()
 }

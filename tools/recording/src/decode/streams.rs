@@ -120,6 +120,31 @@ impl StreamBuilder {
         self.push_sample(t_s, &sample);
     }
 
+    /// Appends a row of two wheels, right and left, in the quantity of the columns. Counts are rounded.
+    pub(crate) fn push_wheels(&mut self, t_s: f64, values: [f64; 2]) {
+        /// Counts up to here are exact in floating point.
+        const MOST_COUNT: f64 = 9_007_199_254_740_992.0;
+        let table = self.spool.tail();
+        table.t_s.push(t_s);
+        let columns = table.columns.iter_mut().zip(&mut self.has_values);
+        for (((name, cells), has_values), value) in columns.zip(values) {
+            match cells {
+                Cells::Numbers(cells) => {
+                    let number = self.out_of_range.cell(name, value);
+                    *has_values |= number.is_finite();
+                    cells.push(number);
+                }
+                Cells::Counts(cells) => {
+                    let is_count = value.abs() <= MOST_COUNT;
+                    *has_values |= is_count;
+                    cells.push(is_count.then(|| value.round() as i64));
+                }
+                Cells::Texts(_) => {}
+            }
+        }
+        self.spool.end_row();
+    }
+
     /// Appends a row from a lossless row message.
     pub(crate) fn push_row(&mut self, data: &[u8]) -> VisitResult {
         let row: ros::Row<Vec<f64>, Vec<String>> = decode(data).map_err(|_| Undecodable)?;

@@ -1,7 +1,8 @@
 //! What a guess may choose: a stream that a topic may hold, of which robot.
 
-use super::topic_map::Source;
+use super::source::Source;
 use crate::recording::is_robot_name;
+use crate::sides::{side_of, words_of};
 
 /// First parts of a topic that name a sensor or driver, not a robot.
 const NOT_ROBOTS: [&str; 13] = [
@@ -53,14 +54,58 @@ pub(super) fn has_word(name: &str, word: &str) -> bool {
     words.any(|own| own == word || (word.len() > 3 && own.starts_with(word)))
 }
 
+/// Whether a part of a topic names a wheel or its sensor, as in `/encoder/left`.
+fn is_of_wheel(part: &str) -> bool {
+    let is_it = |word: &String| {
+        let words = ["wheel", "encoder", "tick", "motor"];
+        words.iter().any(|known| word.contains(known))
+    };
+    // `r1` is a robot.
+    let has_digit = part.chars().any(|c| c.is_ascii_digit());
+    (side_of(part).is_some() && !has_digit) || words_of(part).iter().any(is_it)
+}
+
+/// A topic without the part that names its robot.
+pub(super) fn within_robot(topic: &str) -> &str {
+    let inner = topic
+        .trim_start_matches('/')
+        .strip_prefix(&robot_of_topic(topic));
+    inner.filter(|own| own.starts_with('/')).unwrap_or(topic)
+}
+
 /// The robot of a topic: the first of several parts, such as `r1` in `/r1/odom`, unless it names a
-/// sensor.
+/// sensor or a wheel.
 pub(super) fn robot_of_topic(topic: &str) -> String {
     let mut parts = topic.split('/').filter(|part| !part.is_empty());
     match (parts.next(), parts.next()) {
-        (Some(robot), Some(_)) if !NOT_ROBOTS.contains(&robot) && is_robot_name(robot) => {
+        (Some(robot), Some(_))
+            if !NOT_ROBOTS.contains(&robot) && !is_of_wheel(robot) && is_robot_name(robot) =>
+        {
             robot.to_owned()
         }
         _ => "robot".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_robot_is_told_from_its_wheels_and_sensors() {
+        let cases = [
+            ("/r1/lwheel", "r1", "/lwheel"),
+            ("/left_ticks", "robot", "/left_ticks"),
+            ("/encoder/left", "robot", "/encoder/left"),
+            ("/wheel/left/ticks", "robot", "/wheel/left/ticks"),
+            ("/right/ticks", "robot", "/right/ticks"),
+            ("/robot/ticks", "robot", "/ticks"),
+        ];
+        for (topic, robot, inner) in cases {
+            assert_eq!(
+                (robot_of_topic(topic).as_str(), within_robot(topic)),
+                (robot, inner)
+            );
+        }
     }
 }

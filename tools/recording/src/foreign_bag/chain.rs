@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::rigid::Rigid;
+use super::source::Source;
 use super::survey::Topic;
 
 /// Transforms that lead from one frame to another, one after the other.
@@ -64,6 +65,19 @@ impl Chain {
         }
         chain.reverse();
         (!chain.is_empty()).then_some(Self { links: chain })
+    }
+
+    /// The chain that leads to a pose, if no transform of the topic does alone.
+    pub(super) fn of(source: &Source, topic: &Topic, topics: &[Topic]) -> Option<Self> {
+        let frames = [
+            source.selector.parent.clone()?,
+            source.selector.frame.clone()?,
+        ];
+        if !topic.has_transforms() || topic.frames.contains_key(&frames) {
+            return None;
+        }
+        let [parent, frame] = &frames;
+        Self::find(topics, &source.topic, parent, frame)
     }
 
     /// Its transforms in a sentence.

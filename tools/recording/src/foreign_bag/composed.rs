@@ -8,17 +8,16 @@ use std::fmt::Write as _;
 
 use super::chain::{Chain, Link};
 use super::clock::Clock;
+use super::neighbours::{MOST_GAP_S, Neighbours};
 use super::rigid::{Rigid, between, in_plane, of_message};
 use crate::bag::{ChannelInfo, Undecodable, VisitResult};
 use crate::decode::StreamBuilder;
 use crate::ros::Encoding;
 use crate::ros::messages::TransformStamped;
 use crate::ros::time::s_from_ns;
-use crate::rows::{Disk, RowCursor, Rows, Spool, sorted_by_time};
+use crate::rows::{Disk, Spool, sorted_by_time};
 use crate::table::{Cells, Table};
 
-/// Longest time between two transforms (s) between which a third one is interpolated.
-const MOST_GAP_S: f64 = 0.5;
 /// A stamp may lie so far (ns) ahead of the reception of its message: a localisation lets its correction hold for
 /// some time to come. By more, the clocks differ.
 const MOST_AHEAD_NS: i64 = 2_000_000_000;
@@ -127,12 +126,12 @@ impl Composed {
         let names: Vec<String> = self.moving.iter().map(|own| own.link.name()).collect();
         let sorted = self.moving.into_iter().map(|own| sorted_by_time(own.rows));
         let sorted: Vec<Spool> = sorted.collect();
-        let mut places: Vec<Places<'_>> = sorted.iter().map(Places::new).collect();
+        let places = sorted.iter().map(|rows| Neighbours::new(rows, place_in));
+        let mut places: Vec<Neighbours<'_, Rigid>> = places.collect();
         let mut poses = Poses::default();
         if let Some((first, others)) = places.split_first_mut() {
-            while let Some((t_s, place)) = first.after {
-                first.advance();
-                let others = others.iter_mut().map(|places| places.at(t_s));
+            while let Some((t_s, place)) = first.next() {
+                let others = others.iter_mut().map(|places| place_at(places, t_s));
                 let Some(others) = others.collect::<Option<Vec<Rigid>>>() else {
                     poses.left_out += 1;
                     continue;
@@ -214,55 +213,23 @@ impl Moving {
     }
 }
 
-/// The places of a link over time, read from its first one on.
-struct Places<'a> {
-    cursor: RowCursor<'a>,
-    before: Option<(f64, Rigid)>,
-    after: Option<(f64, Rigid)>,
+/// The place in a row.
+fn place_in(table: &Table, row: usize) -> Rigid {
+    let number = |column| table.number(column, row);
+    let rotation = nalgebra::Quaternion::new(number(6), number(3), number(4), number(5));
+    Rigid::from_parts(
+        nalgebra::Translation3::new(number(0), number(1), number(2)),
+        nalgebra::Unit::new_unchecked(rotation),
+    )
 }
 
-impl<'a> Places<'a> {
-    fn new(rows: &'a Spool) -> Self {
-        let mut places = Self {
-            cursor: Rows::of_spool(rows).row_cursor(),
-            before: None,
-            after: None,
-        };
-        places.after = places.here();
-        places
-    }
-
-    /// The current row.
-    fn here(&self) -> Option<(f64, Rigid)> {
-        let (table, row) = self.cursor.row()?;
-        let number = |column| table.number(column, row);
-        let rotation = nalgebra::Quaternion::new(number(6), number(3), number(4), number(5));
-        let place = Rigid::from_parts(
-            nalgebra::Translation3::new(number(0), number(1), number(2)),
-            nalgebra::Unit::new_unchecked(rotation),
-        );
-        Some((*table.t_s.get(row)?, place))
-    }
-
-    fn advance(&mut self) {
-        self.cursor.advance();
-        self.after = self.here();
-    }
-
-    /// The place at a time that is not before the last one asked for; `None` outside of the known times, and in gaps.
-    fn at(&mut self, t_s: f64) -> Option<Rigid> {
-        while let Some((after_s, _)) = self.after
-            && after_s < t_s
-        {
-            self.before = self.after;
-            self.advance();
+/// The place of a link at a time; `None` where it is not known, and in gaps.
+fn place_at(places: &mut Neighbours<'_, Rigid>, t_s: f64) -> Option<Rigid> {
+    let around = places.around(t_s)?;
+    match around.share {
+        0.0 => Some(around.after),
+        share => {
+            (around.gap_s <= MOST_GAP_S).then(|| between(&around.before, &around.after, share))
         }
-        let (after_s, after) = self.after?;
-        if after_s == t_s {
-            return Some(after);
-        }
-        let (before_s, before) = self.before?;
-        let gap_s = after_s - before_s;
-        (gap_s <= MOST_GAP_S).then(|| between(&before, &after, (t_s - before_s) / gap_s))
     }
 }

@@ -1,4 +1,4 @@
-//! Descriptions of robots that a bag carries.
+//! Descriptions of robots that a bag carries, and the wheels that descriptions name.
 
 use super::survey::Topic;
 
@@ -10,10 +10,23 @@ pub(crate) struct InBag {
 }
 
 /// Names of the joints of a robot's driven wheels, right and left, as a description has them.
-pub(crate) type WheelJoints = [Vec<String>; 2];
+pub type WheelJoints = [Vec<String>; 2];
 
 /// Whoever knows the wheels of descriptions.
-pub(crate) type WheelsOf<'a> = dyn Fn(&InBag) -> Option<WheelJoints> + 'a;
+pub(crate) struct WheelNames<'a> {
+    /// Those that the user gave, which count more.
+    pub(crate) given: &'a [WheelJoints],
+    /// Reads one of the bag.
+    pub(crate) of: &'a dyn Fn(&InBag) -> Option<WheelJoints>,
+}
+
+impl WheelNames<'_> {
+    /// All wheels, those that the user gave first.
+    pub(super) fn all(&self, described: &[InBag]) -> Vec<WheelJoints> {
+        let in_bag = described.iter().filter_map(self.of);
+        self.given.iter().cloned().chain(in_bag).collect()
+    }
+}
 
 /// The descriptions, without those that another topic repeats.
 pub(super) fn descriptions(topics: &[Topic]) -> Vec<InBag> {

@@ -2,10 +2,11 @@
 
 use super::candidate::{Candidate, has_word, is_of_reference, robot_of_topic};
 use super::description::WheelJoints;
-use super::joints;
+use super::frames::Frames;
+use super::source::{Quantity, Source};
 use super::survey::{Joint, Topic};
-use super::topic_map::{Quantity, Source, TopicMap};
-use super::transforms;
+use super::topic_map::TopicMap;
+use super::{joints, pairs, rolling, transforms, unused};
 use crate::decode::MessageSelector;
 use crate::ros::Encoding;
 use crate::table::StreamKind;
@@ -30,16 +31,21 @@ pub(super) struct Guess {
 }
 
 /// The most likely stream of each topic. Of several topics for one stream, the one of highest rank, then the one with
-/// most messages. `described` are wheels that descriptions of robots name.
-pub(super) fn guess(topics: &[Topic], described: &[WheelJoints]) -> Guess {
+/// most messages. `known` are wheels that descriptions of robots name.
+pub(super) fn guess(topics: &[Topic], known: &[WheelJoints]) -> Guess {
     let mut notes = Vec::new();
     let mut candidates = Vec::new();
+    let frames = Frames::of(topics);
     for topic in topics {
-        candidates.extend(candidate(topic, described));
-        notes.extend(without_values(topic, described));
+        let wheels = joints::wheels(&topic.joints, known, &frames);
+        notes.extend(without_values(topic, wheels.as_ref()));
+        candidates.extend(candidate(topic, wheels));
         candidates.extend(transforms::poses(topic, topics));
     }
+    candidates.extend(pairs::wheels(topics));
+    candidates.extend(rolling::wheels(&frames));
     give_to_robots(&mut candidates, &mut notes);
+    let possible: Vec<Source> = candidates.iter().map(|own| own.source.clone()).collect();
     let mut best: Vec<Candidate> = Vec::new();
     for new in candidates {
         let is_same = |old: &&mut Candidate| {
@@ -55,9 +61,11 @@ pub(super) fn guess(topics: &[Topic], described: &[WheelJoints]) -> Guess {
     for candidate in &best {
         notes.extend(several_wheels(&candidate.source));
     }
+    let sources: Vec<Source> = best.into_iter().map(|candidate| candidate.source).collect();
+    notes.extend(unused::notes(topics, &possible, &sources));
     Guess {
         map: TopicMap {
-            sources: best.into_iter().map(|candidate| candidate.source).collect(),
+            sources,
             ..TopicMap::default()
         },
         notes,
@@ -65,7 +73,7 @@ pub(super) fn guess(topics: &[Topic], described: &[WheelJoints]) -> Guess {
 }
 
 /// The most likely stream of a topic, if any.
-fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
+fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate> {
     Encoding::of(&topic.channel.encoding)?;
     let name = topic.channel.topic.to_lowercase();
     let contains = |words: &[&str]| words.iter().any(|word| name.contains(word));
@@ -74,7 +82,11 @@ fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
     let mut quantity = None;
     let mut rank = 1;
     let kind = match topic.type_name() {
-        "Twist" | "TwistStamped" if is_command => StreamKind::Command,
+        "Twist" | "TwistStamped" if is_command => {
+            // What a multiplexer chooses from is not what the drives were told.
+            rank = u32::from(!contains(&["input", "teleop", "joy", "key", "nav"]));
+            StreamKind::Command
+        }
         "TwistStamped" | "TwistWithCovarianceStamped" => StreamKind::Odometry,
         "Odometry" if is_reference(topic) => StreamKind::Pose,
         "Odometry" => {
@@ -88,16 +100,26 @@ fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
             rank = pose_rank(topic);
             StreamKind::Pose
         }
-        "Imu" => StreamKind::Imu,
+        "Imu" => {
+            rank = u32::from(!contains(&["raw"]));
+            StreamKind::Imu
+        }
         "EncoderTicks" => {
-            rank = 2;
+            rank = 9;
             StreamKind::Wheels
         }
         "WheelVoltage" => StreamKind::Command,
         "MotorState" => StreamKind::Motor,
         "JointState" => {
-            selector = joints::wheels(&topic.joints, described)?;
+            let wheels = wheels?;
+            selector = wheels.selector;
             let (kind, list) = list_of(topic, &selector, is_command)?;
+            rank = match () {
+                // Some publishers fill in zeros for what nothing measures.
+                () if !turn(topic, &selector) => 0,
+                () if wheels.are_named => 8,
+                () => 7,
+            };
             quantity = Some(list);
             kind
         }
@@ -105,15 +127,24 @@ fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
     };
     Some(Candidate {
         source: Source {
-            robot: robot_of_topic(&topic.channel.topic),
-            kind,
-            topic: topic.channel.topic.clone(),
             selector,
             quantity,
+            ..Source::of(
+                &robot_of_topic(&topic.channel.topic),
+                kind,
+                &topic.channel.topic,
+            )
         },
         rank,
         messages: topic.messages,
     })
+}
+
+/// Whether a wheel turns.
+fn turn(topic: &Topic, selector: &MessageSelector) -> bool {
+    let mut joints = selector.joints.iter().flatten();
+    let turns = |joint: &Joint| joint.angle.vary || joint.speed.vary || joint.torque.vary;
+    joints.any(|name| topic.joints.get(name).is_some_and(turns))
 }
 
 /// Which list of a joint state to read, and what it is: commands, or wheels.
@@ -160,10 +191,22 @@ fn pose_rank(topic: &Topic) -> u32 {
     if is_of_reference(&name) { 3 } else { 2 }
 }
 
+/// How good the sort of source is: joint states and encoders, then numbers, then transforms, then what does not move.
+fn sort(wheels: &Candidate) -> u32 {
+    match wheels.rank {
+        7.. => 3,
+        3..7 => 2,
+        rank => rank,
+    }
+}
+
 /// Gives the streams of sensors outside of a robot, such as a camera's poses, to the robot that has wheels.
 fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
     let robots_with = |kind: StreamKind| {
-        let with = candidates.iter().filter(|c| c.source.kind == kind);
+        let of_kind = || candidates.iter().filter(|c| c.source.kind == kind);
+        // Wheels of a worse sort, whose names may begin otherwise, are those of the same robots.
+        let best = of_kind().map(sort).max();
+        let with = of_kind().filter(|own| kind != StreamKind::Wheels || Some(sort(own)) == best);
         let mut robots: Vec<String> = with.map(|c| c.source.robot.clone()).collect();
         robots.sort();
         robots.dedup();
@@ -202,9 +245,9 @@ fn give_to_robots(candidates: &mut Vec<Candidate>, notes: &mut Vec<String>) {
 }
 
 /// What to say of joint states whose wheels have no values.
-fn without_values(topic: &Topic, described: &[WheelJoints]) -> Option<String> {
-    let wheels = joints::wheels(&topic.joints, described)?;
-    let names: Vec<&str> = wheels.joints.iter().flatten().map(String::as_str).collect();
+fn without_values(topic: &Topic, wheels: Option<&joints::Wheels>) -> Option<String> {
+    let joints = &wheels?.selector.joints;
+    let names: Vec<&str> = joints.iter().flatten().map(String::as_str).collect();
     let has_none = |name: &&str| {
         topic
             .joints

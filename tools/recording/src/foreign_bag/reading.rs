@@ -4,19 +4,31 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use slipstream_bus::InputError;
 
+use super::apart::Apart;
 use super::clock::Clock;
 use super::composed::Composed;
-use super::topic_map::Source;
+use super::source::Source;
 use crate::bag::{Bag, ChannelInfo, Item, Loss, VisitResult};
-use crate::decode::StreamBuilder;
+use crate::decode::{Fields, StreamBuilder};
 use crate::ros::time::s_from_ns;
 
 /// A stream being read.
 pub(super) struct Reading {
     pub(super) source: Source,
     pub(super) stream: StreamBuilder,
-    /// For a pose along several transforms.
-    pub(super) composed: Option<Composed>,
+    pub(super) way: Way,
+}
+
+/// How messages become rows.
+pub(super) enum Way {
+    /// Each is one, by the meaning of its type.
+    Messages,
+    /// Each is one: two of its numbers, or the means of several.
+    Fields(Box<Fields>),
+    /// A pose along several transforms.
+    Composed(Box<Composed>),
+    /// Wheels with a topic or a transform each.
+    Apart(Box<Apart>),
 }
 
 impl Reading {
@@ -28,21 +40,27 @@ impl Reading {
         clock: Clock,
         log_ns: i64,
     ) -> VisitResult {
-        if let Some(composed) = &mut self.composed {
-            return composed.push(channel, data, clock, log_ns);
-        }
         let t_s = |stamp_ns| s_from_ns(clock.time_ns(stamp_ns, log_ns));
-        match self.source.topic == channel.topic {
-            true => self.stream.push_message(channel, data, t_s),
-            false => Ok(()),
+        let is_own = self.source.topic == channel.topic;
+        match &mut self.way {
+            Way::Composed(composed) => composed.push(channel, data, clock, log_ns),
+            Way::Apart(apart) => apart.push(channel, data, clock, log_ns),
+            Way::Messages if is_own => self.stream.push_message(channel, data, t_s),
+            Way::Fields(fields) if is_own => {
+                let (stamp_ns, values) = fields.read(data)?;
+                self.stream.push_wheels(t_s(stamp_ns), values);
+                Ok(())
+            }
+            Way::Messages | Way::Fields(_) => Ok(()),
         }
     }
 
     /// The topics that it reads, and has its times from.
     pub(super) fn topics(&self) -> Vec<String> {
-        match &self.composed {
-            Some(composed) => composed.chain().moving_topics(),
-            None => vec![self.source.topic.clone()],
+        match &self.way {
+            Way::Composed(composed) => composed.chain().moving_topics(),
+            Way::Apart(apart) => apart.topics(),
+            Way::Messages | Way::Fields(_) => vec![self.source.topic.clone()],
         }
     }
 }
@@ -57,7 +75,10 @@ pub(super) fn read_streams(
     clock: Clock,
 ) -> Result<(Loss, BTreeMap<String, u64>), InputError> {
     let mut left_out: BTreeMap<String, u64> = BTreeMap::new();
-    let composed = streams.iter().filter_map(|own| own.composed.as_ref());
+    let composed = streams.iter().filter_map(|own| match &own.way {
+        Way::Composed(composed) => Some(composed),
+        _ => None,
+    });
     let of_chains: Vec<String> = composed.flat_map(|own| own.chain().topics()).collect();
     let needed: BTreeSet<String> = streams.iter().flat_map(Reading::topics).collect();
     let wanted = |channel: &ChannelInfo| needed.contains(&channel.topic);

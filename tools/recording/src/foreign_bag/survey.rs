@@ -6,11 +6,13 @@ use std::sync::Arc;
 use slipstream_bus::InputError;
 
 use super::clock::Times;
+use super::numbers::{Numbers, layout_of_wheels};
 use super::rigid::{self, Rigid};
+use super::turn::Turned;
 use crate::bag::{Bag, ChannelInfo, Item, Loss, Undecodable, VisitResult};
-use crate::decode::{JointState, MessageSelector, NoSample, Sample};
-use crate::ros::Encoding;
+use crate::decode::{JointState, MessageSelector, NoSample, Sample, Stamp, layout_of};
 use crate::ros::messages::Header;
+use crate::ros::{Encoding, Layout};
 
 /// So many joints or frames of one topic are told apart. A damaged bag may claim any number of names.
 const MOST_NAMES: usize = 1000;
@@ -29,6 +31,9 @@ pub(super) struct Topic {
     pub(super) joints: BTreeMap<String, Joint>,
     /// The transforms from a parent frame to a child frame.
     pub(super) frames: BTreeMap<[String; 2], Seen>,
+    /// The numbers that may be those of wheels, by their paths.
+    pub(super) numbers: BTreeMap<String, Numbers>,
+    layout: Option<Layout>,
     /// The last description of a robot (URDF).
     pub(super) description: Option<String>,
     /// The frame of the first message's header.
@@ -46,6 +51,8 @@ pub(super) struct Seen {
     pub(super) place: Option<Rigid>,
     /// Whether a place differed from the one before it.
     pub(super) varies: bool,
+    /// Whether it turns as a wheel does.
+    pub(super) turned: Turned,
 }
 
 /// What an odometry tells of its motion.
@@ -63,9 +70,8 @@ impl Told {
     fn add(&mut self, sample: &Sample) {
         let pose = ["x_m", "y_m", "yaw_rad"].map(|name| sample.number(name));
         self.moves |= *self.first.get_or_insert(pose) != pose;
-        self.has_speed |= ["v_m_s", "w_rad_s"]
-            .iter()
-            .any(|name| sample.number(name) != 0.0);
+        let speeds = ["v_m_s", "w_rad_s"].map(|name| sample.number(name));
+        self.has_speed |= speeds.iter().any(|own| own.is_finite() && *own != 0.0);
     }
 }
 
@@ -98,11 +104,19 @@ impl Values {
     }
 }
 
-/// The topics of a bag, sorted by name, and what could not be read.
+/// The topics of a bag, sorted by name, and what could not be read. The numbers of `mapped` topics are read whatever their names.
 ///
 /// # Errors
 /// If it is not a bag, or cannot be read.
-pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
+pub(super) fn survey(bag: &dyn Bag, mapped: &[&str]) -> Result<(Vec<Topic>, Loss), InputError> {
+    let layout = |channel: &ChannelInfo| match mapped.contains(&channel.topic.as_str()) {
+        true => layout_of(channel).filter(|_| !Sample::can_be_of(channel)),
+        false => layout_of_wheels(channel),
+    };
+    // Of other topics, such as images, only the number of messages counts.
+    let is_of_interest = |channel: &ChannelInfo| {
+        Sample::can_be_of(channel) || has_description(channel) || layout(channel).is_some()
+    };
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     let loss = bag.scan(&is_of_interest, &mut |item| {
         let (Item::Message { channel, .. } | Item::Unwanted { channel, .. }) = item else {
@@ -112,7 +126,7 @@ pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
             Some(topic) => topic,
             None => topics
                 .entry(channel.topic.clone())
-                .or_insert_with(|| Topic::new(channel)),
+                .or_insert_with(|| Topic::new(channel, layout(channel))),
         };
         match item {
             Item::Message {
@@ -128,24 +142,21 @@ pub(super) fn survey(bag: &dyn Bag) -> Result<(Vec<Topic>, Loss), InputError> {
     Ok((topics.into_values().collect(), loss))
 }
 
-/// Whether messages of a topic say anything about a robot; of others, such as images, only the number counts.
-fn is_of_interest(channel: &ChannelInfo) -> bool {
-    Sample::can_be_of(channel) || has_description(channel)
-}
-
 /// Whether the texts of a topic describe a robot.
 fn has_description(channel: &ChannelInfo) -> bool {
     channel.topic.ends_with("robot_description") && channel.schema.ends_with("/String")
 }
 
 impl Topic {
-    fn new(channel: &Arc<ChannelInfo>) -> Self {
+    fn new(channel: &Arc<ChannelInfo>, layout: Option<Layout>) -> Self {
         Self {
             channel: Arc::clone(channel),
             messages: 0,
             times: Times::default(),
             joints: BTreeMap::new(),
             frames: BTreeMap::new(),
+            numbers: BTreeMap::new(),
+            layout,
             description: None,
             frame: None,
             told: Told::default(),
@@ -162,7 +173,7 @@ impl Topic {
         matches!(self.type_name(), "TFMessage" | "tfMessage")
     }
 
-    /// Whether it is an odometry whose pose moves although its speeds are zero throughout.
+    /// Whether it is an odometry whose pose moves although its speeds are zero or no numbers throughout.
     pub(super) fn has_idle_twist(&self) -> bool {
         self.told.moves && !self.told.has_speed
     }
@@ -179,6 +190,7 @@ impl Topic {
                 self.add_description(encoding, data)?;
                 None
             }
+            _ if self.layout.is_some() => self.add_numbers(encoding, data)?,
             _ => match Sample::decode(&self.channel, &MessageSelector::default(), data) {
                 Ok(sample) => {
                     if self.type_name() == "Odometry" {
@@ -190,12 +202,42 @@ impl Topic {
                 Err(NoSample::Undecodable) => return Err(Undecodable),
             },
         };
-        if self.messages == 1 && stamp_ns.is_some() && self.frames.is_empty() {
+        if self.messages == 1
+            && stamp_ns.is_some()
+            && self.frames.is_empty()
+            && self.layout.is_none()
+        {
             let header: Result<Header<String>, _> = encoding.decode_stamped(data);
             self.frame = header.ok().map(|header| header.frame_id);
         }
         self.times.add(stamp_ns, log_ns);
         Ok(())
+    }
+
+    /// Returns the message's stamp (ns), if it has one.
+    fn add_numbers(&mut self, encoding: Encoding, data: &[u8]) -> Result<Option<i64>, Undecodable> {
+        let mut stamp = Stamp::default();
+        let (layout, numbers) = (&self.layout, &mut self.numbers);
+        let Some(layout) = layout else {
+            return Ok(None);
+        };
+        let read = layout.numbers(encoding, data, &mut |path, number| {
+            if stamp.add(path, number.value) {
+                return;
+            }
+            let is_full = numbers.len() >= MOST_NAMES;
+            match numbers.get_mut(path) {
+                Some(seen) => seen.add(number.value),
+                None if is_full => {}
+                None => {
+                    let mut seen = Numbers::new(number.is_whole);
+                    seen.add(number.value);
+                    numbers.insert(path.to_owned(), seen);
+                }
+            }
+        });
+        read.map_err(|_| Undecodable)?;
+        Ok(stamp.ns())
     }
 
     fn add_description(&mut self, encoding: Encoding, data: &[u8]) -> VisitResult {
@@ -232,6 +274,9 @@ impl Topic {
                 seen.count += 1;
                 seen.varies |= seen.place.is_some() && place.is_some() && seen.place != place;
                 seen.place = place.or(seen.place);
+                if let Some(place) = &place {
+                    seen.turned.add(place);
+                }
             }
         }
         Ok(stamp_ns)

@@ -13,18 +13,27 @@
 //! imu = "/imu"
 //! ```
 //!
-//! `right` and `left` may be lists of joints, whose mean is taken.
+//! `right` and `left` may be lists of joints, whose mean is taken. Of other messages, they are fields with numbers; wheels may
+//! have a topic each:
+//!
+//! ```toml
+//! wheels = { topic = "/sensor_state", right = "right_encoder", left = "left_encoder", quantity = "ticks" }
+//! wheels = { right = { topic = "/right_ticks", field = "data" }, left = { topic = "/left_ticks", field = "data" },
+//!            quantity = "ticks" }
+//! ```
+//!
+//! Of transforms, they are the frames of wheels, which turn in the frame of the robot.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
 use slipstream_bus::InputError;
 
-use crate::decode::MessageSelector;
+use super::source::Source;
 use crate::error::Result;
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
-use crate::toml_files::{Entry, TomlFile, quoted, read_text};
+use crate::toml_files::{TomlFile, quoted, read_text};
 
 /// Which topic of a bag holds which stream of which robot.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -37,32 +46,6 @@ pub struct TopicMap {
     /// `base_link` mostly lies.
     pub(super) with_pose_of_mass: Vec<String>,
 }
-
-/// A stream and the topic that holds it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Source {
-    pub(super) robot: String,
-    pub(super) kind: StreamKind,
-    pub(super) topic: String,
-    pub(super) selector: MessageSelector,
-    /// For joint states: the list to read. Without it, torque for commands and angle for wheels.
-    pub(super) quantity: Option<Quantity>,
-}
-
-/// One of the three lists of a joint state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
-    Angle,
-    Speed,
-    Torque,
-}
-
-/// The words for the quantities in a map.
-const QUANTITIES: [(&str, Quantity); 3] = [
-    ("angle", Quantity::Angle),
-    ("speed", Quantity::Speed),
-    ("torque", Quantity::Torque),
-];
 
 /// Key of the point that a robot's pose is of.
 const POSE_POINT: &str = "pose_point";
@@ -110,7 +93,7 @@ impl TopicMap {
             }
             for kind in StreamKind::ALL {
                 if let Some(entry) = section.get(kind.name()) {
-                    map.sources.push(parse_source(robot, kind, &entry)?);
+                    map.sources.push(Source::parse(robot, kind, &entry)?);
                 }
             }
         }
@@ -119,6 +102,11 @@ impl TopicMap {
             return Err(robots.error("maps no topic", "add lines such as `pose = \"/pose\"`"));
         }
         Ok(map)
+    }
+
+    /// The topics that it names.
+    pub(super) fn topics(&self) -> Vec<&str> {
+        self.sources.iter().flat_map(Source::topics).collect()
     }
 
     /// The map as TOML; parsing it gives the same map.
@@ -142,140 +130,6 @@ impl TopicMap {
     }
 }
 
-/// One name, or a list of names.
-fn names(names: &[String]) -> String {
-    match names {
-        [name] => quoted(name),
-        _ => {
-            let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
-            format!("[{}]", names.join(", "))
-        }
-    }
-}
-
-/// Parses the value of a stream's key: a topic, or a table with further keys.
-fn parse_source(
-    robot: &str,
-    kind: StreamKind,
-    entry: &Entry<'_>,
-) -> std::result::Result<Source, InputError> {
-    let mut source = Source {
-        robot: robot.to_owned(),
-        kind,
-        topic: String::new(),
-        selector: MessageSelector::default(),
-        quantity: None,
-    };
-    if let Ok(topic) = entry.text() {
-        source.topic = topic.to_owned();
-        return Ok(source);
-    }
-    let section = entry.section()?;
-    section.allow_only(&["topic", "parent", "frame", "right", "left", "quantity"])?;
-    source.topic = section.require("topic")?.text()?.to_owned();
-    if let Some(frame) = section.get("frame") {
-        source.selector.frame = Some(frame.text()?.to_owned());
-    }
-    if let Some(parent) = section.get("parent") {
-        source.selector.parent = Some(parent.text()?.to_owned());
-    }
-    for (joints, key) in source.selector.joints.iter_mut().zip(["right", "left"]) {
-        if let Some(names) = section.get(key) {
-            let list = names.elements();
-            let list = list.iter().map(|name| Ok(name.text()?.to_owned()));
-            *joints = list.collect::<std::result::Result<_, InputError>>()?;
-            if joints.is_empty() {
-                return Err(names.error("names no joint", "name the joints of this side"));
-            }
-        }
-    }
-    if let Some(entry) = section.get("quantity") {
-        let word = entry.text()?;
-        let known = QUANTITIES.iter().find(|(name, _)| *name == word);
-        let Some((_, quantity)) = known else {
-            return Err(entry.error("is not a quantity", "write angle, speed or torque"));
-        };
-        source.quantity = Some(*quantity);
-    }
-    Ok(source)
-}
-
-impl Source {
-    /// The value of the stream's key in a map.
-    fn to_text(&self) -> String {
-        let topic = quoted(&self.topic);
-        let mut keys = vec![format!("topic = {topic}")];
-        if let Some(parent) = &self.selector.parent {
-            keys.push(format!("parent = {}", quoted(parent)));
-        }
-        if let Some(frame) = &self.selector.frame {
-            keys.push(format!("frame = {}", quoted(frame)));
-        }
-        if let Some(quantity) = self.quantity {
-            let [right, left] = self.selector.joints.each_ref().map(|side| names(side));
-            keys.push(format!("right = {right}, left = {left}"));
-            let word = QUANTITIES.iter().find(|(_, known)| *known == quantity);
-            keys.push(format!(
-                "quantity = \"{}\"",
-                word.map_or("", |(word, _)| word)
-            ));
-        }
-        if keys.len() == 1 {
-            return topic;
-        }
-        format!("{{ {} }}", keys.join(", "))
-    }
-
-    /// The columns of the stream that a message of this type provides; `None` if it cannot provide
-    /// the stream.
-    pub(super) fn columns(&self, schema: &str) -> Option<&'static [&'static str]> {
-        const TWIST: &[&str] = &["v_m_s", "w_rad_s"];
-        const POSE: &[&str] = &["x_m", "y_m", "yaw_rad"];
-        let quantity = self.quantity.unwrap_or(match self.kind {
-            StreamKind::Command => Quantity::Torque,
-            _ => Quantity::Angle,
-        });
-        let name = schema.rsplit('/').next().unwrap_or_default();
-        match (self.kind, name) {
-            (StreamKind::Command, "Twist" | "TwistStamped") => Some(TWIST),
-            (
-                StreamKind::Odometry,
-                "Twist" | "TwistStamped" | "TwistWithCovarianceStamped" | "Odometry",
-            ) => Some(TWIST),
-            (
-                StreamKind::Pose,
-                "Pose"
-                | "PoseStamped"
-                | "PoseWithCovarianceStamped"
-                | "TransformStamped"
-                | "Odometry"
-                | "TFMessage"
-                | "tfMessage",
-            ) => Some(POSE),
-            (StreamKind::Pose, "PointStamped") => Some(&["x_m", "y_m"]),
-            (StreamKind::Imu, "Imu") => Some(&["ax_m_s2", "ay_m_s2", "gz_rad_s"]),
-            (StreamKind::Motor, "MotorState") => {
-                Some(&["current_right_a", "current_left_a", "supply_v"])
-            }
-            (StreamKind::Command, "WheelVoltage") => Some(&["voltage_right_v", "voltage_left_v"]),
-            (StreamKind::Wheels, "EncoderTicks") => Some(&["ticks_right", "ticks_left"]),
-            (StreamKind::Command | StreamKind::Wheels, "JointState") => {
-                match (self.kind, quantity) {
-                    (StreamKind::Command, Quantity::Torque) => {
-                        Some(&["torque_right_nm", "torque_left_nm"])
-                    }
-                    (_, Quantity::Speed) => Some(&["speed_right_rad_s", "speed_left_rad_s"]),
-                    (StreamKind::Wheels, Quantity::Angle) => {
-                        Some(&["angle_right_rad", "angle_left_rad"])
-                    }
-                    _ => None,
-                }
-            }
-            _ => None,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -284,13 +138,42 @@ mod tests {
     fn a_map_round_trips() {
         let text = "format = 1\nstamps = \"log\"\n[robots.r1]\ncommand = \"/cmd_vel\"\n\
             wheels = { topic = \"/joint_states\", right = [\"fr\", \"rr\"], left = \"wl\", quantity = \"speed\" }\n\
-            pose = { topic = \"/tf\", parent = \"map\", frame = \"base_link\" }\n";
+            pose = { topic = \"/tf\", parent = \"map\", frame = \"base_link\" }\n\
+            [robots.r2]\n\
+            command = { topic = \"/motors\", right = \"volts[1]\", left = \"volts[0]\", quantity = \"voltage\" }\n\
+            wheels = { right = { topic = \"/r\", field = \"data\" }, left = { topic = \"/l\", field = \"data\" }, \
+            quantity = \"ticks\" }\n";
         let map = TopicMap::parse(text, Path::new("map.toml")).unwrap();
-        assert_eq!(map.sources.len(), 3);
+        assert_eq!(map.sources.len(), 5);
         assert_eq!(
-            map.to_text().replace("[robots.\"r1\"]", "[robots.r1]"),
+            map.to_text()
+                .replace("robots.\"", "robots.")
+                .replace("\"]\n", "]\n"),
             text
         );
+    }
+
+    #[test]
+    fn wheels_with_a_topic_each_need_one_for_both_and_a_quantity() {
+        let error = |value: &str| {
+            let text = format!("format = 1\n[robots.r1]\nwheels = {value}\n");
+            let error = TopicMap::parse(&text, Path::new("map.toml")).unwrap_err();
+            error.to_string()
+        };
+        let right = "right = { topic = \"/r\", field = \"data\" }";
+        let one = error(&format!(
+            "{{ {right}, left = \"data\", quantity = \"ticks\" }}"
+        ));
+        assert!(one.contains("robots.r1.wheels.left"), "{one}");
+        let left = "left = { topic = \"/l\", field = \"data\" }";
+        let none = error(&format!("{{ {right}, {left} }}"));
+        assert!(
+            none.contains("map.toml:3: robots.r1.wheels.quantity"),
+            "{none}"
+        );
+        let mean =
+            error("{ topic = \"/b\", right = [\"a\", \"b\"], left = \"c\", quantity = \"ticks\" }");
+        assert!(mean.contains("a mean of counters"), "{mean}");
     }
 
     #[test]

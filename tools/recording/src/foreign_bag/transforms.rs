@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::candidate::{Candidate, is_of_reference, robot_of_topic};
 use super::chain::links;
+use super::source::Source;
 use super::survey::{Seen, Topic};
-use super::topic_map::Source;
 use crate::decode::MessageSelector;
 use crate::table::StreamKind;
 
@@ -37,17 +37,15 @@ fn is_odometry(frame: &str) -> bool {
 }
 
 fn candidate(topic: &Topic, [parent, frame]: [&str; 2], seen: &Seen, rank: u32) -> Candidate {
+    let robot = robot_of_topic(&format!("/{}", frame.trim_start_matches('/')));
     Candidate {
         source: Source {
-            robot: robot_of_topic(&format!("/{}", frame.trim_start_matches('/'))),
-            kind: StreamKind::Pose,
-            topic: topic.channel.topic.clone(),
             selector: MessageSelector {
                 parent: Some(parent.to_owned()),
                 frame: Some(frame.to_owned()),
                 ..MessageSelector::default()
             },
-            quantity: None,
+            ..Source::of(&robot, StreamKind::Pose, &topic.channel.topic)
         },
         rank,
         messages: seen.count,

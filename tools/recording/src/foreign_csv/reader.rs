@@ -52,6 +52,7 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     recording.disk.check()?;
     Ok(Spooled {
         recording,
+        guesses: Vec::new(),
         warnings,
         on_model: Vec::new(),
         loss: None,

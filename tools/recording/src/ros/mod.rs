@@ -4,10 +4,13 @@ pub(crate) mod cdr;
 pub(crate) mod compose;
 mod definitions;
 mod encoding;
+mod layout;
 pub(crate) mod messages;
+mod numbers;
 pub(crate) mod position;
 mod ros1;
 pub(crate) mod time;
 
 pub(crate) use definitions::MessageType;
 pub(crate) use encoding::Encoding;
+pub(crate) use layout::Layout;
