@@ -316,6 +316,25 @@ fn frames_that_turn_about_an_axle_are_wheels() {
 }
 
 #[test]
+fn an_odometry_of_poses_gives_speeds() {
+    let Some(path) = bag("poses") else { return };
+    let import = read(&path).unwrap();
+    assert_eq!(line(&import, "odometry").as_deref(), Some("\"/odom_pose\""));
+    assert_eq!(line(&import, "pose").as_deref(), Some("\"/mocap/pose\""));
+    let odometry = only_robot(&import).odometry.as_ref().unwrap();
+    assert!((odometry.values.v_m_s[5] - 0.2).abs() < 1e-6);
+}
+
+#[test]
+fn arms_are_no_robots_beside_wheels() {
+    let Some(arms) = bag("arms") else { return };
+    let import = read(&arms).unwrap();
+    assert_eq!(only_robot(&import).name, "robot");
+    let wheels = line(&import, "wheels").unwrap();
+    assert!(wheels.contains("left_wheel"), "{wheels}");
+}
+
+#[test]
 fn a_twist_without_numbers_is_replaced_by_the_pose() {
     let Some(path) = bag("not_a_number") else {
         return;

@@ -94,6 +94,12 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
             rank = u32::from(!contains(&NOT_MEASURED));
             StreamKind::Odometry
         }
+        "PoseStamped" | "PoseWithCovarianceStamped"
+            if name.contains("odom") && !is_reference(topic) =>
+        {
+            rank = 0;
+            StreamKind::Odometry
+        }
         "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
             if !contains(&NOT_MEASURED) =>
         {
@@ -111,7 +117,8 @@ fn candidate(topic: &Topic, wheels: Option<joints::Wheels>) -> Option<Candidate>
         "WheelVoltage" => StreamKind::Command,
         "MotorState" => StreamKind::Motor,
         "JointState" => {
-            let wheels = wheels?;
+            let is_of_arm = |own: &joints::Wheels| !own.are_named && !joints::is_driven(&name);
+            let wheels = wheels.filter(|own| !is_of_arm(own))?;
             selector = wheels.selector;
             let (kind, list) = list_of(topic, &selector, is_command)?;
             rank = match () {
@@ -191,10 +198,11 @@ fn pose_rank(topic: &Topic) -> u32 {
     if is_of_reference(&name) { 3 } else { 2 }
 }
 
-/// How good the sort of source is: joint states and encoders, then numbers, then transforms, then what does not move.
+/// How good the sort of source is: what is called a wheel, other joint states, numbers, transforms, what does not move.
 fn sort(wheels: &Candidate) -> u32 {
     match wheels.rank {
-        7.. => 3,
+        8.. => 4,
+        7 => 3,
         3..7 => 2,
         rank => rank,
     }

@@ -40,13 +40,14 @@ pub(super) fn meaning(topic: &str, schema: &str, field: &str) -> Meaning {
         .rsplit_once('/')
         .filter(|_| !schema.starts_with("std_msgs/"));
     let own_type = own_type.map_or("", |(_, name)| name);
-    let words = words_of(&format!("{topic}/{own_type}/{field}"));
-    let has = |known: &[&str]| has_word(&words, known);
-    let has_wheel = words.iter().any(|word| word.contains("wheel")) || has(&["motor"]);
+    let parts = [field, topic, own_type].map(words_of);
+    let has = |known: &[&str]| parts.iter().any(|words| has_word(words, known));
+    let mut words = parts.iter().flatten();
+    let has_wheel = words.any(|word| word.contains("wheel")) || has(&["motor"]);
     let has_side = side_of(&format!("{topic}/{field}")).is_some();
     let last = topic.rsplit('/').next().unwrap_or_default();
-    let own = if own_type.is_empty() { last } else { field };
-    if has_word(&words_of(own), &OTHERS) {
+    let own = words_of(if own_type.is_empty() { last } else { field });
+    if has_word(&own, &OTHERS) {
         return Meaning::Nothing;
     }
     if has(&COMMAND) {
@@ -55,21 +56,34 @@ pub(super) fn meaning(topic: &str, schema: &str, field: &str) -> Meaning {
             false => Meaning::Nothing,
         };
     }
-    let has_ticks = has(&TICKS);
+    if !has_wheel && !has_side && !has(&TICKS) {
+        return Meaning::Nothing;
+    }
+    // The field itself tells more than its topic, and this more than the type.
+    let quantity = parts.iter().find_map(|words| quantity(words));
+    let other = if has_wheel {
+        Meaning::Wheel
+    } else {
+        Meaning::Side
+    };
+    quantity.unwrap_or(other)
+}
+
+/// The quantity that words tell.
+fn quantity(words: &[String]) -> Option<Meaning> {
     match () {
-        () if !has_wheel && !has_ticks && !has_side => Meaning::Nothing,
-        () if has(&SPEED) || has_pair(&words, "rad", "s") => Meaning::Speed,
-        () if has_ticks => Meaning::Ticks,
-        () if has(&ANGLE) => Meaning::Angle,
-        () if has_wheel => Meaning::Wheel,
-        () => Meaning::Side,
+        () if has_word(words, &SPEED) || has_pair(words, "rad", "s") => Some(Meaning::Speed),
+        () if has_word(words, &TICKS) => Some(Meaning::Ticks),
+        () if has_word(words, &ANGLE) => Some(Meaning::Angle),
+        () => None,
     }
 }
 
-/// Whether a word is one of these, or begins with one of those that are long enough.
+/// Whether a word is one of these, or begins or ends with one of those that are long enough.
 fn has_word(words: &[String], known: &[&str]) -> bool {
     let is_it = |word: &str, known: &str| {
-        word == known || (known.len() > 3 || known == "vel") && word.starts_with(known)
+        let is_long = known.len() > 3 || known == "vel";
+        word == known || is_long && (word.starts_with(known) || word.ends_with(known))
     };
     let mut words = words.iter();
     words.any(|word| known.iter().any(|known| is_it(word, known)))
@@ -132,6 +146,18 @@ mod tests {
             ),
             ("/motor", "a/msg/State", "current_left", Meaning::Nothing),
             ("/base", "a/msg/WheelStatus", "left_rad_s", Meaning::Speed),
+            (
+                "/wheel_speeds",
+                "a/msg/WheelSpeeds",
+                "left_wheel_position",
+                Meaning::Angle,
+            ),
+            (
+                "/lwheel_vtarget",
+                "std_msgs/msg/Float32",
+                "data",
+                Meaning::Command,
+            ),
             ("/left", "std_msgs/msg/Float32", "data", Meaning::Side),
             (
                 "/temperature",

@@ -163,7 +163,12 @@ impl Source {
             (StreamKind::Command, "Twist" | "TwistStamped") => Some(TWIST),
             (
                 StreamKind::Odometry,
-                "Twist" | "TwistStamped" | "TwistWithCovarianceStamped" | "Odometry",
+                "Twist"
+                | "TwistStamped"
+                | "TwistWithCovarianceStamped"
+                | "Odometry"
+                | "PoseStamped"
+                | "PoseWithCovarianceStamped",
             ) => Some(TWIST),
             (
                 StreamKind::Pose,

@@ -148,6 +148,12 @@ def idle_odometry(value):
     return kind, idle
 
 
+def odometry_pose():
+    """The pose of an odometry, without its speeds."""
+    kind = "geometry_msgs/msg/PoseStamped"
+    return kind, lambda t_ns, k: TYPES[kind](header(t_ns, "odom"), pose(k))
+
+
 def about(x, y, z, angle):
     """The rotation about an axis."""
     s, c = math.sin(angle / 2), math.cos(angle / 2)
@@ -273,6 +279,12 @@ BAGS = {
         "/mocap/pose": pose_stamped(),
     },
     "numbered": {"/joint_states": NUMBERED, "/mocap/pose": pose_stamped()},
+    "poses": {"/odom_pose": odometry_pose(), "/mocap/pose": pose_stamped()},
+    "arms": {
+        "/joint_states": joint_state("left_wheel", "right_wheel"),
+        "/manipulators/joint_states": joint_state("left_joint_1", "right_joint_1"),
+        "/mocap/pose": pose_stamped(),
+    },
     "not_a_number": {"/odom": idle_odometry(math.nan), "/mocap/pose": pose_stamped()},
 }
 
