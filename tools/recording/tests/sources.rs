@@ -163,6 +163,26 @@ fn counters_with_a_topic_each_become_rows_at_the_times_of_the_right_one() {
     }
 }
 
+/// What `check` says about wheels that count backwards can be done.
+#[test]
+fn a_map_turns_the_sign_of_wheels_and_tells_their_counts() {
+    let Some(path) = bag("apart") else { return };
+    let import = read(&path).unwrap();
+    let (_, pairs) = ticks(&import);
+    let own = line(&import, "wheels").unwrap();
+    let own = own.trim_end_matches('}');
+    let reversed = |side: &str| {
+        let lines =
+            format!("encoder_counts_per_rev = 2578.33\nwheels = {own}, reversed = \"{side}\" }}");
+        let import = read_mapped(&path, &map(&lines)).unwrap();
+        let counts = only_robot(&import).encoder_counts_per_rev;
+        assert_eq!(counts, Some(2578.33));
+        ticks(&import).1
+    };
+    assert_eq!(reversed("left")[3], [pairs[3][0], -pairs[3][1]]);
+    assert_eq!(reversed("both")[3], pairs[3].map(|count| -count));
+}
+
 #[test]
 fn each_robot_has_its_own_counters() {
     let Some(two) = bag("two") else { return };

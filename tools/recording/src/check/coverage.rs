@@ -106,7 +106,8 @@ fn gaps(robot: &RobotRows<'_>, model: Option<&RobotModel>) -> Vec<String> {
         ),
         (
             has_ticks && !has_counts,
-            "encoder_counts_per_rev: ticks cannot be turned into angles",
+            "encoder_counts_per_rev, in recording.toml or in the map for --topics or --columns; or counts_per_rev under [encoder] in \
+             robot.toml: ticks cannot be turned into angles",
         ),
         (
             noise_unknown,

@@ -7,6 +7,7 @@ mod assignment;
 mod clocks;
 mod counters;
 mod coverage;
+mod cure;
 mod display;
 mod levels;
 mod links;
@@ -72,6 +73,7 @@ fn check_rows(rows: &AllRows<'_>, model: Option<&RobotModel>) -> Report {
     findings.extend(machines.findings().into_iter().map(|(_, finding)| finding));
     links::check(rows, &mut findings);
     findings.extend(short(rows));
+    cure::add(rows.recording.form, &mut findings);
     sort(&mut findings);
     let (can_judge, missing) = coverage::coverage(rows, model);
     Report {
@@ -109,7 +111,8 @@ pub fn faults(
     for (number, finding) in machines.findings() {
         all[number].push(finding);
     }
-    for findings in &mut all {
+    for (findings, recording) in all.iter_mut().zip(recordings) {
+        cure::add(recording.form, findings);
         findings.retain(is_worth_knowing);
         sort(findings);
     }

@@ -18,6 +18,8 @@ pub(crate) struct StreamBuilder {
     pub(crate) kind: StreamKind,
     /// Which part of a message to read.
     pub(crate) selector: MessageSelector,
+    /// Whether the signs of the right and left wheel are turned.
+    pub(crate) reversed: [bool; 2],
     /// Where the speeds are those of the poses.
     pub(crate) speeds: Option<PoseSpeeds>,
     spool: Spool,
@@ -58,6 +60,7 @@ impl StreamBuilder {
             robot: robot.to_owned(),
             kind,
             selector: MessageSelector::default(),
+            reversed: [false; 2],
             speeds: None,
             spool: Spool::new(disk, Table::new(&columns, unknown)),
             places,
@@ -96,12 +99,16 @@ impl StreamBuilder {
         for ((name, cells), has_values) in table.columns.iter_mut().zip(&mut self.has_values) {
             match cells {
                 Cells::Numbers(cells) => {
-                    let number = self.out_of_range.cell(name, sample.number(name));
+                    let number = sign(self.reversed, name) * sample.number(name);
+                    let number = self.out_of_range.cell(name, number);
                     *has_values |= number.is_finite();
                     cells.push(number);
                 }
                 Cells::Counts(cells) => {
                     let count = sample.ticks[usize::from(*name == "ticks_left")];
+                    let turned =
+                        |count: i64| count.saturating_mul(sign(self.reversed, name) as i64);
+                    let count = count.map(turned);
                     *has_values |= count.is_some();
                     cells.push(count);
                 }
@@ -128,6 +135,7 @@ impl StreamBuilder {
         table.t_s.push(t_s);
         let columns = table.columns.iter_mut().zip(&mut self.has_values);
         for (((name, cells), has_values), value) in columns.zip(values) {
+            let value = sign(self.reversed, name) * value;
             match cells {
                 Cells::Numbers(cells) => {
                     let number = self.out_of_range.cell(name, value);
@@ -209,5 +217,14 @@ impl StreamBuilder {
             ));
         }
         recording.store(&self.robot, self.kind, sorted_by_time(self.spool));
+    }
+}
+
+/// The sign that a map gives a column, where the right or left wheel is turned.
+fn sign([right, left]: [bool; 2], column: &str) -> f64 {
+    let has = |side: &str| column.split('_').any(|word| word == side);
+    match (right && has("right")) || (left && has("left")) {
+        true => -1.0,
+        false => 1.0,
     }
 }

@@ -57,6 +57,7 @@ impl Opening<'_> {
         let stream = StreamBuilder::new(self.disk, &source.robot, source.kind, &columns, &[]);
         let mut stream = stream.map_err(|e| InputError::file(self.path, e, "map another topic"))?;
         stream.selector = source.selector.clone();
+        stream.reversed = source.reversed;
         Ok(Reading {
             source: source.clone(),
             stream,

@@ -18,7 +18,7 @@ use crate::bag::Bag;
 use crate::decode::StreamBuilder;
 use crate::error::Result;
 use crate::import::Spooled;
-use crate::recording::{PosePoint, Recording, Robot};
+use crate::recording::{Form, PosePoint, Recording, Robot};
 use crate::ros::time::s_from_ns;
 use crate::rows::{Disk, SpooledRecording};
 
@@ -150,18 +150,19 @@ fn description(path: &Path, map: &TopicMap, clock: Clock) -> Recording {
     let mut recording = Recording {
         name: name.unwrap_or_default().into_owned(),
         origin: format!("ROS bag, times from {} s", s_from_ns(clock.start_ns)),
+        form: Form::Bag,
         ..Recording::default()
     };
     for source in &map.sources {
         if recording.robot(&source.robot).is_none() {
-            let is_of_mass = map.with_pose_of_mass.contains(&source.robot);
-            let point = if is_of_mass {
-                PosePoint::CentreOfMass
-            } else {
-                PosePoint::Axle
+            let entry = map.robots.iter().find(|own| own.name == source.robot);
+            let point = match entry.is_some_and(|own| own.is_pose_of_mass) {
+                true => PosePoint::CentreOfMass,
+                false => PosePoint::Axle,
             };
             recording.robots.push(Robot {
                 pose_point: Some(point),
+                encoder_counts_per_rev: entry.and_then(|own| own.encoder_counts_per_rev),
                 ..Robot::named(&source.robot)
             });
         }

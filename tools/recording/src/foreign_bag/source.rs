@@ -17,6 +17,8 @@ pub(super) struct Source {
     pub(super) selector: MessageSelector,
     /// Where wheels have a topic each: right and left.
     pub(super) apart: Option<[Place; 2]>,
+    /// Whether the signs of the right and left wheel are turned.
+    pub(super) reversed: [bool; 2],
     /// What joints or numbers are. Without it, torque for commands and angle for wheels.
     pub(super) quantity: Option<Quantity>,
 }
@@ -48,6 +50,13 @@ const QUANTITIES: [(&str, Quantity); 5] = [
     ("voltage", Quantity::Voltage),
 ];
 
+/// The words for sides whose sign is turned, right and left.
+const REVERSED: [(&str, [bool; 2]); 3] = [
+    ("right", [true, false]),
+    ("left", [false, true]),
+    ("both", [true, true]),
+];
+
 /// Keys of the two sides.
 const SIDES: [&str; 2] = ["right", "left"];
 
@@ -62,6 +71,7 @@ impl Source {
             topic: topic.to_owned(),
             selector: MessageSelector::default(),
             apart: None,
+            reversed: [false; 2],
             quantity: None,
         }
     }
@@ -72,12 +82,15 @@ impl Source {
             return Ok(Self::of(robot, kind, topic));
         }
         let section = entry.section()?;
-        section.allow_only(&["topic", "parent", "frame", "right", "left", "quantity"])?;
+        section.allow_only(&[
+            "topic", "parent", "frame", "right", "left", "quantity", "reversed",
+        ])?;
         let mut source = Self::of(robot, kind, "");
         source.quantity = quantity(&section)?;
+        source.reversed = reversed(&section)?;
         let right = section.get("right");
         if right.is_some_and(|right| right.section().is_ok()) {
-            section.allow_only(&["right", "left", "quantity"])?;
+            section.allow_only(&["right", "left", "quantity", "reversed"])?;
             if source.quantity.is_none() {
                 section.require("quantity")?;
             }
@@ -139,6 +152,9 @@ impl Source {
                 "quantity = \"{}\"",
                 word.map_or("", |(word, _)| word)
             ));
+        }
+        if let Some((word, _)) = REVERSED.iter().find(|(_, own)| *own == self.reversed) {
+            keys.push(format!("reversed = \"{word}\""));
         }
         if keys.len() == 1 {
             return topic;
@@ -239,6 +255,17 @@ fn quantity(section: &Section<'_>) -> Result<Option<Quantity>> {
             Err(entry.error("is not a quantity", remedy))
         }
     }
+}
+
+/// The sides whose sign is turned, right and left.
+fn reversed(section: &Section<'_>) -> Result<[bool; 2]> {
+    let Some(entry) = section.get("reversed") else {
+        return Ok([false; 2]);
+    };
+    let word = entry.text()?;
+    let known = REVERSED.iter().find(|(name, _)| *name == word);
+    let sides = known.map(|(_, sides)| *sides);
+    sides.ok_or_else(|| entry.error("is no side", "write right, left or both"))
 }
 
 /// A topic and its field.

@@ -5,6 +5,7 @@
 //! stamps = "message"              # or "log": the time of reception instead of the message's stamp
 //! [robots.r1]
 //! pose_point = "axle"             # the point that the pose is of; or "centre_of_mass"
+//! encoder_counts_per_rev = 4096   # in one turn of a wheel, where wheels are counts
 //! command = "/cmd_vel"
 //! wheels = { topic = "/joint_states", right = "wheel_right_joint", left = "wheel_left_joint",
 //!            quantity = "angle" } # or "speed"; for a command also "torque"
@@ -22,6 +23,8 @@
 //!            quantity = "ticks" }
 //! ```
 //!
+//! `reversed = "right"`, `"left"` or `"both"` turns the sign of wheels that count, or are told, backwards.
+//!
 //! Of transforms, they are the frames of wheels, which turn in the frame of the robot.
 
 use std::fmt::Write as _;
@@ -33,22 +36,33 @@ use super::source::Source;
 use crate::error::Result;
 use crate::recording::is_robot_name;
 use crate::table::StreamKind;
-use crate::toml_files::{TomlFile, quoted, read_text};
+use crate::toml_files::{TomlFile, counts_value, quoted, read_text};
 
 /// Which topic of a bag holds which stream of which robot.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct TopicMap {
     /// Whether to use log times instead of the stamps in the messages.
     pub(super) log_times: bool,
     /// The streams.
     pub(super) sources: Vec<Source>,
-    /// Robots whose pose is that of the centre of mass. Of the others, it is that of the axle's middle, where
-    /// `base_link` mostly lies.
-    pub(super) with_pose_of_mass: Vec<String>,
+    /// What is said of robots beside their streams.
+    pub(super) robots: Vec<RobotEntry>,
+}
+
+/// What is said of a robot beside its streams.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct RobotEntry {
+    pub(super) name: String,
+    /// Whether its pose is that of the centre of mass. Otherwise it is that of the axle's middle, where `base_link` mostly
+    /// lies.
+    pub(super) is_pose_of_mass: bool,
+    pub(super) encoder_counts_per_rev: Option<f64>,
 }
 
 /// Key of the point that a robot's pose is of.
 const POSE_POINT: &str = "pose_point";
+/// Key of the counts in one turn of a wheel.
+const COUNTS: &str = "encoder_counts_per_rev";
 
 impl TopicMap {
     /// Reads a map from a file.
@@ -86,11 +100,14 @@ impl TopicMap {
             }
             let section = entry.section()?;
             let mut keys = StreamKind::ALL.map(StreamKind::name).to_vec();
-            keys.push(POSE_POINT);
+            keys.extend([POSE_POINT, COUNTS]);
             section.allow_only(&keys)?;
-            if section.is_pose_of_mass()? {
-                map.with_pose_of_mass.push(robot.to_owned());
-            }
+            let counts = section.get(COUNTS).map(|counts| counts.counts_per_rev());
+            map.robots.push(RobotEntry {
+                name: robot.to_owned(),
+                is_pose_of_mass: section.is_pose_of_mass()?,
+                encoder_counts_per_rev: counts.transpose()?,
+            });
             for kind in StreamKind::ALL {
                 if let Some(entry) = section.get(kind.name()) {
                     map.sources.push(Source::parse(robot, kind, &entry)?);
@@ -120,8 +137,12 @@ impl TopicMap {
             if source.robot != robot {
                 robot = &source.robot;
                 let _ = writeln!(text, "[robots.{}]", quoted(robot));
-                if self.with_pose_of_mass.contains(&source.robot) {
+                let entry = self.robots.iter().find(|own| own.name == source.robot);
+                if entry.is_some_and(|own| own.is_pose_of_mass) {
                     let _ = writeln!(text, "{POSE_POINT} = \"centre_of_mass\"");
+                }
+                if let Some(counts) = entry.and_then(|own| own.encoder_counts_per_rev) {
+                    let _ = writeln!(text, "{COUNTS} = {}", counts_value(counts));
                 }
             }
             let _ = writeln!(text, "{} = {}", source.kind.name(), source.to_text());
@@ -140,9 +161,10 @@ mod tests {
             wheels = { topic = \"/joint_states\", right = [\"fr\", \"rr\"], left = \"wl\", quantity = \"speed\" }\n\
             pose = { topic = \"/tf\", parent = \"map\", frame = \"base_link\" }\n\
             [robots.r2]\n\
+            encoder_counts_per_rev = 2578.33\n\
             command = { topic = \"/motors\", right = \"volts[1]\", left = \"volts[0]\", quantity = \"voltage\" }\n\
             wheels = { right = { topic = \"/r\", field = \"data\" }, left = { topic = \"/l\", field = \"data\" }, \
-            quantity = \"ticks\" }\n";
+            quantity = \"ticks\", reversed = \"left\" }\n";
         let map = TopicMap::parse(text, Path::new("map.toml")).unwrap();
         assert_eq!(map.sources.len(), 5);
         assert_eq!(

@@ -9,7 +9,7 @@ use super::column_map::{ColumnEntry, ColumnMap, StreamEntry};
 use super::table::{ForeignCsv, Moment};
 use crate::error::Result;
 use crate::import::Spooled;
-use crate::recording::Recording;
+use crate::recording::{Form, Recording};
 use crate::rows::{Disk, Spool, SpooledRecording, sorted_by_time};
 use crate::table::{Cells, Table, is_time, out_of_range};
 
@@ -31,6 +31,7 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     let description = Recording {
         name: name.unwrap_or_default().into_owned(),
         origin: "CSV files, read with a map of their columns".to_owned(),
+        form: Form::Columns,
         robots: map.robots(),
         ..Recording::default()
     };

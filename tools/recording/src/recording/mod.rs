@@ -28,6 +28,8 @@ pub struct Recording {
     pub name: String,
     /// Who or what made it.
     pub origin: String,
+    /// What it was read from.
+    pub form: Form,
     /// Whether the robots are runs of one and the same machine.
     pub same_robot: bool,
     /// Keys of `recording.toml` that the format does not define, in file order.
@@ -40,6 +42,20 @@ pub struct Recording {
     pub rtt: Option<RoundTrips>,
     /// The nominal robot model that came with the recording.
     pub model: Option<RobotModel>,
+}
+
+/// What a recording was read from.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Form {
+    /// Memory, or a file of slipstream's own.
+    #[default]
+    Own,
+    /// A folder with `recording.toml`.
+    Folder,
+    /// A bag of another robot, with a map of its topics.
+    Bag,
+    /// CSV files of other programs, with a map of their columns.
+    Columns,
 }
 
 impl Recording {
