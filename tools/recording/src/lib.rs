@@ -66,6 +66,7 @@ mod error;
 mod field;
 mod foreign_bag;
 mod foreign_csv;
+mod git_lfs;
 mod import;
 mod listener;
 mod mcap_file;

@@ -12,6 +12,7 @@ use super::item::{Item, Undecodable, Visit, VisitResult, Wanted};
 use super::loss::Loss;
 use super::summary::Summary;
 use super::{mcap as mcap_file, ros1, sqlite};
+use crate::git_lfs::refuse_pointer;
 use crate::output::temporary_file;
 
 /// A bag that can be read from its beginning as often as needed.
@@ -38,7 +39,7 @@ pub(crate) enum Container {
 /// First bytes of what Zstandard compressed.
 const ZSTD_MAGIC: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
 /// So many bytes tell the container.
-const HEAD_BYTES: u64 = 16;
+const HEAD_BYTES: u64 = 64;
 
 impl Container {
     /// The container of a file that begins with these bytes. What is none of the others is taken for MCAP, whose
@@ -80,10 +81,11 @@ impl BagFile {
     /// Recognises a file by its first bytes.
     ///
     /// # Errors
-    /// If the operating system does not read it.
+    /// If the operating system does not read it, or it is a pointer of Git LFS.
     pub(crate) fn open(path: &Path) -> Result<Self, InputError> {
         let (file, _) = open_file(path)?;
         let head = head(file).map_err(|e| InputError::unreadable(path, &e))?;
+        refuse_pointer(&head, path)?;
         let mut bag = Self {
             path: path.to_owned(),
             container: Container::of(&head),
