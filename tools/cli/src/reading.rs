@@ -26,8 +26,8 @@ impl Reading {
     pub(crate) fn spool_for(&self, path: &Path, model_is_given: bool) -> Result<Spooled, Error> {
         let map = Map::read(self.topics.as_deref(), self.columns.as_deref())?;
         let spooled = slipstream_recording::read_spooled(path, &map)?;
-        for warning in &spooled.warnings {
-            note_line!("{warning}");
+        for note in spooled.guesses.iter().chain(&spooled.warnings) {
+            note_line!("{note}");
         }
         if !model_is_given {
             for note in &spooled.on_model {

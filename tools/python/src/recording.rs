@@ -41,7 +41,7 @@ impl Recording {
         let import = read.map_err(|error| of_recording(py, error))?;
         Ok(Self {
             inner: Arc::new(import.recording),
-            warnings: [import.warnings, import.on_model].concat(),
+            warnings: [import.guesses, import.warnings, import.on_model].concat(),
         })
     }
 

@@ -12,7 +12,9 @@ use crate::rows::SpooledRecording;
 pub struct Import {
     /// The recording.
     pub recording: Recording,
-    /// What was ignored, guessed or lost, one entry each.
+    /// What was guessed, one entry each: the map of topics or columns, and sources that were not used.
+    pub guesses: Vec<String>,
+    /// What was ignored or lost, and what is odd, one entry each.
     pub warnings: Vec<String>,
     /// What the user should know about the model that came with it; of no interest where another is given.
     pub on_model: Vec<String>,
@@ -32,7 +34,9 @@ pub struct Import {
 pub struct Spooled {
     /// The recording.
     pub(crate) recording: SpooledRecording,
-    /// What was ignored, guessed or lost, one entry each.
+    /// What was guessed, one entry each: the map of topics or columns, and sources that were not used.
+    pub guesses: Vec<String>,
+    /// What was ignored or lost, and what is odd, one entry each.
     pub warnings: Vec<String>,
     /// What the user should know about the model that came with it; of no interest where another is given.
     pub on_model: Vec<String>,
@@ -50,6 +54,7 @@ impl Spooled {
     pub fn load(self) -> Result<Import> {
         Ok(Import {
             recording: self.recording.load()?,
+            guesses: self.guesses,
             warnings: self.warnings,
             on_model: self.on_model,
             loss: self.loss,

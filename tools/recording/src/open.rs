@@ -9,7 +9,7 @@ use crate::carried::{description_in, draft_with_model, read_with_model};
 use crate::csv_folder::spool_folder;
 use crate::error::Result;
 use crate::foreign_bag::TopicMap;
-use crate::foreign_csv::{ColumnMap, draft, read_columns};
+use crate::foreign_csv::{ColumnMap, Draft, is_text, read_columns};
 use crate::import::{Import, Spooled};
 use crate::mcap_file::{is_own, read_own};
 use crate::robot_file::{self, Described};
@@ -48,7 +48,7 @@ enum Form {
     Bag(BagFile),
     /// A bag in a folder.
     Bags(BagFolder),
-    /// CSV files of others.
+    /// A text file of others, or a folder of CSV files.
     Csv,
 }
 
@@ -56,14 +56,10 @@ impl Form {
     fn of(path: &Path) -> Result<Self> {
         let metadata = std::fs::metadata(path).map_err(|e| InputError::unreadable(path, &e))?;
         if !metadata.is_dir() {
-            let is_csv = path
-                .extension()
-                .is_some_and(|own| own == "csv" || own == "txt");
-            return Ok(if is_csv {
-                Self::Csv
-            } else {
-                Self::Bag(BagFile::open(path)?)
-            });
+            // Pointers of Git LFS, which are text, are refused here.
+            let bag = BagFile::open(path)?;
+            let is_csv = !is_bag(path)? && is_text(path)?;
+            return Ok(if is_csv { Self::Csv } else { Self::Bag(bag) });
         }
         if path.join("recording.toml").exists() {
             return Ok(Self::Folder);
@@ -119,7 +115,7 @@ pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
         Form::Folder => spool_folder(path)?,
         Form::Csv => match map {
             Map::Columns(columns) => read_columns(path, columns)?,
-            _ => return Err(not_mapped(path)),
+            _ => read_guessed(path)?,
         },
         Form::Bag(bag) => read_file(&bag, topics)?,
         Form::Bags(bags) => read_with_model(&bags, path, topics)?,
@@ -156,7 +152,7 @@ pub fn read_mapped_from(content: &[u8], path: &Path, map: Option<&TopicMap>) -> 
 /// If the recording cannot be read, or needs no map.
 pub fn draft_map(path: &Path) -> Result<String> {
     match Form::of(path)? {
-        Form::Csv => draft(path),
+        Form::Csv => Ok(Draft::of(path)?.text()),
         Form::Bag(bag) => draft_with_model(&bag, path),
         Form::Bags(bags) => draft_with_model(&bags, path),
         Form::Folder => {
@@ -198,14 +194,43 @@ fn read_file(bag: &BagFile, topics: Option<&TopicMap>) -> Result<Spooled> {
     read_with_model(bag as &dyn Bag, bag.path(), topics)
 }
 
-/// CSV files cannot be read without a map; a folder may have none.
+/// Reads text files with the map that they seem to have.
+fn read_guessed(path: &Path) -> Result<Spooled> {
+    if csv_in(path).is_none() {
+        return Err(not_mapped(path));
+    }
+    let draft = Draft::of(path)?;
+    if draft.map.is_empty() {
+        return Err(not_mapped(path));
+    }
+    let mut spooled = read_columns(path, &draft.map).map_err(|error| match error {
+        crate::Error::Input(error) => InputError {
+            remedy: format!("the columns were guessed: {CORRECTION}"),
+            ..error
+        }
+        .into(),
+        error => error,
+    })?;
+    let tables = draft.tables();
+    let shown = path.display();
+    spooled.guesses = vec![format!(
+        "{shown}: guessed columns:\n{tables}# To correct it: {CORRECTION}"
+    )];
+    spooled.guesses.extend(draft.notes());
+    Ok(spooled)
+}
+
+/// What to do where columns are not known, or guessed wrongly.
+const CORRECTION: &str = "`slipstream check RECORDING --write-columns FILE.toml` writes a map to be corrected; then give --columns FILE.toml";
+
+/// Text files whose columns are not known need a map; a folder may have none.
 fn not_mapped(path: &Path) -> crate::Error {
     let error = match csv_in(path) {
         Some(file) => {
             let name = file.display();
-            let problem = format!("needs a map of the columns of {name}: it has no recording.toml");
-            let remedy = "`slipstream check RECORDING --write-columns columns.toml` writes one to be completed; then give --columns";
-            InputError::file(path, problem, remedy)
+            let problem =
+                format!("needs a map of the columns of {name}, which do not tell what they are");
+            InputError::file(path, problem, CORRECTION)
         }
         None => {
             let problem = "contains neither recording.toml nor a bag";

@@ -41,6 +41,7 @@ pub(crate) fn spool_folder(folder: &Path) -> Result<Spooled> {
     recording.disk.check()?;
     Ok(Spooled {
         recording,
+        guesses: Vec::new(),
         warnings,
         on_model: Vec::new(),
         loss: None,

@@ -86,6 +86,7 @@ pub(crate) fn read_foreign(
     recording.disk.check()?;
     let spooled = Spooled {
         recording,
+        guesses: Vec::new(),
         warnings,
         on_model: Vec::new(),
         loss: Some(loss),

@@ -253,6 +253,7 @@ impl Loader {
         recording.disk.check()?;
         Ok(Spooled {
             recording,
+            guesses: Vec::new(),
             warnings,
             on_model: Vec::new(),
             loss: Some(loss),

@@ -1,0 +1,205 @@
+//! Columns that are fields of ROS messages, as `rostopic echo -p`, bagpy, PlotJuggler and others name them:
+//! `field.pose.pose.position.x`, `pose.pose.position.x`, `/odom/pose/pose/position/x`.
+
+use super::guessed::{Guessed, OF_ODOMETRY, entry};
+use super::joints;
+use super::times;
+use super::units::words;
+use crate::foreign_csv::entry::{ColumnEntry, Source, TimeEntry};
+use crate::foreign_csv::layout::Sample;
+use crate::table::StreamKind;
+
+/// Words in names of commands.
+const COMMANDS: [&str; 6] = [
+    "cmd",
+    "command",
+    "target",
+    "desired",
+    "setpoint",
+    "reference",
+];
+/// Words in names of poses that nobody measured.
+const NOT_MEASURED: [&str; 4] = ["goal", "target", "waypoint", "initialpose"];
+/// Words between the name of a message and its fields.
+const NESTED: [&str; 3] = ["pose", "twist", "transform"];
+
+/// One message of a file: the words before its fields, and where they are.
+struct Message<'a> {
+    sample: &'a Sample,
+    names: &'a [Vec<String>],
+    prefix: Vec<String>,
+}
+
+/// The streams of the messages. `file` is the file's name, which may tell what they are.
+pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
+    let names: Vec<Vec<String>> = sample.layout.names.iter().map(|name| words(name)).collect();
+    let mut prefixes: Vec<Vec<String>> = Vec::new();
+    for name in &names {
+        let Some(prefix) = prefix_of(name) else {
+            continue;
+        };
+        if !prefixes.contains(&prefix) {
+            prefixes.push(prefix);
+        }
+    }
+    let messages = prefixes.into_iter().map(|prefix| Message {
+        sample,
+        names: &names,
+        prefix,
+    });
+    let messages: Vec<Message<'_>> = messages.collect();
+    let of_file = times::of_file(sample);
+    // Messages with stamps and messages without are on one clock only by the time of the file.
+    let all_have_stamps = messages.iter().all(|message| message.stamp().is_some());
+    let mut guessed: Vec<Guessed> = Vec::new();
+    let streams = messages.iter().flat_map(|message| {
+        let stamp = message
+            .stamp()
+            .filter(|_| all_have_stamps || of_file.is_none());
+        let time = stamp.or_else(|| of_file.clone());
+        time.map_or_else(Vec::new, |time| message.streams(&time, file))
+    });
+    let joints = of_file
+        .clone()
+        .or_else(|| times::of_message(sample, |_| true));
+    let wheels = joints.and_then(|time| joints::guess(sample, time));
+    for new in streams.chain(wheels) {
+        match guessed.iter_mut().find(|old| old.kind == new.kind) {
+            // A pose of its own outweighs that of odometry.
+            Some(old) if old.note.is_some() && new.note.is_none() => *old = new,
+            Some(_) => {}
+            None => guessed.push(new),
+        }
+    }
+    guessed
+}
+
+/// Words of a field of a message.
+const FIELDS: [&str; 14] = [
+    "position x",
+    "position y",
+    "point x",
+    "point y",
+    "translation x",
+    "translation y",
+    "orientation z",
+    "rotation z",
+    "linear x",
+    "angular z",
+    "angular velocity z",
+    "linear acceleration x",
+    "linear acceleration y",
+    "header stamp",
+];
+
+/// The words before the field of a message; `None` if the name is none.
+fn prefix_of(name: &[String]) -> Option<Vec<String>> {
+    let mut fields = FIELDS
+        .iter()
+        .map(|field| field.split(' ').collect::<Vec<_>>());
+    let field = fields.find(|field| name.ends_with_words(field))?;
+    Some(without_nested(name.get(..name.len() - field.len())?).to_vec())
+}
+
+/// The words before `pose`, `twist` and `transform`.
+fn without_nested(words: &[String]) -> &[String] {
+    let is_nested = |word: &&String| NESTED.contains(&word.as_str());
+    let nested = words.iter().rev().take_while(is_nested).count();
+    words.get(..words.len() - nested).unwrap_or_default()
+}
+
+trait EndsWith {
+    fn ends_with_words(&self, end: &[&str]) -> bool;
+}
+
+impl EndsWith for [String] {
+    fn ends_with_words(&self, end: &[&str]) -> bool {
+        let start = self.len().checked_sub(end.len());
+        start
+            .and_then(|start| self.get(start..))
+            .is_some_and(|own| own == end)
+    }
+}
+
+impl Message<'_> {
+    /// The column of a field.
+    fn find(&self, field: &str) -> Option<ColumnEntry> {
+        let field: Vec<&str> = field.split(' ').collect();
+        let is_it = |name: &Vec<String>| {
+            let before = name.len().checked_sub(field.len());
+            let before = before.and_then(|end| name.get(..end)).unwrap_or_default();
+            name.ends_with_words(&field) && without_nested(before) == self.prefix
+        };
+        let index = self.names.iter().position(is_it)?;
+        Some(entry(self.sample, index, 1.0))
+    }
+
+    fn stamp(&self) -> Option<TimeEntry> {
+        times::of_message(self.sample, |prefix| without_nested(prefix) == self.prefix)
+    }
+
+    fn streams(&self, time: &TimeEntry, file: &str) -> Vec<Guessed> {
+        let guessed = |kind, columns: Vec<(&'static str, Option<Source<ColumnEntry>>)>| {
+            let present = columns
+                .into_iter()
+                .filter_map(|(name, own)| Some((name, own?)));
+            let present: Vec<_> = present.collect();
+            (!present.is_empty()).then(|| Guessed::new(kind, time.clone(), present))
+        };
+        let one = |field: &str| self.find(field).map(Source::One);
+        let is_called = |called: &[&str]| {
+            let file = words(file);
+            let own = self.prefix.iter().chain(&file);
+            own.into_iter().any(|word| called.contains(&word.as_str()))
+        };
+        let (v, w, gz) = (one("linear x"), one("angular z"), one("angular velocity z"));
+        let pose = self
+            .pose(time)
+            .filter(|_| gz.is_none() && !is_called(&NOT_MEASURED));
+        let is_odometry = v.is_some() && pose.is_some();
+        let is_command = is_called(&COMMANDS) || self.stamp().is_none();
+        let twist = match (v, w) {
+            (v, w @ Some(_)) if !is_odometry && is_command => v.map(|v| {
+                guessed(
+                    StreamKind::Command,
+                    vec![("v_m_s", Some(v)), ("w_rad_s", w)],
+                )
+            }),
+            (v @ Some(_), w) if is_odometry || !is_command => Some(guessed(
+                StreamKind::Odometry,
+                vec![("v_m_s", v), ("w_rad_s", w)],
+            )),
+            _ => None,
+        };
+        let imu = guessed(
+            StreamKind::Imu,
+            vec![
+                ("ax_m_s2", one("linear acceleration x")),
+                ("ay_m_s2", one("linear acceleration y")),
+                ("gz_rad_s", gz),
+            ],
+        );
+        let note = |pose: Guessed| match is_odometry {
+            true => pose.with_note(OF_ODOMETRY),
+            false => pose,
+        };
+        let all = [twist.flatten(), pose.map(note), imu];
+        all.into_iter().flatten().collect()
+    }
+
+    fn pose(&self, time: &TimeEntry) -> Option<Guessed> {
+        let one = |field: &str| self.find(field).map(Source::One);
+        let mut places = ["position", "translation", "point"].into_iter();
+        let place = |name: &str| Some([one(&format!("{name} x"))?, one(&format!("{name} y"))?]);
+        let [x, y] = places.find_map(place)?;
+        let mut columns = vec![("x_m", x), ("y_m", y)];
+        let mut turns = ["orientation", "rotation"].into_iter();
+        let turn = |name: &str| {
+            let [x, y, z, w] =
+                ["x", "y", "z", "w"].map(|axis| self.find(&format!("{name} {axis}")));
+            Some(Source::Quaternion([x, y], [z?, w?]))
+        };
+        columns.extend(turns.find_map(turn).map(|yaw| ("yaw_rad", yaw)));
+        Some(Guessed::new(StreamKind::Pose, time.clone(), columns))
+    }
+}
