@@ -40,6 +40,36 @@ const COLUMNS: &str = "format = 1\n[robots.r1]\nencoder_counts_per_rev = 100\n[r
     t_s = \"t\"\nx_m = { column = 5, offset = -1 }\ny_m = \"y\"\n%%ms,r,l,t,x,y\n1700000000000.5,1,2,,,\n\
     1700000000100,3,4,1700000000.25,1.5,NaN\n,,,1700000001,2,3\n";
 
+/// Text files without a map.
+const TEXTS: [(&str, &str); 5] = [
+    (
+        "trajectory",
+        "# timestamp tx ty tz qx qy qz qw\n1700000000.5 0 0 0 0 0 0 1\n1700000000.75 1.5 -2 0 0 0 0.6 0.8\n",
+    ),
+    (
+        "camera",
+        "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -1 0 1 0 0 1 0 0 2\n",
+    ),
+    (
+        "echo",
+        "%time,field.header.stamp,field.pose.pose.position.x,field.pose.pose.position.y,field.pose.pose.orientation.z,\
+         field.pose.pose.orientation.w,field.twist.twist.linear.x,field.twist.twist.angular.z\n\
+         1700000009000000000,1700000000500000000,0,0,0,1,0,0\n1700000009300000000,1700000000600000000,1,2,0.6,0.8,0.5,-0.25\n",
+    ),
+    (
+        "message",
+        "10,0,map,1,2,0,0,0,0,1\n10,500000000,map,3,4,0,0,0,1,0\n",
+    ),
+    (
+        "by_hand",
+        "Time;x_mm;y_mm;heading_deg;left_rpm;right_rpm\n2024-05-01 23:59:59,5;0;0;0;0;0\n2024-05-02 00:00:00,0;1500,5;-20;90;60;30\n",
+    ),
+];
+
+/// A log of SysId.
+const SYSID: &str = r#"{"fast-forward": [[2.0, 7, 7.5, 1, 2, 10, 20, 0.1, 0.25], [2.02, 7, 7.5, 1.5, 2.5, 10, 20, 0.2, 0.5]],
+"slow-forward": [[1.0, 12, 0.5, 0.1, 0.2, 0, 0.5, 0, 0, 0]], "sysid": true, "test": "Drivetrain", "units": "Meters", "unitsPerRotation": 0.5}"#;
+
 fn main() {
     let scratch = tempfile::tempdir().unwrap();
     let run = scratch.path().join("run.mcap");
@@ -97,6 +127,10 @@ fn recordings(run: &Path) {
     seed("mcap", "folder_plain", &plain(&own, false));
     seed("bag", "run_plain", &plain(&content, true));
     seed("foreign_csv", "two_streams", COLUMNS.as_bytes());
+    for (name, text) in TEXTS {
+        seed("text_file", name, text.as_bytes());
+    }
+    seed("sysid_json", "two_runs", SYSID.as_bytes());
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
     let guessed = read_mapped(&foreign, &Map::None)

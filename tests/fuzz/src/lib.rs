@@ -32,13 +32,15 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 21] = [
+pub const TARGETS: [Target; 23] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
     target("sqlite_bag", recordings::bag),
     target("csv_folder", recordings::csv_folder),
     target("foreign_csv", recordings::foreign_csv),
+    target("text_file", recordings::any_file),
+    target("sysid_json", recordings::any_file),
     target("recording_toml", toml_texts::recording_toml),
     target("robot_toml", toml_texts::robot_toml),
     target("urdf", robot_files::urdf),

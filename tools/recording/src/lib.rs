@@ -80,6 +80,7 @@ mod ros;
 mod rows;
 pub mod run_writer;
 mod sides;
+mod sysid_json;
 mod table;
 mod toml_files;
 mod topics;

@@ -13,6 +13,7 @@ use crate::foreign_csv::{ColumnMap, Draft, is_text, read_columns};
 use crate::import::{Import, Spooled};
 use crate::mcap_file::{is_own, read_own};
 use crate::robot_file::{self, Described};
+use crate::sysid_json::{is_json, read_sysid};
 
 /// What a user says about recordings that other programs wrote.
 #[derive(Debug, Clone, Default)]
@@ -50,6 +51,8 @@ enum Form {
     Bags(BagFolder),
     /// A text file of others, or a folder of CSV files.
     Csv,
+    /// A log of SysId.
+    SysId,
 }
 
 impl Form {
@@ -58,8 +61,12 @@ impl Form {
         if !metadata.is_dir() {
             // Pointers of Git LFS, which are text, are refused here.
             let bag = BagFile::open(path)?;
-            let is_csv = !is_bag(path)? && is_text(path)?;
-            return Ok(if is_csv { Self::Csv } else { Self::Bag(bag) });
+            let is_text = !is_bag(path)? && is_text(path)?;
+            return Ok(match is_text {
+                true if is_json(path)? => Self::SysId,
+                true => Self::Csv,
+                false => Self::Bag(bag),
+            });
         }
         if path.join("recording.toml").exists() {
             return Ok(Self::Folder);
@@ -104,10 +111,11 @@ pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
     };
     let form = Form::of(path)?;
     let unused = match (&form, map) {
-        (Form::Folder, Map::Topics(_)) | (Form::Csv, Map::Topics(_)) => Some("has no topics"),
+        (Form::Folder | Form::Csv | Form::SysId, Map::Topics(_)) => Some("has no topics"),
         (Form::Folder, Map::Columns(_)) => {
             Some("has recording.toml, which says what the columns are")
         }
+        (Form::SysId, Map::Columns(_)) => Some("is a log of SysId, whose columns are known"),
         (Form::Bag(_) | Form::Bags(_), Map::Columns(_)) => Some("is a bag, which has no columns"),
         _ => None,
     };
@@ -117,6 +125,7 @@ pub fn read_spooled(path: &Path, map: &Map) -> Result<Spooled> {
             Map::Columns(columns) => read_columns(path, columns)?,
             _ => read_guessed(path)?,
         },
+        Form::SysId => read_sysid(path)?,
         Form::Bag(bag) => read_file(&bag, topics)?,
         Form::Bags(bags) => read_with_model(&bags, path, topics)?,
     };
@@ -155,8 +164,8 @@ pub fn draft_map(path: &Path) -> Result<String> {
         Form::Csv => Ok(Draft::of(path)?.text()),
         Form::Bag(bag) => draft_with_model(&bag, path),
         Form::Bags(bags) => draft_with_model(&bags, path),
-        Form::Folder => {
-            let problem = "has recording.toml, and needs no map";
+        Form::Folder | Form::SysId => {
+            let problem = "says what its columns are, and needs no map";
             Err(InputError::file(path, problem, "give it without a map").into())
         }
     }
@@ -173,7 +182,7 @@ pub fn describe_robot(path: &Path) -> Result<Described> {
     match Form::of(path)? {
         Form::Bag(bag) => description_in(&bag, path),
         Form::Bags(bags) => description_in(&bags, path),
-        Form::Folder | Form::Csv => {
+        Form::Folder | Form::Csv | Form::SysId => {
             let problem = "is a folder without a bag";
             let remedy = "give a URDF, the YAML of a diff_drive_controller or a robot.toml";
             Err(InputError::file(path, problem, remedy).into())

@@ -108,7 +108,8 @@ impl Draft {
         );
         for file in &self.files {
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "\n# {}", file.columns());
+            let columns = file.columns().replace(|c: char| c.is_control(), " ");
+            let _ = writeln!(text, "\n# {columns}");
             for (stream, note) in &file.streams {
                 if let Some(note) = note {
                     let _ = writeln!(text, "# {note}");
@@ -138,7 +139,7 @@ impl Draft {
 impl File {
     /// The columns of the file, for a person.
     fn columns(&self) -> String {
-        let name = self.name.replace(|c: char| c.is_control(), " ");
+        let name = &self.name;
         let layout = &self.sample.layout;
         if !layout.names.is_empty() {
             return format!("{name} has the columns: {}", layout.names.join(", "));
