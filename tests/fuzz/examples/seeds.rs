@@ -70,6 +70,38 @@ const TEXTS: [(&str, &str); 5] = [
 const SYSID: &str = r#"{"fast-forward": [[2.0, 7, 7.5, 1, 2, 10, 20, 0.1, 0.25], [2.02, 7, 7.5, 1.5, 2.5, 10, 20, 0.2, 0.5]],
 "slow-forward": [[1.0, 12, 0.5, 0.1, 0.2, 0, 0.5, 0, 0, 0]], "sysid": true, "test": "Drivetrain", "units": "Meters", "unitsPerRotation": 0.5}"#;
 
+/// A data log of WPILib: a pose, speeds and a number, two of each.
+fn wpilog() -> Vec<u8> {
+    let mut log = b"WPILOG\x00\x01\x00\x00\x00\x00".to_vec();
+    let mut record = |entry: u8, t_us: u32, data: &[u8]| {
+        let length = u16::try_from(data.len()).unwrap();
+        log.extend([0b0011_0100, entry]);
+        log.extend(length.to_le_bytes());
+        log.extend(t_us.to_le_bytes());
+        log.extend(data);
+    };
+    let entries = [
+        (1, "/vision/pose", "struct:Pose2d", 3),
+        (2, "/drive/cmd", "struct:ChassisSpeeds", 3),
+        (3, "/drive/left", "double", 1),
+    ];
+    for (entry, name, kind, _) in entries {
+        let mut start = vec![0, entry, 0, 0, 0];
+        for text in [name, kind, ""] {
+            start.extend(u32::try_from(text.len()).unwrap().to_le_bytes());
+            start.extend(text.as_bytes());
+        }
+        record(0, 0, &start);
+    }
+    for t_us in [1_000_000, 1_020_000] {
+        for (entry, _, _, numbers) in entries {
+            record(entry, t_us, &0.25_f64.to_le_bytes().repeat(numbers));
+        }
+    }
+    record(0, 1_030_000, &[1, 3, 0, 0, 0]);
+    log
+}
+
 fn main() {
     let scratch = tempfile::tempdir().unwrap();
     let run = scratch.path().join("run.mcap");
@@ -131,6 +163,7 @@ fn recordings(run: &Path) {
         seed("text_file", name, text.as_bytes());
     }
     seed("sysid_json", "two_runs", SYSID.as_bytes());
+    seed("wpilog", "two_entries", &wpilog());
     let foreign = run.with_file_name("foreign.mcap");
     std::fs::write(&foreign, plain(&content, true)).unwrap();
     let guessed = read_mapped(&foreign, &Map::None)

@@ -32,11 +32,12 @@ pub struct Target {
 }
 
 /// All targets.
-pub const TARGETS: [Target; 23] = [
+pub const TARGETS: [Target; 24] = [
     target("mcap", recordings::mcap),
     target("bag", recordings::bag),
     target("ros1_bag", recordings::bag),
     target("sqlite_bag", recordings::bag),
+    target("wpilog", recordings::bag),
     target("csv_folder", recordings::csv_folder),
     target("foreign_csv", recordings::foreign_csv),
     target("text_file", recordings::any_file),

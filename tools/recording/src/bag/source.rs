@@ -1,4 +1,4 @@
-//! Bags by their container, recognised by its first bytes: MCAP, SQLite, ROS 1; each also compressed as a whole.
+//! Bags by their container, recognised by its first bytes: MCAP, SQLite, ROS 1, WPILib; each also compressed as a whole.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -11,7 +11,7 @@ use super::file::open_file;
 use super::item::{Item, Undecodable, Visit, VisitResult, Wanted};
 use super::loss::Loss;
 use super::summary::Summary;
-use super::{mcap as mcap_file, ros1, sqlite};
+use super::{mcap as mcap_file, ros1, sqlite, wpilog};
 use crate::git_lfs::refuse_pointer;
 use crate::output::temporary_file;
 
@@ -34,6 +34,8 @@ pub(crate) enum Container {
     Sqlite,
     /// A ROS 1 bag.
     Ros1,
+    /// A WPILib data log.
+    Wpilog,
 }
 
 /// First bytes of what Zstandard compressed.
@@ -49,6 +51,8 @@ impl Container {
             Self::Sqlite
         } else if head.starts_with(b"#ROSBAG") {
             Self::Ros1
+        } else if head.starts_with(wpilog::MAGIC) {
+            Self::Wpilog
         } else {
             Self::Mcap
         }
@@ -153,6 +157,7 @@ impl Bag for BagFile {
         let visit = &mut unpacked(visit);
         match self.container {
             Container::Ros1 => ros1::read_ros1(&mut source, size, &self.path, wanted, visit),
+            Container::Wpilog => wpilog::read_wpilog(&mut source, size, &self.path, wanted, visit),
             _ => mcap_file::read_wanted(source, size, &self.path, wanted, visit),
         }
     }
@@ -180,6 +185,7 @@ impl Bag for BagBytes<'_> {
         match self.container() {
             Container::Mcap => mcap_file::read_wanted(content, size, path, wanted, visit),
             Container::Ros1 => ros1::read_ros1(&mut content, size, path, wanted, visit),
+            Container::Wpilog => wpilog::read_wpilog(&mut content, size, path, wanted, visit),
             Container::Sqlite => {
                 sqlite::read_database(&sqlite::from_bytes(content, path)?, path, wanted, visit)
             }

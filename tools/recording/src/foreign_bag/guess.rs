@@ -74,8 +74,10 @@ fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
     let mut quantity = None;
     let mut rank = 1;
     let kind = match topic.type_name() {
-        "Twist" | "TwistStamped" if is_command => StreamKind::Command,
-        "TwistStamped" | "TwistWithCovarianceStamped" => StreamKind::Odometry,
+        "Twist" | "TwistStamped" | "struct:ChassisSpeeds" if is_command => StreamKind::Command,
+        "TwistStamped" | "TwistWithCovarianceStamped" | "struct:ChassisSpeeds" => {
+            StreamKind::Odometry
+        }
         "Odometry" if is_reference(topic) => StreamKind::Pose,
         "Odometry" => {
             // Estimates that mix in other sensors are not those of the wheels.
@@ -85,6 +87,11 @@ fn candidate(topic: &Topic, described: &[WheelJoints]) -> Option<Candidate> {
         "PoseStamped" | "PoseWithCovarianceStamped" | "TransformStamped" | "PointStamped"
             if !contains(&NOT_MEASURED) =>
         {
+            rank = pose_rank(topic);
+            StreamKind::Pose
+        }
+        // An odometry's pose is no measurement.
+        "struct:Pose2d" if !contains(&NOT_MEASURED) && !contains(&["odom"]) => {
             rank = pose_rank(topic);
             StreamKind::Pose
         }
