@@ -1,7 +1,5 @@
 //! Logs of SysId, the drivetrain characterisation of WPILib.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests")]
-
 use std::f64::consts::TAU;
 
 use slipstream_recording::recording::{Command, Wheels};

@@ -10,12 +10,12 @@ pub(super) const OF_ODOMETRY: &str = "the pose of an odometry message is often t
 
 /// A stream that a file seems to have.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::foreign_csv) struct Guessed {
-    pub(in crate::foreign_csv) kind: StreamKind,
-    pub(in crate::foreign_csv) time: TimeEntry,
-    pub(in crate::foreign_csv) columns: Vec<(&'static str, Source<ColumnEntry>)>,
+pub(crate) struct Guessed {
+    pub(crate) kind: StreamKind,
+    pub(crate) time: TimeEntry,
+    pub(crate) columns: Vec<(&'static str, Source<ColumnEntry>)>,
     /// What a person should know about it.
-    pub(in crate::foreign_csv) note: Option<&'static str>,
+    pub(crate) note: Option<&'static str>,
 }
 
 impl Guessed {
