@@ -237,8 +237,12 @@ fn not_mapped(path: &Path) -> crate::Error {
     let error = match csv_in(path) {
         Some(file) => {
             let name = file.display();
-            let problem =
-                format!("needs a map of the columns of {name}, which do not tell what they are");
+            let of_which = if file == path {
+                "its columns".to_owned()
+            } else {
+                format!("the columns of {name}")
+            };
+            let problem = format!("needs a map of {of_which}, which do not tell what they are");
             InputError::file(path, problem, CORRECTION)
         }
         None => {

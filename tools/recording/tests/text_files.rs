@@ -256,6 +256,108 @@ fn logs_by_hand_have_units_commas_and_dates() {
 }
 
 #[test]
+fn names_by_hand_tell_sides_robots_and_references() {
+    let text = "A log of mine\nt,encL,lwheel_vel [rpm],rwheel_vel [rpm],encR,u_l,u_r,I_left_mA,I_right_mA,vBat,odom_x,odom_y,odom_theta\n\
+                0.5,1,2,3,4,5,6,7,8,12,0,0,0\n0.6,1,2,3,4,5,6,7,8,12.5,1,2,3\n";
+    let file = import("log.csv", text);
+    let only = robot(&file);
+    assert!(
+        matches!(&only.wheels.as_ref().unwrap().values, Wheels::Ticks { right, .. } if right == &[Some(4), Some(4)])
+    );
+    let command = &only.command.as_ref().unwrap().values;
+    assert!(matches!(command, Command::Voltage { left_v, .. } if left_v == &[5.0, 5.0]));
+    let motor = &only.motor.as_ref().unwrap().values;
+    near(
+        [
+            motor.current_right_a.as_ref().unwrap()[1],
+            motor.supply_v.as_ref().unwrap()[1],
+        ],
+        [0.008, 12.5],
+    );
+    near(last_pose(&file), [0.1, 1.0, 2.0, 3.0]);
+    let notes = file.guesses.join("\n");
+    assert!(
+        notes.contains("the first 1 rows are no part of the table"),
+        "{notes}"
+    );
+    assert!(notes.contains("robot's own estimate"), "{notes}");
+
+    // A pose that was measured outweighs the estimate, and each robot has its own columns.
+    let text = "time,r1_odom_x,r1_odom_y,r1_odom_yaw,r1_vicon_x,r1_vicon_y,r1_vicon_yaw,r2_v_cmd,r2_w_cmd\n\
+                0,0,0,0,5,6,0,1,2\n1,0,0,0,7,8,0,3,4\n";
+    let file = import("two.csv", text);
+    let r1 = file.recording.robot("r1").unwrap();
+    assert_eq!(r1.pose.as_ref().unwrap().values.x_m, [5.0, 7.0]);
+    let r2 = file.recording.robot("r2").unwrap();
+    assert!(
+        matches!(&r2.command.as_ref().unwrap().values, Command::Twist { v_m_s, .. } if v_m_s == &[1.0, 3.0])
+    );
+    assert!(r1.command.is_none() && r2.pose.is_none());
+
+    let text =
+        "__time,/tb3_0/odom/twist/twist/linear/x,/tb3_1/odom/twist/twist/linear/x\n0,1,2\n1,3,4\n";
+    let names: Vec<String> = import("plot.csv", text)
+        .recording
+        .robots
+        .into_iter()
+        .map(|own| own.name)
+        .collect();
+    assert_eq!(names, ["tb3_0", "tb3_1"]);
+}
+
+#[test]
+fn a_last_row_that_was_cut_is_left_out_and_said() {
+    let text = "t,x,y,yaw\n0,1,2,3\n1,2,3,4\n2,5";
+    let file = import("log.csv", text);
+    near(last_pose(&file), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
+    assert!(
+        file.warnings[0].ends_with("log.csv:4: the last row is cut; left out"),
+        "{:?}",
+        file.warnings
+    );
+}
+
+#[test]
+fn a_folder_of_files_is_one_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "cmd_vel.csv",
+        "%time,field.linear.x,field.angular.z\n1700000000000000000,1,2\n1700000000100000000,3,4\n",
+    );
+    write(
+        "vicon.txt",
+        "# timestamp tx ty tz qx qy qz qw\n1700000000.05 1 2 0 0 0 0 1\n",
+    );
+    write("walk.csv", "t,x,y,yaw\n1,2,3,4\n");
+    write("notes.txt", "It was on carpet.\n");
+    let import = read(folder.path()).unwrap();
+    let robot = robot(&import);
+    near(
+        [
+            robot.pose.as_ref().unwrap().t_s[0],
+            robot.command.as_ref().unwrap().t_s[1],
+        ],
+        [0.05, 0.1],
+    );
+    assert!(import.warnings.is_empty(), "{:?}", import.warnings);
+    let notes = import.guesses.join("\n");
+    for note in [
+        "walk.csv: pose: left out, since another file has it",
+        "notes.txt: not used, since its columns do not tell what they are",
+    ] {
+        assert!(notes.contains(note), "{notes}");
+    }
+    write("vicon.txt", "t x y yaw\n1.5 2 3 4\n");
+    let warnings = read(folder.path()).unwrap().warnings.join("\n");
+    assert!(
+        warnings.contains("robot/command begins 1.7e9 s after robot/pose"),
+        "{warnings}"
+    );
+}
+
+#[test]
 fn maps_take_directions_times_of_day_and_periods() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log");
@@ -294,7 +396,7 @@ fn what_cannot_be_guessed_says_how_to_write_a_map() {
     };
     for text in ["a,b\n1,2\n", "just words\n", "1 2 3\n4 5 6\n", "time,x\n"] {
         let error = error(text.as_bytes());
-        assert!(error.contains("needs a map of the columns"), "{error}");
+        assert!(error.contains("needs a map of its columns"), "{error}");
         assert!(error.contains("--write-columns"), "{error}");
     }
     let damaged = error(b"t,x,y,yaw\n1,2,3,4\n2,oops,3,4\n");

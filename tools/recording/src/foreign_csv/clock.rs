@@ -3,8 +3,8 @@
 use slipstream_bus::InputError;
 
 use super::entry::TimeEntry;
-use super::moment::{DAY_S, Moment};
-use super::table::{Cell, ForeignCsv, with_point};
+use super::moment::{DAY_S, Moment, with_point};
+use super::table::{Cell, ForeignCsv};
 
 /// Gives the time of each row, in the unit of the file.
 pub(super) struct Clock {

@@ -13,7 +13,7 @@ use super::map_text::table_text;
 use crate::error::Result;
 use crate::table::StreamKind;
 
-/// Name of the robot in a guess.
+/// Name of a robot that the file does not name.
 const ROBOT: &str = "robot";
 /// So many cells of a row without names are shown.
 const SHOWN_CELLS: usize = 100;
@@ -49,8 +49,9 @@ impl Draft {
             let sample = Sample::read(&file, FileFormat::default())?;
             let name = file.file_name().unwrap_or_default().to_string_lossy();
             let all = guess(&sample, &name).into_iter();
-            let (old, new): (Vec<_>, Vec<_>) = all.partition(|own| known.contains(&own.kind));
-            known.extend(new.iter().map(|own| own.kind));
+            let key = |own: &Guessed| (own.robot.clone(), own.kind);
+            let (old, new): (Vec<_>, Vec<_>) = all.partition(|own| known.contains(&key(own)));
+            known.extend(new.iter().map(key));
             let format = format_of(&sample.layout);
             let streams = new.into_iter().map(|own| stream(own, &name, format));
             files.push(File {
@@ -62,11 +63,16 @@ impl Draft {
         }
         let streams = files.iter().flat_map(|file| &file.streams);
         let streams: Vec<StreamEntry> = streams.map(|(stream, _)| stream.clone()).collect();
-        let robots = vec![RobotEntry {
-            name: ROBOT.to_owned(),
-            is_pose_of_mass: false,
-            encoder_counts_per_rev: None,
-        }];
+        let mut robots: Vec<RobotEntry> = Vec::new();
+        for stream in &streams {
+            if robots.iter().all(|known| known.name != stream.robot) {
+                robots.push(RobotEntry {
+                    name: stream.robot.clone(),
+                    is_pose_of_mass: false,
+                    encoder_counts_per_rev: None,
+                });
+            }
+        }
         let map = ColumnMap { robots, streams };
         Ok(Self { map, files })
     }
@@ -82,6 +88,12 @@ impl Draft {
         let mut notes = Vec::new();
         for file in &self.files {
             let name = &file.name;
+            if file.sample.layout.preamble_rows > 0 {
+                let rows = file.sample.layout.preamble_rows;
+                notes.push(format!(
+                    "{name}: the first {rows} rows are no part of the table"
+                ));
+            }
             for (stream, note) in &file.streams {
                 let note = note.map(|note| format!("{name}: {}: {note}", stream.kind.name()));
                 notes.extend(note);
@@ -91,7 +103,11 @@ impl Draft {
                 left_out.map(|kind| format!("{name}: {kind}: left out, since another file has it")),
             );
             let unused = file.unused();
-            if !unused.is_empty() {
+            if file.streams.is_empty() && file.left_out.is_empty() {
+                notes.push(format!(
+                    "{name}: not used, since its columns do not tell what they are"
+                ));
+            } else if !unused.is_empty() {
                 notes.push(format!("{name}: columns not used: {}", unused.join(", ")));
             }
         }
@@ -160,7 +176,9 @@ impl File {
                 .any(|(stream, _)| columns_of(stream).into_iter().any(is_it))
         };
         let names = self.sample.layout.names.iter();
-        let names: Vec<&String> = names.filter(|name| !uses(name)).collect();
+        let names: Vec<&String> = names
+            .filter(|name| !name.is_empty() && !uses(name))
+            .collect();
         let stem = |name: &str| {
             let stem = name.trim_end_matches(|c: char| !c.is_ascii_alphabetic());
             stem.to_owned()
@@ -197,13 +215,14 @@ fn columns_of(stream: &StreamEntry) -> Vec<&Column> {
 
 fn stream(guessed: Guessed, file: &str, format: FileFormat) -> (StreamEntry, Option<&'static str>) {
     let Guessed {
+        robot,
         kind,
         time,
         columns,
         note,
     } = guessed;
     let stream = StreamEntry {
-        robot: ROBOT.to_owned(),
+        robot: robot.unwrap_or_else(|| ROBOT.to_owned()),
         kind,
         file: Some(file.to_owned()),
         format,

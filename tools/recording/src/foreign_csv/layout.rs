@@ -6,6 +6,7 @@ use slipstream_bus::InputError;
 
 use super::entry::FileFormat;
 use super::lines::{CellsOfLine, Lines, comment};
+use crate::git_lfs::refuse_pointer;
 
 /// So many rows tell the layout.
 const SAMPLE_ROWS: usize = 60;
@@ -16,10 +17,16 @@ const SEPARATORS: [u8; 4] = [b'\t', b';', b',', b' '];
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layout {
     pub(super) separator: u8,
-    /// Whether the first row has the names.
-    pub(super) header_is_row: bool,
+    /// Number of cells of a row.
+    pub(super) columns: usize,
+    /// So many rows stand above the data: perhaps one with the names, one with units, and others.
+    pub(super) rows_above: usize,
+    /// So many of these are neither names nor units.
+    pub(super) preamble_rows: usize,
     /// The names of the columns, from the first row or the last comment before it; empty if there are none.
     pub(super) names: Vec<String>,
+    /// The units below the names; empty if there is no such row.
+    pub(super) units: Vec<String>,
 }
 
 /// The beginning of a file.
@@ -45,29 +52,48 @@ impl Sample {
     pub(super) fn read(path: &Path, said: FileFormat) -> Result<Self, InputError> {
         let beginning = Beginning::read(path)?;
         let separator = said.separator.unwrap_or_else(|| beginning.separator());
-        let mut rows = beginning.rows.iter().map(|line| cells(line, separator));
-        let first = rows.next().unwrap_or_default();
-        let in_comment = || beginning.names_in_comment(separator, first.len());
-        let (names, header_is_row) = match said.has_header {
-            Some(false) => (Vec::new(), false),
-            None if has_number(&first) => (in_comment(), false),
-            None => (first.clone(), true),
-            Some(true) => match in_comment() {
-                names if names.is_empty() || !has_number(&first) => (first.clone(), true),
-                names => (names, false),
-            },
-        };
+        let rows = beginning.rows.iter().map(|line| cells(line, separator));
         let mut rows: Vec<Vec<String>> = rows.collect();
-        if !header_is_row {
-            rows.insert(0, first);
+        let columns = most_frequent(rows.iter().map(Vec::len)).unwrap_or(0);
+        let is_data = |row: &Vec<String>| row.len() == columns && has_number(row);
+        let above = match said.has_header {
+            Some(false) => 0,
+            Some(true) => {
+                usize::from(!rows.first().is_some_and(has_number) || beginning.comment.is_none())
+            }
+            None => rows.iter().position(is_data).unwrap_or(1),
+        };
+        let data = rows.split_off(above.min(rows.len()));
+        let is_name = |row: &Vec<String>| row.len().abs_diff(columns) <= 1 && !has_number(row);
+        let (mut names, units) = match rows.as_slice() {
+            _ if said.has_header == Some(false) => (Vec::new(), Vec::new()),
+            [] => (beginning.names_in_comment(separator, columns), Vec::new()),
+            [.., names, units]
+                if is_name(names) && is_name(units) && names.len() == units.len() =>
+            {
+                (names.clone(), units.clone())
+            }
+            [.., names] if said.has_header == Some(true) || is_name(names) => {
+                (names.clone(), Vec::new())
+            }
+            _ => (Vec::new(), Vec::new()),
+        };
+        let ends_empty = |row: &Vec<String>| row.last().is_some_and(String::is_empty);
+        // The names of rows, which R writes, have no name.
+        if names.len() + 1 == columns && !names.is_empty() && !data.iter().all(ends_empty) {
+            names.insert(0, String::new());
         }
+        let named = usize::from(!names.is_empty()) + usize::from(!units.is_empty());
         Ok(Self {
             layout: Layout {
                 separator,
-                header_is_row,
+                columns,
+                rows_above: rows.len(),
+                preamble_rows: rows.len().saturating_sub(named),
                 names,
+                units,
             },
-            rows,
+            rows: data,
         })
     }
 }
@@ -81,6 +107,7 @@ impl Beginning {
         };
         while beginning.rows.len() < SAMPLE_ROWS {
             let Some(line) = lines.next()? else { break };
+            refuse_pointer(line, path)?;
             match comment(line) {
                 None => beginning.rows.push(line.to_vec()),
                 Some(text) if beginning.rows.is_empty() => beginning.comment = Some(text.to_vec()),
@@ -94,9 +121,9 @@ impl Beginning {
     fn separator(&self) -> u8 {
         let agreeing = |separator: u8| {
             let counts = self.rows.iter().map(|line| cells(line, separator).len());
-            let counts: Vec<usize> = counts.filter(|count| *count > 1).collect();
-            let same = |count: &usize| counts.iter().filter(|other| *other == count).count();
-            counts.iter().map(same).max().unwrap_or(0)
+            let counts = counts.filter(|count| *count > 1);
+            let best = most_frequent(counts.clone());
+            counts.filter(|count| Some(*count) == best).count()
         };
         // Of equal ones, the last is the maximum.
         let separators = SEPARATORS.into_iter().rev();
@@ -111,14 +138,47 @@ impl Beginning {
     /// or the other way round.
     fn names_in_comment(&self, separator: u8, columns: usize) -> Vec<String> {
         let comment = self.comment.as_deref().unwrap_or_default();
-        let splits = [separator, b',', b' '];
-        let mut names = splits
+        let splits = [separator, b',', b'\t', b' '];
+        let names = splits
             .into_iter()
             .map(|separator| cells(comment, separator));
+        let text = String::from_utf8_lossy(comment);
+        let apart = text
+            .split("  ")
+            .map(str::trim)
+            .filter(|name| !name.is_empty());
+        let apart = apart.map(str::to_owned).collect();
+        let mut names = names.chain([apart, with_units(&cells(comment, b' '))]);
         names
             .find(|names| names.len() == columns)
             .unwrap_or_default()
     }
+}
+
+/// The number that occurs most often; of several, the first.
+fn most_frequent(numbers: impl Iterator<Item = usize>) -> Option<usize> {
+    let mut counts: Vec<(usize, usize)> = Vec::new();
+    for number in numbers {
+        match counts.iter_mut().find(|(known, _)| *known == number) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((number, 1)),
+        }
+    }
+    // Of equal ones, the last is the maximum.
+    let most = counts.into_iter().rev().max_by_key(|(_, count)| *count);
+    most.map(|(number, _)| number)
+}
+
+/// Words with the bracketed units that follow them: `x [m]` is one name.
+fn with_units(words: &[String]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for word in words {
+        match names.last_mut() {
+            Some(name) if word.starts_with(['[', '(']) => *name = format!("{name} {word}"),
+            _ => names.push(word.clone()),
+        }
+    }
+    names
 }
 
 fn cells(line: &[u8], separator: u8) -> Vec<String> {
@@ -128,7 +188,8 @@ fn cells(line: &[u8], separator: u8) -> Vec<String> {
 }
 
 /// Whether a row has a number; a date is one, too.
-fn has_number(row: &[String]) -> bool {
+#[expect(clippy::ptr_arg, reason = "the rows of a sample are lists")]
+fn has_number(row: &Vec<String>) -> bool {
     let begins = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
     let is_number = |cell: &String| {
         let has_digit = cell.contains(|c: char| c.is_ascii_digit());
@@ -151,7 +212,13 @@ mod tests {
 
     #[test]
     fn separators_and_headers_are_recognised() {
-        let cases: [(&str, u8, bool, &[&str]); 10] = [
+        let cases: [(&str, u8, bool, &[&str]); 11] = [
+            (
+                "# time [s] x [m]\n1 2\n",
+                b' ',
+                false,
+                &["time [s]", "x [m]"],
+            ),
             ("# t x y\n1 2 3\n", b' ', false, &["t", "x", "y"]),
             (
                 "# a log of mine\n\n1,2,3,4\n",
@@ -176,13 +243,26 @@ mod tests {
             ),
             ("t\tleft wheel\n1\t2\n", b'\t', true, &["t", "left wheel"]),
             ("1   2\t3\n 4 5 6\n", b' ', false, &[]),
-            ("", b',', true, &[]),
+            ("", b',', false, &[]),
         ];
         for (text, separator, header_is_row, names) in cases {
             let layout = layout(text);
-            let found = (layout.separator, layout.header_is_row);
+            let found = (layout.separator, layout.rows_above == 1);
             assert_eq!(found, (separator, header_is_row), "{text}");
             assert_eq!(layout.names, names, "{text}");
         }
+        let text = "Version,1.2,of the log\nMade by me\nt,x\n1,2\n3,4\n5,6\n";
+        let with_preamble = layout(text);
+        assert_eq!(
+            (with_preamble.preamble_rows, with_preamble.names),
+            (2, vec!["t".to_owned(), "x".to_owned()])
+        );
+        let of_r = layout("t x\n1 0.5 2\n2 0.6 3\n");
+        assert_eq!(of_r.names, ["", "t", "x"]);
+        let layout = layout("t,x\ns,mm\n1,2\n");
+        assert_eq!(
+            (layout.rows_above, layout.units),
+            (2, vec!["s".to_owned(), "mm".to_owned()])
+        );
     }
 }

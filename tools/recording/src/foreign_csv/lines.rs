@@ -16,6 +16,8 @@ pub(super) struct Lines<'a> {
     bytes: Vec<u8>,
     /// Number of the current line, from 1 on.
     pub(super) number: u64,
+    /// Whether the current line has an end; the last one of a log that was cut has none.
+    pub(super) is_ended: bool,
 }
 
 impl<'a> Lines<'a> {
@@ -30,6 +32,7 @@ impl<'a> Lines<'a> {
             source: BufReader::new(file),
             bytes: Vec::new(),
             number: 0,
+            is_ended: true,
         })
     }
 
@@ -56,6 +59,7 @@ impl<'a> Lines<'a> {
                 break;
             }
         }
+        self.is_ended = self.bytes.ends_with(b"\n");
         let line = self.bytes.trim_ascii_end();
         Ok(Some(line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line)))
     }

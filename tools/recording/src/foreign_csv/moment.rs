@@ -117,6 +117,16 @@ fn split_zone(time: &str) -> Option<(&str, i64)> {
     Some((time.trim_end(), sign * (hours * 3600 + minutes * 60)))
 }
 
+/// A number with a decimal comma, with a point in its place.
+pub(super) fn with_point(text: &str) -> String {
+    let is_one = !text.contains('.') && text.matches(',').count() == 1;
+    if is_one {
+        text.replace(',', ".")
+    } else {
+        text.to_owned()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

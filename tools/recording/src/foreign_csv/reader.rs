@@ -43,15 +43,16 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     let mut warnings = Vec::new();
     for (stream, start) in map.streams.iter().zip(&starts) {
         let file = file_of(path, stream)?;
-        let spool = read_stream(&file, stream, [*start, first], &disk)?;
+        let (spool, cut_at) = read_stream(&file, stream, [*start, first], &disk)?;
+        let shown = file.display();
+        let cut = cut_at.map(|line| format!("{shown}:{line}: the last row is cut; left out"));
+        warnings.extend(cut.filter(|cut| !warnings.contains(cut)));
         if !spool.is_sorted() {
-            warnings.push(format!(
-                "{}: times run backwards; sorted by time",
-                file.display()
-            ));
+            warnings.push(format!("{shown}: times run backwards; sorted by time"));
         }
         recording.store(&stream.robot, stream.kind, sorted_by_time(spool));
     }
+    warnings.extend(apart(map, &starts));
     recording.disk.check()?;
     Ok(Spooled {
         recording,
@@ -60,6 +61,24 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
         on_model: Vec::new(),
         loss: None,
         left_out: BTreeMap::new(),
+    })
+}
+
+/// No two files of a recording begin so long after each other (s): three years.
+const MOST_APART_S: f64 = 1e8;
+
+/// What to say of files whose times count from different origins.
+fn apart(map: &ColumnMap, starts: &[Start]) -> Option<String> {
+    let streams = || map.streams.iter().zip(starts);
+    let order =
+        |a: &(&StreamEntry, &Start), b: &(&StreamEntry, &Start)| a.1.t_s().total_cmp(&b.1.t_s());
+    let ((first, begin), (last, end)) = streams().min_by(order).zip(streams().max_by(order))?;
+    let apart_s = end.t_s() - begin.t_s();
+    (apart_s > MOST_APART_S).then(|| {
+        let (last, first) = (last.name(), first.name());
+        format!(
+            "{last} begins {apart_s:.1e} s after {first}: their times count from different origins; give t_s an offset in the map of columns"
+        )
     })
 }
 
@@ -133,13 +152,14 @@ fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
     })
 }
 
-/// Reads the rows of a stream. `starts` are those of this stream and of the recording.
+/// Reads the rows of a stream. `starts` are those of this stream and of the recording. Returns also the line of a last
+/// row that is left out.
 fn read_stream(
     file: &Path,
     stream: &StreamEntry,
     starts: [Start; 2],
     disk: &Disk,
-) -> Result<Spool> {
+) -> Result<(Spool, Option<u64>)> {
     let mut csv = ForeignCsv::open(file, stream.format)?;
     let mut clock = Clock::new(&csv, &stream.time)?;
     let sources = stream.columns.iter().map(|(name, source)| {
@@ -181,7 +201,7 @@ fn read_stream(
         spool.end_row();
     }
     check(file, stream, &spool, &has_values)?;
-    Ok(spool)
+    Ok((spool, csv.cut_at))
 }
 
 /// A value of the format; NaN if it is empty.

@@ -7,6 +7,7 @@ use slipstream_bus::InputError;
 use super::entry::{Column, ColumnEntry, FileFormat};
 use super::layout::{Layout, Sample};
 use super::lines::{CellsOfLine, Lines, comment};
+use super::moment::with_point;
 
 /// What stands in cells without a value, in small letters.
 const EMPTY: [&str; 7] = ["", "nan", "na", "n/a", "null", "none", "-"];
@@ -17,8 +18,10 @@ pub(super) struct ForeignCsv<'a> {
     layout: Layout,
     lines: Lines<'a>,
     row: CellsOfLine,
-    /// Whether the row with the names is still to come.
-    is_before_header: bool,
+    /// The line of a last row that was cut, and is left out.
+    pub(super) cut_at: Option<u64>,
+    /// So many rows above the data are still to come.
+    rows_above: usize,
 }
 
 /// A column of a file by its place, and how to convert its cells.
@@ -41,7 +44,8 @@ impl<'a> ForeignCsv<'a> {
             path,
             lines: Lines::open(path)?,
             row: CellsOfLine::default(),
-            is_before_header: layout.header_is_row,
+            cut_at: None,
+            rows_above: layout.rows_above,
             layout,
         })
     }
@@ -86,10 +90,18 @@ impl<'a> ForeignCsv<'a> {
             if comment(line).is_some() {
                 continue;
             }
-            if !std::mem::take(&mut self.is_before_header) {
-                self.row.split(line, self.layout.separator);
-                return Ok(true);
+            if self.rows_above > 0 {
+                self.rows_above -= 1;
+                continue;
             }
+            self.row.split(line, self.layout.separator);
+            // The last row of a log that was cut.
+            let is_short = self.row.len() < self.layout.columns;
+            if is_short && !self.lines.is_ended {
+                self.cut_at = Some(self.lines.number);
+                return Ok(false);
+            }
+            return Ok(true);
         }
         Ok(false)
     }
@@ -137,15 +149,5 @@ impl<'a> ForeignCsv<'a> {
     /// An error about the current row.
     pub(super) fn row_error(&self, problem: impl Into<String>, remedy: &str) -> InputError {
         InputError::file(self.path, problem, remedy).at(self.lines.number)
-    }
-}
-
-/// A number with a decimal comma, with a point in its place.
-pub(super) fn with_point(text: &str) -> String {
-    let is_one = !text.contains('.') && text.matches(',').count() == 1;
-    if is_one {
-        text.replace(',', ".")
-    } else {
-        text.to_owned()
     }
 }

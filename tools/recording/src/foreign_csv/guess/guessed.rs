@@ -1,16 +1,19 @@
 //! A stream that a file seems to have.
 
-use crate::foreign_csv::entry::{Column, ColumnEntry, Source, TimeEntry};
-use crate::foreign_csv::layout::Sample;
+use crate::foreign_csv::entry::{ColumnEntry, Source, TimeEntry};
 use crate::table::StreamKind;
 
 /// Said of the pose beside a twist.
-pub(super) const OF_ODOMETRY: &str = "the pose of an odometry message is often the robot's own estimate, not a measurement: \
+pub(super) const OF_ODOMETRY: &str = "the pose of an odometry is often the robot's own estimate, not a measurement: \
     then delete the table";
+/// Said of wheels of which only one each side is read.
+pub(super) const ONE_OF_SEVERAL: &str = "of the wheels on each side, this is the first";
 
 /// A stream that a file seems to have.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Guessed {
+    /// Name of the robot, if the file tells it.
+    pub(crate) robot: Option<String>,
     pub(crate) kind: StreamKind,
     pub(crate) time: TimeEntry,
     pub(crate) columns: Vec<(&'static str, Source<ColumnEntry>)>,
@@ -26,6 +29,7 @@ impl Guessed {
         columns: Vec<(&'static str, Source<ColumnEntry>)>,
     ) -> Self {
         Self {
+            robot: None,
             kind,
             time,
             columns,
@@ -39,18 +43,5 @@ impl Guessed {
             note: Some(note),
             ..self
         }
-    }
-}
-
-/// A column by its name, or by its number if it has none.
-pub(super) fn entry(sample: &Sample, index: usize, factor: f64) -> ColumnEntry {
-    let column = match sample.layout.names.get(index) {
-        Some(name) if !name.is_empty() => Column::Name(name.clone()),
-        _ => Column::Number(index + 1),
-    };
-    ColumnEntry {
-        column,
-        factor,
-        offset: 0.0,
     }
 }

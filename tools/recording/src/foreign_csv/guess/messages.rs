@@ -1,12 +1,12 @@
 //! Columns that are fields of ROS messages, as `rostopic echo -p`, bagpy, PlotJuggler and others name them:
 //! `field.pose.pose.position.x`, `pose.pose.position.x`, `/odom/pose/pose/position/x`.
 
-use super::guessed::{Guessed, OF_ODOMETRY, entry};
+use super::columns::Columns;
+use super::guessed::{Guessed, OF_ODOMETRY};
 use super::joints;
 use super::times;
 use super::units::words;
 use crate::foreign_csv::entry::{ColumnEntry, Source, TimeEntry};
-use crate::foreign_csv::layout::Sample;
 use crate::table::StreamKind;
 
 /// Words in names of commands.
@@ -25,44 +25,32 @@ const NESTED: [&str; 3] = ["pose", "twist", "transform"];
 
 /// One message of a file: the words before its fields, and where they are.
 struct Message<'a> {
-    sample: &'a Sample,
-    names: &'a [Vec<String>],
+    columns: &'a Columns<'a>,
     prefix: Vec<String>,
 }
 
 /// The streams of the messages. `file` is the file's name, which may tell what they are.
-pub(super) fn guess(sample: &Sample, file: &str) -> Vec<Guessed> {
-    let names: Vec<Vec<String>> = sample.layout.names.iter().map(|name| words(name)).collect();
-    let mut prefixes: Vec<Vec<String>> = Vec::new();
-    for name in &names {
-        let Some(prefix) = prefix_of(name) else {
-            continue;
-        };
-        if !prefixes.contains(&prefix) {
-            prefixes.push(prefix);
+pub(super) fn guess(columns: &Columns<'_>, file: &str) -> Vec<Guessed> {
+    let mut messages: Vec<Message<'_>> = Vec::new();
+    for prefix in columns.words.iter().filter_map(|name| prefix_of(name)) {
+        if messages.iter().all(|message| message.prefix != prefix) {
+            messages.push(Message { columns, prefix });
         }
     }
-    let messages = prefixes.into_iter().map(|prefix| Message {
-        sample,
-        names: &names,
-        prefix,
-    });
-    let messages: Vec<Message<'_>> = messages.collect();
-    let of_file = times::of_file(sample);
+    let of_file = times::of_file(columns);
     // Messages with stamps and messages without are on one clock only by the time of the file.
     let all_have_stamps = messages.iter().all(|message| message.stamp().is_some());
-    let mut guessed: Vec<Guessed> = Vec::new();
+    let may_stamp = all_have_stamps || of_file.is_none();
     let streams = messages.iter().flat_map(|message| {
-        let stamp = message
-            .stamp()
-            .filter(|_| all_have_stamps || of_file.is_none());
+        let stamp = message.stamp().filter(|_| may_stamp);
         let time = stamp.or_else(|| of_file.clone());
         time.map_or_else(Vec::new, |time| message.streams(&time, file))
     });
-    let joints = of_file
-        .clone()
-        .or_else(|| times::of_message(sample, |_| true));
-    let wheels = joints.and_then(|time| joints::guess(sample, time));
+    let wheels = joints::guess(columns, |name| {
+        let stamp = times::of_message(columns, |prefix| name.starts_with(without_nested(prefix)));
+        stamp.filter(|_| may_stamp).or_else(|| of_file.clone())
+    });
+    let mut guessed: Vec<Guessed> = Vec::new();
     for new in streams.chain(wheels) {
         match guessed.iter_mut().find(|old| old.kind == new.kind) {
             // A pose of its own outweighs that of odometry.
@@ -130,12 +118,12 @@ impl Message<'_> {
             let before = before.and_then(|end| name.get(..end)).unwrap_or_default();
             name.ends_with_words(&field) && without_nested(before) == self.prefix
         };
-        let index = self.names.iter().position(is_it)?;
-        Some(entry(self.sample, index, 1.0))
+        let index = self.columns.words.iter().position(is_it)?;
+        Some(self.columns.entry(index, 1.0))
     }
 
     fn stamp(&self) -> Option<TimeEntry> {
-        times::of_message(self.sample, |prefix| without_nested(prefix) == self.prefix)
+        times::of_message(self.columns, |prefix| without_nested(prefix) == self.prefix)
     }
 
     fn streams(&self, time: &TimeEntry, file: &str) -> Vec<Guessed> {
@@ -156,7 +144,7 @@ impl Message<'_> {
         let pose = self
             .pose(time)
             .filter(|_| gz.is_none() && !is_called(&NOT_MEASURED));
-        let is_odometry = v.is_some() && pose.is_some();
+        let is_odometry = v.is_some() && (pose.is_some() || is_called(&["odom", "odometry"]));
         let is_command = is_called(&COMMANDS) || self.stamp().is_none();
         let twist = match (v, w) {
             (v, w @ Some(_)) if !is_odometry && is_command => v.map(|v| {

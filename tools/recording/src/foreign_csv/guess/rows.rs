@@ -1,8 +1,8 @@
 //! Files without names of columns, told by what their rows have: trajectories of TUM and KITTI, and what
 //! `ros2 topic echo --csv` writes.
 
-use super::guessed::{Guessed, OF_ODOMETRY, entry};
-use crate::foreign_csv::entry::{ColumnEntry, Source, TimeEntry};
+use super::guessed::{Guessed, OF_ODOMETRY};
+use crate::foreign_csv::entry::{Column, ColumnEntry, Source, TimeEntry};
 use crate::foreign_csv::layout::Sample;
 use crate::sides::{Side, side_of};
 use crate::table::StreamKind;
@@ -55,7 +55,11 @@ struct Rows<'a>(&'a Sample);
 
 impl Rows<'_> {
     fn at(&self, number: usize) -> ColumnEntry {
-        entry(self.0, number - 1, 1.0)
+        ColumnEntry {
+            column: Column::Number(number),
+            factor: 1.0,
+            offset: 0.0,
+        }
     }
 
     fn one(&self, number: usize) -> Source<ColumnEntry> {

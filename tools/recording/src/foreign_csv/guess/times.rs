@@ -1,13 +1,14 @@
 //! Which column is the time, and its unit.
 
-use super::guessed::entry;
-use super::units::{Dimension, Unit, unit_after, words};
+use super::columns::Columns;
+use super::units::{Dimension, Unit, unit_after};
 use crate::foreign_csv::entry::{ColumnEntry, TimeEntry};
-use crate::foreign_csv::layout::Sample;
-use crate::foreign_csv::moment::Moment;
+use crate::foreign_csv::moment::{Moment, with_point};
 
 /// Names of times, the likelier first; nothing stands for a unit alone.
-const TIMES: &str = "t or time or timestamp or stamp or time stamp or elapsed or elapsed time or time elapsed or datetime or date time or ";
+const TIMES: &str = "t or time or zeit or timestamp or stamp or time stamp or elapsed or elapsed time or datetime or date time or ";
+/// Words in names of times.
+const WORDS: [&str; 5] = ["time", "timestamp", "stamp", "datetime", "ts"];
 /// Words of seconds and of nanoseconds beside them.
 const PARTS: [[&str; 2]; 5] = [
     ["secs", "nsecs"],
@@ -18,47 +19,54 @@ const PARTS: [[&str; 2]; 5] = [
 ];
 
 /// The time of the rows of a file.
-pub(super) fn of_file(sample: &Sample) -> Option<TimeEntry> {
-    let names: Vec<Vec<String>> = sample.layout.names.iter().map(|name| words(name)).collect();
-    if let Some(parts) = parts(sample, &names, |_| true) {
+pub(super) fn of_file(columns: &Columns<'_>) -> Option<TimeEntry> {
+    if let Some(parts) = parts(columns, |_| true) {
         return Some(parts);
     }
     let find = |wanted: &str| {
         let unit = |name: &Vec<String>| unit_after(name, wanted, Dimension::Time);
-        let mut units = names.iter().map(unit).enumerate();
-        units.find_map(|(index, unit)| Some((index, unit?)))
+        let mut units = columns.words.iter().map(unit).enumerate();
+        units.find_map(|(index, unit)| column(columns, index, unit?))
     };
-    let begins = |name: &Vec<String>| name.first().is_some_and(|word| word == "time");
-    let by_beginning = || Some((names.iter().position(begins)?, Unit::NotSaid));
-    let (index, unit) = TIMES.split(" or ").find_map(find).or_else(by_beginning)?;
-    Some(TimeEntry::Column(column(sample, index, unit)?))
+    // Any name with a word of time, whatever else it says.
+    let others = || {
+        let mut names = columns.words.iter().enumerate();
+        names.find_map(|(index, name)| {
+            let word = WORDS
+                .iter()
+                .find(|word| name.iter().any(|own| own == *word))?;
+            let at = name.iter().position(|own| own == word)?;
+            let unit = unit_after(name.get(at..)?, word, Dimension::Time);
+            column(columns, index, unit.unwrap_or(Unit::NotSaid))
+        })
+    };
+    let found = TIMES.split(" or ").find_map(find).or_else(others)?;
+    Some(TimeEntry::Column(found))
 }
 
 /// The stamp of a message, in columns of which `is_own` is told the words before `header stamp`.
-pub(super) fn of_message(sample: &Sample, is_own: impl Fn(&[String]) -> bool) -> Option<TimeEntry> {
-    let names: Vec<Vec<String>> = sample.layout.names.iter().map(|name| words(name)).collect();
+pub(super) fn of_message(
+    columns: &Columns<'_>,
+    is_own: impl Fn(&[String]) -> bool,
+) -> Option<TimeEntry> {
     let is_stamp = |name: &[String]| match name {
         [prefix @ .., header, stamp] => header == "header" && stamp == "stamp" && is_own(prefix),
         _ => false,
     };
-    if let Some(parts) = parts(sample, &names, is_stamp) {
+    if let Some(parts) = parts(columns, is_stamp) {
         return Some(parts);
     }
-    let index = names.iter().position(|name| is_stamp(name))?;
-    let is_set = first_moment(sample, index)? != Moment::default();
-    let column = column(sample, index, Unit::NotSaid)?;
+    let index = columns.words.iter().position(|name| is_stamp(name))?;
+    let is_set = first_moment(columns, index)? != Moment::default();
+    let column = column(columns, index, Unit::NotSaid)?;
     is_set.then_some(TimeEntry::Column(column))
 }
 
 /// Seconds and nanoseconds in two columns that are called alike before these words.
-fn parts(
-    sample: &Sample,
-    names: &[Vec<String>],
-    is_own: impl Fn(&[String]) -> bool,
-) -> Option<TimeEntry> {
-    let is_set = |index: usize| first_moment(sample, index).is_some_and(|own| own.whole != 0);
-    let columns = names.iter().enumerate();
-    let mut pairs = columns.filter_map(|(index, name)| {
+fn parts(columns: &Columns<'_>, is_own: impl Fn(&[String]) -> bool) -> Option<TimeEntry> {
+    let is_set = |index: usize| first_moment(columns, index).is_some_and(|own| own.whole != 0);
+    let names = columns.words.iter().enumerate();
+    let mut pairs = names.filter_map(|(index, name)| {
         let (last, prefix) = name.split_last()?;
         let words = PARTS.iter().filter(|[s, _]| last == s);
         let mut partners = words.filter_map(|[_, ns]| {
@@ -66,44 +74,40 @@ fn parts(
                 let other = other.split_last();
                 other.is_some_and(|(last, before)| last == ns && before == prefix)
             };
-            names.iter().position(is_it)
+            columns.words.iter().position(is_it)
         });
         let partner = partners.next()?;
         (is_own(prefix) && is_set(index)).then_some([index, partner])
     });
     let pair = pairs.next()?;
     Some(TimeEntry::Parts(
-        pair.map(|index| entry(sample, index, 1.0)),
+        pair.map(|index| columns.entry(index, 1.0)),
     ))
 }
 
 /// The first time of a column in the sample; `None` if it has none.
-fn first_moment(sample: &Sample, index: usize) -> Option<Moment> {
-    let mut cells = sample.rows.iter().filter_map(|row| row.get(index));
-    cells.find_map(|cell| Moment::parse(cell))
+fn first_moment(columns: &Columns<'_>, index: usize) -> Option<Moment> {
+    columns.cells(index).find_map(|cell| Moment::parse(cell))
 }
 
 /// A column of times with its unit; `None` if it has no times.
-fn column(sample: &Sample, index: usize, unit: Unit) -> Option<ColumnEntry> {
-    let cells = sample.rows.iter().filter_map(|row| row.get(index));
-    let is_date = |cell: &String| {
-        Moment::parse_date(cell)
-            .or_else(|| Moment::parse_time_of_day(cell))
-            .is_some()
-    };
-    let moments: Vec<Moment> = cells
-        .clone()
-        .filter_map(|cell| Moment::parse(cell))
-        .collect();
+fn column(columns: &Columns<'_>, index: usize, unit: Unit) -> Option<ColumnEntry> {
+    let mut cells = columns.cells(index);
+    let parse = |cell: &String| Moment::parse(cell).or_else(|| Moment::parse(&with_point(cell)));
+    let moments: Vec<Moment> = cells.clone().filter_map(parse).collect();
     if moments.is_empty() {
-        let is_dates = cells.clone().any(is_date);
-        return is_dates.then(|| entry(sample, index, 1.0));
+        let is_date = |cell: &String| {
+            Moment::parse_date(cell)
+                .or_else(|| Moment::parse_time_of_day(cell))
+                .is_some()
+        };
+        return cells.any(is_date).then(|| columns.entry(index, 1.0));
     }
     let factor = match unit {
         Unit::Said(factor) => factor,
         Unit::NotSaid => unit_s(&moments),
     };
-    Some(entry(sample, index, factor))
+    Some(columns.entry(index, factor))
 }
 
 /// The unit of times (s): by their size if they are whole numbers since 1970, or else by their steps if those are whole:

@@ -23,7 +23,7 @@ pub(super) enum Dimension {
 const DEGREE: f64 = PI / 180.0;
 
 /// Words that name a unit, what it measures, and its size in SI units.
-const UNITS: [(&str, Dimension, f64); 53] = [
+const UNITS: [(&str, Dimension, f64); 55] = [
     ("s", Dimension::Time, 1.0),
     ("sec", Dimension::Time, 1.0),
     ("secs", Dimension::Time, 1.0),
@@ -73,6 +73,9 @@ const UNITS: [(&str, Dimension, f64); 53] = [
     ("g", Dimension::Acceleration, 9.80665),
     ("v", Dimension::Voltage, 1.0),
     ("mv", Dimension::Voltage, 1e-3),
+    // `mV` and `mA` are split like humps.
+    ("m v", Dimension::Voltage, 1e-3),
+    ("m a", Dimension::Current, 1e-3),
     ("a", Dimension::Current, 1.0),
     ("ma", Dimension::Current, 1e-3),
     ("nm", Dimension::Torque, 1.0),
@@ -104,7 +107,15 @@ impl Dimension {
 
 /// The words of a name, in small letters.
 pub(super) fn words(name: &str) -> Vec<String> {
-    let signs = [("°", " deg "), ("²", "2"), ("µs", " us "), ("μs", " us ")];
+    let signs = [
+        ("°", " deg "),
+        ("²", "2"),
+        ("µs", " us "),
+        ("μs", " us "),
+        ("θ", "theta"),
+        ("ψ", "yaw"),
+        ("ω", "omega"),
+    ];
     let name = signs.iter().fold(name.to_owned(), |name, (sign, word)| {
         name.replace(sign, word)
     });
@@ -148,6 +159,11 @@ pub(super) enum Unit {
 }
 
 impl Unit {
+    /// Whether the name says it.
+    pub(super) fn is_said(self) -> bool {
+        self != Self::NotSaid
+    }
+
     /// The factor to SI units.
     pub(super) fn factor(self) -> f64 {
         match self {
