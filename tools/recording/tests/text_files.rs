@@ -79,7 +79,12 @@ fn trajectories_of_tum_have_any_ending_and_header() {
     let rows = format!("1700000000.5 0 0 0 0 0 0 1\n1700000000.75 1.5 -2 0 0 0 {QUARTER}\n");
     let header = "# timestamp tx ty tz qx qy qz qw\n";
     for name in ["trajectory.tum", "trajectory", "trajectory.log", "t.txt"] {
-        for header in [header, "", "# ground truth trajectory\n# file: 'a b'\n"] {
+        for header in [
+            header,
+            "",
+            "Written by me\n",
+            "# ground truth trajectory\n# file: 'a b'\n",
+        ] {
             let import = import(name, &format!("{header}{rows}"));
             near(last_pose(&import), [0.25, 1.5, -2.0, PI / 2.0]);
         }
@@ -275,11 +280,12 @@ fn names_by_hand_tell_sides_robots_and_references() {
         [0.008, 12.5],
     );
     near(last_pose(&file), [0.1, 1.0, 2.0, 3.0]);
-    let notes = file.guesses.join("\n");
+    let warnings = file.warnings.join("\n");
     assert!(
-        notes.contains("the first 1 rows are no part of the table"),
-        "{notes}"
+        warnings.contains("the first 1 rows are no part of the table; left out"),
+        "{warnings}"
     );
+    let notes = file.guesses.join("\n");
     assert!(notes.contains("robot's own estimate"), "{notes}");
 
     // A pose that was measured outweighs the estimate, and each robot has its own columns.
@@ -312,7 +318,7 @@ fn a_last_row_that_was_cut_is_left_out_and_said() {
     near(last_pose(&file), [1.0, 2.0, 3.0, 4.0]);
     assert_eq!(file.warnings.len(), 1, "{:?}", file.warnings);
     assert!(
-        file.warnings[0].ends_with("log.csv:4: the last row is cut; left out"),
+        file.warnings[0].ends_with("log.csv: line 4, the last row, is cut; left out"),
         "{:?}",
         file.warnings
     );

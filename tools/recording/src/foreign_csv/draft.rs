@@ -88,12 +88,6 @@ impl Draft {
         let mut notes = Vec::new();
         for file in &self.files {
             let name = &file.name;
-            if file.sample.layout.preamble_rows > 0 {
-                let rows = file.sample.layout.preamble_rows;
-                notes.push(format!(
-                    "{name}: the first {rows} rows are no part of the table"
-                ));
-            }
             for (stream, note) in &file.streams {
                 let note = note.map(|note| format!("{name}: {}: {note}", stream.kind.name()));
                 notes.extend(note);

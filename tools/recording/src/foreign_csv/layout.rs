@@ -55,35 +55,21 @@ impl Sample {
         let rows = beginning.rows.iter().map(|line| cells(line, separator));
         let mut rows: Vec<Vec<String>> = rows.collect();
         let columns = most_frequent(rows.iter().map(Vec::len)).unwrap_or(0);
-        let is_data = |row: &Vec<String>| row.len() == columns && has_number(row);
-        let above = match said.has_header {
-            Some(false) => 0,
-            Some(true) => {
-                usize::from(!rows.first().is_some_and(has_number) || beginning.comment.is_none())
-            }
-            None => rows.iter().position(is_data).unwrap_or(1),
-        };
+        let above = rows_above(&rows, columns, said, beginning.comment.is_some());
         let data = rows.split_off(above.min(rows.len()));
-        let is_name = |row: &Vec<String>| row.len().abs_diff(columns) <= 1 && !has_number(row);
-        let (mut names, units) = match rows.as_slice() {
-            _ if said.has_header == Some(false) => (Vec::new(), Vec::new()),
-            [] => (beginning.names_in_comment(separator, columns), Vec::new()),
-            [.., names, units]
-                if is_name(names) && is_name(units) && names.len() == units.len() =>
-            {
-                (names.clone(), units.clone())
-            }
-            [.., names] if said.has_header == Some(true) || is_name(names) => {
-                (names.clone(), Vec::new())
-            }
-            _ => (Vec::new(), Vec::new()),
+        let (mut names, units) = match said.has_header {
+            Some(false) => (Vec::new(), Vec::new()),
+            said => names_in(&rows, columns, said.is_some()),
         };
+        if rows.is_empty() && said.has_header != Some(false) {
+            names = beginning.names_in_comment(separator, columns);
+        }
+        let named = usize::from(!names.is_empty()) + usize::from(!units.is_empty());
         let ends_empty = |row: &Vec<String>| row.last().is_some_and(String::is_empty);
         // The names of rows, which R writes, have no name.
         if names.len() + 1 == columns && !names.is_empty() && !data.iter().all(ends_empty) {
             names.insert(0, String::new());
         }
-        let named = usize::from(!names.is_empty()) + usize::from(!units.is_empty());
         Ok(Self {
             layout: Layout {
                 separator,
@@ -95,6 +81,38 @@ impl Sample {
             },
             rows: data,
         })
+    }
+}
+
+/// How many rows stand above the data.
+fn rows_above(rows: &[Vec<String>], columns: usize, said: FileFormat, has_comment: bool) -> usize {
+    let is_data = |row: &Vec<String>| match numbers(row) {
+        0 => false,
+        numbers => row.len() == columns || numbers * 2 > row.len(),
+    };
+    match said.has_header {
+        None => rows.iter().position(is_data).unwrap_or(1),
+        Some(false) => {
+            let is_prose = |row: &&Vec<String>| row.len() != columns && !is_data(row);
+            rows.iter().take_while(is_prose).count()
+        }
+        Some(true) => {
+            let has_numbers = rows.first().is_some_and(|row| numbers(row) > 0);
+            usize::from(!(has_numbers && has_comment))
+        }
+    }
+}
+
+/// The names and the units in the rows above the data. Rows may end with a separator that the names lack, or the other way
+/// round.
+fn names_in(rows: &[Vec<String>], columns: usize, is_said: bool) -> (Vec<String>, Vec<String>) {
+    let is_name = |row: &Vec<String>| row.len().abs_diff(columns) <= 1 && numbers(row) == 0;
+    match rows {
+        [.., names, units] if is_name(names) && is_name(units) && names.len() == units.len() => {
+            (names.clone(), units.clone())
+        }
+        [.., names] if is_said || is_name(names) => (names.clone(), Vec::new()),
+        _ => (Vec::new(), Vec::new()),
     }
 }
 
@@ -187,16 +205,15 @@ fn cells(line: &[u8], separator: u8) -> Vec<String> {
     cells.texts()
 }
 
-/// Whether a row has a number; a date is one, too.
-#[expect(clippy::ptr_arg, reason = "the rows of a sample are lists")]
-fn has_number(row: &Vec<String>) -> bool {
-    let begins = |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit());
-    let is_number = |cell: &String| {
+/// How many cells are numbers; a date is one, too.
+fn numbers(row: &[String]) -> usize {
+    let begins = |cell: &str| cell.starts_with(|c: char| c.is_ascii_digit());
+    let is_number = |cell: &&String| {
         let has_digit = cell.contains(|c: char| c.is_ascii_digit());
         let date = || begins(cell) && cell.contains(':');
         has_digit && (cell.replace(',', ".").parse::<f64>().is_ok() || date())
     };
-    row.iter().any(is_number)
+    row.iter().filter(is_number).count()
 }
 
 #[cfg(test)]

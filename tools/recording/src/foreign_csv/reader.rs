@@ -43,10 +43,14 @@ pub(crate) fn read_columns(path: &Path, map: &ColumnMap) -> Result<Spooled> {
     let mut warnings = Vec::new();
     for (stream, start) in map.streams.iter().zip(&starts) {
         let file = file_of(path, stream)?;
-        let (spool, cut_at) = read_stream(&file, stream, [*start, first], &disk)?;
+        let (spool, left_out) = read_stream(&file, stream, [*start, first], &disk)?;
         let shown = file.display();
-        let cut = cut_at.map(|line| format!("{shown}:{line}: the last row is cut; left out"));
-        warnings.extend(cut.filter(|cut| !warnings.contains(cut)));
+        for what in left_out {
+            let warning = format!("{shown}: {what}; left out");
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
         if !spool.is_sorted() {
             warnings.push(format!("{shown}: times run backwards; sorted by time"));
         }
@@ -152,14 +156,14 @@ fn start_of(file: &Path, stream: &StreamEntry) -> Result<Start> {
     })
 }
 
-/// Reads the rows of a stream. `starts` are those of this stream and of the recording. Returns also the line of a last
-/// row that is left out.
+/// Reads the rows of a stream. `starts` are those of this stream and of the recording. Returns also which rows
+/// are left out.
 fn read_stream(
     file: &Path,
     stream: &StreamEntry,
     starts: [Start; 2],
     disk: &Disk,
-) -> Result<(Spool, Option<u64>)> {
+) -> Result<(Spool, Vec<String>)> {
     let mut csv = ForeignCsv::open(file, stream.format)?;
     let mut clock = Clock::new(&csv, &stream.time)?;
     let sources = stream.columns.iter().map(|(name, source)| {
@@ -201,7 +205,7 @@ fn read_stream(
         spool.end_row();
     }
     check(file, stream, &spool, &has_values)?;
-    Ok((spool, csv.cut_at))
+    Ok((spool, csv.left_out()))
 }
 
 /// A value of the format; NaN if it is empty.

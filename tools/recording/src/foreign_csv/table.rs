@@ -19,7 +19,7 @@ pub(super) struct ForeignCsv<'a> {
     lines: Lines<'a>,
     row: CellsOfLine,
     /// The line of a last row that was cut, and is left out.
-    pub(super) cut_at: Option<u64>,
+    cut_at: Option<u64>,
     /// So many rows above the data are still to come.
     rows_above: usize,
 }
@@ -104,6 +104,17 @@ impl<'a> ForeignCsv<'a> {
             return Ok(true);
         }
         Ok(false)
+    }
+
+    /// What was left out so far.
+    pub(super) fn left_out(&self) -> Vec<String> {
+        let rows = self.layout.preamble_rows;
+        let preamble = format!("the first {rows} rows are no part of the table");
+        let preamble = (rows > 0).then_some(preamble);
+        let cut = self
+            .cut_at
+            .map(|line| format!("line {line}, the last row, is cut"));
+        preamble.into_iter().chain(cut).collect()
     }
 
     /// The text of a cell; `None` if it is empty.
