@@ -41,7 +41,7 @@ const COLUMNS: &str = "format = 1\n[robots.r1]\nencoder_counts_per_rev = 100\n[r
     1700000000100,3,4,1700000000.25,1.5,NaN\n,,,1700000001,2,3\n";
 
 /// Text files without a map.
-const TEXTS: [(&str, &str); 5] = [
+const TEXTS: [(&str, &str); 6] = [
     (
         "trajectory",
         "# timestamp tx ty tz qx qy qz qw\n1700000000.5 0 0 0 0 0 0 1\n1700000000.75 1.5 -2 0 0 0 0.6 0.8\n",
@@ -59,6 +59,10 @@ const TEXTS: [(&str, &str); 5] = [
     (
         "message",
         "10,0,map,1,2,0,0,0,0,1\n10,500000000,map,3,4,0,0,0,1,0\n",
+    ),
+    (
+        "robots",
+        "Version,1.2,of me\nt,r1_x,r1_y,r1_yaw,r2_encL,r2_encR,r2_vBat\ns,mm,mm,deg,,,mV\n0,1,2,3,4,5,6\n1,2,3,4,5,6,7\n2,3",
     ),
     (
         "by_hand",

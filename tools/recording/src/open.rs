@@ -18,12 +18,12 @@ use crate::sysid_json::{is_json, read_sysid};
 /// What a user says about recordings that other programs wrote.
 #[derive(Debug, Clone, Default)]
 pub enum Map {
-    /// Nothing: topics of a bag are guessed.
+    /// Nothing: topics of a bag and columns of text files are guessed.
     #[default]
     None,
     /// Which topic of a bag is which stream.
     Topics(TopicMap),
-    /// Which column of CSV files is which column of a stream.
+    /// Which column of text files is which column of a stream.
     Columns(ColumnMap),
 }
 
@@ -81,9 +81,9 @@ impl Form {
     }
 }
 
-/// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; or a bag of another robot, which may be
-/// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, or a ROS 1 bag. The topics of a foreign
-/// bag are guessed; the guess is in the warnings.
+/// Reads a recording: a folder of CSV files; an MCAP file that slipstream wrote; a bag of another robot, which may be
+/// an MCAP file, an SQLite database or a folder of them, as ROS 2 writes it, a ROS 1 bag or a WPILib data log; or text
+/// files of others. The topics of a foreign bag and the columns of text files are guessed ([`Import::guesses`]).
 ///
 /// # Errors
 /// If it is none of these, cannot be read, or violates its format.
@@ -91,8 +91,7 @@ pub fn read(path: &Path) -> Result<Import> {
     read_mapped(path, &Map::None)
 }
 
-/// As [`read`]. With topics, a bag is read as one of another robot; with columns, CSV files without `recording.toml` are
-/// read, too.
+/// As [`read`]. With topics, a bag is read as one of another robot; with columns, text files are read as they say.
 ///
 /// # Errors
 /// As [`read`], or if a topic or column of the map does not exist or cannot provide its stream.

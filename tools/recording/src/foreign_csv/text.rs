@@ -7,7 +7,7 @@ use std::path::Path;
 use slipstream_bus::InputError;
 
 /// So many bytes tell.
-const HEAD_BYTES: u64 = 1 << 16;
+const HEAD_BYTES: u64 = 1 << 10;
 
 /// Whether a file begins with text. An empty one does not.
 ///
