@@ -124,6 +124,11 @@ fn columns_of_rostopic_echo_are_recognised() {
         "{notes}"
     );
 
+    // A simulator's truth has the same type, and is a measurement.
+    let truth = import("ground_truth_odom.csv", &text);
+    assert!(robot(&truth).odometry.is_none() && robot(&truth).pose.is_some());
+    assert!(!truth.guesses.join("\n").contains("own estimate"));
+
     let text = "%time,field.linear.x,field.linear.y,field.linear.z,field.angular.x,field.angular.y,field.angular.z\n\
                 1700000000500000000,0,0,0,0,0,0\n1700000000600000000,0.5,0,0,0,0,1\n";
     let command = import("cmd.csv", text);

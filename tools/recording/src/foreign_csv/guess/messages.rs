@@ -20,6 +20,16 @@ const COMMANDS: [&str; 6] = [
 ];
 /// Words in names of poses that nobody measured.
 const NOT_MEASURED: [&str; 4] = ["goal", "target", "waypoint", "initialpose"];
+/// Words in names of poses that a sensor outside of the robot measured.
+const REFERENCES: [&str; 7] = [
+    "truth",
+    "groundtruth",
+    "gt",
+    "vicon",
+    "optitrack",
+    "mocap",
+    "qualisys",
+];
 /// Words between the name of a message and its fields.
 const NESTED: [&str; 3] = ["pose", "twist", "transform"];
 
@@ -27,6 +37,8 @@ const NESTED: [&str; 3] = ["pose", "twist", "transform"];
 struct Message<'a> {
     columns: &'a Columns<'a>,
     prefix: Vec<String>,
+    /// The words of the file's name.
+    file: Vec<String>,
 }
 
 /// The streams of the messages. `file` is the file's name, which may tell what they are.
@@ -34,9 +46,15 @@ pub(super) fn guess(columns: &Columns<'_>, file: &str) -> Vec<Guessed> {
     let mut messages: Vec<Message<'_>> = Vec::new();
     for prefix in columns.words.iter().filter_map(|name| prefix_of(name)) {
         if messages.iter().all(|message| message.prefix != prefix) {
-            messages.push(Message { columns, prefix });
+            messages.push(Message {
+                columns,
+                prefix,
+                file: words(file),
+            });
         }
     }
+    // The first pose is taken.
+    messages.sort_by_key(|message| !message.is_called(&REFERENCES));
     let of_file = times::of_file(columns);
     // Messages with stamps and messages without are on one clock only by the time of the file.
     let all_have_stamps = messages.iter().all(|message| message.stamp().is_some());
@@ -44,7 +62,7 @@ pub(super) fn guess(columns: &Columns<'_>, file: &str) -> Vec<Guessed> {
     let streams = messages.iter().flat_map(|message| {
         let stamp = message.stamp().filter(|_| may_stamp);
         let time = stamp.or_else(|| of_file.clone());
-        time.map_or_else(Vec::new, |time| message.streams(&time, file))
+        time.map_or_else(Vec::new, |time| message.streams(&time))
     });
     let wheels = joints::guess(columns, |name| {
         let stamp = times::of_message(columns, |prefix| name.starts_with(without_nested(prefix)));
@@ -126,59 +144,76 @@ impl Message<'_> {
         times::of_message(self.columns, |prefix| without_nested(prefix) == self.prefix)
     }
 
-    fn streams(&self, time: &TimeEntry, file: &str) -> Vec<Guessed> {
-        let guessed = |kind, columns: Vec<(&'static str, Option<Source<ColumnEntry>>)>| {
-            let present = columns
-                .into_iter()
-                .filter_map(|(name, own)| Some((name, own?)));
-            let present: Vec<_> = present.collect();
-            (!present.is_empty()).then(|| Guessed::new(kind, time.clone(), present))
-        };
-        let one = |field: &str| self.find(field).map(Source::One);
-        let is_called = |called: &[&str]| {
-            let file = words(file);
-            let own = self.prefix.iter().chain(&file);
-            own.into_iter().any(|word| called.contains(&word.as_str()))
-        };
-        let (v, w, gz) = (one("linear x"), one("angular z"), one("angular velocity z"));
-        let pose = self
-            .pose(time)
-            .filter(|_| gz.is_none() && !is_called(&NOT_MEASURED));
-        let is_odometry = v.is_some() && (pose.is_some() || is_called(&["odom", "odometry"]));
-        let is_command = is_called(&COMMANDS) || self.stamp().is_none();
-        let twist = match (v, w) {
-            (v, w @ Some(_)) if !is_odometry && is_command => v.map(|v| {
-                guessed(
-                    StreamKind::Command,
-                    vec![("v_m_s", Some(v)), ("w_rad_s", w)],
-                )
-            }),
-            (v @ Some(_), w) if is_odometry || !is_command => Some(guessed(
-                StreamKind::Odometry,
-                vec![("v_m_s", v), ("w_rad_s", w)],
-            )),
-            _ => None,
-        };
-        let imu = guessed(
+    /// Whether the message, or the file, has one of these words in its name.
+    fn is_called(&self, called: &[&str]) -> bool {
+        let mut own = self.prefix.iter().chain(&self.file);
+        own.any(|word| called.contains(&word.as_str()))
+    }
+
+    fn one(&self, field: &str) -> Option<Source<ColumnEntry>> {
+        self.find(field).map(Source::One)
+    }
+
+    /// A stream with those columns that there are; `None` if there are none.
+    fn guessed(
+        &self,
+        kind: StreamKind,
+        time: &TimeEntry,
+        columns: &[(&'static str, Option<Source<ColumnEntry>>)],
+    ) -> Option<Guessed> {
+        let present = columns.iter();
+        let present: Vec<_> = present
+            .filter_map(|(name, own)| Some((*name, own.clone()?)))
+            .collect();
+        (!present.is_empty()).then(|| Guessed::new(kind, time.clone(), present))
+    }
+
+    fn streams(&self, time: &TimeEntry) -> Vec<Guessed> {
+        let rate = self.one("angular velocity z");
+        let is_measured = rate.is_none() && !self.is_called(&NOT_MEASURED);
+        let pose = self.pose(time).filter(|_| is_measured);
+        let is_odometry = self.one("linear x").is_some()
+            && (pose.is_some() || self.is_called(&["odom", "odometry"]));
+        if self.is_called(&REFERENCES) {
+            return pose.into_iter().collect();
+        }
+        let imu = self.guessed(
             StreamKind::Imu,
-            vec![
-                ("ax_m_s2", one("linear acceleration x")),
-                ("ay_m_s2", one("linear acceleration y")),
-                ("gz_rad_s", gz),
+            time,
+            &[
+                ("ax_m_s2", self.one("linear acceleration x")),
+                ("ay_m_s2", self.one("linear acceleration y")),
+                ("gz_rad_s", rate),
             ],
         );
         let note = |pose: Guessed| match is_odometry {
             true => pose.with_note(OF_ODOMETRY),
             false => pose,
         };
-        let all = [twist.flatten(), pose.map(note), imu];
+        let all = [self.twist(time, is_odometry), pose.map(note), imu];
         all.into_iter().flatten().collect()
     }
 
+    /// A command, or what an odometry tells. Twists without stamps are commands.
+    fn twist(&self, time: &TimeEntry, is_odometry: bool) -> Option<Guessed> {
+        let (v, w) = (self.one("linear x")?, self.one("angular z"));
+        let is_command = self.is_called(&COMMANDS) || self.stamp().is_none();
+        let kind = match is_command && !is_odometry {
+            true if w.is_none() => return None,
+            true => StreamKind::Command,
+            false => StreamKind::Odometry,
+        };
+        self.guessed(kind, time, &[("v_m_s", Some(v)), ("w_rad_s", w)])
+    }
+
     fn pose(&self, time: &TimeEntry) -> Option<Guessed> {
-        let one = |field: &str| self.find(field).map(Source::One);
         let mut places = ["position", "translation", "point"].into_iter();
-        let place = |name: &str| Some([one(&format!("{name} x"))?, one(&format!("{name} y"))?]);
+        let place = |name: &str| {
+            Some([
+                self.one(&format!("{name} x"))?,
+                self.one(&format!("{name} y"))?,
+            ])
+        };
         let [x, y] = places.find_map(place)?;
         let mut columns = vec![("x_m", x), ("y_m", y)];
         let mut turns = ["orientation", "rotation"].into_iter();
