@@ -92,6 +92,16 @@ fn trajectories_of_tum_have_any_ending_and_header() {
 }
 
 #[test]
+fn trajectories_may_be_stamped_in_nanoseconds() {
+    let text =
+        "1403636579758555392.000000 0 0 0 0 0 0 1\n1403636579858555392.000000 1 2 0 0 0 1 0\n";
+    near(
+        last_pose(&import("KeyFrameTrajectory.txt", text)),
+        [0.1, 1.0, 2.0, PI],
+    );
+}
+
+#[test]
 fn poses_of_kitti_are_those_of_a_camera() {
     // 2 m ahead (z) and 1 m to the left (-x), turned to the left about the camera's y, which points down.
     let text = "1 0 0 0 0 1 0 0 0 0 1 0\n0 0 -1 -1 0 1 0 0 1 0 0 2\n";

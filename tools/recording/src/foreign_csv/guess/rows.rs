@@ -2,6 +2,7 @@
 //! `ros2 topic echo --csv` writes.
 
 use super::guessed::{Guessed, OF_ODOMETRY};
+use super::times;
 use crate::foreign_csv::entry::{Column, ColumnEntry, Source, TimeEntry};
 use crate::foreign_csv::layout::Sample;
 use crate::sides::{Side, side_of};
@@ -20,8 +21,12 @@ pub(super) fn guess(sample: &Sample) -> Vec<Guessed> {
     let rows = Rows(sample);
     match numbers.as_slice() {
         [Some(_), Some(_), Some(_), Some(_), quaternion @ ..] if is_unit(quaternion) => {
-            let time = TimeEntry::Column(rows.at(1));
-            vec![rows.pose(time, 2, 5)]
+            let times = sample.rows.iter().filter_map(|row| row.first());
+            let time = ColumnEntry {
+                factor: times::unit_of(times),
+                ..rows.at(1)
+            };
+            vec![rows.pose(TimeEntry::Column(time), 2, 5)]
         }
         numbers if is_transform(numbers) => vec![rows.kitti()],
         [Some(s), Some(ns), None, ..] if is_stamp(*s, *ns) => rows.message(row.len()),

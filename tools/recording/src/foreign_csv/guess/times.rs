@@ -6,7 +6,7 @@ use crate::foreign_csv::entry::{ColumnEntry, TimeEntry};
 use crate::foreign_csv::moment::{Moment, with_point};
 
 /// Names of times, the likelier first; nothing stands for a unit alone.
-const TIMES: &str = "t or time or zeit or timestamp or stamp or time stamp or elapsed or elapsed time or datetime or date time or ";
+const TIMES: &str = "time or zeit or timestamp or stamp or time stamp or t or elapsed or elapsed time or datetime or date time or ";
 /// Words in names of times.
 const WORDS: [&str; 5] = ["time", "timestamp", "stamp", "datetime", "ts"];
 /// Words of seconds and of nanoseconds beside them.
@@ -93,8 +93,7 @@ fn first_moment(columns: &Columns<'_>, index: usize) -> Option<Moment> {
 /// A column of times with its unit; `None` if it has no times.
 fn column(columns: &Columns<'_>, index: usize, unit: Unit) -> Option<ColumnEntry> {
     let mut cells = columns.cells(index);
-    let parse = |cell: &String| Moment::parse(cell).or_else(|| Moment::parse(&with_point(cell)));
-    let moments: Vec<Moment> = cells.clone().filter_map(parse).collect();
+    let moments = moments(cells.clone());
     if moments.is_empty() {
         let is_date = |cell: &String| {
             Moment::parse_date(cell)
@@ -108,6 +107,17 @@ fn column(columns: &Columns<'_>, index: usize, unit: Unit) -> Option<ColumnEntry
         Unit::NotSaid => unit_s(&moments),
     };
     Some(columns.entry(index, factor))
+}
+
+/// The times in cells.
+fn moments<'a>(cells: impl Iterator<Item = &'a String>) -> Vec<Moment> {
+    let parse = |cell: &String| Moment::parse(cell).or_else(|| Moment::parse(&with_point(cell)));
+    cells.filter_map(parse).collect()
+}
+
+/// The unit of times in cells (s).
+pub(super) fn unit_of<'a>(cells: impl Iterator<Item = &'a String>) -> f64 {
+    unit_s(&moments(cells))
 }
 
 /// The unit of times (s): by their size if they are whole numbers since 1970, or else by their steps if those are whole:
